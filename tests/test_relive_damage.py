@@ -1,16 +1,20 @@
 """Lives lived again after restarts, cuts, damage and lies: what is told, and what still is to the bit."""
 
+import random
 import struct
+from binascii import crc32
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.cli.commands import main
 from swarmcensus.reliving import minds
 from swarmcensus.reliving.clocks import Clock
 from swarmcensus.reliving.folders import read_day
 from swarmcensus.reliving.lives import relive
-from swarmcensus.reliving.logs import Gap, Tick, read_log
+from swarmcensus.reliving.logs import Gap, Heard, Tick, read_log
 from swarmcensus.reliving.others import under
 from swarmcensus.reliving.traces import as_logged, as_trace
 from tests.lockstep import Swarm
@@ -286,3 +290,49 @@ def test_forged_messages_are_not_those_of_the_robot_that_they_name(tmp_path):
     day, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
     assert +under(day, day.brain).counts == {"forged": 1}
+
+
+def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
+    """Each of two robots heard a message that the other said only after it."""
+    _, _, swarm = logged(tmp_path / "day", robots=2, rounds=9, topology="full")
+    swarm.run()
+    swarm.close()
+    day = read_day(tmp_path / "day")
+    changed = []
+    for member, other in zip(day.members, day.members[::-1], strict=True):
+        late = other.log.ticks[6]
+        early = [late.said and Heard(other.number, 0, 7, late.said)]
+        blocks = [
+            b._replace(heard=tuple(early)) if isinstance(b, Tick) and b.tick == 3 else b for b in member.log.blocks
+        ]
+        changed.append(replace(member, log=replace(member.log, blocks=tuple(blocks))))
+    result = under(replace(day, members=tuple(changed)), brains.load("minimalistic"))
+    assert result.counts["missing"] >= 1
+    assert {len(estimates) for estimates in result.estimates.values()} == {10}
+
+
+def test_whatever_a_log_holds_it_is_read_and_told_of(tmp_path, capsys):
+    """Bytes are changed and parts are cut, also so that checksums are right: nothing is raised."""
+    _, _, swarm = logged(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
+    swarm.run()
+    swarm.close()
+    path = tmp_path / "day" / "robot-1.log"
+    data, chance = path.read_bytes(), random.Random(5)
+    exact = len(data)
+    for _ in range(120):
+        changed = bytearray(data)
+        at = chance.randrange(exact)
+        changed[at] ^= 1 << chance.randrange(8)
+        if chance.random() < 0.7:  # the checksum of the block is made right
+            begin = 0
+            while begin < exact:
+                end = begin + 3 + struct.unpack_from("<H", data, begin + 1)[0]
+                if begin <= at < end:
+                    changed[end : end + 2] = struct.pack("<H", crc32(changed[begin:end]) & 0xFFFF)
+                begin = end + 2
+        if chance.random() < 0.3:
+            del changed[chance.randrange(exact) :]
+        path.write_bytes(changed)
+        assert main(["relive", str(tmp_path / "day"), "--brain", "commons", "--quiet"]) in (0, 1, 2)
+        said = capsys.readouterr()
+        assert "internal error" not in said.err, said.err

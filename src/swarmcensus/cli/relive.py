@@ -56,10 +56,9 @@ def relive(options: argparse.Namespace) -> int:
     for what in day.absent:
         say(f"left out: {what}")
     clock = Clock(day.members)
-    wanted = bool(options.trace) and not others
-    lives = relive_all(day, keep=wanted)
+    lives = relive_all(day, keep=bool(options.trace) and not others)
     lived = [traces.as_logged(day, lives)]
-    lived += [under(day, brain, options.message, clock) for brain in others]
+    lived += [under(day, brain, options.message, clock, bool(options.trace)) for brain in others]
     if options.out:
         from swarmcensus.results.relived import dataset_of
         from swarmcensus.results.store import save

@@ -52,11 +52,13 @@ class OtherDay:
         return sum(self.counts[name] for name in UNKNOWN)
 
 
-def under(day: Day, brain: Brain, message: Format | None = None, clock: Clock | None = None) -> OtherDay:
-    """Live a day under another brain. Raises InputError if that is not possible."""
+def under(
+    day: Day, brain: Brain, message: Format | None = None, clock: Clock | None = None, keep: bool = False
+) -> OtherDay:
+    """Live a day under another brain; `keep` keeps the memory of each tick. Raises InputError if it is not possible."""
     if brain.is_oracle:
         raise InputError(f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so")
-    return _Day(day, brain, message, clock or Clock(day.members)).live()
+    return _Day(day, brain, message, clock or Clock(day.members), keep).live()
 
 
 class _Robot:
@@ -72,8 +74,8 @@ class _Robot:
 
 
 class _Day:
-    def __init__(self, day: Day, brain: Brain, message: Format | None, clock: Clock) -> None:
-        self.day, self.brain = day, brain
+    def __init__(self, day: Day, brain: Brain, message: Format | None, clock: Clock, keep: bool) -> None:
+        self.day, self.brain, self.keep = day, brain, keep
         self.origins = Origins(day.members, clock)
         self.result = OtherDay(brain, defaultdict(dict), defaultdict(dict))
         self.said: dict[Place, bytes | str | None] = {}  # str: why it is not known
@@ -132,7 +134,8 @@ class _Day:
                 robot.saved[robot.at] = robot.mind.kept()
             if robot.mind is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
                 self.result.estimates[number][robot.at] = robot.mind.estimate
-                self.result.memory[number][robot.at] = [float(x) for x in robot.mind.numbers()]
+                if self.keep:
+                    self.result.memory[number][robot.at] = [float(x) for x in robot.mind.numbers()]
             robot.at += 1
             robot.spoke = False
 
