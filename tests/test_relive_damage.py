@@ -319,7 +319,7 @@ def test_whatever_a_log_holds_it_is_read_and_told_of(tmp_path, capsys):
     path = tmp_path / "day" / "robot-1.log"
     data, chance = path.read_bytes(), random.Random(5)
     exact = len(data)
-    for _ in range(120):
+    for _ in range(60):
         changed = bytearray(data)
         at = chance.randrange(exact)
         changed[at] ^= 1 << chance.randrange(8)

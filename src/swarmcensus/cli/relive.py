@@ -11,7 +11,6 @@ from swarmcensus.cli.output import answer, say, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
-    from swarmcensus.reliving.clocks import Clock
     from swarmcensus.reliving.folders import Day
     from swarmcensus.reliving.lives import Life
     from swarmcensus.reliving.others import OtherDay
@@ -67,9 +66,9 @@ def relive(options: argparse.Namespace) -> int:
     if options.trace or options.plot:
         _write_trace(options, traces.as_trace(day, lived[-1], clock))
     if options.json:
-        answer("relived", _as_dict(day, lives, lived, clock))
+        answer("relived", _as_dict(day, lives, lived))
     else:
-        _show(day, lives, lived, clock)
+        _show(day, lives, lived)
     if options.out:
         wrote(options.out)
     return 0 if all(life.to_the_bit for life in lives) else DIFFER
@@ -136,7 +135,7 @@ def _write_trace(options: argparse.Namespace, trace: Any) -> None:
         save_figure(plot.curves(trace), options.plot, ("png",))
 
 
-def _as_dict(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"], clock: "Clock") -> dict[str, Any]:
+def _as_dict(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> dict[str, Any]:
     robots = [
         {
             "number": life.number, "ticks": life.ticks, "relived": life.relived, "to_the_bit": life.to_the_bit,
@@ -150,21 +149,21 @@ def _as_dict(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"], c
         for life in lives
     ]  # fmt: skip
     brains = [
-        {"brain": one.brain.label, **_ends(day, one, clock), "unknown": one.unknown, "counts": dict(one.counts)}
+        {"brain": one.brain.label, **_ends(day, one), "unknown": one.unknown, "counts": dict(one.counts)}
         for one in lived
     ]
     return {"title": day.title, "fill_ratio": day.fill_ratio, "robots": robots, "brains": brains}
 
 
-def _ends(day: "Day", lived: "OtherDay", clock: "Clock") -> dict[str, float | None]:
+def _ends(day: "Day", lived: "OtherDay") -> dict[str, float | None]:
     """The mean error of honest robots at the end and the share in the right bin; None where f is not known."""
     import numpy as np
 
-    from swarmcensus.reliving.traces import estimates_of, last_estimates
+    from swarmcensus.reliving.traces import ends_of
     from swarmcensus.simulation.metrics import correct
 
     honest = np.array([member.honest for member in day.members])
-    last = last_estimates(estimates_of(day, lived, clock))[-1][honest]
+    last = ends_of(day, lived)[honest]
     last = last[np.isfinite(last)]
     if not last.size:
         return {"mean_estimate": None, "mean_error": None, "right": None}
@@ -176,7 +175,7 @@ def _ends(day: "Day", lived: "OtherDay", clock: "Clock") -> dict[str, float | No
     }
 
 
-def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"], clock: "Clock") -> None:
+def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> None:
     from swarmcensus.basics.formatting import counted
     from swarmcensus.basics.terminal import console, table
     from swarmcensus.reliving.folders import summary_of
@@ -199,7 +198,7 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"], cloc
     columns = [("brain", False), *((name, True) for name in ("estimate", "error", "right", "sent", "heard", "unknown"))]
     rows = []
     for k, one in enumerate(lived):
-        ends = _ends(day, one, clock)
+        ends = _ends(day, one)
         rows.append((
             one.brain.label + ("" if k else ", as it was"), _number(ends["mean_estimate"]), _number(ends["mean_error"]),
             "-" if ends["right"] is None else f"{100 * ends['right']:.1f} %", f"{sum(one.sent.values()):,}",

@@ -13,7 +13,9 @@ class Clock:
         self.restarted = any(len({state.boot for state in member.log.states}) > 1 for member in members)
         self.is_common = self.restarted and all(state.now for state in starts)
         begun = min(state.now for state in starts)
-        self.times = {member.number: self._times(member, begun) for member in members}
+        times = {member.number: self._times(member, begun) for member in members}
+        first = min(of_robot[0] for of_robot in times.values())  # logs may begin after many ticks
+        self.times = {number: [time - first for time in of_robot] for number, of_robot in times.items()}
 
     def time(self, robot: int, at: int) -> int:
         """The time of a block: 0 at the start, 1 after the first tick."""

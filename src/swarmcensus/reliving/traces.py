@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.reliving.clocks import Clock
 from swarmcensus.reliving.folders import Day
 from swarmcensus.reliving.lives import Life
@@ -12,6 +13,8 @@ from swarmcensus.reliving.logs import State, Tick
 from swarmcensus.reliving.minds import Unfit, mind_of
 from swarmcensus.reliving.others import OtherDay, brain_of
 from swarmcensus.simulation.inferring import trace_of
+
+MOST_VALUES = 2**28  # of a trace
 
 
 def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
@@ -37,6 +40,10 @@ def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
 
 def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:
     """The estimates (round, robot); NaN where a robot was away, or its log lacks the tick."""
+    if (clock.rounds + 1) * len(day.members) > MOST_VALUES:
+        raise InputError(
+            f"{day.folder}: its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
+        )
     out = np.full((clock.rounds + 1, len(day.members)), np.nan)
     for column, member in enumerate(day.members):
         for at, estimate in lived.estimates.get(member.number, {}).items():
@@ -75,6 +82,12 @@ def _fields(day: Day, lived: OtherDay, clock: Clock) -> dict[str, np.ndarray]:
         fields[name] = every[..., first : first + size] if size else every[..., first]
         first += size or 1
     return fields
+
+
+def ends_of(day: Day, lived: OtherDay) -> np.ndarray:
+    """The last estimate of each robot (robot,), NaN if none is known."""
+    of_robots = (lived.estimates.get(member.number) or {0: np.nan} for member in day.members)
+    return np.array([estimates[max(estimates)] for estimates in of_robots])
 
 
 def last_estimates(estimates: np.ndarray) -> np.ndarray:
