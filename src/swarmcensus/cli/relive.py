@@ -193,7 +193,7 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
             "started blank" if s.kind == "blank" else f"resumed the memory of boot {s.source_boot}, tick {s.tick}"
             if s.kind == "resumed" else f"started with a memory of tick {s.tick} that its log does not have"
         )
-        for life in lives for s in life.starts if s.boot or s.kind != "blank"
+        for life in lives for s in life.starts if life.relived and (s.boot or s.kind != "blank")
     ])  # fmt: skip
     columns = [("brain", False), *((name, True) for name in ("estimate", "error", "right", "sent", "heard", "unknown"))]
     rows = []

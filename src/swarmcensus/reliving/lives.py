@@ -85,7 +85,9 @@ def relive(member: Member, keep: bool = False) -> Life:
                 try:
                     mind = mind_of(member.brain, block)
                 except Unfit as why:
-                    life.breaks.append(Break(boot, block.tick, unfit_reason(member, block, str(why))))
+                    reason = unfit_reason(member, block, str(why))
+                    if not life.breaks or life.breaks[-1].reason != reason:  # told once, not at each state
+                        life.breaks.append(Break(boot, block.tick, reason))
                     mind = None
         elif mind is not None:
             if mind.ticks + 1 != block.tick:

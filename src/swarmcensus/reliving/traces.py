@@ -41,9 +41,7 @@ def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
 def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:
     """The estimates (round, robot); NaN where a robot was away, or its log lacks the tick."""
     if (clock.rounds + 1) * len(day.members) > MOST_VALUES:
-        raise InputError(
-            f"{day.folder}: its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
-        )
+        raise InputError(f"{day.folder}: its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?")
     out = np.full((clock.rounds + 1, len(day.members)), np.nan)
     for column, member in enumerate(day.members):
         for at, estimate in lived.estimates.get(member.number, {}).items():
