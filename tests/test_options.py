@@ -12,7 +12,16 @@ from tests.conftest import SMALL
 from tests.test_comparing import made_up
 
 PACKAGE = Path(sc.__file__).parent
-OF_A_SHELL = {"cli", "conformance", "deployment", "leaderboard", "paper", "watching"}  # rooms that a shell leads to
+OF_A_SHELL = {
+    "cli",
+    "conformance",
+    "deployment",
+    "leaderboard",
+    "paper",
+    "reliving",
+    "swarm",
+    "watching",
+}  # rooms that a shell leads to
 
 
 def test_an_option_is_written_as_it_would_be_given():
