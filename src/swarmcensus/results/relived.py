@@ -24,9 +24,7 @@ from swarmcensus.studies.toml_text import to_toml
 def dataset_of(day: Day, lived: Sequence[OtherDay], clock: Clock, message: Format | None = None) -> xr.Dataset:
     """The results of a day, a setting for each brain. Raises InputError if the fill ratio is not known."""
     if day.fill_ratio is None:
-        raise InputError(
-            f"{day.folder}: errors need the fill ratio, which is not known: `swarmcensus relive` takes it as --fill-ratio"
-        )
+        raise InputError(f"{day.folder}: the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio")
     honest = np.array([member.honest for member in day.members])
     study = _study(day, [one.brain for one in lived], clock, message)
     settings = study.settings()
