@@ -10,22 +10,17 @@ from pathlib import Path
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.deployment import chips
-from swarmcensus.deployment.costs import cost
+from swarmcensus.deployment.costs import COLUMNS, cost
 
 PAGE = Path(__file__).parents[1] / "docs" / "in-c.md"
 BEGIN, END = "<!-- costs: python benchmarks/chips.py --write -->", "<!-- end of costs -->"
-COLUMNS = (
-    "brain", "flash", "cycles", "flash with bytes", "cycles with bytes", "longest tick", "RAM", "stack", "message",
-    "ms a tick", "Kilobot",
-)  # fmt: skip
-HEAD = f"| {' | '.join(COLUMNS)} |\n|---|{'--:|' * (len(COLUMNS) - 2)}---|"
+HEAD = f"| {' | '.join(column.name for column in COLUMNS)} |\n|---|{'--:|' * (len(COLUMNS) - 2)}---|"
 
 
 def row(one):
+    name, *cells = (column.text(one) for column in COLUMNS)
     larger = "\\*" if one.chip != chips.KILOBOT else ""
-    figures = (one.flash, one.cycles, one.coded_flash, one.coded_cycles, one.longest, one.ram, one.stack, one.message)
-    fits = f"no: {one.too_large}" if one.too_large else "yes"
-    return f"| `{one.name}`{larger} | {' | '.join(f'{x:,}' for x in figures)} | {one.milliseconds:.1f} | {fits} |"
+    return f"| `{name}`{larger} | {' | '.join(cells)} |"
 
 
 def main():

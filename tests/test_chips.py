@@ -1,5 +1,6 @@
 """Translated brains on simulated chips give the bits of CPython in single precision."""
 
+import json
 import re
 from pathlib import Path
 
@@ -7,8 +8,9 @@ import pytest
 
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
+from swarmcensus.cli.commands import main
 from swarmcensus.deployment import chips
-from swarmcensus.deployment.costs import cost
+from swarmcensus.deployment.costs import COLUMNS, cost
 from swarmcensus.deployment.selftest import is_exact
 from tests.translated import BRAINS, CLOSE, differs, load_busy, named
 
@@ -88,6 +90,58 @@ def test_costs():
     found = (one.flash, one.cycles, one.coded_flash, one.coded_cycles, one.longest, one.ram, one.stack, one.message)
     assert written == pytest.approx([*found, one.milliseconds], rel=0.1)  # other compilers have other figures
     assert 28 <= one.ram < 64
-    assert one.too_large == ""
-    assert one._replace(ram=1800).too_large == "RAM"
-    assert one._replace(message=4, coded_flash=30_000).too_large == "flash, message"
+    assert (one.too_large, one.kilobot) == ((), "yes")
+    assert one._replace(ram=1800).too_large == ("RAM",)
+    assert one._replace(message=4, coded_flash=30_000).kilobot == "no: flash, message"
+
+
+@AVR
+def test_a_shell_measures_brains(capsys, monkeypatch):
+    """The shipped ones with the longest name and the longest words, and a file; the table has room in 100 columns."""
+    monkeypatch.setattr("swarmcensus.basics.terminal.UNFOLDED", 100)
+    own = str(Path(__file__).parents[1] / "studies" / "example" / "my_brain.py")
+    assert main(["brains", "--cost", "covariance-intersection", "bayes-bots"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert lines[0].split() == [column.short for column in COLUMNS if column.short]
+    for line in lines[1:3]:
+        name, *cells = re.split(r"  +", line.strip())
+        written = page_of_costs()[name.strip("*")]
+        assert cells[-1] == written[-1]
+        found = [float(cell.replace(",", "")) for cell in cells[:-1]]
+        assert found == pytest.approx([float(cell.replace(",", "")) for cell in written[2:-1]], rel=0.1, abs=0.1)
+    assert lines[2].startswith("bayes-bots*")
+    assert lines[-1].startswith("*: its memory has no room")
+    assert main(["brains", "--json", "--cost", own]) == 0
+    told = json.loads(capsys.readouterr().out)
+    [one] = told["costs"]
+    assert (told["format"], one["name"], one["fits_kilobot"], one["too_large"]) == (
+        "swarmcensus costs 1",
+        own,
+        True,
+        [],
+    )
+    assert one["milliseconds"] == one["coded_cycles"] / 8000
+
+
+@AVR
+def test_a_brain_that_no_chip_has_room_for_is_named(tmp_path, capsys):
+    own = (Path(__file__).parents[1] / "studies" / "example" / "my_brain.py").read_text(encoding="utf-8")
+    file = tmp_path / "large.py"
+    for numbers in (4096, 4060):  # more than the chip has, and as much as would leave no room for a stack
+        large = own.replace("MEMORY = {", f'MEMORY = {{"large": (0.0,) * {numbers}, ', 1)
+        file.write_text(large, encoding="utf-8")
+        assert main(["brains", "--cost", str(file), "--quiet"]) == 2
+        why = "an atmega1284p, with 128 KB of flash and 16 KB of RAM, is too small"
+        assert capsys.readouterr() == ("", f"swarmcensus: brain {file}: {why}\n")
+
+
+def test_costs_without_a_simulator_are_one_sentence(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert main(["brains", "--cost", "commons"]) == 2
+    assert capsys.readouterr().err == (
+        "swarmcensus: --cost: avr-gcc, avr-size and simavr are not installed: "
+        "Debian's packages gcc-avr, avr-libc and simavr have them\n"
+    )
+    assert main(["brains", "--cost", "comons"]) == 2
+    assert "did you mean 'commons'?" in capsys.readouterr().err

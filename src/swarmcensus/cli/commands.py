@@ -205,7 +205,7 @@ COMMANDS = {
         list_brains.choices, list_brains.add_list_options,
     ),
     "brains": Command(
-        "List brains and adversaries, print the source of one, or check a file.",
+        "List brains and adversaries, print the source of one, check a file, or measure what brains take of a chip.",
         list_brains.brains, list_brains.add_brains_options,
     ),
     "deploy": Command(

@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.cost_table import show_costs
 from swarmcensus.cli.output import answer, say
 
 if TYPE_CHECKING:
@@ -29,6 +30,13 @@ def add_brains_options(sub: argparse.ArgumentParser) -> None:
     action = sub.add_mutually_exclusive_group()
     action.add_argument("--check", metavar="FILE", help="run a brain or an adversary through the conformance suite")
     action.add_argument("--show", metavar="FILE", help="print the source of a brain, or of an adversary and its brain")
+    action.add_argument(
+        "--cost",
+        nargs="*",
+        metavar="BRAIN",
+        help="measure what brains (default: all shipped) take of an ATmega328P: flash, RAM, stack, time; needs avr-gcc "
+        "and simavr",
+    )
     sub.add_argument("--single", action="store_true", help="with --check: also live a day at 10 Hz in single precision")
     sub.add_argument(
         "--wearing", metavar="BRAIN", default="", help="the brain that an adversary is put on (default: minimalistic)"
@@ -36,12 +44,15 @@ def add_brains_options(sub: argparse.ArgumentParser) -> None:
 
 
 def brains(options: argparse.Namespace) -> int:
-    """List, show or check brains and adversaries."""
+    """List, show, check or measure brains and adversaries."""
     if options.single and options.check is None:
         raise InputError("--single needs --check with a brain or an adversary")
     if options.check is None and options.show is None:
         if options.wearing:
             raise InputError(f"--wearing {options.wearing} needs --check or --show with an adversary")
+        if options.cost is not None:
+            show_costs(options.cost, options.json)
+            return 0
         known, liars = brain_rows(), adversary_rows()
         if options.json:
             answer("brains", {"brains": known, "adversaries": liars})

@@ -12,7 +12,8 @@ STRICT = ("-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
 AVR = ("avr-gcc", "avr-size", "simavr")
 CORTEX = ("arm-none-eabi-gcc", "qemu-system-arm")
 KILOBOT = "atmega328p"  # 32 KB of flash, 2 KB of RAM
-LARGE = "atmega1284p"  # the same core with 128 KB of flash and 16 KB of RAM
+LARGE = "atmega1284p"  # the same core with more of both
+FLASH = {KILOBOT: 32768, LARGE: 131072}
 RAM = {KILOBOT: 2048, LARGE: 16384}
 SELFTEST_STACK = 400  # bytes of RAM that a self-test needs beside its robots
 CLOCK = 8_000_000  # of a Kilobot, in Hz
@@ -64,7 +65,12 @@ def on_host(source: Path) -> str:
 
 def on_avr(source: Path, chip: str = KILOBOT, *more: str) -> str:
     """Compile a program for an AVR, run it in simavr, and return what it prints; `more` are options of the compiler."""
-    printed = _run("simavr", "-m", chip, "-f", str(CLOCK), str(for_avr(source, chip, *more))).stderr
+    return in_simavr(for_avr(source, chip, *more), chip)
+
+
+def in_simavr(program: Path, chip: str) -> str:
+    """Run a compiled program in simavr, and return what it prints."""
+    printed = _run("simavr", "-m", chip, "-f", str(CLOCK), str(program)).stderr
     # simavr prints what the chip sends in colours, cuts long lines, and has a full stop in the place of a line's end
     pieces = (COLOURS.sub("", line) for line in printed.splitlines() if GREEN in line)
     return "".join(pieces).replace(".", "\n")

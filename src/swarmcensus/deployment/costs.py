@@ -5,9 +5,11 @@ reading, `broadcast`, two messages received, `fuse` and `estimate`. The chip's o
 """
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.deployment import chips
@@ -15,6 +17,7 @@ from swarmcensus.deployment.header import header
 
 NUMBERS = Numbers(precision="single", message="ratio16")
 TICKS = 200
+LEAST_STACK = 256  # bytes of RAM beside a program's memory; no shipped brain needs more
 LUCKY = 16  # a tick's luck, in sixteenths
 KILOBOT_FLASH = 32768 - 4096 - 7168  # less its bootloader, and its library with rules for its radio
 KILOBOT_RAM = 2048 - 256  # less the variables of the library, and what interrupts put on the stack
@@ -41,14 +44,42 @@ class Cost(NamedTuple):
         return 1000.0 * self.coded_cycles / chips.CLOCK
 
     @property
-    def too_large(self) -> str:
+    def too_large(self) -> tuple[str, ...]:
         """What a Kilobot has no room for; empty if it has room."""
         needs = {
             "flash": self.coded_flash > KILOBOT_FLASH,
             "RAM": self.ram + self.stack > KILOBOT_RAM,
             "message": self.message > KILOBOT_MESSAGE,
         }
-        return ", ".join(name for name, is_too_large in needs.items() if is_too_large)
+        return tuple(name for name, is_too_large in needs.items() if is_too_large)
+
+    @property
+    def kilobot(self) -> str:
+        """Whether a Kilobot has room for it, and if not, what for."""
+        return f"no: {', '.join(self.too_large)}" if self.too_large else "yes"
+
+
+class Column(NamedTuple):
+    """A column of the table of costs."""
+
+    name: str  # on a page, where the table has all columns
+    short: str  # in a terminal; empty if there is no room for it
+    text: Callable[[Cost], str]
+
+
+COLUMNS = (
+    Column("brain", "brain", lambda one: one.name),
+    Column("flash", "", lambda one: f"{one.flash:,}"),
+    Column("cycles", "", lambda one: f"{one.cycles:,}"),
+    Column("flash with bytes", "flash", lambda one: f"{one.coded_flash:,}"),
+    Column("cycles with bytes", "cycles", lambda one: f"{one.coded_cycles:,}"),
+    Column("longest tick", "longest", lambda one: f"{one.longest:,}"),
+    Column("RAM", "RAM", lambda one: f"{one.ram:,}"),
+    Column("stack", "stack", lambda one: f"{one.stack:,}"),
+    Column("message", "message", lambda one: f"{one.message:,}"),
+    Column("ms a tick", "ms", lambda one: f"{one.milliseconds:.1f}"),
+    Column("Kilobot", "Kilobot", lambda one: one.kilobot),
+)
 
 
 class _Figures(NamedTuple):
@@ -61,19 +92,35 @@ class _Figures(NamedTuple):
     longest: int
 
 
+def check_tools() -> None:
+    """Raise InputError if a program that measures is not installed."""
+    if lacking := chips.missing(chips.AVR):
+        names = " and ".join(filter(None, (", ".join(lacking[:-1]), lacking[-1])))
+        verb = "is" if len(lacking) == 1 else "are"
+        raise InputError(
+            f"--cost: {names} {verb} not installed: Debian's packages gcc-avr, avr-libc and simavr have them"
+        )
+
+
 def cost(brain: Brain) -> Cost:
     """What a brain takes of an ATmega328P. Raises InputError if it has no translation, or a tool is missing."""
-    brain = brain.with_numbers(NUMBERS)
-    with tempfile.TemporaryDirectory() as folder:
-        chip = chips.KILOBOT
+    for chip in (chips.KILOBOT, chips.LARGE):
         try:
-            plain = _measure(header(brain), brain, Path(folder), chip, coded=False)
+            return _cost_on(brain.with_numbers(NUMBERS), chip)
         except chips.NoRoom:
-            chip = chips.LARGE
-            plain = _measure(header(brain), brain, Path(folder), chip, coded=False)
-        coded = _measure(header(brain), brain, Path(folder), chip, coded=True)
-        nothing, nothing_coded = (
-            _measure(EMPTY, brain, Path(folder), chip, coded=coded, empty=True) for coded in (False, True)
+            continue
+    flash, ram = chips.FLASH[chips.LARGE] // 1024, chips.RAM[chips.LARGE] // 1024
+    raise InputError(
+        f"brain {brain.name}: an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small"
+    )
+
+
+def _cost_on(brain: Brain, chip: str) -> Cost:
+    with tempfile.TemporaryDirectory() as folder:
+        programs = (header(brain), False), (EMPTY, True)
+        (plain, coded), (nothing, nothing_coded) = (
+            [_measure(text, brain, Path(folder), chip, coded=coded, empty=empty) for coded in (False, True)]
+            for text, empty in programs
         )
     own = _Figures(*(one - other for one, other in zip(plain, nothing, strict=True)))
     talking = _Figures(*(one - other for one, other in zip(coded, nothing_coded, strict=True)))
@@ -96,11 +143,14 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
             talk=CODED if coded else PLAIN,
         )
     )
-    printed = chips.on_avr(source, chip).split()
+    program = chips.for_avr(source, chip)
+    size = chips.avr_size(program)
+    if size.ram + LEAST_STACK > chips.RAM[chip]:  # where the stack overwrites memory, a program may never end
+        raise chips.NoRoom(f"brain {brain.name}: its memory has no room on an {chip}")
+    printed = chips.in_simavr(program, chip).split()
     if len(printed) != 3:  # the stack has overwritten the program's memory
         raise chips.NoRoom(f"brain {brain.name}: its stack has no room on an {chip}")
     total, stack, longest = map(int, printed)
-    size = chips.avr_size(source.with_suffix(f".{chip}.elf"))
     return _Figures(size.flash, size.ram, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
 
 

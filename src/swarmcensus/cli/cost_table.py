@@ -1,0 +1,49 @@
+"""What brains take of the chip of a Kilobot, measured and printed: `brains --cost`."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.output import answer, say
+
+if TYPE_CHECKING:
+    from swarmcensus.deployment.costs import Cost
+
+
+def show_costs(names: Sequence[str], json: bool) -> None:
+    """Measure brains, all shipped ones if none is named, and print the table or a document."""
+    from swarmcensus.brains import load, shipped
+    from swarmcensus.deployment.costs import check_tools, cost
+
+    brains = [load(name) for name in names or shipped()]
+    check_tools()
+    say(f"measuring {counted(len(brains), 'brain')}, each for about half a second")
+    costs = [cost(brain) for brain in brains]
+    if json:
+        answer("costs", {"costs": [_as_dict(one) for one in costs]})
+    else:
+        _show(costs)
+
+
+def _as_dict(one: "Cost") -> dict[str, Any]:
+    more = {"milliseconds": one.milliseconds, "fits_kilobot": not one.too_large, "too_large": one.too_large}
+    return one._asdict() | more
+
+
+def _show(costs: "Sequence[Cost]") -> None:
+    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.deployment.chips import CLOCK, KILOBOT
+    from swarmcensus.deployment.costs import COLUMNS
+
+    columns = [column for column in COLUMNS if column.short]
+    heads = [(column.short, column not in (columns[0], columns[-1])) for column in columns]
+    rows = [[column.text(one) for column in columns] for one in costs]
+    for row, one in zip(rows, costs, strict=True):
+        row[0] += "*" * (one.chip != KILOBOT)
+    console().print(table(heads, rows))
+    print()
+    print("flash, RAM, stack and message: bytes of an ATmega328P, in single precision, with messages in ratio16")
+    print(f"cycles: of a tick, on average; longest: of the longest tick; ms: of a tick, at {CLOCK / 1e6:g} MHz")
+    print("Kilobot: whether a Kilobot has room, and if not, what is too large")
+    if any(one.chip != KILOBOT for one in costs):
+        print("*: its memory has no room on an ATmega328P, and its cycles are those of an ATmega1284P")
