@@ -1,7 +1,8 @@
 """What number formats cost every shipped brain: python benchmarks/formats.py [RESULTS] [--write].
 
 RESULTS is what `swarmcensus run studies/formats.toml --out formats.nc` writes. Without it the study is run. With
---write the tables go into docs/formats.md, all rows into docs/formats.csv and the figure into docs/images/formats.png.
+--write the tables go into docs/formats.md, all rows into src/swarmcensus/deployment/formats.csv, which `swarmcensus
+deploy` reads, and the figure into docs/images/formats.png.
 """
 
 import argparse
@@ -18,7 +19,7 @@ from swarmcensus.studies.study import Study
 
 ROOT = Path(__file__).parents[1]
 PAGE, PICTURE = ROOT / "docs" / "formats.md", ROOT / "docs" / "images" / "formats.png"
-ROWS = ROOT / "docs" / "formats.csv"
+ROWS = ROOT / "src" / "swarmcensus" / "deployment" / "formats.csv"
 READINGS = (1_000, 10_000, 864_000)
 TRUTH = 0.55
 LEAST = 5e-5  # smaller errors are drawn there

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -48,6 +49,7 @@ def _deploy(options: argparse.Namespace) -> int:
     from swarmcensus import brains
     from swarmcensus.deployment.deploying import deploy as write
     from swarmcensus.deployment.folders import check_free
+    from swarmcensus.deployment.format_errors import caution, measured, sentence
     from swarmcensus.deployment.plans import plan_for
 
     for name in ("to", "radio", "b", "w"):
@@ -60,10 +62,15 @@ def _deploy(options: argparse.Namespace) -> int:
     )  # fmt: skip
     made = write(plan, options.to)
     if options.json:
-        answer("deployment", vars(made) | {"brain": plan.brain.label, "radio": plan.radio, "mark": plan.mark})
+        about = {"brain": plan.brain.label, "radio": plan.radio, "mark": plan.mark}
+        found = measured(plan.brain, plan.brain.numbers.message)
+        answer("deployment", vars(made) | about | {"measured": found})
     else:
         for line in _sizes(made):
             print(line)
+        print(f"error     {sentence(plan)}")
+    if said := caution(plan):
+        warnings.warn(said, stacklevel=1)
     wrote(f"{made.folder}: {', '.join(made.files)}")
     return 0
 

@@ -98,9 +98,8 @@ def plan_for(
         raise InputError(f"--parameter: {error}") from None
     size, largest = datagram_bytes(brain, radio), RADIOS[radio].largest
     if size > largest:
-        sizes = {format_: datagram_bytes(_in_format(brain, format_), radio) for format_ in SENT}
-        fitting = [f"--message {format_} makes {size}" for format_, size in sizes.items() if size <= largest]
-        hint = " and ".join(fitting) or "no format makes it small enough"
+        sizes = [f"--message {format_} makes {bytes_}" for format_, bytes_ in fitting(brain, radio).items()]
+        hint = " and ".join(sizes) or "no format makes it small enough"
         raise InputError(
             f"the brain {brain.name!r} sends datagrams of {size} bytes as {message}, a header of {HEADER} with them, "
             f"and {RADIOS[radio].what} holds {largest}: {hint}"
@@ -113,5 +112,8 @@ def datagram_bytes(brain: Brain, radio: str) -> int:
     return HEADER + brain.message_bytes + (CHECKSUM if RADIOS[radio].checked else 0)
 
 
-def _in_format(brain: Brain, format_: str) -> Brain:
-    return brain.with_numbers(Numbers(message=format_))  # type: ignore[arg-type]
+def fitting(brain: Brain, radio: str) -> dict[str, int]:
+    """The message formats in which a brain's datagrams fit a radio, and their sizes."""
+    numbered = {format_: brain.with_numbers(Numbers(message=format_)) for format_ in SENT}  # type: ignore[arg-type]
+    sizes = {format_: datagram_bytes(one, radio) for format_, one in numbered.items()}
+    return {format_: size for format_, size in sizes.items() if size <= RADIOS[radio].largest}
