@@ -53,7 +53,7 @@ def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: flo
     """Read a folder. `brain_file` is the brain of robots whose brain the folder does not hold. Raises InputError."""
     if not folder.is_dir():
         raise InputError(f"{folder}: should be a folder of robots' logs")
-    about = _about(folder / ABOUT)
+    about = about_of(folder)
     entries = {str(entry["log"]): entry for entry in about.get("robots", [])}
     names = list(dict.fromkeys([*entries, *(path.name for path in sorted(folder.glob("*.log")))]))
     if not names:
@@ -176,8 +176,9 @@ def _name_of(source: str) -> str | None:
     return None
 
 
-def _about(path: Path) -> dict[str, Any]:
-    """The content of swarm.json; empty if there is none. Raises InputError."""
+def about_of(folder: Path) -> dict[str, Any]:
+    """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
+    path = folder / ABOUT
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:

@@ -12,6 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.deployment.messages import messages_of
+from swarmcensus.reliving.folders import about_of
 from swarmcensus.reliving.log_times import timed
 from swarmcensus.reliving.logs import Gap, State, Tick, blocks_of
 from swarmcensus.robot.runtime import Messages
@@ -140,7 +141,7 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
         raise InputError("MCAP files need the package mcap: pip install 'swarmcensus[ros]'") from None
 
     folder = Path(folder)
-    swarm = _swarm(folder)
+    swarm = about_of(folder)
     sources = [_Source(path) for path in logs_in(folder)]
     if not sources:
         raise InputError(f"{folder}: holds no robots' logs, which are called such as robot-0.log")
@@ -209,20 +210,6 @@ def _metadata(writer: Any, swarm: dict[str, Any], sources: list[_Source]) -> Non
 
 def _text(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
-
-
-def _swarm(folder: Path) -> dict[str, Any]:
-    """The content of swarm.json; nothing if there is none."""
-    path = folder / "swarm.json"
-    if not path.exists():
-        return {}
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as JSON: {error}") from None
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: should be an object of JSON")
-    return content
 
 
 def _brains(folder: Path, named: set[bytes]) -> dict[bytes, brains.Brain]:
