@@ -45,6 +45,9 @@ def test_options_replace_what_the_file_says(here, capsys):
     assert "commons" not in out
     assert main([*YARD, "--side", "1", "--body", "speed=0.2", "--trials", "40", "--fill-ratio", ".5:.6"]) == 0
     assert "1 m x 1 m, accuracy 0.8, f from 0.5 to 0.6; the truth is the floor's own share" in capsys.readouterr().out
+    numbers = ["--precision", "single", "--message", "ratio16"]
+    assert main([*YARD, "--side", "1", "--trials", "40", "--fill-ratio", ".6", *numbers]) == 0
+    assert "f = 0.6, single precision, messages in ratio16; the truth" in capsys.readouterr().out
 
 
 TWO_PARTS = '{name = "two", edges = [[0, 1], [2, 3], [3, 4]]}'

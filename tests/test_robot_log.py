@@ -9,7 +9,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.deployment.messages import messages_of
 from swarmcensus.reliving.logs import Gap, State, Tick, read_log
-from swarmcensus.robot.log import Log
+from swarmcensus.robot.log import MAGIC, STATE, Log, block
 from swarmcensus.robot.runtime import Robot
 
 
@@ -140,6 +140,21 @@ def test_other_files_are_refused(tmp_path, text):
     (tmp_path / "log").write_bytes(text)
     with pytest.raises(InputError, match="should be a robot's log"):
         read_log(tmp_path / "log")
+
+
+@pytest.mark.parametrize("body", [b"", MAGIC, MAGIC + bytes(60)])
+def test_a_state_that_is_too_short_is_lost(tmp_path, body):
+    lives(tmp_path / "log", 2)
+    with (tmp_path / "log").open("ab") as file:
+        file.write(block(STATE, body))
+    log = read_log(tmp_path / "log")
+    assert (len(log.ticks), len(log.states), [gap.is_last for gap in log.gaps]) == (2, 1, [True])
+
+
+def test_more_readings_than_a_log_holds(tmp_path):
+    one, _ = robot(tmp_path / "log", readings=70_000)
+    one.tick()
+    assert read_log(tmp_path / "log").ticks[0].looks == 65_535
 
 
 def test_logs_of_two_robots_in_one_file_are_refused(tmp_path):

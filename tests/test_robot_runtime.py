@@ -303,6 +303,11 @@ def test_memory_and_debts_survive_the_power(tmp_path, name):
     again = robot_of(brain, readings=readings[30:])
     again.keep(file, 10)
     assert (robot.boot, again.boot, again.ticks) == (0, 1, 30)
+    for boot, lost in enumerate((".boot", ".boot2"), 2):  # one of the two files is enough
+        os.remove(file + lost)
+        once_more = robot_of(brain)
+        once_more.keep(file, 10)
+        assert once_more.boot == boot
     for _ in range(30):
         again.tick()
     for _ in range(60):

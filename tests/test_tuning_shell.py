@@ -36,6 +36,18 @@ def lines_of(path):
 
 
 @pytest.mark.long
+def test_candidates_run_in_the_number_formats_of_their_worlds(here, capsys):
+    text = Path("s.toml").read_text()
+    world = '[world]\nmessage = ["double", "float32"]\n'
+    Path("s.toml").write_text(text.replace("[swarm]\n", '[swarm]\nprecision = "single"\n').replace("[world]\n", world))
+    assert main([*TUNE, "--budget", "20"]) == 0
+    assert "tunable.py a=" in capsys.readouterr().out
+    data = sc.load("tunable-tuned.nc")
+    assert {*data["precision"].values} == {"single"}
+    assert {*data["message"].values} == {"double", "float32"}
+
+
+@pytest.mark.long
 def test_it_writes_a_fragment_a_log_and_results(here, capsys):
     assert main([*TUNE, "--budget", "37"]) == 0
     out = capsys.readouterr().out

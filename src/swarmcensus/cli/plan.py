@@ -44,7 +44,8 @@ KEYS = {
     "observations_per_round": ("free", "R", "observations per round on fixed networks (default: 10)"),
     "round_seconds": ("free", "S", "seconds per round on fixed networks (default: 0.1 per observation)"),
 }  # by key: its table in a mission file, the placeholder of its value, and its help text
-TEXTS = ("right", "truth", "accuracy", "floor", "topology", "lie")  # keys whose text needs no quotation marks
+# keys whose text needs no quotation marks
+TEXTS = ("right", "truth", "accuracy", "floor", "topology", "lie", "precision", "message")
 SEVERAL = ("accuracy", "lie", "topology", "density")  # options that may be repeated
 INSTEAD = {  # keys of the file that an option replaces in addition to its own
     "side": ("area", "density"),

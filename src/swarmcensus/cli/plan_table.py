@@ -42,6 +42,10 @@ def _world(plan: Plan) -> str:
     parts.append(f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}")
     if known.link_success < 1.0:
         parts.append(f"link success {known.link_success:g}")
+    if known.precision == "single":
+        parts.append("single precision")
+    if known.message != "double":
+        parts.append(f"messages in {known.message}")
     if known.failing:
         parts.append(f"{100 * known.failing:g} % of robots fail")
     if known.lying:

@@ -126,9 +126,13 @@ def _blocks(data: bytes | mmap.mmap, path: Path) -> Iterator[State | Tick | Gap]
             after = _next_state(data, at)
             yield Gap(at, after - at, after == len(data))
         elif kind == written.STATE:
-            state = _state(body, path)
-            size = state.code_bytes
-            yield state
+            try:
+                state = _state(body, path)
+            except struct.error:
+                yield Gap(at, after - at, after == len(data))
+            else:
+                size = state.code_bytes
+                yield state
         elif kind == written.TICK and (tick := _tick(body, size)):
             yield tick
         at = after

@@ -201,7 +201,7 @@ class Robot:
         self.clock = clock
         self.number = number
         self.period = period
-        self.readings = readings
+        self.readings = min(readings, 0xFFFF)
         self.luck = luck
         self.budget = max(1, period // 2) if budget is None else budget
         self.most = min(most, 255)
@@ -426,10 +426,10 @@ class Robot:
     def keep(self, file, every):
         """Continue from the memory in `file`, if it is whole, and save there after every so many ticks.
 
-        The boot count, in `file`.boot, is one higher after each start; a robot whose memory is damaged starts blank.
+        The boot count, in `file`.boot and .boot2, is one higher after each start; a damaged memory is a blank one.
         """
         self.file, self.every = file, every
-        known = [b for b in [_read(f"{file}.boot{new}", 0) for new in ("", ".new")] if b and len(b) == 4]
+        known = [b for b in [_read(f"{file}.boot{new}", 0) for new in ("", ".new", "2", "2.new")] if b and len(b) == 4]
         kept = [b for b in [_read(file + new, self.messages.mark) for new in ("", ".new")] if b]
         size = 8 + 8 * (len(self.numbers()) + len(self.messages.owed))
         kept = [struct.unpack("<II", b[:8]) + (b,) for b in kept if len(b) == size]
@@ -437,8 +437,8 @@ class Robot:
         if kept:
             _, self.ticks, body = max(kept)
             self.restore([struct.unpack("<d", body[k : k + 8])[0] for k in range(8, size, 8)])
-        self.boot = max(boots) + 1 if boots else 0
-        if not _write(file + ".boot", struct.pack("<I", self.boot), 0):
+        self.boot = (max(boots) + 1) & 0xFFFFFFFF if boots else 0
+        if False in [_write(file + copy, struct.pack("<I", self.boot), 0) for copy in (".boot", ".boot2")]:
             self.file_faults += 1
         self._ask()
 

@@ -9,6 +9,7 @@ import xarray as xr
 
 from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounded
 from swarmcensus.brains import Brain
+from swarmcensus.brains.packing import PLAIN
 from swarmcensus.comparing.cells import p_equals
 from swarmcensus.comparing.comparison import Comparison, compare_dataset
 from swarmcensus.comparing.verdicts import win_shares
@@ -111,7 +112,7 @@ def evidence_of(
     Names of both contain all searched parameters, also those whose value did not change.
     """
     shown = {before.name: searched}
-    rows = [k for k, setting in enumerate(settings) if setting.brain in (tuned, before)]
+    rows = [k for k, setting in enumerate(settings) if setting.brain.with_numbers(PLAIN) in (tuned, before)]
     comparison = compare_dataset(data.isel(setting=rows), metric, None, None, shown)
     names = _contender_names(data, settings, rows, comparison, (tuned, before))
     all_brains = compare_dataset(data, metric, None, None, shown) if len(rows) < len(settings) else None
@@ -123,7 +124,7 @@ def _contender_names(
 ) -> tuple[str, str]:
     """The comparison's names of the two brains of `pair`."""
     numbers = data["setting"].values[rows].tolist()
-    brain_of = {number: settings[k].brain for number, k in zip(numbers, rows, strict=True)}
+    brain_of = {number: settings[k].brain.with_numbers(PLAIN) for number, k in zip(numbers, rows, strict=True)}
     names_by_brain: dict[Brain, str] = {}
     for world in comparison.settings.tolist():
         names_by_brain |= {

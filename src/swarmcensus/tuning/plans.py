@@ -12,6 +12,7 @@ from swarmcensus.basics.options import option
 from swarmcensus.basics.times import UNITS, parse_time
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain, Value
+from swarmcensus.brains.packing import PLAIN
 from swarmcensus.results.measures import Measure
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -61,7 +62,7 @@ class Plan:
     """All that defines a search."""
 
     study: Study
-    before: Brain  # with the parameters that the study gives first
+    before: Brain  # with the parameters that the study gives first; worlds have the number formats
     worlds: list[Setting]
     ranges: list[Range]
     metric: str  # the name that was given
@@ -126,8 +127,8 @@ def plan_of(
         raise InputError(f"{option('trials', trials)}: a candidate has 1 to {MOST_TRIALS:,} trials in each world")
     before = brain_to_tune(study, brain)
     ranges = ranges_of(parameters, before)
-    with_this_brain = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)
-    worlds = list(dict.fromkeys(replace(setting, brain=before) for setting in with_this_brain))
+    own = (s for s in study.settings() if s.brain.with_numbers(PLAIN).as_written == before.as_written)
+    worlds = list(dict.fromkeys(replace(s, brain=before.with_numbers(s.brain.numbers)) for s in own))
     measures = measures_of(study, worlds, metric)
     lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
     least = [lows.get(each.name, 0.0) for each in measures]
@@ -139,7 +140,7 @@ def brain_to_tune(study: Study, name: str | None) -> Brain:
 
     Raises InputError if there is no such brain, or more than one.
     """
-    brains = list(dict.fromkeys(setting.brain for setting in study.settings()))
+    brains = list(dict.fromkeys(setting.brain.with_numbers(PLAIN) for setting in study.settings()))
     tunable = list(dict.fromkeys(brain.name for brain in brains if brain.parameters))
     if name is None:
         if len(tunable) != 1:

@@ -80,7 +80,9 @@ class Training:
         """
         seeded = copy.copy(self.study)
         seeded.seed = seed
-        settings = [replace(world, brain=brain) for brain in brains for world in self.worlds]
+        settings = [
+            replace(world, brain=brain.with_numbers(world.brain.numbers)) for brain in brains for world in self.worlds
+        ]
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
         tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
