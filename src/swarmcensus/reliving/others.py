@@ -45,6 +45,8 @@ class OtherDay:
     counts: Counter[str] = field(default_factory=Counter)
     heard: Counter[int] = field(default_factory=Counter)  # messages, by robot
     sent: Counter[int] = field(default_factory=Counter)
+    said: dict[Place, bytes] = field(default_factory=dict)  # messages, by the tick of their robot
+    received: dict[Place, list[tuple[int, bytes]]] = field(default_factory=dict)  # sender and message, in the same way
 
     @property
     def unknown(self) -> int:
@@ -55,7 +57,7 @@ class OtherDay:
 def under(
     day: Day, brain: Brain, message: Format | None = None, clock: Clock | None = None, keep: bool = False
 ) -> OtherDay:
-    """Live a day under another brain; `keep` keeps the memory of each tick. Raises InputError if it is not possible."""
+    """Live a day under another brain; `keep` keeps the memory and the messages of each tick. Raises InputError."""
     if brain.is_oracle:
         raise InputError(f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so")
     return _Day(day, brain, message, clock or Clock(day.members), keep).live()
@@ -171,6 +173,8 @@ class _Day:
         said = mind.first_half(tick)
         self.said[place] = said
         self.result.sent[mind.number] += said is not None
+        if self.keep and said is not None:
+            self.result.said[place] = said
         counts["unheard"] += said is not None and tick.said is None
         counts["silent"] += said is None and tick.said is not None
         robot.spoke = True
@@ -201,6 +205,8 @@ class _Day:
                     mind.lots = [drawn or self._drawn(self.luck.message(mind, robot.boot, tick.tick, sender))]
                 mind.hear(code)
                 self.result.heard[mind.number] += 1
+                if self.keep:
+                    self.result.received.setdefault(place, []).append((tick.heard[k].sender, code))
         if lucky:
             mind.lots = [given.fuse or self._drawn(self.luck.own(mind, robot.boot, tick.tick, 1))]
             if robot.brain.steers:

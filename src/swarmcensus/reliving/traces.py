@@ -28,6 +28,10 @@ def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
                 estimates[at] = block.estimate
                 result.sent[number] += block.said is not None
                 result.heard[number] += len(block.heard)
+                if block.said is not None:
+                    result.said[number, at] = block.said
+                if block.heard:
+                    result.received[number, at] = [(one.sender, one.code) for one in block.heard]
             elif isinstance(block, State) and block.starts:
                 try:
                     mind = mind_of(member.brain, block)
