@@ -18,6 +18,7 @@ from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies.tables import Measure
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.shows import Show
+from swarmcensus.watching.simulated import Simulated
 from tests import reference, reference_formats, reference_walks
 from tests.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of
 
@@ -178,7 +179,7 @@ def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
 @pytest.mark.interpreted
 def test_the_live_page_shows_what_robots_assume_and_hear_in_their_numbers():
     setting = settings_of(robots=4, brain="minimalistic", accuracy=0.7, rounds=5, **keys_of(EVERY[1]))[0]
-    show = Show(setting, SEED, 0, Measure())
+    show = Show(Simulated(setting, SEED, 0), Measure())
     told = robot_of(show, 3, 1)
     assert told["sensor"]["believed_b"] == rounded_to_single(0.7) != 0.7
     trace = record_trial(setting, SEED, 0)

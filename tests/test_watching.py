@@ -18,6 +18,7 @@ from swarmcensus.watching.offers import KEYS, offer_of, wanted
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.sessions import MOST_TEXT, Session, spoken
 from swarmcensus.watching.shows import COLUMNS, Show
+from swarmcensus.watching.simulated import Simulated
 
 STUDY = """
 trials = 3
@@ -165,7 +166,7 @@ def test_no_file_is_run_that_a_page_names(offer, tmp_path, monkeypatch):
 @pytest.mark.parametrize("number", [0, 2, 4])
 def test_frames_and_robots_are_those_of_the_replay(offer, number):
     found = wanted(offer, {"setting": str(number), "trial": "2"})
-    show = Show(found.settings[0], found.seed, found.trial, found.study.measure)
+    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
     trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), number, 2)
     ticks = [0, 1, 2, 30, 60]
     shown = parsed(show.frames(ticks))
@@ -201,7 +202,7 @@ def test_who_has_no_estimate_is_told_apart(tmp_path):
     text = brains.load("minimalistic").source
     mine.write_text(text.replace("    return me.x\n", "    return me.x + 1e999 - 1e999\n"))
     found = wanted(offer_of(None, (mine,)), {"brain": str(mine), "topology": "ring", "robots": "5"})
-    show = Show(found.settings[0], 1, 0, found.study.measure)
+    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
     assert (parsed(show.frames([3, 4]))["layers"][:, 0] == 65_535).all()
     assert robot_of(show, 4, 2)["estimate"] is None
 
@@ -213,7 +214,7 @@ def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
     swarm, world = {"robots": 6, "accuracy": 0.9, "brain": who}, {"topology": "full", "fill_ratio": 0.9}
     study = sc.Study(trials=2, seed=2, swarm=swarm, world=world, schedule={"rounds": 150})
     trace = sc.replay(sc.run(study, jobs=1), 0, 1)
-    show = Show(study.settings()[0], 2, 1, study.measure)
+    show = Show(Simulated(study.settings()[0], 2, 1), study.measure)
     shown = parsed(show.frames(list(range(151))))
     flags = shown["flags"][:, 0]
     assert ((flags >> 4).astype(int) - 1 == trace["decided"].values if brain == "voter" else flags >> 4 == 0).all()
@@ -262,7 +263,7 @@ def test_what_cannot_be_watched_is_told(offer, tmp_path):
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
     found = wanted(offer_of(None), {"topology": "ring", "robots": "7"})
-    show = Show(found.settings[0], found.seed, found.trial, found.study.measure)
+    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
     told = robot_of(show, 12, 3)
     assert told["heard_at"] == 12
     assert [one["from"] for one in told["heard"]] == [2, 4]
@@ -273,7 +274,7 @@ def test_what_a_robot_heard_is_what_its_neighbours_said():
 
 def test_lost_messages_are_not_lit():
     found = wanted(offer_of(None), {"topology": "ring", "robots": "40", "link_success": "0.3"})
-    show = Show(found.settings[0], found.seed, found.trial, found.study.measure)
+    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
     shown = parsed(show.frames(list(range(1, 101))))
     carried = np.array([links.sum() for links in shown["links"]])
     heard = np.diff(shown["numbers"][:, COLUMNS.index("heard")], prepend=0)

@@ -11,6 +11,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.output import say, wrote
 
 if TYPE_CHECKING:
+    from swarmcensus.watching.days import LoggedDay
     from swarmcensus.watching.offers import Offer
 
 
@@ -20,8 +21,8 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
         "of",
         type=Path,
         nargs="?",
-        metavar="STUDY.toml|RESULTS.nc|BRAIN.py",
-        help="what to watch (default: 25 robots that move)",
+        metavar="STUDY.toml|RESULTS.nc|BRAIN.py|FOLDER",
+        help="what to watch; a folder has a swarm's logs (default: 25 robots that move)",
     )
     sub.add_argument(
         "--set",
@@ -37,7 +38,7 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help="another brain file to choose from; may be repeated",
+        help="another brain file to choose from; the first is shown beside a day in logs; may be repeated",
     )
     sub.add_argument(
         "--export", type=Path, metavar="FILE.html", help="write the page with this trial as one file, and exit"
@@ -54,16 +55,29 @@ def watch(options: argparse.Namespace) -> int:
     query = _query(options)
     if options.of is not None and options.of.suffix == ".py":  # a brain, in the small swarm
         options.brain, options.of = [options.of, *options.brain], None
-    if options.brain and (options.of is None or options.of.suffix != ".nc"):
+    if options.brain and (options.of is None or not (options.of.suffix == ".nc" or options.of.is_dir())):
         query.setdefault("brain", str(options.brain[0]))
     if options.export is not None and options.export.suffix != ".html":
         raise InputError(f"--export {options.export}: a page is written as .html")
     offer = offer_of(options.of, tuple(options.brain))
+    if offer.logged:
+        _tell_day(offer.logged)
+        for name in list(offer.logged.brains)[:1]:
+            query.setdefault("beside", name)
     play = {key: query.pop(key) for key in PLAYED if key in query}
     check_moment(wanted(offer, query), play)  # so that errors are reported here, not in the browser
     if options.export is not None:
         return _export(options, offer, query, play)
     return _serve(options, offer, query, play)
+
+
+def _tell_day(logged: "LoggedDay") -> None:
+    """Say what of a day is not known."""
+    for what in logged.day.absent:
+        say(f"left out: {what}")
+    whole, lives = sum(life.to_the_bit for life in logged.lives), len(logged.lives)
+    if whole < lives:
+        say(f"{whole} of {lives} minds were lived again to the bit: swarmcensus relive tells where the others differ.")
 
 
 def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:

@@ -42,6 +42,7 @@ class Stretch:
     readings: np.ndarray  # NaN where none was made
     links: np.ndarray  # (link, 3): tick, robot, robot
     done: np.ndarray  # (robot): which robots were done before the first of these rounds
+    known: np.ndarray | None = None  # (round, robot): whose minds are known; None: all, as in every simulation
 
     @property
     def bytes(self) -> int:

@@ -36,7 +36,7 @@ def export(
     or the file cannot be written.
     """
     trial = wanted(offer, query)
-    shows = [Show(setting, trial.seed, trial.trial, trial.study.measure) for setting in trial.settings]
+    shows = [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
     rounds, robots = shows[0].setting.rounds, shows[0].setting.robots
     if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
         raise InputError(

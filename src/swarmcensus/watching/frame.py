@@ -40,23 +40,29 @@ def watch(
     port: int = 0,
     **asked: object,
 ) -> Watching:
-    """Serve the live page of a study, of results, or of a file of either, in the background.
+    """Serve the live page of a study, of results, of a file of either, or of a folder of logs, in the background.
 
     A notebook shows the returned object as a frame `height` pixels high; its `address` opens the page in a browser on
-    this machine. `brain` is the name of a brain or a brain file; for results, the file that they were made with.
+    this machine. `brain` is the name of a brain or a brain file; for results, the file that they were made with; for
+    logs, what the same day is shown under beside it.
     `asked` are initial values of controls, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4.
     Port 0 takes a free port. Raises InputError.
     """
     if not isinstance(of, str | Path | Study | xr.Dataset | None):
-        raise InputError(f"{type(of).__name__}: should be a study, results, a file of either, or None")
+        raise InputError(
+            f"{type(of).__name__}: should be a study, results, a file of either, a folder of logs, or None"
+        )
     for name, value, least, most in (("port", port, 0, 65_535), ("height", height, 100, 10_000)):
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
             raise InputError(f"{name}={value!r}: should be a whole number from {least} to {most:,}")
     words = {key: to_toml_value(value) if isinstance(value, Mapping) else str(value) for key, value in asked.items()}
-    files = (Path(brain),) if brain is not None and str(brain).endswith(".py") else ()
-    if brain is not None and not (files and (isinstance(of, xr.Dataset) or str(of).endswith(".nc"))):
+    logged = isinstance(of, str | Path) and Path(of).is_dir()
+    files = (Path(brain),) if brain is not None and (logged or str(brain).endswith(".py")) else ()
+    if brain is not None and not (logged or (files and (isinstance(of, xr.Dataset) or str(of).endswith(".nc")))):
         words["brain"] = str(brain)
     offer = offer_of(Path(of) if isinstance(of, str) else of, files)
+    if offer.logged and offer.logged.brains:
+        words.setdefault("beside", next(iter(offer.logged.brains)))
     trial = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
     check_moment(trial, words)
     served = listen(offer, port=port)

@@ -21,6 +21,9 @@ from swarmcensus.brains import Adversary, adversary
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.watching.days import LoggedDay
+from swarmcensus.watching.logged import Logged
+from swarmcensus.watching.simulated import Simulated
 from swarmcensus.worlds import arena, networks, patterns, sensors, wiring
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.networks import Topology
@@ -43,6 +46,7 @@ KEYS = (
     "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
     "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
+ON_A_DAY = ("beside", "of")  # those of a logged day that may differ from what it was
 PLAYED = ("tick", "robot", "side", "colour")  # keys of an address that concern the view, not the trial
 COLOURINGS = ("belief", "off", "error")  # the estimate, its signed error, its absolute error
 
@@ -58,6 +62,8 @@ class Offer:
     floors: dict[str, Floor]
     brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
     adversaries: dict[str, Adversary]
+    live: Callable[[Setting, int, int], Simulated | Logged] = Simulated  # a setting's trial, by seed and number
+    logged: LoggedDay | None = None  # where robots lived the trial: only a brain beside it can be chosen
 
 
 @dataclass(frozen=True)
@@ -73,17 +79,25 @@ class Wanted:
 
 
 def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = ()) -> Offer:
-    """The offer of a study, of results, of a file of either, or of a small swarm; `given` are more brain files.
+    """The offer of a study, of results, of a file of either, of a folder of robots' logs, or of a small swarm.
 
-    Raises InputError.
+    `given` are more brains. Raises InputError.
     """
     name = of.name if isinstance(of, Path) else ""
+    if isinstance(of, Path) and of.is_dir():
+        return _day(LoggedDay(of, given))
     if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
         return _results(of, name, given)
     more = {brain.label: brain for brain in map(brains.load, given)}
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = study.settings()
     return _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
+
+
+def _day(logged: LoggedDay) -> Offer:
+    study, setting = logged.study, logged.setting
+    offer = _offer(logged.day.title, (0,), [study], logged.brains, lambda _: (study, setting))
+    return replace(offer, live=logged.life, logged=logged)
 
 
 def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
@@ -132,19 +146,30 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     if number not in offer.numbers:
         raise InputError(f"setting = {number}: there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
+    first, began = (offer.logged.day.trial, offer.logged.day.seed) if offer.logged else (0, study.seed)
     mark = setting.fingerprint(study.seed)[:8]
     if request.get("of", mark) != mark:
         raise InputError(f"of = {request['of'][:40]}: this link is not for {offer.name} as it is now")
-    trial = _whole(request, "trial", 0, 0, 2**31 - 1)
-    seed = _whole(request, "seed", study.seed, 0, 2**63 - 1)
+    trial = _whole(request, "trial", first, 0, 2**31 - 1)
+    seed = _whole(request, "seed", began, 0, 2**63 - 1)
+    if offer.logged:
+        _check_day(request, {"setting": number, "trial": first, "seed": began})
     changed = _changed(offer, setting, request)
     _check(changed, study)
     settings = [changed]
     if request.get("beside"):
-        settings.append(replace(changed, brain=_brain(offer, "beside", request["beside"])))
+        beside = _brain(offer, "beside", request["beside"])
+        settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
         _check(settings[1], study)
     given = {key: value for key, value in request.items() if value != ""}
     return Wanted(study, tuple(settings), seed, trial, given, mark)
+
+
+def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
+    """Raise InputError for a request that would change what robots have lived."""
+    for key, value in request.items():
+        if value and key not in ON_A_DAY and value != str(was.get(key, "")):
+            raise InputError(f"{key} = {value[:40]}: this day is as its logs have it: only beside can be chosen")
 
 
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:

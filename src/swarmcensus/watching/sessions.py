@@ -13,7 +13,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import adversary
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.watching.compilations import COMPILATIONS
-from swarmcensus.watching.offers import KEYS, Offer, Wanted, names_of, wanted
+from swarmcensus.watching.offers import KEYS, ON_A_DAY, Offer, Wanted, names_of, wanted
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.scenes import scene_of
 from swarmcensus.watching.shows import Show
@@ -59,7 +59,7 @@ class Session:
         shows = []
         for setting in trial.settings:
             with COMPILATIONS.of(setting):
-                shows.append(Show(setting, trial.seed, trial.trial, measure))
+                shows.append(Show(self.offer.live(setting, trial.seed, trial.trial), measure))
         self.shows = tuple(shows)
         return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]
 
@@ -145,6 +145,7 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "asked": trial.request,
         "mark": trial.mark,
         "keys": KEYS,
+        "fixed": [key for key in KEYS if key not in ON_A_DAY] if offer.logged else [],
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": trial.study.trials,
         "choices": {

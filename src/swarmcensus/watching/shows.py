@@ -6,27 +6,25 @@ columns, the layers present, number of links, 0. Then follow, for all frames, th
 robot), and links: pairs of robots (u16) if they move, else one number per edge (u8), 1 if it carried a message.
 """
 
-import functools
 from collections import OrderedDict
 
 import numpy as np
 
 from swarmcensus.basics.bins import right_bins
-from swarmcensus.engine import compiler
-from swarmcensus.engine.constants import LISTED, NOISE, SAID, TALKING
-from swarmcensus.engine.failures import works
+from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation.intervals import ENDS
-from swarmcensus.simulation.living import Life, Stretch
+from swarmcensus.simulation.living import Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
 from swarmcensus.simulation.trials import blaming
-from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Measure
+from swarmcensus.watching.logged import Logged
+from swarmcensus.watching.simulated import Simulated
 
 KIND = 0x53574152
 COLUMNS = (
     "truth", "mean", "deviation", "lowest", "low", "median", "high", "highest", "right", "sent", "heard", "bytes",
     "interval_low", "interval_high", "decided", "decided_right", "done",
-)  # fmt: skip  # of the honest robots; only the numbers of messages are of all robots
+)  # fmt: skip  # of the honest robots that have an estimate; only the numbers of messages are of all robots
 QUARTERS = ("lowest", "low", "median", "high", "highest")
 COUNTS = ("sent", "heard", "bytes")
 HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
@@ -34,18 +32,17 @@ LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper f
 SCALE = 65_535
 NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
 MOST_LINKS = 20_000  # drawn by a page
-MOST_READINGS = 4_000_000  # readings of a fixed network that are shown
 KEPT = 4  # stretches whose frames are kept
 
 
 class Show:
-    """One trial of a setting that is watched."""
+    """One trial of a setting that is watched, simulated or logged."""
 
-    def __init__(self, setting: Setting, seed: int, trial: int, measure: Measure) -> None:
-        """Prepare the trial; `measure` gives the truth and the bins. Raises InputError if it cannot run."""
-        self.setting, self.seed, self.trial, self.bins = setting, seed, trial, measure.bins
-        self.life = Life(setting, seed, trial)
-        given = self.life.given
+    def __init__(self, life: Simulated | Logged, measure: Measure) -> None:
+        """Prepare the trial; `measure` gives the truth and the bins."""
+        self.life, self.bins = life, measure.bins
+        self.setting, self.seed, self.trial = setting, seed, trial = life.setting, life.seed, life.trial
+        given = life.given
         self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
@@ -126,20 +123,23 @@ class Show:
         flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
         flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
         honest = self.honest
+        own, there = x[:, honest], ~np.isnan(x[:, honest])
         values = {
             "truth": truths,
-            "mean": x[:, honest].mean(axis=1),
-            "deviation": x[:, honest].std(axis=1),
-            **dict(zip(QUARTERS, np.quantile(x[:, honest], np.linspace(0.0, 1.0, 5), axis=1), strict=True)),
-            "right": right(x[:, honest], truths, self.bins),
+            "mean": (mean := mean_of(own, there)),
+            "deviation": np.sqrt(mean_of((own - mean[:, np.newaxis]) ** 2, there)),
+            **dict(zip(QUARTERS, quarters_of(own, there), strict=True)),
+            "right": right(own, there, truths, self.bins),
             "sent": stretch.messages[:, 0],
             "heard": stretch.messages[:, 1],
             "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
-            "interval_low": low[:, honest].mean(axis=1),
-            "interval_high": high[:, honest].mean(axis=1),
-            "decided": share(decided[:, honest], decided[:, honest] >= 0.0),
-            "decided_right": share(decided[:, honest], decided[:, honest] == self.options_right(truths)[:, np.newaxis]),
-            "done": share(done[:, honest], done[:, honest] == 1.0),
+            "interval_low": mean_of(low[:, honest], there),
+            "interval_high": mean_of(high[:, honest], there),
+            "decided": share(decided[:, honest], there, decided[:, honest] >= 0.0),
+            "decided_right": share(
+                decided[:, honest], there, decided[:, honest] == self.options_right(truths)[:, np.newaxis]
+            ),
+            "done": share(done[:, honest], there, done[:, honest] == 1.0),
         }
         # single precision suffices for a picture, and compresses better; counts stay exact
         exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
@@ -166,13 +166,23 @@ class Show:
         return self.setting.fill_ratios(np.maximum(rounds, 1))
 
     def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
-        """The fields of all minds after some rounds of a stretch, as in a trace; vectors have one more axis."""
+        """The fields of all minds after some rounds of a stretch, as in a trace; vectors have one more axis.
+
+        They are NaN where a mind is not known.
+        """
         parts = (a[rows] for a in (stretch.history, stretch.estimates))
         again = stretch.first > 0  # fields_of takes the first row for the start, before any decision
         history, estimates = (np.concatenate([part[:again], part]) for part in parts)
         with blaming(self.setting, self.life.given.first):  # intervals are computed in every round here
             fields = fields_of(self.setting.brains, self.life.swarm, history, estimates)
-        return {name: values[int(again) :] for name, values in fields.items()}
+        fields = {name: values[int(again) :] for name, values in fields.items()}
+        if stretch.known is None:
+            return fields
+        known = stretch.known[rows]
+        return {
+            name: np.where(known if values.ndim == 2 else known[..., np.newaxis], values, np.nan)
+            for name, values in fields.items()
+        }
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
         """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
@@ -180,50 +190,34 @@ class Show:
         if self.moves:
             begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
             return stretch.links[begin:end, 1:].ravel() if end - begin <= MOST_LINKS else np.zeros(0)
-        return self.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
-
-    @functools.cached_property
-    def blacks(self) -> np.ndarray:
-        """Number of black readings per round on a fixed network (round, robot); empty for a large swarm."""
-        setting, given = self.setting, self.life.given
-        if setting.rounds * setting.robots > MOST_READINGS:
-            return np.zeros((0, 0))
-        out = np.zeros((setting.rounds, setting.robots))
-        compiler.compile_world().round_readings(given.sensors.of_trial(0), given.first, out)
-        return out
-
-    def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
-        """Whether each link carried a message in a round (link), 0 or 1; all links of each receiver are needed."""
-        given, setting, tick = self.life.given, self.setting, stretch.first + row
-        out = np.zeros(receivers.size, np.uint8)
-        delay = setting.message_delay
-        if tick - delay < (0 if self.moves else 1):
-            return out
-        compiler.compile_world("living").carried(
-            given.radio, given.first, tick, receivers.astype(np.int64), senders.astype(np.int64), out
-        )
-        works_now = np.ones(setting.robots, np.bool_)
-        if given.stops[0].shape[1]:
-            works_now &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
-        talks = works_now
-        if self.life.swarm.flag >= 0:
-            talks = works_now & (stretch.said[row][:, self.life.swarm.flag] == SAID)
-        out *= talks[senders]
-        if self.life.swarm.jams:
-            noisy = (stretch.said[row][:, self.life.swarm.flag] == NOISE) & works_now
-            out[np.isin(receivers, receivers[noisy[senders]])] = 0
-        return out
+        return self.life.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
 
 
-def right(x: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
-    """The share of each row in the bin of the truth."""
+def mean_of(values: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """The mean of each row over those that are there; NaN where nobody is."""
+    count = there.sum(axis=1)
+    total = np.where(there, values, 0.0).sum(axis=1)
+    return np.asarray(np.divide(total, count, out=np.full(len(values), np.nan), where=count > 0))
+
+
+def quarters_of(x: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """The least number, quartiles and greatest number of each row over those that are there (quarter, row)."""
+    steps = np.linspace(0.0, 1.0, len(QUARTERS))
+    if there.all():
+        return np.asarray(np.quantile(x, steps, axis=1))
+    rows = [np.quantile(row[some], steps) if some.any() else steps + np.nan for row, some in zip(x, there, strict=True)]
+    return np.array(rows).T
+
+
+def right(x: np.ndarray, there: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
+    """The share of each row in the bin of the truth, of those that are there."""
     ends = right_bins(truths, bins)
-    return np.asarray(((x >= ends[:, :1]) & (x < ends[:, 1:])).mean(axis=1))
+    return mean_of((x >= ends[:, :1]) & (x < ends[:, 1:]), there)
 
 
-def share(known: np.ndarray, holds: np.ndarray) -> np.ndarray:
-    """The share of each row in which `holds` is true; NaN where all of `known` is NaN."""
-    return np.where(np.isnan(known).all(axis=1), np.nan, holds.mean(axis=1))
+def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray:
+    """The share of each row in which `holds` is true, of those that are there; NaN where all of `known` is NaN."""
+    return np.where(np.isnan(known).all(axis=1), np.nan, mean_of(holds, there))
 
 
 def edges_of(show: Show) -> np.ndarray:

@@ -36,7 +36,7 @@ function buildControls(host, form, change, fixed) {
     }
     if (input !== document.activeElement || input.dataset.now !== form.now[key]) input.value = form.now[key];
     input.dataset.now = form.now[key];
-    input.disabled = fixed;
+    input.disabled = fixed || form.fixed.includes(key);
     const more = { rounds: `, ${form.unit}s`, setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
     rows.push(there ? host.querySelector(`[for=${id}]`) : element("label", { for: id }), input);
     rows.at(-2).textContent = text + more;

@@ -116,6 +116,7 @@ function buildPage() {
   buildControls($("controls"), form, change, Boolean(recordedText));
   state.charts = new Charts($("curves"), scenes, seek);
   state.charts.build($("log").checked, $("close").checked);
+  if (form.fixed.length) $("world-note").textContent = "This day is in robots' logs: only another brain, beside it, can be chosen.";
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   legend();
 }
