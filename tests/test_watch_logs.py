@@ -4,6 +4,7 @@ import base64
 import json
 import warnings
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.sessions import Session
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.watching.simulated import Simulated
-from tests.test_relive import SEED, logged, told
+from tests.test_relive import SEED, logged, setting_of, told
 from tests.test_watching import parsed
 
 pytestmark = pytest.mark.interpreted
@@ -206,3 +207,48 @@ def test_python_takes_a_folder_too(day):
     page.stop()
     with pytest.raises(InputError, match="only beside can be chosen"):
         sc.watch(day, robots=3)
+
+
+@pytest.mark.parametrize("brain", ["commons", "minimalistic"])
+def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
+    """Each robot's memory is that of its own brain, also beside under another one."""
+    folder, members = tmp_path / "day", [{"robots": 2, "brain": "forger", "honest": False}]
+    study, setting, swarm = logged(folder, "commons", robots=6, rounds=ROUNDS, members=members, topology="full")
+    swarm.run()
+    swarm.close()
+    robots = []
+    for i, own in enumerate(swarm.brains):
+        honest = own.sha256 == setting.brain.sha256
+        file = "brain.py" if honest else f"liar-{i}.py"
+        (folder / file).write_text(own.source)
+        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest})
+    told(folder, study, robots=robots)
+    show = show_of(folder, {"beside": brain})[-1]
+    _, as_simulated = setting_of(brain, robots=6, rounds=ROUNDS, members=members, topology="full")
+    simulated = Show(Simulated(as_simulated, SEED, 0), study.measure)
+    ticks = list(range(ROUNDS + 1))
+    mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
+    assert (mine["layers"] == theirs["layers"]).all()
+    np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
+    for robot in range(6):
+        one, other = robot_of(show, 20, robot), robot_of(simulated, 20, robot)
+        assert one["fields"] == other["fields"]
+        assert one["brain"] == other["brain"]
+
+
+def test_a_brain_of_ones_own_comes_from_the_folder_and_another_of_that_name_is_told_apart(tmp_path, monkeypatch):
+    """Also where its file has changed since."""
+    monkeypatch.chdir(tmp_path)
+    mine = tmp_path / "mine.py"
+    mine.write_text(brains.load("commons").source)
+    study, _, swarm = logged(tmp_path / "day", "mine.py", robots=4, rounds=ROUNDS)
+    swarm.run()
+    swarm.close()
+    text = study.text.replace("mine.py", "brain.py")  # as swarmcensus swarm writes it
+    told(tmp_path / "day", study, brain={"file": "brain.py", "name": "mine.py"}, study=text)
+    mine.write_text(brains.load("minimalistic").source)
+    [mine_then, mine_now] = show_of(tmp_path / "day", {"beside": "mine.py (--brain)"}, (Path("mine.py"),))
+    assert mine_then.setting.brain.label == "mine.py"
+    assert mine_then.setting.brain.source == brains.load("commons").source
+    assert mine_now.setting.brain.source == brains.load("minimalistic").source
+    assert mine_then.frames([ROUNDS]) != mine_now.frames([ROUNDS])

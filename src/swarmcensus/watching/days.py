@@ -71,7 +71,7 @@ def study_of(day: Day) -> Study:
         )
     own = day.brain.as_written
     named = day.about.get("brain", {}).get("file", OWN)
-    known = {own.name: own, str(named): replace(own, name=str(named))}
+    known = {own.name: own, str(named): own}
     where = f"{day.folder / ABOUT}: study"
     return Study.parse(text, where=where, context={"base": None, "brains": known, "kept": True})
 
