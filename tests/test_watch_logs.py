@@ -205,6 +205,8 @@ def test_what_cannot_be_watched_is_told_in_a_sentence(day, tmp_path, monkeypatch
 def test_python_takes_a_folder_too(day):
     page = sc.watch(day, brain="voter", tick=3)
     page.stop()
+    with pytest.raises(InputError, match="is a bound"):
+        sc.watch(day, brain="oracle")
     with pytest.raises(InputError, match="only beside can be chosen"):
         sc.watch(day, robots=3)
 

@@ -398,3 +398,13 @@ def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
     assert scene["crowd"] == crowd
     apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2) + 9.0 * np.eye(len(places))
     assert crowd or scene["room"] == pytest.approx(np.median(apart.min(axis=1)), abs=1e-5)
+
+
+def test_a_brain_beside_has_the_number_formats_of_the_swarm():
+    study = sc.Study(
+        trials=1, swarm={"robots": 5, "accuracy": 0.7, "precision": "single"},
+        world={"topology": "ring", "fill_ratio": 0.5, "message": "ratio16"},
+    )  # fmt: skip
+    first, beside = wanted(offer_of(study), {"beside": "commons"}).settings
+    assert first.brain.numbers == beside.brain.numbers
+    assert beside.message == "ratio16"

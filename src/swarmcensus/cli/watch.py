@@ -65,7 +65,11 @@ def watch(options: argparse.Namespace) -> int:
         for name in list(offer.logged.brains)[:1]:
             query.setdefault("beside", name)
     play = {key: query.pop(key) for key in PLAYED if key in query}
-    check_moment(wanted(offer, query), play)  # so that errors are reported here, not in the browser
+    trial = wanted(offer, query)
+    check_moment(trial, play)  # so that errors are reported here, not in the browser
+    if offer.logged:
+        for setting in trial.settings:  # so are those of a brain that cannot live the day
+            offer.logged.under(setting.brain)
     if options.export is not None:
         return _export(options, offer, query, play)
     return _serve(options, offer, query, play)

@@ -1,5 +1,6 @@
 """A folder of robots' logs as what a page may show: the day as it was, and the same day under another brain."""
 
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -42,17 +43,20 @@ class LoggedDay:
         self.brains = {brain.label: brain for brain in (self._other(path) for path in given)}
         self.lives = relive_all(self.day, keep=True)
         self._lived = {self.setting.brain: as_logged(self.day, self.lives)}
+        self._lock = threading.Lock()  # two pages wait for one life of the day, and do not live it twice
 
     def life(self, setting: Setting, seed: int, trial: int) -> Logged:
         """The day under the brain of a setting. Raises InputError if that brain cannot live it."""
         # networks and sensors are those of the study, however long the logs are
         given = inputs_of(replace(setting, rounds=self.planned_rounds), seed, trial)
-        return Logged(setting, given, self.day, self._under(setting.brain), self.clock)
+        return Logged(setting, given, self.day, self.under(setting.brain), self.clock)
 
-    def _under(self, brain: Brain) -> OtherDay:
-        if brain not in self._lived:
-            self._lived[brain] = under(self.day, brain, clock=self.clock, keep=True)
-        return self._lived[brain]
+    def under(self, brain: Brain) -> OtherDay:
+        """What robots believed, remembered and said under a brain. Raises InputError if it cannot live the day."""
+        with self._lock:
+            if brain not in self._lived:
+                self._lived[brain] = under(self.day, brain, clock=self.clock, keep=True)
+            return self._lived[brain]
 
     def _other(self, path: Path) -> Brain:
         brain = brains.load(path)

@@ -65,6 +65,9 @@ def watch(
         words.setdefault("beside", next(iter(offer.logged.brains)))
     trial = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
     check_moment(trial, words)
+    if offer.logged:
+        for setting in trial.settings:  # here, so that its errors are raised
+            offer.logged.under(setting.brain)
     served = listen(offer, port=port)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))

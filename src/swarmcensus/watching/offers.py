@@ -21,8 +21,6 @@ from swarmcensus.brains import Adversary, adversary
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
-from swarmcensus.watching.days import LoggedDay
-from swarmcensus.watching.logged import Logged
 from swarmcensus.watching.simulated import Simulated
 from swarmcensus.worlds import arena, networks, patterns, sensors, wiring
 from swarmcensus.worlds.bodies import Body
@@ -31,6 +29,9 @@ from swarmcensus.worlds.patterns import Floor
 
 if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
     import xarray as xr
+
+    from swarmcensus.watching.days import LoggedDay
+    from swarmcensus.watching.logged import Logged
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
 MOST_TILES = 1_000_000  # along a side of the arena
@@ -62,8 +63,8 @@ class Offer:
     floors: dict[str, Floor]
     brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
     adversaries: dict[str, Adversary]
-    live: Callable[[Setting, int, int], Simulated | Logged] = Simulated  # a setting's trial, by seed and number
-    logged: LoggedDay | None = None  # where robots lived the trial: only a brain beside it can be chosen
+    live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
+    logged: "LoggedDay | None" = None  # where robots lived the trial: only a brain beside it can be chosen
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     """
     name = of.name if isinstance(of, Path) else ""
     if isinstance(of, Path) and of.is_dir():
-        return _day(LoggedDay(of, given))
+        return _day(of, given)
     if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
         return _results(of, name, given)
     more = {brain.label: brain for brain in map(brains.load, given)}
@@ -94,7 +95,10 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     return _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
 
 
-def _day(logged: LoggedDay) -> Offer:
+def _day(folder: Path, given: tuple[Path, ...]) -> Offer:
+    from swarmcensus.watching.days import LoggedDay
+
+    logged = LoggedDay(folder, given)
     study, setting = logged.study, logged.setting
     offer = _offer(logged.day.title, (0,), [study], logged.brains, lambda _: (study, setting))
     return replace(offer, live=logged.life, logged=logged)

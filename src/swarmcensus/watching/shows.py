@@ -7,6 +7,7 @@ robot), and links: pairs of robots (u16) if they move, else one number per edge 
 """
 
 from collections import OrderedDict
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +17,12 @@ from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.living import Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
 from swarmcensus.simulation.trials import blaming
+from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Measure
-from swarmcensus.watching.logged import Logged
 from swarmcensus.watching.simulated import Simulated
+
+if TYPE_CHECKING:  # imported late, as in offers.py
+    from swarmcensus.watching.logged import Logged
 
 KIND = 0x53574152
 COLUMNS = (
@@ -38,17 +42,20 @@ KEPT = 4  # stretches whose frames are kept
 class Show:
     """One trial of a setting that is watched, simulated or logged."""
 
-    def __init__(self, life: Simulated | Logged, measure: Measure) -> None:
+    def __init__(self, life: "Simulated | Logged", measure: Measure) -> None:
         """Prepare the trial; `measure` gives the truth and the bins."""
         self.life, self.bins = life, measure.bins
-        self.setting, self.seed, self.trial = setting, seed, trial = life.setting, life.seed, life.trial
+        self.setting: Setting = life.setting
+        self.seed: int = life.seed
+        self.trial: int = life.trial
+        setting = self.setting
         given = life.given
         self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
         self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
         self._encoded: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
-        self._ground = setting.ground(seed, trial) if self.moves else None
+        self._ground = setting.ground(self.seed, self.trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
         names = {name for brain in setting.brains for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
