@@ -199,17 +199,23 @@ def _check(path: Path, content: dict[str, Any]) -> None:
         raise InputError(f"{path}: robots should be a list of tables, each with a log")
     for robot in robots:
         for key in ("log", "brain"):
-            name = robot.get(key, OWN)
-            if not isinstance(name, str) or not re.fullmatch(r"[^/\\]+", name) or name in (".", ".."):
-                raise InputError(f"{path}: {key} = {name!r}: should be the name of a file in the folder")
+            _check_name(path, key, robot.get(key, OWN))
     ratio = content.get("fill_ratio")
     if ratio is not None and not (isinstance(ratio, int | float) and 0.0 <= ratio <= 1.0):
         raise InputError(f"{path}: fill_ratio = {ratio!r}: should be from 0 to 1, or null")
-    if not isinstance(content.get("brain", {}), dict):
-        raise InputError(f"{path}: brain should be a table with the key file")
-    for key, kind in (("bins", int), ("delta", int | float), ("seed", int), ("trial", int)):
+    brain = content.get("brain", {})
+    if not isinstance(brain, dict) or not isinstance(brain.get("parameters", {}), dict):
+        raise InputError(f"{path}: brain should be a table with the key file, and its parameters another one")
+    _check_name(path, "brain.file", brain.get("file", OWN))
+    for key, kind in (("bins", int), ("delta", int | float), ("seed", int), ("trial", int), ("setting", int)):
         if key in content and not isinstance(content[key], kind):
             raise InputError(f"{path}: {key} = {content[key]!r}: should be a number")
+
+
+def _check_name(path: Path, key: str, name: object) -> None:
+    """Raise InputError if a name leads out of the folder."""
+    if not isinstance(name, str) or not re.fullmatch(r"[^/\\\0]+", name) or name in (".", ".."):
+        raise InputError(f"{path}: {key} = {name!r}: should be the name of a file in the folder")
 
 
 def summary_of(day: Day) -> str:

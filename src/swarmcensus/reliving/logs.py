@@ -11,7 +11,7 @@ from typing import NamedTuple
 from swarmcensus.basics.errors import InputError
 from swarmcensus.robot import log as written
 
-AROUND = 3, 2  # bytes before the body of a block and after it
+AROUND = 5, 2  # bytes before the body of a block and after it
 
 
 class Heard(NamedTuple):
@@ -119,10 +119,10 @@ def blocks_of(path: str | Path) -> Iterator[State | Tick | Gap]:
 
 
 def _blocks(data: bytes | mmap.mmap, path: Path) -> Iterator[State | Tick | Gap]:
-    at, size = 0, 0  # size: bytes of a message, known after the first state
+    at, size = 0, -1  # size: bytes of a message, known after the first state
     while at < len(data):
         kind, body, after = _block(data, at)
-        if body is None or (kind == written.TICK and not at):
+        if body is None or (kind == written.TICK and size < 0):
             after = _next_state(data, at)
             yield Gap(at, after - at, after == len(data))
         elif kind == written.STATE:
@@ -143,7 +143,7 @@ def _block(data: bytes | mmap.mmap, at: int) -> tuple[int, bytes | None, int]:
     before, behind = AROUND
     if at + before + behind > len(data):
         return 0, None, at
-    kind, length = struct.unpack_from("<BH", data, at)
+    kind, length = struct.unpack_from("<BI", data, at)
     end = at + before + length
     if end + behind > len(data) or struct.unpack_from("<H", data, end)[0] != crc32(data[at:end]) & 0xFFFF:
         return kind, None, at
@@ -162,7 +162,9 @@ def _next_state(data: bytes | mmap.mmap, at: int) -> int:
 
 def _state(body: bytes, path: Path) -> State:
     head = struct.calcsize(written.HEAD)
-    _, version, flags, form, *rest = struct.unpack_from(written.HEAD, body)
+    magic, version, flags, form, *rest = struct.unpack_from(written.HEAD, body)
+    if magic != written.MAGIC:
+        raise struct.error("another kind of state")
     if version != written.VERSION:
         raise InputError(f"{path}: a log of version {version}: this swarmcensus reads version {written.VERSION}")
     *rest, parameters, numbers, owed = rest

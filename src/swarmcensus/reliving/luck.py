@@ -69,7 +69,8 @@ def _lot(mind: Mind, word: Any) -> float:
 def _keys_of(day: Day, brain: Brain) -> np.ndarray:
     """The keys of a simulation of the day with this brain, if its study can be read."""
     if (study := study_of(day.about)) is not None:
-        setting = study.settings()[0]
+        settings = study.settings()
+        setting = settings[min(int(day.about.get("setting", 0)), len(settings) - 1)]
         content = {"robots": setting.robots, "topology": setting.topology.content}
     else:
         content = {"robots": len(day.members)}

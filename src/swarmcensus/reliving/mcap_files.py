@@ -2,6 +2,7 @@
 
 import heapq
 import json
+import math
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -18,6 +19,7 @@ from swarmcensus.reliving.logs import Gap, State, Tick, blocks_of
 from swarmcensus.robot.runtime import Messages
 
 NANO = 10**6  # nanoseconds of a millisecond
+LATEST = 2**63 - 1  # ns that a file holds
 NUMBER, WHOLE = {"type": "number"}, {"type": "integer"}
 WHEN = {"tick": WHOLE, "boot": WHOLE}  # of the robot whose channel it is
 CONTENT = {"numbers": {"type": "object", "additionalProperties": True}, "code": {"type": "string"}}
@@ -105,7 +107,7 @@ class _Source:
         for one in tick.heard:
             origin = {"sender": one.sender, "sender_boot": one.boot, "sender_tick": one.tick}
             yield "heard", origin | self._message(one.code)
-        yield "estimate", {"estimate": tick.estimate}
+        yield "estimate", {"estimate": tick.estimate if math.isfinite(tick.estimate) else None}
 
     def _message(self, code: bytes) -> dict[str, Any]:
         numbers = self.reader.read(code) if self.reader else None
@@ -189,7 +191,7 @@ def _write(writer: Any, streams: list[Iterator[Event]], truth: Any) -> int:
 
 
 def _send(writer: Any, channel: int, time: int, sequence: int, content: dict[str, Any]) -> None:
-    at = time * NANO
+    at = min(max(time * NANO, 0), LATEST)
     data = json.dumps(content, separators=(",", ":")).encode()
     writer.add_message(channel, log_time=at, data=data, publish_time=at, sequence=sequence & 0xFFFFFFFF)
 

@@ -14,7 +14,7 @@ from swarmcensus.reliving.minds import Unfit, mind_of
 from swarmcensus.reliving.others import OtherDay, brain_of
 from swarmcensus.simulation.inferring import trace_of
 
-MOST_VALUES = 2**28  # of a trace
+MOST_VALUES = 2**26  # of a trace
 
 
 def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
@@ -44,8 +44,7 @@ def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
 
 def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:
     """The estimates (round, robot); NaN where a robot was away, or its log lacks the tick."""
-    if (clock.rounds + 1) * len(day.members) > MOST_VALUES:
-        raise InputError(f"{day.folder}: its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?")
+    _check_size(day, clock, 1)
     out = np.full((clock.rounds + 1, len(day.members)), np.nan)
     for column, member in enumerate(day.members):
         for at, estimate in lived.estimates.get(member.number, {}).items():
@@ -72,6 +71,7 @@ def _fields(day: Day, lived: OtherDay, clock: Clock) -> dict[str, np.ndarray]:
     """The fields of the brain's memory (round, robot) or (round, robot, item)."""
     shape, lengths = (clock.rounds + 1, len(day.members)), lived.brain.lengths
     width = sum(size or 1 for size in lengths.values())
+    _check_size(day, clock, width)
     every = np.full((*shape, width), np.nan)
     for column, member in enumerate(day.members):
         own = member.brain if lived.brain is day.brain else brain_of(member, lived.brain)
@@ -84,6 +84,12 @@ def _fields(day: Day, lived: OtherDay, clock: Clock) -> dict[str, np.ndarray]:
         fields[name] = every[..., first : first + size] if size else every[..., first]
         first += size or 1
     return fields
+
+
+def _check_size(day: Day, clock: Clock, width: int) -> None:
+    """Raise InputError if so many numbers of each robot and tick are too many, as after a forged tick."""
+    if (clock.rounds + 1) * len(day.members) * width > MOST_VALUES:
+        raise InputError(f"{day.folder}: its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?")
 
 
 def ends_of(day: Day, lived: OtherDay) -> np.ndarray:

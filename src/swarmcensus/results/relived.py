@@ -61,7 +61,8 @@ def _study(day: Day, brains: Sequence[Brain], clock: Clock, message: Format | No
     column = {member.number: k for k, member in enumerate(day.members)}
     heard = {
         (column[one.sender], column[member.number])
-        for member in day.members for tick in member.log.ticks for one in tick.heard if one.sender in column
+        for member in day.members for tick in member.log.ticks for one in tick.heard
+        if one.sender in column and one.sender != member.number
     }  # fmt: skip
     looks = max((tick.looks for member in day.members for tick in member.log.ticks), default=1)
     known = {brain.name: brain.as_written for brain in brains}

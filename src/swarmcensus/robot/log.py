@@ -1,6 +1,6 @@
 """What a robot lives, in a file, so that its mind can be lived again. Plain Python and MicroPython alike.
 
-A log is a row of blocks. A block is its kind (1 byte), the length of its body (2), the body, and a checksum of all of
+A log is a row of blocks. A block is its kind (1 byte), the length of its body (4), the body, and a checksum of all of
 them (2: the lower half of CRC-32). Numbers have their low byte first. A log is only ever appended to, one block at a
 time, so that a power cut costs the last block at most. There are two kinds:
 
@@ -22,12 +22,12 @@ HEAD = "<8sBBBIHHHIII8sQddHHH"  # of the body of STATE
 STARTS, FEEDBACK, SINGLE = 1, 2, 4  # flags of STATE
 SAID, LUCKY, LISTENED = 1, 2, 4  # flags of TICK
 OPENING, ENDING, FROM = "<IIHHBB", "<dI", "<HBH"  # of the body of TICK: how it begins, how it ends, a message's origin
-LONGEST = 0xFFFF  # bytes of a body
+LONGEST = 0xFFFFFF  # bytes of a body
 
 
 def block(kind, body):
     """The bytes of a block."""
-    out = bytearray(struct.pack("<BH", kind, len(body)))
+    out = bytearray(struct.pack("<BI", kind, len(body)))
     out.extend(body)
     out.extend(struct.pack("<H", crc32(out) & 0xFFFF))
     return bytes(out)
