@@ -265,6 +265,14 @@ def test_wrong_options_are_refused_in_a_sentence(tmp_path, monkeypatch, capsys, 
     assert not [*tmp_path.iterdir()]
 
 
+def test_a_folder_that_is_not_empty_is_refused(tmp_path, capsys):
+    (tmp_path / "here").write_text("")
+    assert main(["swarm", "commons", "--out", str(tmp_path)]) == 2
+    assert f"{tmp_path} is not empty: --out should name a new folder" in capsys.readouterr().err
+    assert main(["swarm", "commons", "--out", str(tmp_path / "here")]) == 2
+    assert "is a file: --out should" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
 def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
     arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "0.0.0.0", "--out", str(tmp_path / "out")]

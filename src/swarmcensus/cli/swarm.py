@@ -77,7 +77,7 @@ def swarm(options: argparse.Namespace) -> int:
 
     check_system()
     folder = options.out or _free("swarm")
-    check_free(folder)
+    check_free(folder, "--out")
     study, air = _study(options), _air(options)
     seed = study.seed if options.seed is None else options.seed
     plan = plan_of(study, options.setting or 0, seed, options.trial, air, options.micropython)

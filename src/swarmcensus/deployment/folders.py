@@ -10,18 +10,18 @@ from pathlib import Path
 from swarmcensus.basics.errors import InputError
 
 
-def check_free(folder: Path) -> None:
-    """Raise InputError unless the folder can be made: it is not there, or empty."""
+def check_free(folder: Path, option: str = "--to") -> None:
+    """Raise InputError unless the folder, which this option names, can be made: it is not there, or empty."""
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file: --to should name a new folder")
+        raise InputError(f"{folder} is a file: {option} should name a new folder")
     if folder.is_dir() and any(folder.iterdir()):
-        raise InputError(f"the folder {folder} is not empty: --to should name a new folder")
+        raise InputError(f"the folder {folder} is not empty: {option} should name a new folder")
 
 
 @contextlib.contextmanager
-def new_folder(folder: Path) -> Iterator[Path]:
+def new_folder(folder: Path, option: str = "--to") -> Iterator[Path]:
     """A temporary folder beside `folder`, which gets its name when the block succeeds. Raises InputError."""
-    check_free(folder)
+    check_free(folder, option)
     target = Path(os.path.abspath(folder))
     made = target.with_name(f".{target.name}-{secrets.token_hex(4)}")
     try:
