@@ -34,7 +34,7 @@ def test_its_commands_run_one_after_the_other(tmp_path, monkeypatch, capsys):
 def test_it_shows_the_lines_that_are_printed():
     shown = blocks(PAGE, "console")[0]
     heads = re.findall(r"^(\w+) ", shown, re.MULTILINE)
-    assert heads == ["robots", "error", "right", "heard", "missed", "processor", "memory"]
+    assert heads == ["robots", "error", "right", "message", "heard", "missed", "processor", "memory"]
 
 
 def test_it_names_every_option_and_every_fault():

@@ -19,8 +19,9 @@ class _Console(Console):
 
 
 def console(**options: Any) -> Console:
-    """A console for standard output. It folds lines only in a terminal, and prints texts without markup."""
-    width = None if sys.stdout.isatty() else UNFOLDED
+    """A console for standard output, or error. It folds lines only in a terminal, and prints texts without markup."""
+    stream = sys.stderr if options.get("stderr") else sys.stdout
+    width = None if stream.isatty() else UNFOLDED
     return _Console(width=width, highlight=False, markup=False, emoji=False, **options)
 
 

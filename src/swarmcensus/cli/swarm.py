@@ -3,10 +3,11 @@
 import argparse
 import itertools
 import re
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import STOPPED, InputError
 from swarmcensus.cli.deploy import number
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
@@ -73,7 +74,7 @@ def swarm(options: argparse.Namespace) -> int:
     from swarmcensus.swarm.children import check_system
     from swarmcensus.swarm.faults import faults_of
     from swarmcensus.swarm.plans import plan_of
-    from swarmcensus.swarm.running import run
+    from swarmcensus.swarm.running import Stopped, run
 
     check_system()
     folder = options.out or _free("swarm")
@@ -82,14 +83,23 @@ def swarm(options: argparse.Namespace) -> int:
     seed = study.seed if options.seed is None else options.seed
     plan = plan_of(study, options.setting or 0, seed, options.trial, air, options.micropython)
     faults = faults_of(options.at, plan.setting.robots, plan.period, plan.seconds)
-    with showing(plan, options) as show:
-        outcome = run(plan, faults, folder, show)
+    stopped = ""
+    try:
+        with showing(plan, options) as show:
+            outcome = run(plan, faults, folder, show)
+    except Stopped as after:
+        outcome, stopped = (
+            after.outcome,
+            f"swarmcensus: stopped after {after.rounds:,} of {plan.setting.rounds:,} rounds",
+        )
     if options.json:
         answer("swarm", vars(outcome) | {"folder": str(folder)})
     else:
         print("\n".join(summary(plan, outcome)))
     wrote(f"{folder}: {plan.setting.robots} logs; next: swarmcensus relive {folder}")
-    return 0
+    if stopped:
+        print(stopped, file=sys.stderr)
+    return STOPPED if stopped else 0
 
 
 def _study(options: argparse.Namespace) -> "Study":

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.output import say
 
 if TYPE_CHECKING:
@@ -18,12 +19,22 @@ if TYPE_CHECKING:
     from swarmcensus.swarm.reports import Known
     from swarmcensus.swarm.running import Swarm
 
-ROWS = 30  # robots that are shown one by one
 LINES = 10  # of a run in a pipe
+EVENTS = 3  # that are shown in a terminal
 COLUMNS = (
-    ("robot", True), ("", False), ("tick", True), ("estimate", True), ("decision", True), ("heard", True),
-    ("lost", True), ("stale", True), ("refused", True), ("missed", True), ("undone", True),
+    "robot", "", "tick", "estimate", "decision", "heard", "lost", "stale", "refused", "missed", "undone",
 )  # fmt: skip
+GIVEN_UP = (
+    "undone",
+    "stale",
+    "missed",
+    "refused",
+    "decision",
+    "lost",
+    "heard",
+    "tick",
+)  # in this order where it is narrow
+GAP = 2  # between columns
 
 
 @contextlib.contextmanager
@@ -36,8 +47,9 @@ def showing(plan: "Plan", options: argparse.Namespace) -> "Iterator[Callable[[Sw
 
         from swarmcensus.basics.terminal import console
 
-        with Live(console=console(stderr=True), transient=True, auto_refresh=False) as live:
-            yield lambda swarm: live.update(_screen(swarm), refresh=True)
+        out = console(stderr=True)
+        with Live(console=out, transient=True, auto_refresh=False) as live:
+            yield lambda swarm: live.update(screen(swarm, out.width, out.height), refresh=True)
     else:
         lines = _Lines(plan.seconds / LINES)
         yield lines.show
@@ -55,40 +67,70 @@ class _Lines:
         self.told = len(swarm.happened)
         if swarm.seconds >= self.next:
             self.next += self.every
-            say(headline(swarm))
+            say(f"{swarm.seconds:.1f} s: {', '.join(_parts(swarm))}")
 
 
-def headline(swarm: "Swarm") -> str:
-    """How the swarm is, in a line."""
+def _parts(swarm: "Swarm") -> list[str]:
+    """How the swarm is."""
     from swarmcensus.swarm.reports import share_heard
 
-    now = [known for known in swarm.robots if known.state == "runs" and known.last]
-    told = f"{swarm.seconds:.1f} s: {len(now)} of {len(swarm.robots)} at work"
-    if not now:
-        return told
-    low, middle, high = np.quantile([known.last.estimate for known in now if known.last], [0.05, 0.5, 0.95])
+    now = [number for number, known in enumerate(swarm.robots) if known.state == "runs" and known.last]
+    parts = [f"{len(now)} of {len(swarm.robots)} at work"]
+    members = swarm.plan.members
+    counts = [known.last.estimate for n in now if (known := swarm.robots[n]).last and members[n].honest]
+    if counts:
+        low, middle, high = np.quantile(counts, [0.05, 0.5, 0.95])
+        whose = "estimates" if all(member.honest for member in members) else "honest estimates"
+        parts.append(f"{whose} {middle:.3f}, 90 % from {low:.3f} to {high:.3f}")
     heard = share_heard(swarm.robots)
-    talk = "" if np.isnan(heard) else f", {heard:.1%} heard"
-    return f"{told}, estimates {middle:.3f}, 90 % of them from {low:.3f} to {high:.3f}{talk}"
+    return parts if np.isnan(heard) else [*parts, f"{100 * heard:.1f} % heard"]
 
 
-def _screen(swarm: "Swarm") -> "Table":
+def screen(swarm: "Swarm", width: int, height: int) -> "Table":
+    """How the swarm is, in at most so many columns and lines less one, which the cursor needs."""
     from rich.table import Table
     from rich.text import Text
 
-    from swarmcensus.basics.terminal import table
-
-    out = Table.grid()
     plan = swarm.plan
     done = max((known.last.round for known in swarm.robots if known.last), default=0)
-    out.add_row(Text(f"{plan.study.name}: {plan.setting}", overflow="ellipsis", no_wrap=True))
-    out.add_row(Text(f"round {max(0, min(done, plan.setting.rounds)):,} of {plan.setting.rounds:,}, {headline(swarm)}"))
-    out.add_row(table(COLUMNS, (_row(number, known) for number, known in enumerate(swarm.robots[:ROWS]))))
-    if len(swarm.robots) > ROWS:
-        out.add_row(Text(f"... and {len(swarm.robots) - ROWS:,} more"))
-    for event in swarm.happened[-3:]:
-        out.add_row(Text(event))
+    round_ = f"round {max(0, min(done, plan.setting.rounds)):,} of {plan.setting.rounds:,}"
+    top = [f"{plan.study.name}: {plan.setting.brain.name}, {plan.setting}"]
+    top += _filled([round_, *_parts(swarm)], width)
+    top += swarm.happened[-EVENTS:]
+    room = height - 1 - len(top) - 1  # the last for the heads of columns
+    shown = len(swarm.robots) if len(swarm.robots) <= room else max(0, room - 1)
+    out = Table.grid()
+    for line in top[: max(1, height - 1)]:
+        out.add_row(Text(line, overflow="ellipsis", no_wrap=True))
+    if shown:
+        out.add_row(_robots(swarm, shown, width))
+    if 0 < shown < len(swarm.robots):
+        out.add_row(Text(f"... and {len(swarm.robots) - shown:,} more"))
     return out
+
+
+def _filled(parts: list[str], width: int) -> list[str]:
+    """The parts in lines of this width, separated by commas."""
+    lines = parts[:1]
+    for part in parts[1:]:
+        joined = f"{lines[-1]}, {part}"
+        lines = [*lines[:-1], joined] if len(joined) <= width else [*lines, part]
+    return lines
+
+
+def _robots(swarm: "Swarm", shown: int, width: int) -> "Table":
+    """A row for each of the first robots, with the columns for which there is room."""
+    from swarmcensus.basics.terminal import table
+
+    rows = [_row(number, known) for number, known in enumerate(swarm.robots[:shown])]
+    wide = {name: max(map(len, [name, *cells])) for name, *cells in zip(COLUMNS, *rows, strict=True)}
+    idle = {name for name, *cells in zip(COLUMNS, *rows, strict=True) if not set(cells) - {"", "0"}}
+    for name in sorted(GIVEN_UP, key=lambda name: name not in idle):  # first those in which nothing has happened
+        if sum(wide.values()) + GAP * (len(wide) - 1) > width:
+            del wide[name]
+    kept = [place for place, name in enumerate(COLUMNS) if name in wide]
+    heads = [(COLUMNS[place], COLUMNS[place] != "") for place in kept]
+    return table(heads, ([row[place] for place in kept] for row in rows))
 
 
 def _row(number: int, known: "Known") -> list[str]:
@@ -103,16 +145,35 @@ def _row(number: int, known: "Known") -> list[str]:
 
 def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     """The end of a run, as lines."""
-    honest = sum(member.honest for member in plan.members)
-    whose = "" if honest == len(plan.members) else f" of {honest} honest ones"
+    from swarmcensus.deployment.plans import datagram_bytes
+
+    brain = plan.setting.brain
     lines = [
         f"{'robots':<10}{outcome.at_work} of {outcome.robots} at work at the end",
-        f"{'error':<10}{outcome.mean_error:.4f}, the mean over robots{whose}",
-        f"{'right':<10}{outcome.right:.1%} of robots in the right of {plan.study.measure.bins} bins",
-        f"{'heard':<10}{outcome.heard:.2%} of the messages that the air did not lose; it lost {outcome.lost:.1%}",
-        f"{'missed':<10}{outcome.missed:,} ticks for which there was no time",
+        *_errors(plan, outcome),
+        f"{'message':<10}{counted(brain.message_bytes, 'byte')}, in a datagram of {datagram_bytes(brain, 'udp')}",
+    ]
+    if not np.isnan(outcome.heard):
+        lost = f"it lost {100 * outcome.lost:.1f} %"
+        lines.append(f"{'heard':<10}{100 * outcome.heard:.2f} % of the messages that the air did not lose; {lost}")
+    lines += [
+        f"{'missed':<10}{counted(outcome.missed, 'tick')} for which there was no time",
         f"{'processor':<10}{outcome.processor_seconds:.1f} s of all robots, {outcome.cores:.2f} cores",
         f"{'memory':<10}{outcome.memory / 1e6:,.0f} MB of all robots at the peak",
     ]
     lines += [f"robot {number} died by itself, {why}" for number, why in outcome.died.items()]
     return lines
+
+
+def _errors(plan: "Plan", outcome: "Outcome") -> list[str]:
+    """How wrong robots are, and which robots that counts."""
+    honest = "" if all(member.honest for member in plan.members) else "honest "
+    pairs = zip(plan.members, outcome.estimates, strict=True)
+    number = sum(member.honest and bool(np.isfinite(estimate)) for member, estimate in pairs)
+    if not number:
+        return [f"{'error':<10}unknown: no {honest}robot was at work at the end"]
+    who = f"the mean over the {counted(number, honest + 'robot')} at work at the end"
+    return [
+        f"{'error':<10}{outcome.mean_error:.4f}, {who}",
+        f"{'right':<10}{100 * outcome.right:.1f} % of them in the right of {plan.study.measure.bins} bins",
+    ]

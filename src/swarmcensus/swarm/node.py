@@ -194,7 +194,7 @@ class Node:
         if self.robot is not None:
             r, a = self.robot, self.air
             words += [r.round(), r.ticks, r.estimate, r.decision, r.heard, r.stale, r.refused, r.missed, r.undone]
-            words += [r.blanked, a.sent, a.lost, a.late]
+            words += [r.blanked, a.sent, a.lost, a.late, r.ticks_before]
         try:
             self.command.send(" ".join([str(word) for word in words]).encode())
         except OSError as error:

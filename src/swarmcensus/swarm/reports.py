@@ -27,12 +27,13 @@ class Report(NamedTuple):
     sent: int = 0  # messages, each counted for each robot that should hear it
     lost: int = 0
     late: int = 0  # came after its last tick
+    resumed: int = 0  # the tick whose memory it began this life with; 0: with none
 
 
 def read_report(datagram: bytes) -> Report | None:
     """A report; None if the datagram is something else."""
     words = datagram.split(b" ")
-    kinds = (*(int,) * 6, float, float, *(int,) * 9)
+    kinds = (*(int,) * 6, float, float, *(int,) * 10)
     if len(words) not in (4, len(kinds)):
         return None
     try:
@@ -50,6 +51,7 @@ class Known:
     before: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTED, 0))  # sums of earlier lives
     state: str = "waits"  # waits, runs, stopped, killed, died
     why: str = ""  # it died
+    began: int = 1  # the life that was last said to have begun; the first needs no word
 
     def count(self, name: str) -> int:
         """A sum over all its lives."""

@@ -69,10 +69,19 @@ class Swarm:
         return time.monotonic() - self.started
 
 
+class Stopped(KeyboardInterrupt):
+    """Raised when Ctrl-C stops a swarm; `outcome` is what had come of it, `rounds` how many it had lived."""
+
+    def __init__(self, outcome: Outcome, rounds: int) -> None:
+        """Keep what there is."""
+        super().__init__()
+        self.outcome, self.rounds = outcome, rounds
+
+
 def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm], None] = lambda _: None) -> Outcome:
     """Run a swarm to its end and write its folder; `show` is called some times a second.
 
-    Raises InputError if robots cannot be started, and KeyboardInterrupt when all of them have ended.
+    Raises InputError if robots cannot be started, and Stopped after Ctrl-C, when all of them have ended.
     """
     check_system()
     command = _socket(plan.air.host)
@@ -80,6 +89,7 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
         LOG.info("Anyone who can reach %s can send messages in the name of any robot.", plan.air.host)
     before = seconds_of_children()
     began = time.monotonic()
+    stopped = False
     with command:
         write_folder(plan, folder, command.getsockname()[1])
         swarm = Swarm(
@@ -90,6 +100,8 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
             _start(swarm)
             at = round((time.time() + AHEAD) * 1000)
             _go_on(swarm, show)
+        except KeyboardInterrupt:
+            stopped = True
         finally:
             _weigh(swarm)
             last = time.monotonic()
@@ -100,6 +112,9 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
             complete(
                 plan, folder, round(time.time() * 1000), {"started": at, "happened": swarm.happened, "result": outcome}
             )
+    if stopped:
+        rounds = max((known.last.round for known in swarm.robots if known.last), default=0)
+        raise Stopped(outcome, max(0, min(rounds, plan.setting.rounds)))
     return outcome
 
 
@@ -186,11 +201,22 @@ def _listen(swarm: Swarm, wait: float) -> None:
         if known.address not in (None, address):
             continue  # of somebody else
         known.last = report
+        _tell_of_life(swarm, known)
         if known.address is None:
             known.address = address
             swarm.ports[report.number] = report.port
             if swarm.started:
                 _tell_all(swarm)
+
+
+def _tell_of_life(swarm: Swarm, known: Known) -> None:
+    """Note with what memory a robot has begun again."""
+    report = known.last
+    if report is None or report.round < 0 or report.life <= known.began:
+        return
+    known.began = report.life
+    how = f"goes on from its tick {report.resumed:,}" if report.resumed else "starts blank"
+    swarm.happened.append(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
 
 
 def _begin_life(swarm: Swarm, number: int) -> None:
