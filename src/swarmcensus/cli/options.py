@@ -13,6 +13,10 @@ DIGITS = 18  # of a number, so that it fits into 64 bits
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one sentence, and suggest what was probably meant."""
 
+    def __init__(self, *arguments: Any, **more: Any) -> None:
+        """Options are written out: a shortened one could mean another when a command gets more of them."""
+        super().__init__(*arguments, **{"allow_abbrev": False, **more})
+
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse unknown arguments here, where the options of this command are known and one can be suggested."""
         self.given = [argument for argument in args or [] if argument.startswith("--")]
@@ -30,9 +34,12 @@ class Parser(argparse.ArgumentParser):
         for said, ours in WORDS:
             message = re.sub(said, ours, message)
         if message.endswith(MISSING):
+            what, several = message.removesuffix(f" {MISSING}").split(", "), "are missing"
+            if len(what) > 1 and not what[0].startswith("one of "):
+                message = f"{', '.join(what[:-1])} and {what[-1]} {several}"
             options = [option for option in self._option_string_actions if option.startswith("--")]
             names = (argument.partition("=")[0] for argument in self.given)
-            unknown = (name for name in names if not any(option.startswith(name) for option in options))
+            unknown = (name for name in names if name not in options)
             hint = next(filter(None, (did_you_mean(name, options) for name in unknown)), "")
             message = f"{message}: {hint or self._help()}"
         self.exit(2, f"{self.prog}: {' '.join(message.split())}\n")
@@ -66,7 +73,6 @@ WORDS = (  # what argparse says, and what is said here
     (r"(?s)^argument ([^:]*/)?(?:\S+\|\S+: |([^:]+): )", r"\2 "),
     (r"(?s)^the following arguments are required: (.+)$", rf"\1 {MISSING}"),
     (r"(?s)^one of the arguments (.+) is required$", rf"one of \1: {MISSING}"),
-    (r"(?s)^ambiguous option: (\S+) could match (.+)$", r"\1 could be any of \2"),
 )
 
 
