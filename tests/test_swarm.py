@@ -135,6 +135,8 @@ def test_liars_are_processes_too(tmp_path, capsys):
     about = json.loads((tmp_path / "out" / "swarm.json").read_text())
     [liar] = [robot for robot in about["robots"] if not robot["honest"]]
     assert liar["brain"] == "liar-1.py"
+    assert [robot["adversary"] for robot in about["robots"] if robot is not liar] == [None] * 3
+    assert liar["adversary"] == "forger"
     assert (tmp_path / "out" / "liar-1.py").is_file()
     honest = next(log for log in logs(tmp_path / "out") if log.number != liar["number"])
     assert liar["number"] in {m.sender for tick in honest.ticks for m in tick.heard}

@@ -161,7 +161,7 @@ def _summary(plan: Plan, ended: int | None, result: Mapping[str, Any]) -> str:
         "robots": [
             {
                 "number": m.number, "log": log_of(m.number), "brain": m.file, "honest": m.honest, "b": m.b, "w": m.w,
-                "runs_on": "micropython" if m.on_micropython else "cpython",
+                "adversary": m.adversary, "runs_on": "micropython" if m.on_micropython else "cpython",
             }
             for m in plan.members
         ],

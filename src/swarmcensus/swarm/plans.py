@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.packing import FORMATS, Format
 from swarmcensus.deployment import on_node
 from swarmcensus.deployment.plans import Plan as DeployedPlan
@@ -45,6 +45,7 @@ class Member:
     b: float  # what it believes of its sensor
     w: float
     on_micropython: bool = False
+    adversary: str | None = None  # the name of what it lies by
 
 
 @dataclass(frozen=True)
@@ -150,10 +151,21 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member,
     honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
     b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)
     names = _names(setting, group, honest)
+    worn = _adversaries(setting)
     return tuple(
-        Member(k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython)
+        Member(
+            k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython,
+            worn.get(setting.brains[group[k]]),
+        )
         for k in range(setting.robots)
-    )
+    )  # fmt: skip
+
+
+def _adversaries(setting: Setting) -> dict[Brain, str]:
+    """The names of adversaries by the brains that wear them."""
+    liars = [member for member in setting.members if isinstance(member.brain, Adversary)]
+    brains = (liar.brain_in(setting.brain).with_numbers(setting.brain.numbers) for liar in liars)
+    return {brain: liar.brain.name for brain, liar in zip(brains, liars, strict=True) if liar.brain}
 
 
 def _names(setting: Setting, group: np.ndarray, honest: np.ndarray) -> list[str]:
