@@ -67,7 +67,7 @@ def costs():
         o, _ = lived(plan)
         yield (
             f"| {robots} | {hz:g} | {topology} | {loss:g} | {delay} | {o.cores:.2f} | {o.memory / 1e6:,.0f} "
-            f"| {o.heard:.2%} | {o.missed:,} of {robots * rounds:,} |"
+            f"| {100 * o.heard:.2f} % | {o.missed:,} of {robots * rounds:,} |"
         )
 
 
@@ -107,11 +107,11 @@ def against(runs):
                 f"| {topology} | {loss:g} | {what} | {over[:, k].mean():.4f} | {within[:, k].mean():.4f} "
                 f"| {effect:+.2f} | {test.pvalue:.3f} | {p:.3f} | {apart.mean():+.4f} ± {error:.4f} |"
             )
-    same, before, older = ages / ages.sum()
+    same, before, older = 100 * ages / ages.sum()
     yield ""
     yield (
-        f"Of the messages heard, {same:.0%} are of the same tick as the hearer's, {before:.0%} of the one before, and "
-        f"{older:.1%} are older."
+        f"Of the messages heard, {same:.0f} % are of the same tick as the hearer's, {before:.0f} % of the one before, "
+        f"and {older:.1f} % are older."
     )
 
 

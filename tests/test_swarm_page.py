@@ -40,7 +40,7 @@ def test_it_shows_the_lines_that_are_printed():
 def test_it_names_every_option_and_every_fault():
     text = PAGE.read_text(encoding="utf-8")
     given = parser()._subparsers._group_actions[0].choices["swarm"]._option_string_actions
-    output = {"--help", "--json", "--quiet", "--verbose"}
+    output = {"--help", "--quiet", "--verbose"}
     assert {option for option in given if option.startswith("--") and f"`{option}" not in text} == output
     assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
 
