@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import STOPPED, InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.deploy import number
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
@@ -96,7 +97,8 @@ def swarm(options: argparse.Namespace) -> int:
         answer("swarm", vars(outcome) | {"folder": str(folder)})
     else:
         print("\n".join(summary(plan, outcome)))
-    wrote(f"{folder}: {plan.setting.robots} logs; next: swarmcensus relive {folder}")
+    logs = len(list(folder.glob("robot-*.log")))  # fewer if it was stopped before all had begun
+    wrote(f"{folder}: {counted(logs, 'log')}" + (f"; next: swarmcensus relive {folder}" if logs else ""))
     if stopped:
         print(stopped, file=sys.stderr)
     return STOPPED if stopped else 0
