@@ -36,10 +36,12 @@ class Body:
 class Swarm:
     """Robots of a setting whose messages have a format; `saves` is after how many ticks a memory is saved."""
 
-    def __init__(self, folder, setting, seed=0, trial=0, saves=0, now=True, first=0, lies=None, brains=None):
+    def __init__(self, folder, setting, seed=0, trial=0, saves=0, now=True, first=0, lies=None, brains=None,
+                 waits=0):  # fmt: skip
         self.folder, self.setting, self.trial, self.saves, self.now = folder, setting, trial, saves, now
         self.lies = lies or (lambda robot, tick: False)
         self.first = first  # ticks that the robots have behind them
+        self.waits = waits  # ms from their start to the common beginning, after which each has a phase of its own
         folder.mkdir(exist_ok=True)
         self.links = reference.hearers(setting, None, trial)
         self.keys = setting.losses_key(seed), setting.luck_keys(seed)
@@ -68,17 +70,22 @@ class Swarm:
         parameters = {k: tuple(map(given, v)) if isinstance(v, tuple) else given(v) for k, v in brain.overrides}
         body = self.bodies[i] = Body()
         self.robots[i] = robot = Robot(
-            brain.functions, messages_of(brain), body, body, lambda: (self.tick * PERIOD) % 2**30, given(self.b[i]),
+            brain.functions, messages_of(brain), body, body, lambda: self._passed(i) % 2**30, given(self.b[i]),
             given(self.w[i]), i, PERIOD, self.setting.observations_per_round, parameters,
             (lambda: self.lots[i].pop(0)) if brain.uses.luck else None,
         )  # fmt: skip
         robot.ticks = self.first
         if self.saves:
             robot.keep(str(self.folder / f"memory-{i}"), self.saves)
-        now = BEGUN + self.tick * PERIOD if self.now else 0
+        now = BEGUN + self._passed(i) if self.now else 0
         form = FORMS[brain.numbers.message]
         log = Log(str(self.folder / f"robot-{i}.log"), bytes.fromhex(brain.sha256)[:8], form, now, single=single)
         robot.record(log)
+
+    def _passed(self, i):
+        """Milliseconds since the robots were made."""
+        phase = i * (PERIOD - 1) // self.setting.robots if self.waits else 0
+        return self.tick * PERIOD + (self.waits + phase if self.tick else 0)
 
     def kill(self, i):
         """A robot vanishes, as in a power cut."""

@@ -37,9 +37,9 @@ def broken(folder, robot):
     return first
 
 
-def killed(folder, brain="commons", damages=(), now=True, **given):
+def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
     """A swarm in which robot 1 is killed after tick 23, and is back at tick 31; robot 2 at once after tick 12."""
-    _, _, swarm = logged(folder, brain, more={"saves": 5, "now": now}, **given)
+    _, _, swarm = logged(folder, brain, more={"saves": 5, "now": now, "waits": waits}, **given)
     swarm.run(12)
     swarm.kill(2)
     for name in damages:
@@ -53,9 +53,10 @@ def killed(folder, brain="commons", damages=(), now=True, **given):
     return swarm.close()
 
 
-@pytest.mark.parametrize("now", [True, False])
-def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now):
-    shown = killed(tmp_path / "day", now=now)
+@pytest.mark.parametrize(("now", "waits"), [(True, 0), (True, 370), (False, 0), (False, 370)])
+def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits):
+    """Robots of a swarm wait for a common beginning; one that starts again does not."""
+    shown = killed(tmp_path / "day", now=now, waits=waits)
     day, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit and not life.lost for life in lives)
     assert [(s.boot, s.tick, s.kind, s.source_boot) for s in lives[1].starts] == [
@@ -66,6 +67,7 @@ def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now):
     trace = as_trace(day, as_logged(day, lives), clock)["estimate"].values
     if now:  # the rounds are those of the world
         assert len(trace) == 41
+        assert set(clock.times[0]) == set(range(41))  # a robot that never started again has its own ticks
         assert np.isnan(trace[24:30, 1]).all()
         there = ~np.isnan(shown)
         assert (trace[there] == shown[there]).all()
