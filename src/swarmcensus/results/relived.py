@@ -66,6 +66,7 @@ def _study(day: Day, brains: Sequence[Brain], clock: Clock, message: Format | No
     }  # fmt: skip
     looks = max((tick.looks for member in day.members for tick in member.log.ticks), default=1)
     known = {brain.name: brain.as_written for brain in brains}
+    black, white = _mean([s.b for s in states]), _mean([s.w for s in states])
     liars = sum(not member.honest for member in day.members)
     tables = {
         "name": day.title,
@@ -74,7 +75,7 @@ def _study(day: Day, brains: Sequence[Brain], clock: Clock, message: Format | No
         "swarm": {
             "brain": [{"file": brain.name, **_listed(brain)} for brain in brains],
             "robots": len(day.members),
-            "accuracy": {"black": _mean([s.b for s in states]), "white": _mean([s.w for s in states])},
+            "accuracy": black if all(s.b == s.w for s in states) else {"black": black, "white": white},
             "precision": "single" if states[0].single else "double",
         },
         "world": {
