@@ -45,11 +45,37 @@ def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):
     assert "robot 1, boot 0, tick 9: the sensor told the log something else than the brain" in said
 
 
+def test_another_brain_is_told_once(tmp_path, capsys):
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20, more={"saves": 4})
+    swarm.run()
+    swarm.close()
+    changed = brains.load("commons").source.replace("0.5", "0.4")
+    (tmp_path / "day" / "brain.py").write_text(changed)
+    assert main(["relive", str(tmp_path / "day")]) == 1
+    said = capsys.readouterr().out
+    assert said.count("another brain") == 1
+    assert "all 3 robots ran another brain: the hash of its file begins with" in said
+    assert main(["relive", str(tmp_path / "day"), "--json"]) == 1
+    assert capsys.readouterr().out.count("another brain") == 3
+
+
+def test_a_lone_robot_has_its_log(tmp_path, capsys):
+    _, _, swarm = logged(tmp_path / "day", robots=2, rounds=5)
+    swarm.run()
+    swarm.close()
+    (tmp_path / "day" / "robot-1.log").unlink()
+    main(["relive", str(tmp_path / "day"), "--brain", "voter"])
+    said = capsys.readouterr().out
+    assert "1 robot, 5 ticks in its log" in said
+    assert "unknown under voter:" in said
+
+
 def test_results_and_traces_are_those_that_other_commands_take(day, tmp_path, capsys):
     out, trace = tmp_path / "day.nc", tmp_path / "trace.nc"
     assert main(["relive", str(day), "--brain", "minimalistic", "--out", str(out), "--trace", str(trace)]) == 0
     data = load(out)
     assert data["brain"].values.tolist() == ["commons", "minimalistic"]
+    assert data["accuracy"].values.tolist() == ["0.8", "0.8"]  # one number where b = w
     expected = record_trial(setting_of(robots=4, rounds=30)[1], SEED, 0)[1]
     assert (data["final_estimate"].values[0, 0] == expected[-1]).all()
     assert np.allclose(data["convergence_error"].values[:, 0].mean(), data["convergence_error"].values.mean())
@@ -58,6 +84,10 @@ def test_results_and_traces_are_those_that_other_commands_take(day, tmp_path, ca
     assert "minimalistic" in capsys.readouterr().out
     assert main(["verify", str(out)]) == 2
     assert "swarmcensus relive FOLDER does" in capsys.readouterr().err
+    assert main(["plot", str(out), "--kind", "curves"]) == 2
+    assert "draws them with --plot FILE" in capsys.readouterr().err
+    assert main(["show", str(trace)]) == 2
+    assert "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE" in capsys.readouterr().err
     assert main(["relive", str(day), "--trace", str(tmp_path / "t.csv"), "--plot", str(tmp_path / "t.png")]) == 0
     rows = (tmp_path / "t.csv").read_text().splitlines()
     assert rows[0].startswith("round,robot,")
@@ -140,6 +170,7 @@ def test_a_folder_from_boards_needs_no_more_than_logs(day, tmp_path, capsys):
         (["DAY", "--brain", "votre"], "votre"),
         (["DAY", "--brain", "everyone"], "everyone"),
         (["DAY", "--brain", "voter", "--parameter", "x=1"], "--parameter: the brain 'voter' has no parameter 'x'"),
+        (["DAY", "--brain", "voter", "--brain", "sure", "--plot", "r.png"], "own relive, or --out FILE.nc and"),
         (["DAY", "--out", "r.csv"], "--out r.csv: it is written as .nc"),
         (["DAY", "--trace", "r.png"], "--trace r.png: it is written as .nc or .csv"),
         (["DAY", "--brain", "commons", "--out", "r.nc"], "commons would be there twice"),

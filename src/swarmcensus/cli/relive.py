@@ -92,7 +92,8 @@ def _check(options: argparse.Namespace) -> None:
         hint = did_you_mean(options.message, FORMATS[1:])
         raise InputError(f"--message {options.message}: {hint}should be one of {', '.join(FORMATS[1:])}")
     if (options.trace or options.plot) and len(options.brain) > 1:
-        raise InputError(f"--{'trace' if options.trace else 'plot'} goes with one --brain at most")
+        flag, other = ("trace", "") if options.trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
+        raise InputError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}")
     for flag, path, suffixes in (("--out", options.out, (".nc",)), ("--trace", options.trace, (".nc", ".csv"))):
         if path and path.suffix not in suffixes:
             raise InputError(f"{flag} {path}: it is written as {' or '.join(suffixes)}")
@@ -184,9 +185,10 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
     exact = sum(life.to_the_bit for life in lives)
     ticks, relived = sum(life.ticks for life in lives), sum(life.relived for life in lives)
     truth = "" if day.fill_ratio is None else f", fill ratio {day.fill_ratio:g}"
-    print(f"{day.title}: {summary_of(day)}, {counted(ticks, 'tick')} in their logs{truth}")
+    whose = "its log" if len(lives) == 1 else "their logs"
+    print(f"{day.title}: {summary_of(day)}, {counted(ticks, 'tick')} in {whose}{truth}")
     print(f"{exact:,} of {counted(len(lives), 'mind')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}")
-    _list([f"  robot {life.number}, boot {b.boot}, tick {b.tick}: {b.reason}" for life in lives for b in life.breaks])
+    _list(_break_lines(lives))
     _list([_lost_line(life.number, lost) for life in lives for lost in life.lost])
     _list([
         f"  robot {life.number}, boot {s.boot}: " + (
@@ -207,9 +209,36 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
     print()
     console().print(table(columns, rows))
     for one in lived[1:]:
-        lines = [f"  {one.counts[name]:,} {what}" for name, what in (UNKNOWN | TOLD).items() if one.counts[name]]
-        if lines:
-            print(f"under {one.brain.label}:", *lines, sep="\n")
+        for kinds, title in ((UNKNOWN, "unknown under {}:"), (TOLD, "known under {}, and not as in the logs:")):
+            lines = [f"  {one.counts[name]:,} {what}" for name, what in kinds.items() if one.counts[name]]
+            if lines:
+                print(title.format(one.brain.label), *lines, sep="\n")
+
+
+def _break_lines(lives: Sequence["Life"]) -> list[str]:
+    """A line for each difference; robots that ran another brain are together in one."""
+    from swarmcensus.reliving.reasons import ANOTHER
+
+    together: dict[str, list[int]] = {}
+    for life in lives:
+        for one in life.breaks:
+            if one.reason.startswith(ANOTHER):
+                together.setdefault(one.reason.removeprefix(ANOTHER), []).append(life.number)
+    several = {hashes: robots for hashes, robots in together.items() if len(robots) > 1}
+    return [
+        f"  {_those(robots, len(lives))} ran another brain: the hash of its file{hashes}"
+        for hashes, robots in several.items()
+    ] + [
+        f"  robot {life.number}, boot {one.boot}, tick {one.tick}: {one.reason}"
+        for life in lives for one in life.breaks if one.reason.removeprefix(ANOTHER) not in several
+    ]  # fmt: skip
+
+
+def _those(robots: Sequence[int], count: int) -> str:
+    if len(robots) == count:
+        return f"all {count:,} robots"
+    more = f" and {len(robots) - SHOWN:,} more" if len(robots) > SHOWN else ""
+    return f"robots {', '.join(map(str, robots[:SHOWN]))}{more}"
 
 
 def _lost_line(number: int, lost: Any) -> str:

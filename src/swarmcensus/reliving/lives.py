@@ -9,7 +9,7 @@ from swarmcensus.basics.fork import in_background
 from swarmcensus.reliving.folders import Day, Member
 from swarmcensus.reliving.logs import Gap, RobotLog, State, Tick
 from swarmcensus.reliving.minds import Mind, Unfit, checksum_of, mind_of
-from swarmcensus.reliving.reasons import reason_of, unfit_reason
+from swarmcensus.reliving.reasons import reason_of, said_before, unfit_reason
 
 LARGE = 20_000  # blocks of all logs, from which on a second process is worth its start
 
@@ -59,6 +59,11 @@ class Life:
         """Whether all that the log holds was lived again to the bit."""
         return self.relived == self.ticks and not self.breaks
 
+    def differs(self, boot: int, tick: int, reason: str) -> None:
+        """Note that a tick was not lived again; a reason that holds for the whole log is told once, not at each state."""
+        if not said_before(reason, [one.reason for one in self.breaks]):
+            self.breaks.append(Break(boot, tick, reason))
+
 
 def relive(member: Member, keep: bool = False) -> Life:
     """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
@@ -78,16 +83,14 @@ def relive(member: Member, keep: bool = False) -> Life:
                 if mind.ticks != block.tick:  # ticks are missing
                     mind = None
                 elif mind.checksum != checksum_of((*block.numbers, *block.owed)):
-                    life.breaks.append(Break(boot, block.tick, "its saved memory is not what its ticks lead to"))
+                    life.differs(boot, block.tick, "its saved memory is not what its ticks lead to")
                     mind = None
             if mind is None or block.starts:
                 first = at
                 try:
                     mind = mind_of(member.brain, block)
                 except Unfit as why:
-                    reason = unfit_reason(member, block, str(why))
-                    if not life.breaks or life.breaks[-1].reason != reason:  # told once, not at each state
-                        life.breaks.append(Break(boot, block.tick, reason))
+                    life.differs(boot, block.tick, unfit_reason(member, block, str(why)))
                     mind = None
         elif mind is not None:
             if mind.ticks + 1 != block.tick:
@@ -101,7 +104,7 @@ def relive(member: Member, keep: bool = False) -> Life:
                 continue
             mind.become(before, block.tick - 1)
             mind.estimate, mind.stuck = estimate, stuck
-            life.breaks.append(Break(boot, block.tick, reason_of(member, first, at, mind, lives)))
+            life.differs(boot, block.tick, reason_of(member, first, at, mind, lives))
             mind = None
     return life
 

@@ -1,7 +1,7 @@
 """Why a tick was not lived again to the bit: the likeliest reason, found by trying others."""
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from swarmcensus.reliving.folders import Member
 from swarmcensus.reliving.logs import State, Tick
@@ -10,7 +10,15 @@ from swarmcensus.reliving.minds import Mind, Unfit, mind_of
 ROUNDING = 1e-4  # relative: what another precision, or another library's exp and log, may do to an estimate
 MOST_READINGS = 64  # of one tick that are tried
 
+ANOTHER = "the robot ran another brain: the hash of its file"
+WHOLE = ANOTHER, " is another brain than the robot's: ", "the robot computed in "  # reasons that hold for a whole log
+
 Lives = Callable[[Mind, Tick], bool]
+
+
+def said_before(reason: str, before: Sequence[str]) -> bool:
+    """Whether a reason was told, and holds for the whole log."""
+    return reason in before and any(one in reason for one in WHOLE)
 
 
 def unfit_reason(member: Member, state: State, why: str) -> str:
@@ -52,10 +60,7 @@ def _hashes(member: Member, state: State) -> str | None:
     """The sentence if the robot's brain has another hash than the file."""
     if state.brain == bytes(8) or member.brain.sha256.startswith(state.brain.hex()):
         return None
-    return (
-        f"the robot ran another brain: the hash of its file begins with {state.brain.hex()}, and that of "
-        f"{member.brain.path} with {member.brain.sha256[:16]}"
-    )
+    return f"{ANOTHER} begins with {state.brain.hex()}, and that of {member.brain.path} with {member.brain.sha256[:16]}"
 
 
 def _readings(tick: Tick, mind: Mind, lives: Lives) -> str | None:

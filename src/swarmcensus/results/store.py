@@ -214,7 +214,9 @@ def read(path: str | Path) -> xr.Dataset:
             f"{str(error).splitlines()[0] if str(error) else type(error).__name__}"
         ) from error
     if not str(data.attrs.get("format")).startswith("swarmcensus results"):
-        raise InputError(f"results file {path}: not a results file of swarmcensus")
+        traced = "estimate" in data and {"round", "robot"} <= set(data["estimate"].dims) and "brain" in data.attrs
+        what = "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE draws it" if traced else ""
+        raise InputError(f"results file {path}: {what or 'not a results file of swarmcensus'}")
     if said := structure.wrong_format(data):
         raise InputError(f"results file {path}: {said}")
     if wrong := structure.unmask(data):
