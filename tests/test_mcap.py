@@ -52,7 +52,7 @@ def test_each_robot_has_its_channels(folder, tmp_path):
     written, schemas, messages, _ = exported(folder, tmp_path)
     kinds = ("estimate", "reading", "said", "heard")
     assert set(messages) == {f"/robot_{n}/{kind}" for n in (0, 3, 7) for kind in kinds} | {"/swarm/fill_ratio"}
-    assert written == (3, 60, sum(map(len, messages.values())) - 2, 0)
+    assert written == (3, 60, sum(map(len, messages.values())), 0)
     validator = pytest.importorskip("jsonschema")
     for topic, sent in messages.items():
         for _, content in sent:
@@ -122,6 +122,9 @@ def test_a_brain_in_the_folder_is_known_by_its_hash_and_not_run(folder, tmp_path
     _, _, messages, metadata = exported(folder, tmp_path)
     assert messages["/robot_9/said"][0][1]["numbers"]
     assert metadata["robot_9"]["brain"] == "brain"
+    about = json.loads((folder / "swarm.json").read_text()) | {"brain": {"file": "brain.py", "name": "mine"}}
+    (folder / "swarm.json").write_text(json.dumps(about))
+    assert exported(folder, tmp_path)[3]["robot_9"]["brain"] == "mine"
 
 
 def times_of(log):
@@ -208,7 +211,8 @@ def test_order_is_that_of_time(folder, tmp_path):
         (["small.nc", "--to", "mcap"], "small.nc: results are written as csv or parquet, not by --to mcap"),
         (["small.nc", "--out", "x.mcap"], "small.nc: results are written as csv or parquet, not by --out x.mcap"),
         (["small.nc", "--to", "csv", "--out", "x.mcap"], "--out x.mcap: --to csv is written as .csv"),
-        (["empty"], "empty: it is a folder"),
+        (["empty"], "empty: it holds no log: should be a folder with files such as robot-0.log"),
+        (["empty", "--to", "csv"], "empty: it is a folder"),
         (["nowhere"], "there is no such file"),
         (["twice"], "is of robot 0, as a.log is"),
         (["foreign"], "should be a robot's log"),

@@ -27,12 +27,15 @@ def add_export_options(sub: argparse.ArgumentParser) -> None:
 def export(options: argparse.Namespace) -> int:
     """Write results as a table, or logs of robots as MCAP."""
     from swarmcensus.basics.files import check_writable
+    from swarmcensus.reliving.folders import without_logs
     from swarmcensus.reliving.mcap_files import logs_in
-    from swarmcensus.results.presence import check_there
+    from swarmcensus.results.presence import check_there, folder_of
 
     source = options.results
     logs = logs_in(source)
     if not logs:
+        if source.is_dir() and not folder_of(source).is_dir() and options.to in (None, "mcap"):
+            raise InputError(without_logs(source))
         check_there(source)
     formats = ("mcap",) if logs else TABLES
     ending = options.out.suffix.lower().removeprefix(".") if options.out else ""

@@ -57,7 +57,7 @@ def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: flo
     entries = {str(entry["log"]): entry for entry in about.get("robots", [])}
     names = list(dict.fromkeys([*entries, *(path.name for path in sorted(folder.glob("*.log")))]))
     if not names:
-        raise InputError(f"{folder}: it holds no log: should be a folder with files such as robot-0.log")
+        raise InputError(without_logs(folder))
     logs, absent = {}, []
     for name in names:
         try:
@@ -86,6 +86,11 @@ def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: flo
         None if known is None else float(known), int(about.get("bins", 10)), float(about.get("delta", 0.01)),
         int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
     )  # fmt: skip
+
+
+def without_logs(folder: Path) -> str:
+    """What is wrong with a folder that holds no log."""
+    return f"{folder}: it holds no log: should be a folder with files such as robot-0.log"
 
 
 class Brains:

@@ -60,7 +60,7 @@ class Life:
         return self.relived == self.ticks and not self.breaks
 
     def differs(self, boot: int, tick: int, reason: str) -> None:
-        """Note that a tick was not lived again; a reason that holds for the whole log is told once, not at each state."""
+        """Note that a tick was not lived again; a reason for the whole log is told once, not at each state."""
         if not said_before(reason, [one.reason for one in self.breaks]):
             self.breaks.append(Break(boot, tick, reason))
 

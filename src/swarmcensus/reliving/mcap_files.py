@@ -13,7 +13,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.deployment.messages import messages_of
-from swarmcensus.reliving.folders import about_of
+from swarmcensus.reliving.folders import OWN, about_of, without_logs
 from swarmcensus.reliving.log_times import timed
 from swarmcensus.reliving.logs import Gap, State, Tick, blocks_of
 from swarmcensus.robot.runtime import Messages
@@ -146,13 +146,13 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
     swarm = about_of(folder)
     sources = [_Source(path) for path in logs_in(folder)]
     if not sources:
-        raise InputError(f"{folder}: holds no robots' logs, which are called such as robot-0.log")
+        raise InputError(without_logs(folder))
     by_number: dict[int, _Source] = {}
     for source in sources:
         other = by_number.setdefault(source.first.number, source)
         if other is not source:
             raise InputError(f"{source.path}: is of robot {source.first.number}, as {other.path.name} is: one each")
-    known = _brains(folder, {source.first.brain for source in sources})
+    known = _brains(folder, swarm.get("brain", {}), {source.first.brain for source in sources})
     for source in sources:
         source.know(known.get(source.first.brain))
     origin = min([source.first.now for source in sources if source.first.now], default=0)
@@ -187,6 +187,7 @@ def _write(writer: Any, streams: list[Iterator[Event]], truth: Any) -> int:
         count += 1
     if now is not None and fill_ratio is not None:
         send(fill_ratio, now, count, {"fill_ratio": truth})
+        return count + 2
     return count
 
 
@@ -214,13 +215,18 @@ def _text(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def _brains(folder: Path, named: set[bytes]) -> dict[bytes, brains.Brain]:
-    """The brains that logs name, of those in the folder and the shipped ones. None of them is run."""
-    known = {}
+def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[bytes, brains.Brain]:
+    """The brains that logs name, of those in the folder and the shipped ones. None of them is run.
+
+    `about` is what swarm.json says of the swarm's brain: its name, which is not that of its file.
+    """
+    known: dict[bytes, brains.Brain] = {}
+    names = {str(about.get("file", OWN)): str(about["name"])} if about.get("name") else {}
     for path in [*(brains.find(name) for name in brains.shipped()), *sorted(folder.glob("*.py"))]:
         source = brains.read_source("brain", path)
         if (mark := bytes.fromhex(brains.digest(source))[:8]) in named:
-            known[mark] = brains.unloaded(path.stem, source)
+            name = names.get(path.name) or (known[mark].name if mark in known else path.stem)
+            known[mark] = brains.unloaded(name, source)
     return known
 
 
