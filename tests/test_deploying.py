@@ -382,6 +382,16 @@ def test_robots_with_espnow_hear_each_other_on_boards(tmp_path):
     assert "sensor_faults 0 radio_faults 0" in second
 
 
+def test_a_robot_with_a_log_says_how_to_fetch_it_and_what_it_lacks(tmp_path):
+    without = texts(deployed(tmp_path / "without", "commons", "serial"))
+    files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
+    assert set(files) == set(without) | {"log.py"}
+    assert "up to 20,000 bytes" in files["README.md"]
+    assert "mpremote cp :robot.log day/robot-1.log" in files["README.md"]
+    assert "robot.log" not in without["README.md"]
+    assert "log_faults {robot.log.faults}" in files["main.py"]
+
+
 LOGGED = """
 import robot as program
 import settings

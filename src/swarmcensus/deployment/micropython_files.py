@@ -30,9 +30,16 @@ README = """# {brain} on MicroPython, over {radio}
 4. Restart the board. Every hundred ticks it prints a line: its estimate, and what went wrong so far.
 
 A message has {body} bytes, a datagram {size}; {checked}.
-Memory is saved every {save} ticks. It outlives a power cut; delete the files memory* for a fresh start.
+Memory is saved every {save} ticks. It outlives a power cut; delete the files memory* for a fresh start.{logged}
 Nobody signs the messages: who knows the format can lie to the robots.
 """
+LOGGED = """
+The robot logs what it reads, says and hears in robot.log, up to {log:,} bytes in all; then it goes on without. The line
+tells as log_faults what the log lacks. Every board's log has this name: copy each into one folder under another one,
+
+       mpremote cp :robot.log day/robot-1.log
+
+and swarmcensus relive day lives the robots' minds again. Delete robot.log for a new day."""
 
 
 def micropython_files(plan: Plan) -> dict[str, str]:
@@ -49,7 +56,7 @@ def micropython_files(plan: Plan) -> dict[str, str]:
     checked = "2 of them are a checksum" if plan.checked else "the radio has a checksum of its own"
     readme = README.format(
         brain=plan.brain.label, radio=RADIOS[plan.radio].what, body=plan.brain.message_bytes, size=plan.datagram_bytes,
-        checked=checked, save=plan.save_every,
+        checked=checked, save=plan.save_every, logged=LOGGED.format(log=plan.log) if plan.log else "",
     )  # fmt: skip
     logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if plan.log else {}
     return {

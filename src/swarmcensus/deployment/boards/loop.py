@@ -46,7 +46,7 @@ def main():
         # dog.feed()
         if robot.ticks >= told + 100:
             told = robot.ticks
-            print(robot.status())
+            print(robot.status() + (f" log_faults {robot.log.faults}" if robot.log else ""))
 
 
 if __name__ == "__main__":
