@@ -55,7 +55,7 @@ class Air:
         for address in self.hearers:
             try:
                 self.socket.sendto(datagram, address)
-            except OSError:
+            except (OSError, OverflowError):
                 pass  # a full socket loses a message, as a full radio does
 
     def receive(self):
@@ -71,7 +71,7 @@ class Air:
         heard_from = self.now() + self.delay
         for _ in range(AT_ONCE):
             try:
-                datagram = self.socket.recvfrom(2048)[0]
+                datagram = self.socket.recvfrom(self.messages.size + 1)[0]  # a longer one is noise
             except OSError:  # nothing has arrived
                 break
             times = self.times(datagram)

@@ -20,6 +20,9 @@ from swarmcensus.studies.study import Study
 
 PLAIN_FORMAT: Format = "float32"  # in place of "double", which no datagram holds
 MOST_ROBOTS = 1000
+MOST_LOOKS = 0xFFFF  # observations a tick
+MOST_BYTES = 65507  # of a datagram of UDP
+AROUND = 8  # bytes of a datagram beside its message
 LEAST_PERIOD = 2  # milliseconds: the clocks of robots count whole ones
 
 
@@ -135,6 +138,13 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
         raise InputError(f"{study.name}: a robot jams others' messages, which no robot does over sockets")
     if setting.robots > MOST_ROBOTS:
         raise InputError(f"{setting.robots:,} robots: {MOST_ROBOTS:,} processes are the most on one machine")
+    if setting.observations_per_round > MOST_LOOKS:
+        raise InputError(
+            f"{setting.observations_per_round:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
+        )
+    size = AROUND + max(brain.message_bytes for brain in setting.brains)
+    if size > MOST_BYTES:
+        raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
     if not (air.hz > 0 and round(1000.0 / air.hz) >= LEAST_PERIOD):
         raise InputError(f"--hz {air.hz:g}: should be ticks a second, above 0 and up to {1000 // LEAST_PERIOD}")
     for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
