@@ -33,7 +33,7 @@ SAVED = 2.0  # seconds from one saving of a memory to the next, or FEWEST ticks 
 FEWEST = 20
 
 
-def write_folder(plan: Plan, folder: Path, command_port: int) -> None:
+def write_folder(plan: Plan, folder: Path, command_port: int, token: str) -> None:
     """Write all that robots need, whole or not at all. Raises InputError if the folder exists and is not empty."""
     with new_folder(folder, "--out") as made:
         run = made / RUN
@@ -53,8 +53,10 @@ def write_folder(plan: Plan, folder: Path, command_port: int) -> None:
         looks = plan.readings.astype(np.uint8)
         for member in plan.members:
             (run / f"{member.number}.readings").write_bytes(np.ascontiguousarray(looks[:, member.number]).tobytes())
-            settings = _settings(plan, member, Path(folder).resolve(), command_port)
-            write_texts(run, {f"{module_of(member.number)}.py": settings})
+            settings = _settings(plan, member, Path(folder).resolve(), command_port, token)
+            file = run / f"{module_of(member.number)}.py"
+            file.touch(0o600)  # the token is for nobody else
+            file.write_text(settings, encoding="utf-8", newline="\n")
         (made / "swarm.json").write_text(_summary(plan, None, {}), encoding="utf-8")
 
 
@@ -89,7 +91,7 @@ def _module(file: str) -> str:
     return file.removesuffix(".py").replace("-", "_")
 
 
-def _settings(plan: Plan, member: Member, folder: Path, command_port: int) -> str:
+def _settings(plan: Plan, member: Member, folder: Path, command_port: int, token: str) -> str:
     brain, setting = member.brain, plan.setting
     is_single = setting.precision == "single"
     parameters = {name: _rounded(value) if is_single else value for name, value in brain.overrides}
@@ -98,6 +100,7 @@ def _settings(plan: Plan, member: Member, folder: Path, command_port: int) -> st
         "NUMBER": member.number,
         "HOST": plan.air.host,
         "COMMAND": command_port,
+        "TOKEN": token,
         "BRAIN": _module(member.file),
         "HASH": bytes.fromhex(brain.sha256)[:8],
         "FORM": FORMATS.index(brain.numbers.message),

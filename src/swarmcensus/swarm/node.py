@@ -190,11 +190,12 @@ class Node:
     def report(self):
         """Tell the command how this robot is."""
         port = self.radio.getsockname()[1]
-        words = [self.settings.NUMBER, self.life, port, self.version]
+        words = [self.settings.TOKEN, self.settings.NUMBER, self.life, port, self.version]
         if self.robot is not None:
             r, a = self.robot, self.air
             words += [r.round(), r.ticks, r.estimate, r.decision, r.heard, r.stale, r.refused, r.missed, r.undone]
-            words += [r.blanked, a.sent, a.lost, a.late, r.ticks_before]
+            unwritten = r.file_faults + (r.log.faults if r.log else 0)
+            words += [r.blanked, a.sent, a.lost, a.late, r.ticks_before, unwritten]
         try:
             self.command.send(" ".join([str(word) for word in words]).encode())
         except OSError as error:

@@ -9,6 +9,8 @@ from swarmcensus.basics.bins import right_bin
 from swarmcensus.swarm.plans import Plan
 from swarmcensus.swarm.reports import Known, share_heard, total
 
+SILENCE = 1.0  # seconds beside a period; robots report some times a second, or each tick
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -21,7 +23,8 @@ class Outcome:
     heard: float  # share of messages heard, of those that should have been
     lost: float  # share of messages lost in the air
     missed: int  # ticks
-    undone: int
+    undone: int  # calls of brains that failed
+    unwritten: int  # parts of logs and savings of memories that the disk did not take
     processor_seconds: float
     cores: float
     memory: int  # bytes, at the peak
@@ -29,9 +32,14 @@ class Outcome:
     estimates: tuple[float, ...]  # of all robots; NaN for those not at work
 
 
-def outcome_of(plan: Plan, robots: Sequence[Known], processor_seconds: float, seconds: float, memory: int) -> Outcome:
-    """The outcome of what is known of robots at the end."""
-    estimates = np.array([k.last.estimate if k.last and k.state == "runs" else np.nan for k in robots])
+def outcome_of(
+    plan: Plan, robots: Sequence[Known], now: float, processor_seconds: float, seconds: float, memory: int
+) -> Outcome:
+    """The outcome of what is known of robots at the end; one that has long said nothing is not at work."""
+    heard_from = now - SILENCE - plan.period / 1000.0
+    estimates = np.array(
+        [k.last.estimate if k.last and k.state == "runs" and k.seen >= heard_from else np.nan for k in robots]
+    )
     honest = np.array([member.honest for member in plan.members])
     counted = estimates[honest & np.isfinite(estimates)]
     low, high = right_bin(plan.setting.fill_ratio, plan.study.measure.bins)
@@ -45,6 +53,7 @@ def outcome_of(plan: Plan, robots: Sequence[Known], processor_seconds: float, se
         lost=total(robots, "lost") / arrived if arrived else 0.0,
         missed=total(robots, "missed"),
         undone=total(robots, "undone"),
+        unwritten=total(robots, "unwritten"),
         processor_seconds=processor_seconds,
         cores=processor_seconds / seconds if seconds > 0 else np.nan,
         memory=memory,

@@ -1,10 +1,12 @@
 """What robots report, and what is known of each of them."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-COUNTED = ("heard", "stale", "refused", "missed", "undone", "blanked", "sent", "lost", "late")
+COUNTED = ("heard", "stale", "refused", "missed", "undone", "blanked", "sent", "lost", "late", "unwritten")
+MOST = 1 << 53  # no count of a robot gets there
 
 
 class Report(NamedTuple):
@@ -28,18 +30,37 @@ class Report(NamedTuple):
     lost: int = 0
     late: int = 0  # came after its last tick
     resumed: int = 0  # the tick whose memory it began this life with; 0: with none
+    unwritten: int = 0  # parts of its log and savings of its memory that the disk did not take
 
 
-def read_report(datagram: bytes) -> Report | None:
-    """A report; None if the datagram is something else."""
-    words = datagram.split(b" ")
-    kinds = (*(int,) * 6, float, float, *(int,) * 10)
+def read_report(datagram: bytes, token: str) -> Report | None:
+    """A report of a run's robot, which begins with the run's token; None if the datagram is something else."""
+    first, *words = datagram.split(b" ")
+    if first != token.encode():
+        return None
+    kinds = (*(int,) * 6, float, float, *(int,) * 11)
     if len(words) not in (4, len(kinds)):
         return None
     try:
-        return Report(*(kind(word) for kind, word in zip(kinds, words, strict=False)))  # type: ignore[arg-type]
+        report = Report(*(kind(word) for kind, word in zip(kinds, words, strict=False)))  # type: ignore[arg-type]
     except ValueError:
         return None
+    counts = (
+        report.number,
+        report.life,
+        report.version,
+        report.ticks,
+        report.resumed,
+        *(getattr(report, name) for name in COUNTED),
+    )
+    is_possible = (
+        1 <= report.port <= 65535
+        and -1 <= report.round < MOST
+        and all(0 <= count < MOST for count in counts)
+        and math.isfinite(report.estimate)
+        and math.isfinite(report.decision)
+    )
+    return report if is_possible else None
 
 
 @dataclass
@@ -49,6 +70,7 @@ class Known:
     last: Report | None = None  # of this life, or of the one that has ended
     address: tuple[str, int] | None = None  # of the socket that it reports from; None while it does not run
     before: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTED, 0))  # sums of earlier lives
+    seen: float = 0.0  # when the last report came, by the clock `time.monotonic`
     state: str = "waits"  # waits, runs, stopped, killed, died
     why: str = ""  # it died
     began: int = 1  # the life that was last said to have begun; the first needs no word

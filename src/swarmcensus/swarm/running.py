@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import logging
 import random
+import secrets
 import select
 import socket
 import time
@@ -52,6 +53,7 @@ class Swarm:
     folder: Path
     faults: Sequence[Fault]
     command: socket.socket
+    token: str  # with which reports begin, so that nobody else can report
     children: Children
     robots: list[Known]
     started: float = 0.0  # of the clock `time.monotonic`
@@ -91,10 +93,10 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
     began = time.monotonic()
     stopped = False
     with command:
-        write_folder(plan, folder, command.getsockname()[1])
-        swarm = Swarm(
-            plan, folder, faults, command, Children(folder, plan.on_micropython), [Known() for _ in plan.members]
-        )
+        token = secrets.token_hex(16)
+        write_folder(plan, folder, command.getsockname()[1], token)
+        children, robots = Children(folder, plan.on_micropython), [Known() for _ in plan.members]
+        swarm = Swarm(plan, folder, faults, command, token, children, robots)
         at = round(time.time() * 1000)
         try:
             _start(swarm)
@@ -107,7 +109,7 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
             last = time.monotonic()
             swarm.children.end()
             used = seconds_of_children() - before
-            outcome = outcome_of(plan, swarm.robots, used, last - began, swarm.memory)
+            outcome = outcome_of(plan, swarm.robots, last, used, last - began, swarm.memory)
             clear(folder)
             complete(
                 plan, folder, round(time.time() * 1000), {"started": at, "happened": swarm.happened, "result": outcome}
@@ -192,7 +194,7 @@ def _listen(swarm: Swarm, wait: float) -> None:
             datagram, address = swarm.command.recvfrom(2048)
         except (BlockingIOError, ConnectionRefusedError):
             return
-        report = read_report(datagram)
+        report = read_report(datagram, swarm.token)
         if report is None or not 0 <= report.number < len(swarm.robots):
             continue
         known = swarm.robots[report.number]
@@ -200,7 +202,7 @@ def _listen(swarm: Swarm, wait: float) -> None:
             continue  # of a process that has ended
         if known.address not in (None, address):
             continue  # of somebody else
-        known.last = report
+        known.last, known.seen = report, time.monotonic()
         _tell_of_life(swarm, known)
         if known.address is None:
             known.address = address
@@ -246,7 +248,7 @@ def _tell(swarm: Swarm, number: int, heard_by: Sequence[int]) -> None:
         return
     ports = ",".join(str(swarm.ports[other]) for other in heard_by if other in swarm.ports)
     swarm.told[number] = time.monotonic()
-    with contextlib.suppress(OSError):  # it is told again
+    with contextlib.suppress(OSError, OverflowError):  # it is told again
         swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
 
 
@@ -309,7 +311,7 @@ def _flood(swarm: Swarm) -> None:
                 noise = flood.chance.randbytes(size if like else flood.chance.randrange(64))
                 noise = bytes([plan.mark & 0xFF]) + noise[1:] if like else noise
                 if number in swarm.ports:
-                    with contextlib.suppress(OSError):
+                    with contextlib.suppress(OSError, OverflowError):
                         stranger.sendto(noise, (plan.air.host, swarm.ports[number]))
             flood.sent = due
     swarm.floods = [flood for flood in swarm.floods if flood.sent < FLOODED]

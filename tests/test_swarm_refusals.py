@@ -1,0 +1,53 @@
+"""What a swarm does not believe or take: forged reports, messages too large for UDP, too many readings a round."""
+
+import socket
+from types import SimpleNamespace
+
+import pytest
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.studies.study import Study
+from swarmcensus.swarm import plans
+from swarmcensus.swarm.air import Air
+from swarmcensus.swarm.plans import plan_of
+from swarmcensus.swarm.reports import Report, read_report
+
+
+def test_reports_without_the_token_or_out_of_range_are_ignored():
+    assert read_report(b"secret 2 1 40000 0", "secret").port == 40000
+    forged = (b"2 1 40000 0", b"wrong 2 1 40000 0", b"", b"secret", b"secret 2 1 99999999 0", b"secret 2 1 0 0",
+              b"secret -1 1 40000 0", b"secret 2 1 40000 " + b"9" * 500, b"secret 2 1 40000 x", b"\xff\x00 2 1 4 0")  # fmt: skip
+    for datagram in forged:
+        assert read_report(datagram, "secret") is None
+    report = "secret 2 1 40000 3 7 7 {} {} 1 2 3 4 5 6 7 8 9" + " 10" * (len(Report._fields) - 17)
+    assert read_report(report.format("0.5", "-1.0").encode(), "secret").ticks == 7
+    for wrong in (("nan", "-1.0"), ("1e999", "-1.0"), ("0.5", "inf")):
+        assert read_report(report.format(*wrong).encode(), "secret") is None
+
+
+def test_a_large_message_is_heard_whole():
+    here = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    here.bind(("127.0.0.1", 0))
+    here.setblocking(False)
+    messages = SimpleNamespace(size=9000, mark=1, unpack=lambda _: None)
+    heard = Air(here, messages, lambda: 0.0, 1, 7)
+    with here:
+        for size in (9000, 9100):
+            here.sendto(bytes(size), here.getsockname())
+        assert [len(heard.receive()), len(heard.receive())] == [9000, 9001]  # the longer one is refused as noise
+
+
+def small(observations=1):
+    schedule = {"rounds": 2, "observations_per_round": observations}
+    return Study(
+        name="small", trials=1, swarm={"robots": 2, "accuracy": 0.8, "brain": "commons"},
+        world={"topology": "full", "fill_ratio": 0.5, "message": "ratio16"}, schedule=schedule,
+    )  # fmt: skip
+
+
+def test_what_no_datagram_or_log_holds_is_refused(monkeypatch):
+    with pytest.raises(InputError, match="65,536 observations a round"):
+        plan_of(small(65536), 0, 0, 0, plans.Air())
+    monkeypatch.setattr(plans, "MOST_BYTES", 8)
+    with pytest.raises(InputError, match="UDP carries up to 8 in a datagram"):
+        plan_of(small(), 0, 0, 0, plans.Air())
