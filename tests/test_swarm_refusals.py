@@ -1,11 +1,16 @@
 """What a swarm does not believe or take: forged reports, messages too large for UDP, too many readings a round."""
 
+import os
 import socket
+import subprocess
+import sys
+import time
 from types import SimpleNamespace
 
 import pytest
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
 from swarmcensus.studies.study import Study
 from swarmcensus.swarm import plans
 from swarmcensus.swarm.air import Air
@@ -16,7 +21,8 @@ from swarmcensus.swarm.reports import Report, read_report
 def test_reports_without_the_token_or_out_of_range_are_ignored():
     assert read_report(b"secret 2 1 40000 0", "secret").port == 40000
     forged = (b"2 1 40000 0", b"wrong 2 1 40000 0", b"", b"secret", b"secret 2 1 99999999 0", b"secret 2 1 0 0",
-              b"secret -1 1 40000 0", b"secret 2 1 40000 " + b"9" * 500, b"secret 2 1 40000 x", b"\xff\x00 2 1 4 0")  # fmt: skip
+              b"secret -1 1 40000 0", b"secret 2 1 40000 " + b"9" * 500, b"secret 2 1 40000 x",
+              b"\xff\x00 2 1 4 0")  # fmt: skip
     for datagram in forged:
         assert read_report(datagram, "secret") is None
     report = "secret 2 1 40000 3 7 7 {} {} 1 2 3 4 5 6 7 8 9" + " 10" * (len(Report._fields) - 17)
@@ -51,3 +57,44 @@ def test_what_no_datagram_or_log_holds_is_refused(monkeypatch):
     monkeypatch.setattr(plans, "MOST_BYTES", 8)
     with pytest.raises(InputError, match="UDP carries up to 8 in a datagram"):
         plan_of(small(), 0, 0, 0, plans.Air())
+
+
+def test_the_folder_one_is_in_is_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["swarm", "commons", "--out", "."]) == 2
+    assert "--out . is the folder that you are in" in capsys.readouterr().err
+    assert tmp_path.is_dir()
+
+
+SUBREAPER = """
+import ctypes, subprocess, sys, time
+ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)
+process = subprocess.Popen([sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "3", "--rounds", "900",
+                            "--hz", "20", "--quiet", "--at", "0.1s stop 1", "--out", sys.argv[1]])
+input()
+process.kill()
+process.wait()
+input()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs a subreaper, as process 1 of a container is")
+def test_a_stopped_robot_ends_with_the_command_under_a_subreaper(tmp_path):
+    """The system then sends nothing to its group."""
+
+    def states():
+        found = subprocess.run(["ps", "-ww", "-eo", "stat,args"], capture_output=True, text=True, check=True).stdout
+        lines = [line for line in found.splitlines() if "import node" in line and str(tmp_path) in line]
+        return [line[0] for line in lines if line[0] != "Z"]
+
+    def comes(condition):
+        until = time.monotonic() + 20
+        while not condition() and time.monotonic() < until:
+            time.sleep(0.05)
+        return condition()
+
+    with subprocess.Popen([sys.executable, "-c", SUBREAPER, str(tmp_path / "out")], stdin=subprocess.PIPE) as parent:
+        assert comes(lambda: "T" in states())
+        os.write(parent.stdin.fileno(), b"\n")
+        assert comes(lambda: not states())
+        os.write(parent.stdin.fileno(), b"\n")
