@@ -117,7 +117,7 @@ def test_a_robot_that_dies_by_itself_is_told_and_the_rest_goes_on(tmp_path):
     [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]
     os.kill(int(pid), signal.SIGKILL)
     told = json.loads(process.communicate()[0])
-    assert process.returncode == 0
+    assert process.returncode == 1
     assert told["died"] == {"1": "signal 9"}
     assert told["at_work"] == 2  # one is stopped
 

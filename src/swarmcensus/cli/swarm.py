@@ -80,6 +80,8 @@ def swarm(options: argparse.Namespace) -> int:
     check_system()
     folder = options.out or _free("swarm")
     check_free(folder, "--out")
+    if folder.resolve() == Path.cwd():
+        raise InputError(f"--out {folder} is the folder that you are in: it should name a new one, such as swarm")
     study, air = _study(options), _air(options)
     seed = study.seed if options.seed is None else options.seed
     plan = plan_of(study, options.setting or 0, seed, options.trial, air, options.micropython)
@@ -101,7 +103,7 @@ def swarm(options: argparse.Namespace) -> int:
     wrote(f"{folder}: {counted(logs, 'log')}" + (f"; next: swarmcensus relive {folder}" if logs else ""))
     if stopped:
         print(stopped, file=sys.stderr)
-    return STOPPED if stopped else 0
+    return STOPPED if stopped else int(bool(outcome.died) or not outcome.at_work)
 
 
 def _study(options: argparse.Namespace) -> "Study":

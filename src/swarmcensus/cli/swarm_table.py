@@ -161,6 +161,10 @@ def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
         f"{'processor':<10}{outcome.processor_seconds:.1f} s of all robots, {outcome.cores:.2f} cores",
         f"{'memory':<10}{outcome.memory / 1e6:,.0f} MB of all robots at the peak",
     ]
+    if outcome.undone:
+        lines.append(f"{'undone':<10}{counted(outcome.undone, 'call')} of brains that failed")
+    if outcome.unwritten:
+        lines.append(f"{'unwritten':<10}{counted(outcome.unwritten, 'part')} of logs and memories: is the disk full?")
     lines += [f"robot {number} died by itself, {why}" for number, why in outcome.died.items()]
     return lines
 
