@@ -33,7 +33,7 @@ class Outcome:
 
 
 def outcome_of(
-    plan: Plan, robots: Sequence[Known], now: float, processor_seconds: float, seconds: float, memory: int
+    plan: Plan, robots: Sequence[Known], processor_seconds: float, seconds: float, memory: int, now: float = 0.0
 ) -> Outcome:
     """The outcome of what is known of robots at the end; one that has long said nothing is not at work."""
     heard_from = now - SILENCE - plan.period / 1000.0

@@ -109,7 +109,7 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
             last = time.monotonic()
             swarm.children.end()
             used = seconds_of_children() - before
-            outcome = outcome_of(plan, swarm.robots, last, used, last - began, swarm.memory)
+            outcome = outcome_of(plan, swarm.robots, used, last - began, swarm.memory, last)
             clear(folder)
             complete(
                 plan, folder, round(time.time() * 1000), {"started": at, "happened": swarm.happened, "result": outcome}
