@@ -53,7 +53,6 @@ class Swarm:
     folder: Path
     faults: Sequence[Fault]
     command: socket.socket
-    token: str  # with which reports begin, so that nobody else can report
     children: Children
     robots: list[Known]
     started: float = 0.0  # of the clock `time.monotonic`
@@ -64,6 +63,7 @@ class Swarm:
     floods: list[Flood] = field(default_factory=list)
     memory: int = 0  # bytes, at the peak
     ports: dict[int, int] = field(default_factory=dict)
+    token: str = ""  # with which reports begin, so that nobody else can report
 
     @property
     def seconds(self) -> float:
@@ -96,7 +96,7 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
         token = secrets.token_hex(16)
         write_folder(plan, folder, command.getsockname()[1], token)
         children, robots = Children(folder, plan.on_micropython), [Known() for _ in plan.members]
-        swarm = Swarm(plan, folder, faults, command, token, children, robots)
+        swarm = Swarm(plan, folder, faults, command, children, robots, token=token)
         at = round(time.time() * 1000)
         try:
             _start(swarm)
