@@ -9,7 +9,7 @@ from swarmcensus.basics.bins import right_bin
 from swarmcensus.swarm.plans import Plan
 from swarmcensus.swarm.reports import Known, share_heard, total
 
-SILENCE = 1.0  # seconds beside a period; robots report some times a second, or each tick
+SILENCE = 3.0  # seconds beside a period; robots report some times a second, or each tick
 
 
 @dataclass(frozen=True)
