@@ -98,7 +98,7 @@ def test_python_runs(page, tmp_path, monkeypatch, capsys):
     there it is so in numbers to 0.01.
     """
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    for file in EXAMPLE.iterdir():
+    for file in filter(Path.is_file, EXAMPLE.iterdir()):
         shutil.copy(file, tmp_path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)

@@ -100,6 +100,7 @@ def ros(tmp_path, monkeypatch):
     for name in ("brain", "codec", "runtime", "settings"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.syspath_prepend(folder)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # the folder of examples is one that users see
     spec = importlib.util.spec_from_file_location("ros2_node", NODE)
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
