@@ -57,7 +57,7 @@ def test_robots_read_what_the_simulator_reads(tmp_path, capsys):
         "20",
         "--json",
         "--quiet",
-    ]  # slow: a clock that is read late, on a busy machine, tells the next round
+    ]  # slow, for clocks that are read late on a busy machine
     run(capsys, tmp_path / "out", "--trial", "2", "--seed", "7", what=str(tmp_path / "five.toml"), quick=quick)
     [setting] = study().settings()
     readings = record_readings(setting, 7, 2).reshape(50, 3, 5).sum(axis=1)
