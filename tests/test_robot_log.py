@@ -11,26 +11,7 @@ from swarmcensus.deployment.messages import messages_of
 from swarmcensus.reliving.logs import Gap, State, Tick, read_log
 from swarmcensus.robot.log import MAGIC, STATE, Log, block
 from swarmcensus.robot.runtime import Robot
-
-
-class Air:
-    """A sensor and a radio: readings by chance, datagrams put in by hand."""
-
-    def __init__(self):
-        self.sent, self.waiting = [], []
-        self.chance = random.Random(1)
-
-    def start(self):
-        pass
-
-    def read(self):
-        return self.chance.random() < 0.6
-
-    def send(self, datagram):
-        self.sent.append(datagram)
-
-    def receive(self):
-        return self.waiting.pop(0) if self.waiting else None
+from tests.logged import Air
 
 
 @pytest.fixture(autouse=True)
@@ -51,7 +32,7 @@ def logs(monkeypatch):
 
 def robot(path, number=1, name="commons", **more):
     brain = brains.load(name).with_numbers(Numbers(message="ratio16"))
-    air = Air()
+    air = Air(1)
     made = Robot(brain.functions, messages_of(brain), air, air, lambda: 0, 0.9, 0.8, number, period=100, **more)
     made.record(Log(path, bytes.fromhex(brain.sha256)[:8], form=3, now=5))
     return made, air
