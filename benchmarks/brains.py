@@ -1,14 +1,22 @@
-"""What brains cost beside the paper's: `python benchmarks/brains.py [BRAIN...]`.
+"""What brains cost beside the paper's: `python benchmarks/brains.py [BRAIN...] [--single | --against FOLDER]`.
 
 CPU time of a study's trials of 100 robots as a multiple of what `minimalistic` takes right before: the median of eleven
 ratios, brains in turn. By default of those that share everything. Six minutes on a quiet machine.
+
+With --single, every brain in single precision as a multiple of the same brain in double. With --against, every shipped
+brain as a multiple of the file of the same name in a folder, such as files of an earlier release. Both take the least
+of 40 times in turn, on fixed networks: the same twice differs by up to 2 % on a quiet machine. Ten seconds a brain.
 """
 
-import sys
+import argparse
 import time
+from pathlib import Path
 from statistics import median
 
+import numpy as np
+
 import swarmcensus as sc
+from swarmcensus.simulation.trials import Metrics, run_batch
 
 WORLDS = {
     "ring": {"topology": "ring"},
@@ -19,12 +27,12 @@ WORLDS = {
 BRAINS = ["commons", "swift", "sure", "steadfast", "tracking", "self-taught"]
 
 
-def study(brain, world):
+def study(brain, world, trials=20, precision="double"):
     """One brain in one world."""
     return sc.Study(
-        trials=20,
+        trials=trials,
         seed=1,
-        swarm={"brain": brain, "robots": 100, "accuracy": 0.675},
+        swarm={"brain": brain, "robots": 100, "accuracy": 0.675, "precision": precision},
         world=world | {"fill_ratio": 0.55},
         schedule={"ticks": 1000} if "density" in world else {"rounds": 1000, "observations_per_round": 10},
         measure={"local": False},
@@ -38,17 +46,49 @@ def seconds(brain, world):
     return time.process_time() - begun
 
 
-def main(brains):
+def beside_the_papers(brain, world):
+    """The cost of a brain in a world as a multiple of the paper's."""
+    ratios = []
+    for _ in range(12):  # the first compiles
+        usual = seconds("minimalistic", world)
+        ratios.append(seconds(brain, world) / usual)
+    return median(ratios[1:])
+
+
+def beside(new, old, world):
+    """The cost of one (brain, precision) as a multiple of another's: rounds alone, without a run's start and end."""
+    settings = [study(brain, world, 1, precision).settings()[0] for brain, precision in (new, old)]
+    least = [float("inf")] * 2
+    for _ in range(41):  # the first compiles, and is not the least
+        for k, setting in enumerate(settings):
+            begun = time.process_time()
+            run_batch(setting, 1, 0, 3, Metrics(0.01, 10, ()), np.zeros(1, np.uint8))
+            least[k] = min(least[k], time.process_time() - begun)
+    return least[0] / least[1]
+
+
+def main(chosen, single, against):
     """A line a world."""
-    print(f"{'':16}", *(f"{name:>12}" for name in brains))
+    print(f"{'':16}", *(f"{name:>12}" for name in chosen))
     for name, world in WORLDS.items():
-        ratios = {brain: [] for brain in brains}
-        for k in range(12):  # the first compiles
-            for brain in brains:
-                usual = seconds("minimalistic", world)
-                ratios[brain] += [seconds(brain, world) / usual] * (k > 0)
-        print(f"{name:16}", *(f"{median(ratios[brain]):12.2f}" for brain in brains), flush=True)
+        if "density" in world and (single or against):
+            continue
+        print(f"{name:16}", end="", flush=True)
+        for brain in chosen:
+            if single:
+                ratio = beside((brain, "single"), (brain, "double"), world)
+            elif against:
+                ratio = beside((brain, "double"), (str(against / f"{brain}.py"), "double"), world)
+            else:
+                ratio = beside_the_papers(brain, world)
+            print(f" {ratio:12.3f}", end="", flush=True)
+        print()
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or BRAINS)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("brains", nargs="*", default=BRAINS)
+    parser.add_argument("--single", action="store_true", help="single precision beside double")
+    parser.add_argument("--against", type=Path, help="a folder of brain files to compare with")
+    given = parser.parse_args()
+    main(given.brains, given.single, given.against)

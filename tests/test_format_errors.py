@@ -32,7 +32,7 @@ def deploying(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("brain", "radio", "message", "told", "warned"),
     [
-        ("commons", "udp", "ratio16", "0.0001 after 864,000 readings in ratio16 (0.0002 in double precision)", ""),
+        ("commons", "udp", "ratio16", "0.0002 after 864,000 readings in ratio16 (0.0002 in double precision)", ""),
         ("commons", "udp", "float32", "0.0002 after 864,000 readings in float32 (0.0002 in double precision)", ""),
         ("commons", "udp", "ratio8", "0.0031 after 864,000 readings in ratio8 (0.0002 in double precision)", ""),
         ("commons", "udp", "float16", "0.4499 after 864,000 readings in float16 (0.0002 in double precision)",

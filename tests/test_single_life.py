@@ -79,7 +79,7 @@ class TestRests:
     def test_nothing_of_a_mean_is_lost_in_single_precision(self):
         brain = brains.load("commons").with_numbers(Numbers("single"))
         me = brain.robot(rounded_to_single(0.8), rounded_to_single(0.8))
-        me.v, me.s_rest = 1e6, 2.0**-30  # what rounding took so far
+        me.v, me.v_rest = 1e6, 2.0**-30  # what rounding took so far
         brain.functions.receive(me, (0.0, 1e6 + 0.0625))
         brain.functions.receive(me, (0.0, 1e6 + 0.0625))
         brain.functions.fuse(me)

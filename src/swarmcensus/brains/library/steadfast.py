@@ -130,7 +130,7 @@ def fuse(me):
     voices = 1.0 + me.heard
     s = (me.s + me.heard_s) / voices
     v = (me.v + me.heard_v) / voices
-    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+    if me.v_rest != 0.0:  # of sums that are large
         me.s_rest += lost(s, me.s, me.heard_s, me.heard)
         me.v_rest += lost(v, me.v, me.heard_v, me.heard)
     me.s = s

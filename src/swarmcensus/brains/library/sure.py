@@ -94,7 +94,7 @@ def receive(me, message):
 def fuse(me):
     """Average all voices; at the end of eight blocks, look at the interval."""
     voices = 1.0 + me.heard
-    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+    if me.v_rest != 0.0:  # of sums that are large
         k = int(me.stream)
         me.s_rest += lost((me.s[k] + me.heard_s[k]) / voices, me.s[k], me.heard_s[k], me.heard)
         me.v_rest += lost((me.v[k] + me.heard_v[k]) / voices, me.v[k], me.heard_v[k], me.heard)

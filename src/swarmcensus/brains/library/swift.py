@@ -128,7 +128,7 @@ def fuse(me):
     step_s = g * (s - me.said_s)
     step_v = g * (v - me.said_v)
     step_unit = g * (unit - me.said_unit)
-    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+    if me.v_rest != 0.0:  # of sums that are large
         me.s_rest += (1.0 + g) * lost(s, me.s, me.heard_s, me.heard)
         me.v_rest += (1.0 + g) * lost(v, me.v, me.heard_v, me.heard)
     me.said_s = me.s

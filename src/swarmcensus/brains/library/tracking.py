@@ -92,7 +92,7 @@ def fuse(me):
     me.v = (me.v + me.heard_v) / voices
     long_s = (me.long_s + me.heard_long_s) / voices
     long_v = (me.long_v + me.heard_long_v) / voices
-    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+    if me.v_rest != 0.0:  # of sums that are large
         me.s_rest += lost(long_s, me.long_s, me.heard_long_s, me.heard)
         me.v_rest += lost(long_v, me.long_v, me.heard_long_v, me.heard)
     me.long_s = long_s
