@@ -68,7 +68,7 @@ def test_json_tells_the_sizes(tmp_path, capsys):
     deployed(tmp_path / "robot", "commons", "udp", "--json", "--message", "ratio8")
     told = json.loads(capsys.readouterr().out)
     assert told["format"] == "swarmcensus deployment 1"
-    assert (told["message_bytes"], told["datagram_bytes"], told["flash_bytes"]) == (2, 10, None)
+    assert (told["message_bytes"], told["datagram_bytes"], told["flash_bytes"]) == (2, 12, None)
 
 
 def test_parameters_are_the_robots(tmp_path):

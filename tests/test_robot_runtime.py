@@ -7,6 +7,7 @@ import os
 import random
 import struct
 import tracemalloc
+from binascii import crc32
 
 import numpy as np
 import pytest
@@ -71,7 +72,7 @@ def test_sizes_of_codings_are_those_of_the_plans():
 
 def test_a_message_of_a_pair_fits_into_nine_bytes():
     assert messages_of(COMMONS, "ratio16", checked=False).size == 9
-    assert messages_of(COMMONS, "ratio8", checked=True).size == 10
+    assert messages_of(COMMONS, "ratio8", checked=True).size == 12
 
 
 @pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])
@@ -145,7 +146,8 @@ def test_the_checksum_finds_each_changed_byte_and_foreign_messages():
         assert messages.unpack(good[:at] + bytes([good[at] ^ (1 << bit)]) + good[at + 1 :]) is None
     for length in range(len(good)):
         assert messages.unpack(good[:length]) is None
-    assert messages_of(COMMONS, mark=0x12EF).unpack(good) is None  # the same low byte
+    for mark in (0x12EF, 0x1BEEF, 0xFF00BEEF):  # the same low byte
+        assert messages_of(COMMONS, mark=mark).unpack(good) is None
     assert messages_of(COMMONS, "float32").unpack(good) is None
 
 
@@ -388,7 +390,7 @@ def test_noise_changes_nothing(untraced, datagrams):
     quiet = robot_of(readings=itertools.cycle([True, False, True, None]))
     for _ in range(robot.ticks):
         quiet.tick()
-    assert robot.heard == 0, "another seed: one in 65,536 random datagrams has the right checksum"
+    assert robot.heard == 0, "one in 4 billion random datagrams has the right checksum"
     assert robot.refused > 0.999 * datagrams - 32
     assert robot.numbers() == quiet.numbers()
     assert robot.estimate == quiet.estimate
@@ -405,9 +407,9 @@ def test_forged_messages_leave_a_robot_that_works(name, format_):
     forged = messages_of(brain, format_)
     for tick in range(1, 61):
         for sender in range(2, 5):
-            body = random_.randbytes(forged.size - 8)
+            body = random_.randbytes(forged.body)
             data = struct.pack("<BBHH", forged.mark & 0xFF, 0, sender, tick) + body
-            air.boxes[0].append(data + struct.pack("<H", runtime.checksum(data, forged.mark)))
+            air.boxes[0].append(data + struct.pack("<I", crc32(data, forged.mark)))
         robot.tick()
         assert 0.0 <= robot.estimate <= 1.0
         assert all(map(math.isfinite, robot.numbers()))

@@ -55,7 +55,7 @@ def test_what_no_datagram_or_log_holds_is_refused(monkeypatch):
     with pytest.raises(InputError, match="65,536 observations a round"):
         plan_of(small(65536), 0, 0, 0, plans.Air())
     monkeypatch.setattr(plans, "MOST_BYTES", 8)
-    with pytest.raises(InputError, match="UDP carries up to 8 in a datagram"):
+    with pytest.raises(InputError, match="a message of 13 bytes: UDP carries up to 8 in a datagram"):
         plan_of(small(), 0, 0, 0, plans.Air())
 
 

@@ -77,7 +77,7 @@ def test_the_summary_says_who_is_counted():
     told = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0, 1)))
     assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in told
     assert "right     100.0 % of them in the right of 10 bins" in told
-    assert "message   3 bytes, in a datagram of 11" in told
+    assert "message   3 bytes, in a datagram of 13" in told
     assert "missed    1 tick for which" in told
     nobody = [Known() for _ in range(20)]
     told = "\n".join(summary(plan(), outcome_of(plan(), nobody, 1.0, 1.0, 1)))

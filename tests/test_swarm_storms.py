@@ -83,9 +83,6 @@ def test_a_storm_ends_no_process_and_grows_no_memory(tmp_path, seed):
     right = np.array(outcome.estimates)
     right = right[np.isfinite(right)]
     assert len(right) >= ROBOTS // 3
-    strangers = {m.sender for log in logs for tick in log.ticks for m in tick.heard} - {*range(ROBOTS)}
-    if strangers:  # one in 65,536 random datagrams of the right length and mark has a right checksum, and is believed
-        assert len(strangers) < 3
-        return
+    assert {m.sender for log in logs for tick in log.ticks for m in tick.heard} <= {*range(ROBOTS)}
     assert np.median(np.abs(right - 0.55)) < 0.06
     assert np.abs(right - 0.55).max() < 0.25

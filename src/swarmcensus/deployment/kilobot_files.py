@@ -35,7 +35,7 @@ SETTINGS = """\
 #define B {b}f  // share of right readings on black
 #define W {w}f  // and on white
 #define PERIOD {period}  // of a tick; a second has {second}
-#define MARK 0x{mark:04x}  // of brain and format
+#define MARK 0x{mark:02x}  // of brain and format
 #define LUCK {luck}  // whether the brain uses luck
 #define NAMED {named}  // whether the brain uses the robot's name
 #define IS_DONE {done}  // whether it makes no more readings
@@ -62,7 +62,7 @@ def kilobot_files(plan: Plan) -> dict[str, str]:
         raise InputError(f"--hz {plan.hz:g}: a Kilobot has at most {TICKS_A_SECOND} ticks a second")
     settings = SETTINGS.format(
         brain=brain.label, b=_literal(plan.b), w=_literal(plan.w), period=max(1, round(TICKS_A_SECOND / plan.hz)),
-        second=TICKS_A_SECOND, mark=plan.mark, luck=int(brain.uses.luck), named=int(brain.uses.name),
+        second=TICKS_A_SECOND, mark=plan.mark & 0xFF, luck=int(brain.uses.luck), named=int(brain.uses.name),
         done="done(&me)" if brain.ends else "false",
     )  # fmt: skip
     return {

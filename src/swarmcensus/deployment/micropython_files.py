@@ -14,7 +14,7 @@ HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and
 
 import brain
 import settings
-from runtime import WRAP, Messages, Robot, checksum
+from runtime import WRAP, Messages, Robot
 '''
 README = """# {brain} on MicroPython, over {radio}
 
@@ -46,14 +46,14 @@ def micropython_files(plan: Plan) -> dict[str, str]:
     """The texts of all files by name."""
     radio = (BOARDS / f"radio_{plan.radio}.py").read_text(encoding="utf-8")
     needed, _, rest = radio.partition("\n\n")
-    imports = "\n".join(sorted([*needed.splitlines(), "import random", "import time"]))
+    imports = "\n".join(sorted([*needed.splitlines(), "from binascii import crc32", "import random", "import time"]))
     parts = [
         HEAD.format(brain=plan.brain.label, radio=RADIOS[plan.radio].what, imports=imports),
         (BOARDS / "sensor.py").read_text(encoding="utf-8"),
         rest.strip("\n") + "\n\n",
         (BOARDS / "loop.py").read_text(encoding="utf-8"),
     ]
-    checked = "2 of them are a checksum" if plan.checked else "the radio has a checksum of its own"
+    checked = f"{runtime.CHECKSUM} of them are a checksum" if plan.checked else "the radio has a checksum of its own"
     readme = README.format(
         brain=plan.brain.label, radio=RADIOS[plan.radio].what, body=plan.brain.message_bytes, size=plan.datagram_bytes,
         checked=checked, save=plan.save_every, logged=LOGGED.format(log=plan.log) if plan.log else "",

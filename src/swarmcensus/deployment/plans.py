@@ -62,9 +62,9 @@ class Plan:
 
     @property
     def mark(self) -> int:
-        """16 bits that another brain or format hardly has too."""
+        """32 bits that another brain or format hardly has too."""
         text = f"{self.brain.sha256} {self.brain.numbers.message}"
-        return int(hashlib.sha256(text.encode()).hexdigest()[:4], 16)
+        return int(hashlib.sha256(text.encode()).hexdigest()[:8], 16)
 
 
 def plan_for(

@@ -31,7 +31,7 @@ class State(NamedTuple):
     single: bool
     form: int  # of the message, in `FORMATS`; 0 if unknown
     boot: int
-    mark: int
+    mark: int  # the lower half of the datagrams'
     number: int
     code_bytes: int  # of a message, without header and checksum
     tick: int

@@ -76,7 +76,8 @@ class Log:
             parameters.extend(value if isinstance(value, (list, tuple)) else [value])
         messages, me = robot.messages, robot.me
         flags = STARTS * starts | FEEDBACK * messages.feedback | SINGLE * self.single
-        what = (MAGIC, VERSION, flags, self.form, robot.boot & 0xFFFFFFFF, messages.mark, robot.number, messages.body)
+        boot, mark = robot.boot & 0xFFFFFFFF, messages.mark & 0xFFFF
+        what = (MAGIC, VERSION, flags, self.form, boot, mark, robot.number, messages.body)
         when = (robot.ticks & 0xFFFFFFFF, robot.period, robot.clock() & 0xFFFFFFFF, self.brain, self.now)
         counts = (len(parameters), len(robot.numbers()), len(messages.owed))
         body = bytearray(struct.pack(HEAD, *(what + when + (me.b, me.w) + counts)))

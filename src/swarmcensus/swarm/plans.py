@@ -13,6 +13,7 @@ from swarmcensus.brains.packing import FORMATS, Format
 from swarmcensus.deployment import on_node
 from swarmcensus.deployment.plans import Plan as DeployedPlan
 from swarmcensus.engine.constants import LISTED
+from swarmcensus.robot.runtime import CHECKSUM, HEADER
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies.settings import Setting
@@ -22,7 +23,6 @@ PLAIN_FORMAT: Format = "float32"  # in place of "double", which no datagram hold
 MOST_ROBOTS = 1000
 MOST_LOOKS = 0xFFFF  # observations a tick
 MOST_BYTES = 65507  # of a datagram of UDP
-AROUND = 8  # bytes of a datagram beside its message
 LEAST_PERIOD = 2  # milliseconds: the clocks of robots count whole ones
 
 
@@ -142,7 +142,7 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
         raise InputError(
             f"{setting.observations_per_round:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
         )
-    size = AROUND + max(brain.message_bytes for brain in setting.brains)
+    size = HEADER + CHECKSUM + max(brain.message_bytes for brain in setting.brains)
     if size > MOST_BYTES:
         raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
     if not (air.hz > 0 and round(1000.0 / air.hz) >= LEAST_PERIOD):

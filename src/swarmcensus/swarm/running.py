@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.deployment.plans import datagram_bytes
 from swarmcensus.swarm.children import Children, check_system, seconds_of_children
 from swarmcensus.swarm.faults import Fault, late_starters
 from swarmcensus.swarm.folder import clear, complete, forget, write_folder
@@ -300,7 +301,7 @@ def _flood(swarm: Swarm) -> None:
     if not swarm.floods:
         return
     plan = swarm.plan
-    size = 6 + plan.setting.brain.message_bytes + 2
+    size = datagram_bytes(plan.setting.brain, "udp")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.bind((plan.air.host, 0))
         stranger.setblocking(False)

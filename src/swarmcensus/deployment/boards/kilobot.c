@@ -41,7 +41,7 @@ static int8_t robot_read_sensor(void) {
 
 static void robot_message_rx(message_t *message, distance_measurement_t *distance) {
     (void)distance;
-    if (message->type == NORMAL && message->data[0] == (MARK & 255) && robot_arrived < WAITING) {
+    if (message->type == NORMAL && message->data[0] == MARK && robot_arrived < WAITING) {
         for (uint8_t k = 0; k < 9; k++) {
             robot_inbox[robot_arrived][k] = message->data[k];
         }
@@ -99,7 +99,7 @@ static void robot_begin(void) {
 static void robot_talk(void) {
     message_t next;
     next.type = NORMAL;
-    next.data[0] = MARK & 255;
+    next.data[0] = MARK;
     next.data[1] = robot_boot;
     next.data[2] = (uint8_t)(kilo_uid & 255);
     next.data[3] = (uint8_t)(kilo_uid >> 8);

@@ -16,7 +16,7 @@ def own_number():
             "NUMBER in settings.py should be this robot's: a computer has no chip that tells one"
         ) from None
 
-    return checksum(machine.unique_id(), 0)
+    return crc32(machine.unique_id()) & 0xFFFF
 
 
 def made():
