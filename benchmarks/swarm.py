@@ -1,19 +1,23 @@
-"""A swarm of processes: python benchmarks/swarm.py [--runs 200] [--write].
+"""A swarm of processes: python benchmarks/swarm.py [--runs 200] [--write] [--minds]. Needs SciPy, of the extra `test`.
 
 A first table tells what processes cost and hear. A second one compares swarms over sockets with the simulator, in four
 worlds: 20 robots at 100 ticks a second, 200 rounds, the errors and the shares of right robots at the end, in trials of
 other seeds. Two-sample tests are Mann and Whitney's, and Kolmogorov and Smirnov's. With --write both go into
 docs/a-swarm-on-your-desk.md. Ten minutes on two cores, of which the first two are for the first table.
+
+With --minds it prints another table alone, after 75 seconds: whether the minds of 100 robots are lived again to the
+bit from their logs (minds.py).
 """
 
 import argparse
 import itertools
+import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import minds
 import numpy as np
-from scipy.stats import ks_2samp, mannwhitneyu
 
 from swarmcensus.basics.bins import right_bin
 from swarmcensus.reliving.logs import read_log
@@ -21,6 +25,11 @@ from swarmcensus.simulation.trials import record_estimates
 from swarmcensus.studies.study import Study
 from swarmcensus.swarm.plans import Air, plan_of
 from swarmcensus.swarm.running import run
+
+try:
+    from scipy.stats import ks_2samp, mannwhitneyu
+except ImportError:
+    sys.exit("benchmarks/swarm.py needs SciPy: pip install 'swarmcensus[test]'")
 
 PAGE = Path(__file__).parents[1] / "docs" / "a-swarm-on-your-desk.md"
 COSTS = (  # robots, Hz, rounds, topology, loss, delay in ms
@@ -125,7 +134,13 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--runs", type=int, default=200, help="swarms over sockets, 0 for the first table alone")
     parser.add_argument("--write", action="store_true", help="put the tables into the page")
+    parser.add_argument("--minds", action="store_true", help="only tell whether minds are lived again to the bit")
     options = parser.parse_args()
+    if options.minds:
+        with tempfile.TemporaryDirectory() as folder:
+            for line in minds.table(Path(folder)):
+                print(line, flush=True)
+        return
     tables = {}
     for name, lines in (("costs", costs()), ("simulator", against(options.runs) if options.runs else ())):
         tables[name] = []
