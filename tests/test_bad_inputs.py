@@ -177,6 +177,7 @@ def test_a_study_file_without_an_end(capsys):
     [
         OSError(28, "No space left on device"),
         OSError("Unable to create file (time = Mon\n, errno = 28, error message = 'No space left on device', buf = 0)"),
+        OSError(28, "Unable to synchronously create file (file write failed: errno = 28, error message = 'No space')"),
     ],
 )
 def test_a_full_disk_is_told_in_one_line(error, tmp_path):

@@ -174,6 +174,8 @@ def test_a_folder_from_boards_needs_no_more_than_logs(day, tmp_path, capsys):
         (["DAY", "--out", "r.csv"], "--out r.csv: it is written as .nc"),
         (["DAY", "--trace", "r.png"], "--trace r.png: it is written as .nc or .csv"),
         (["DAY", "--brain", "commons", "--out", "r.nc"], "commons would be there twice"),
+        (["DAY", "--out", "r.nc", "--trace", "./r.nc"], "--out and --trace both name r.nc: they should name two files"),
+        (["BLANK"], "robot-0.log: the file is empty: should be a robot's log"),
         (["BAD"], "swarm.json: robots should be a list of tables"),
         (["WORSE"], "swarm.json: cannot be read as JSON"),
         (["AWAY"], "should be the name of a file in the folder"),
@@ -182,6 +184,8 @@ def test_a_folder_from_boards_needs_no_more_than_logs(day, tmp_path, capsys):
 def test_wrong_inputs_are_named_in_a_sentence(day, tmp_path, monkeypatch, capsys, given, says):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "EMPTY").mkdir()
+    (tmp_path / "BLANK").mkdir()
+    (tmp_path / "BLANK" / "robot-0.log").touch()
     broken = {
         "BAD": '{"format": 1, "robots": [3]}', "WORSE": "{",
         "AWAY": '{"format": 1, "robots": [{"log": "../robot.log"}]}',

@@ -42,8 +42,10 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
 def reason(error: Exception) -> str:
     """The system's reason for an error, extracted also from the long texts of HDF5."""
     number = re.search(r"errno = (\d+)", str(error))
+    if number:
+        return os.strerror(int(number[1]))
     text = error.strerror if isinstance(error, OSError) else None
-    return text or (os.strerror(int(number[1])) if number else str(error).partition("\n")[0])
+    return text or str(error).partition("\n")[0]
 
 
 def remove_leftovers(path: str | Path) -> None:

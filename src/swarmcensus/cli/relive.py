@@ -99,6 +99,8 @@ def _check(options: argparse.Namespace) -> None:
             raise InputError(f"{flag} {path}: it is written as {' or '.join(suffixes)}")
         if path:
             check_writable(path)
+    if options.out and options.trace and options.out.resolve() == options.trace.resolve():
+        raise InputError(f"--out and --trace both name {options.out}: they should name two files")
     if options.plot:
         figure_files(options.plot, ("png",))
 

@@ -98,7 +98,8 @@ def read_log(path: str | Path) -> RobotLog:
     blocks = tuple(blocks_of(path))
     states = [block for block in blocks if isinstance(block, State)]
     if not states:
-        raise InputError(f"{path}: should be a robot's log, which begins with what the robot is")
+        what = "" if blocks else "the file is empty: "
+        raise InputError(f"{path}: {what}should be a robot's log, which begins with what the robot is")
     if strangers := {state.number for state in states} - {states[0].number}:
         raise InputError(
             f"{path}: the log is of robot {states[0].number} and of robot {min(strangers)}: of one is right"

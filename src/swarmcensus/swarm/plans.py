@@ -11,6 +11,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.packing import FORMATS, Format
 from swarmcensus.deployment import on_node
+from swarmcensus.deployment.plans import LOWEST_HZ
 from swarmcensus.deployment.plans import Plan as DeployedPlan
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.robot.runtime import CHECKSUM, HEADER
@@ -23,7 +24,7 @@ PLAIN_FORMAT: Format = "float32"  # in place of "double", which no datagram hold
 MOST_ROBOTS = 1000
 MOST_LOOKS = 0xFFFF  # observations a tick
 MOST_BYTES = 65507  # of a datagram of UDP
-LEAST_PERIOD = 2  # milliseconds: the clocks of robots count whole ones
+HIGHEST_HZ = 500.0  # two milliseconds a tick: the clocks of robots count whole ones
 
 
 @dataclass(frozen=True)
@@ -145,8 +146,8 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
     size = HEADER + CHECKSUM + max(brain.message_bytes for brain in setting.brains)
     if size > MOST_BYTES:
         raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
-    if not (air.hz > 0 and round(1000.0 / air.hz) >= LEAST_PERIOD):
-        raise InputError(f"--hz {air.hz:g}: should be ticks a second, above 0 and up to {1000 // LEAST_PERIOD}")
+    if not LOWEST_HZ <= air.hz <= HIGHEST_HZ:
+        raise InputError(f"--hz {air.hz:g}: should be ticks a second, from {LOWEST_HZ:g} to {HIGHEST_HZ:g}")
     for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
         if not 0.0 <= value <= 0.9:
             raise InputError(f"--{name} {value:g}: should be a share, from 0 to 0.9")
