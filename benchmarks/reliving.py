@@ -3,7 +3,7 @@
 Robots with `commons` on a ring live without sockets and write their logs; of their messages 30 % are lost. Then
 `swarmcensus relive` lives the minds again, under their own brain and also under another. `swarmcensus export` writes
 480,000 messages of other logs as MCAP: of a fifth of the robots, without losses. Each command is a process of its own:
-seconds, processor seconds, and the largest memory of one process. MINUTES minutes on two cores.
+seconds, processor seconds, and the largest memory of one process. Two minutes on two cores.
 """
 
 import argparse

@@ -5,7 +5,7 @@ worlds: 20 robots at 100 ticks a second, 200 rounds, the errors and the shares o
 other seeds. Two-sample tests are Mann and Whitney's, and Kolmogorov and Smirnov's. With --write both go into
 docs/a-swarm-on-your-desk.md. Ten minutes on two cores, of which the first two are for the first table.
 
-With --minds it prints another table alone, after 75 seconds: whether the minds of 100 robots are lived again to the
+With --minds it prints another table alone, in a good minute: whether the minds of 100 robots are lived again to the
 bit from their logs (minds.py).
 """
 
