@@ -74,7 +74,7 @@ def by_hand(seen, hears, honest, says, keeps):
     for k, share in enumerate(seen, start=1):
         after = x[-1].copy()
         for i in np.flatnonzero(honest):
-            heard = [x[-1][j] for j in hears[i] if not honest[j] or k >= 3]
+            heard = [x[-1][j] for j in hears[i] if not honest[j] or k > 3]
             values = [share[i], *keeps(x[-1][i], heard)]
             after[i] += (np.mean(values) - after[i]) / k
         x.append(after)
@@ -132,8 +132,8 @@ def test_constant_liars_drag_a_full_network_at_the_computed_rate(used, lying, ou
     """Perfect sensors on a floor of one colour: in closed form, to 1e-9.
 
     Of N robots L lie and F of them are dropped: the mean is over N - F values, of which L - F are the liars' and one
-    is the share. From the third phase on, with c = (L - F + 1) / (N - F) for liars who say v and a floor f,
-    x_k = x* + (f - x*) prod_{j=3}^{k} (1 - c / j), x* = f + (v - f) (L - F) / (L - F + 1). Before, only liars speak.
+    is the share. From the fourth phase on, with c = (L - F + 1) / (N - F) for liars who say v and a floor f,
+    x_k = x* + (f - x*) prod_{j=4}^{k} (1 - c / j), x* = f + (v - f) (L - F) / (L - F + 1). Before, only liars speak.
     """
     robots, phases, v = 10, 60, 1.0 - fill_ratio
     x, _, honest = lived(
@@ -148,12 +148,29 @@ def test_constant_liars_drag_a_full_network_at_the_computed_rate(used, lying, ou
     left = lying - outvoted
     first = fill_ratio + (v - fill_ratio) * left / (left + 1)  # the first phase forgets what was before it
     second = first + (fill_ratio - first + (v - fill_ratio) * left / (left + 1)) / 2
+    third = second + (fill_ratio - second + (v - fill_ratio) * left / (left + 1)) / 3
     rate = (left + 1) / (robots - outvoted)
-    rest = math.exp(math.lgamma(phases + 1 - rate) - math.lgamma(3 - rate) - math.lgamma(phases + 1) + math.lgamma(3))
+    rest = math.exp(math.lgamma(phases + 1 - rate) - math.lgamma(4 - rate) - math.lgamma(phases + 1) + math.lgamma(4))
     end = fill_ratio + (v - fill_ratio) * left / (left + 1)
     assert x[2, honest] == pytest.approx(first, abs=1e-12)
     assert x[4, honest] == pytest.approx(second, abs=1e-12)
-    assert x[-1, honest] == pytest.approx(end + (second - end) * rest, abs=1e-9)
+    assert x[6, honest] == pytest.approx(third, abs=1e-12)
+    assert x[-1, honest] == pytest.approx(end + (third - end) * rest, abs=1e-9)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("used", [LINEAR, WMSR], ids=["linear-consensus", "w-msr"])
+@pytest.mark.parametrize("silent", [0, 2, 3])
+def test_a_robot_speaks_after_its_silent_phases(used, silent):
+    """By default three, numbered from 1 here and from 0 in the source, which speaks in phases above 2."""
+    given = {"phase": 1.0} | ({} if silent == 3 else {"silent": silent})
+    me = used.with_parameters(given).robot(0.8, 0.8)
+    speaks = []
+    for _ in range(6):
+        used.functions.observe(me, 1, 2)
+        speaks.append(used.functions.broadcast(me) is not None)
+        used.functions.fuse(me)
+    assert speaks == [False] * silent + [True] * (6 - silent)
 
 
 ROBUST, RING = nx.circulant_graph(8, [1, 2, 3]), nx.cycle_graph(8)
@@ -305,13 +322,13 @@ def test_words_that_are_no_fill_ratio_count_as_the_nearest(used):
 @pytest.mark.interpreted
 @each
 def test_moving_robots_speak_when_their_phase_says(used):
-    """At 0.1 s a tick: linear consensus and W-MSR from the third phase on, the gated mean from the second."""
+    """At 0.1 s a tick: linear consensus and W-MSR from the fourth phase on, the gated mean from the second."""
     setting = moving(used.with_parameters({"phase": 10.0}), robots=8, ticks=60, density=2)
     ride = record_ride(setting, SEED, 0)
     k = ride.fields["k"]
     assert (k == 1 + (np.arange(61) // 10)[:, np.newaxis]).all()
     senders = ride.fields["senders"].max(axis=1)
-    silent = 10 if used is GATED else 20
+    silent = 10 if used is GATED else 30
     assert (senders[: silent + 1] == 0).all()
     assert senders[silent + 1 :].max() > 1
     assert ride.fields["senders"].max() <= 7

@@ -22,10 +22,8 @@ def results():
 
 @pytest.fixture(scope="module")
 def few():
-    """For a fiftieth of the time, in phases of three seconds."""
-    brains = ("linear-consensus", "w-msr")
-    phases = {f'"{brain}"': f'{{file = "{brain}", phase = 30}}' for brain in brains}
-    return ran({"[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]": "[0, 2]", "1000 s": "20 s"} | phases, 2)
+    """For a fiftieth of the time, in phases of a few ticks."""
+    return ran({"[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]": "[0, 2]", "10000": "200", "[1000,": "[100,", "= 46": "= 6"}, 2)
 
 
 def ran(changes, trials):
@@ -36,6 +34,21 @@ def ran(changes, trials):
     return sc.run(sc.Study.parse(text).with_(trials=trials))
 
 
+@pytest.mark.interpreted
+def test_the_study_is_the_published_experiment():
+    """Liars say 0 of a colour that covers 0.75; 10,000 ticks of 1 s and 10 cm are 217 phases, three of them silent."""
+    study = sc.Study.load(STUDY)
+    for setting in study.settings():
+        assert setting.fill_ratio == 0.75
+        assert setting.rounds == 10_000
+        assert (setting.body.tick, setting.body.speed, setting.body.tile, setting.body.radio_range) == (1, 0.1, 0.1, 0.5)
+        parameters = setting.brain.parameters
+        assert setting.rounds // parameters["phase"] == 217
+        assert parameters["silent"] == 3
+        assert parameters["debiased"] == 0
+    assert [adversary.name for adversary in study.adversaries] == ["always-white"]
+
+
 @pytest.mark.long
 def test_two_liars_cost_linear_consensus_much_and_w_msr_hardly_anything(results):
     error = abs(results["final_estimate"] - results["true_fill_ratio"]).mean("robot")
@@ -44,9 +57,9 @@ def test_two_liars_cost_linear_consensus_much_and_w_msr_hardly_anything(results)
         for k, (brain, liars) in enumerate(zip(results["brain"].values, results["liars"].values, strict=True))
     }
     for brain in ("linear-consensus", "w-msr"):
-        assert of[brain, 0].mean() < 0.02
-        assert of[brain, 5].mean() > 0.05
-    assert of["w-msr", 2].mean() < 0.02
+        assert of[brain, 0].mean() < 0.03
+        assert of[brain, 5].mean() > 0.1
+    assert of["w-msr", 2].mean() < 0.03
     assert (of["linear-consensus", 2] > 2 * of["w-msr", 2]).sum() >= TRIALS - 1
     assert (of["linear-consensus", 5] > of["w-msr", 5]).sum() >= TRIALS - 1
 

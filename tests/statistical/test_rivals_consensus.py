@@ -115,7 +115,7 @@ def test_with_noise_a_liar_drags_the_mean_as_without(name, outvoted):
     means = np.nanmean(found, axis=1)
     q, x = 0.8 * 0.4 + 0.2 * 0.6, 0.5
     for k in range(1, 31):
-        u = (q + 1) / 2 if k < 3 else (q + 6 * x + 1) / 8
+        u = (q + 1) / 2 if k <= 3 else (q + 6 * x + 1) / 8
         x += (u - x) / k
     assert abs(means.mean() - x) < 4 * means.std() / 20
     assert x - q > 0.2

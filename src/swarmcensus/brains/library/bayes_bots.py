@@ -23,6 +23,8 @@ Deviations:
   changes nothing; soft feedback rounds R times its probability up or down at random, which for R = 1 is the Bernoulli
   draw.
 - The random number of soft feedback is drawn once per observation, not once per message.
+- A program of the first author from 2018 ignores a known sender for 900 s. Here, as in the paper of 2020, each new
+  observation of a sender counts.
 - With `debiased` = 1, f < 0.5 is tested as "the share of black readings is below (b + 1 - w) / 2", and the estimate is
   clip((share + w - 1) / (b + w - 1), 0, 1), with the robot's own b and w for all observations.
 """

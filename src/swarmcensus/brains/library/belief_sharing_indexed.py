@@ -1,17 +1,19 @@
 """Belief sharing by a single number: a neighbour only says which of ten fill ratios it believes most.
 
-This is our own proposal, to measure what the ten numbers of `belief-sharing` are worth; it has no source. The rest is
-as in Shan and Mostaghim's distributed Bayesian belief sharing (DBBS), whose functions are repeated here because a brain
-is one file.
+This is our own proposal, to measure what the ten numbers of `belief-sharing` are worth. The rest is as in Shan
+and Mostaghim's distributed Bayesian belief sharing (DBBS), whose functions are repeated here because a brain is one
+file.
 
     reading    s *= h if black else 1 - h; normalised; at least 0.001 / 10
     each step  of one random neighbour's best i:  n_k = normalise(n_k^lambda exp(-(h_k - h_i)^2 / (2 width^2)))
     say        the k of the largest s_k n_k
     estimate   the mean of s n, the decision its largest
 
-Deviations from belief-sharing:
+Deviations from belief-sharing, and from Shan's indexed form:
 - A Gaussian replaces the neighbour's belief. Its width is that of two hypotheses, about as accurately
   as a neighbour knows the best one.
+- Shan's own indexed belief sharing skips neighbours that were heard lately. Robots have no names here, and any
+  neighbour may be heard in any step.
 - A robot for which all hypotheses are equal is silent. There is no mu.
 """
 

@@ -5,12 +5,14 @@ opinion is
 
     quality = own / (looks + first),    own: how many of the looks read its colour,
 
-It sends both for ceil(Exp(`disseminate` * m)) + `listen` rounds, where m is the larger of the shares of its own and of
-the other colour, and hears others in the last `listen` of them. Then it adopts the opinion of one sender, all equally
-likely, if the quality sent with it is above its own. As published: these rules and all defaults, at ten ticks per
-second.
+It sends both for ceil(Exp(`disseminate` * m)) + `listen` rounds, where m is `best` or, where that is 0, the larger of
+the shares of its own and of the other colour, and hears others in the last `listen` of them. Then it adopts the opinion
+of one sender, all equally likely, if the quality sent with it is above its own. As published: these rules and all
+defaults but `best`, at ten ticks per second.
 
 Deviations:
+- In a public fork of the authors' program, m is the ideal quality of the best option, the same for all robots. No robot
+  knows it, so by default m is what the robot has measured; `best` sets it.
 - The first opinion follows from the name: of the first N robots, round(N * black_first) hold black, evenly spread. In
   the source, they are drawn among N robots, but no robot knows N.
 - One of all senders heard is drawn by a random number that is the same for all messages of a sender; the source draws
@@ -28,6 +30,7 @@ PARAMETERS = {
     "explore": 100.0,  # rounds: the mean time of an exploration
     "disseminate": 100.0,  # rounds: the mean time of sending an opinion of quality 1, without the listening
     "listen": 30.0,  # rounds: the last part of sending, in which others are heard
+    "best": 0.0,  # the ideal quality of the best option, which sets the mean time of sending; 0: as measured
     "first": 1.0,  # readings added to the number of looks: published is 1, which lowers the quality
     "weighted": 1.0,  # how much times depend on quality, from 0 to 1
     "debiased": 0.0,  # 1: the quality is corrected for the sensor
@@ -102,7 +105,7 @@ def fuse(me):
     if me.tells == 0.0:
         me.tells = 1.0
         me.quality = share(me, me.opinion)
-        larger = max(me.quality, share(me, 1.0 - me.opinion))
+        larger = me.best if me.best > 0.0 else max(me.quality, share(me, 1.0 - me.opinion))
         me.left = spread(me, me.disseminate * (1.0 - me.weighted + me.weighted * larger)) + me.listen
         me.salt = 4096.0 * me.luck % 1.0
     else:

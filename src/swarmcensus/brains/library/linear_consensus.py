@@ -5,7 +5,7 @@ Strobel, Castello Ferrer, Dorigo, "Blockchain technology secures robot swarms", 
 
     u = mean of the share of black readings in the phase and of the values received in it;  x += (u - x) / k
 
-As published: this step, phases of 45 s, silence in the first two phases, at most 20 distinct senders per phase, each
+As published: this step, phases of 45 s, silence in the first three phases, at most 20 distinct senders per phase, each
 counted once.
 
 Deviations:
@@ -21,6 +21,7 @@ PRIME = 67108859  # of 26 bits, so that products fit 53 bits; cubes are distinct
 
 PARAMETERS = {
     "phase": 450.0,  # rounds: 45 s of ticks
+    "silent": 3.0,  # phases at the beginning in which it says nothing
     "debiased": 0.0,  # 1: the share is corrected for the sensor
 }
 MEMORY = {
@@ -45,8 +46,8 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """The value, from the third phase on."""
-    if me.k < 3.0:
+    """The value, after the silent phases."""
+    if me.k <= me.silent:
         return None
     return me.x, me.name
 

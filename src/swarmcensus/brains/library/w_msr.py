@@ -7,7 +7,7 @@ swarms", 2020. At the end of phase k, among the values received in it
     drop the F largest of those above the own x, all if there are fewer, and the F smallest of those below it;
     u = mean of the share of black readings in the phase and of the values left;  x += (u - x) / k
 
-As published: this step with F = 2, phases of 45 s, silence in the first two phases, at most 20 distinct senders per
+As published: this step with F = 2, phases of 45 s, silence in the first three phases, at most 20 distinct senders per
 phase, each counted once.
 
 Deviations:
@@ -25,6 +25,7 @@ PRIME = 67108859  # of 26 bits, so that products fit 53 bits; cubes are distinct
 PARAMETERS = {
     "phase": 450.0,  # rounds: 45 s of ticks
     "drop": 2.0,  # F: values dropped on either side
+    "silent": 3.0,  # phases at the beginning in which it says nothing
     "debiased": 0.0,  # 1: the share is corrected for the sensor
 }
 MEMORY = {
@@ -49,8 +50,8 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """The value, from the third phase on."""
-    if me.k < 3.0:
+    """The value, after the silent phases."""
+    if me.k <= me.silent:
         return None
     return me.x, me.name
 
