@@ -61,6 +61,8 @@ def rounds(used, me, luck):
         ("random", {}, lambda x, alpha: (x, alpha)),  # before the first toss
         ("noisy-mirror", {}, lambda x, alpha: (x, alpha)),  # it has heard nothing
         ("slow-liar", {}, lambda x, alpha: (x, alpha)),  # not yet
+        ("creeper", {}, lambda x, alpha: (min(x + 0.01, 1.0), alpha)),
+        ("creeper", {"step": 0.25, "goal": 0.5}, lambda x, alpha: (x + min(max(0.5 - x, -0.25), 0.25), alpha)),
     ],
 )
 @pytest.mark.parametrize("blacks", [0, 3, 7, 10])
@@ -85,6 +87,17 @@ def test_a_slow_liar_goes_one_pace_a_round():
     assert [one[0] for one in rounds(upwards, robot(upwards, 7, 10), [0.5] * 3)] == pytest.approx(
         [x, x + 1e-3, x + 2e-3]
     )
+
+
+def test_a_creeper_is_a_step_from_what_it_believes_in_every_round():
+    used, me = worn("creeper", step=0.02), robot(worn("creeper", step=0.02), 7, 10)
+    honest, other = brains.load("minimalistic"), robot(brains.load("minimalistic"), 7, 10)
+    for _ in range(3):
+        assert used.functions.broadcast(me)[0] == pytest.approx(honest.functions.broadcast(other)[0] + 0.02)
+        for mind, brain_of in ((me, used), (other, honest)):
+            brain_of.functions.observe(mind, 3, 10)
+            brain_of.functions.receive(mind, (0.4, 5.0))
+            brain_of.functions.fuse(mind)
 
 
 def own(luck):
