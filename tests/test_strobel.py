@@ -41,7 +41,8 @@ def test_the_study_is_the_published_experiment():
     for setting in study.settings():
         assert setting.fill_ratio == 0.75
         assert setting.rounds == 10_000
-        assert (setting.body.tick, setting.body.speed, setting.body.tile, setting.body.radio_range) == (1, 0.1, 0.1, 0.5)
+        body = setting.body
+        assert (body.tick, body.speed, body.tile, body.radio_range) == (1, 0.1, 0.1, 0.5)
         parameters = setting.brain.parameters
         assert setting.rounds // parameters["phase"] == 217
         assert parameters["silent"] == 3

@@ -1,9 +1,9 @@
 """The expected squared error of a setting's estimates, trial by trial, for brains whose theory is exact.
 
 It is known for `alone`, for `commons`, which mixes running sums, and for `minimalistic` if nobody is heard. For commons
-it includes the prior. It also includes that estimates are cut to [0, 1], if all sensors are equal and all robots hold
-the same sums, or hear nobody. Otherwise theory counts as exact once cutting changes the squared error by less than
-`MOST_CUT`.
+it includes the prior, and that estimates are cut to [0, 1]: by a binomial law if all sensors are equal and all robots
+hold the same sums, or hear nobody; otherwise by the law of mixed sums, where cutting changes the squared error by more
+than `MOST_CUT`. With late messages, or in too large a network, theory counts as exact once it changes less.
 """
 
 from typing import NamedTuple
@@ -19,6 +19,7 @@ from swarmcensus.studies.study import Study
 
 Floats = NDArray[np.float64]
 MOST_CUT = 1e-3  # share of the mean squared error
+MOST_TERMS = 2e8  # complex numbers for the law of mixed sums: some seconds
 BRAINS = {"alone": ALONE, "minimalistic": ALONE, "commons": MIXED}  # the line of theory for each brain
 MOST_POOLED = 1_000_000  # readings of a swarm up to which all counts of black readings are summed over
 
@@ -85,18 +86,25 @@ def _pooled_readings(setting: Setting, b: Floats, w: Floats, robots_pooled: int,
 def _mixed(setting: Setting, graphs: list[Floats], b: Floats, w: Floats) -> ExactErrors:
     """Squared errors of sums that are mixed on these graphs, one for each trial or one for all."""
     alike = len(graphs) == 1 and (b == b[0]).all() and (w == w[0]).all()
-    squared, cut = [], 0.0
-    for k in range(1 if alike else len(b)):
-        sums = theory.mixed_sums(
-            graphs[min(k, len(graphs) - 1)], setting.rounds, setting.observations_per_round, setting.fill_ratio, b[k],
-            w[k], setting.message_delay,
-        )  # fmt: skip
+    rounds, looks, f = setting.rounds, setting.observations_per_round, setting.fill_ratio
+    squared, pulls, cut = [], [], 0.0
+    used = [graphs[min(k, len(graphs) - 1)] for k in range(1 if alike else len(b))]
+    for k, graph in enumerate(used):
+        sums = theory.mixed_sums(graph, rounds, looks, f, b[k], w[k], setting.message_delay)
         if not np.isfinite(sums.variance).all():
             return _unknown("some robots know only of sensors with b + w = 1")
         pull = prior_pull(sums.evidence)
-        squared.append(theory.pulled_squared_error(sums.variance, setting.fill_ratio, pull))
-        cut += float(theory.cut_off(sums.variance, setting.fill_ratio, pull).mean())
+        pulls.append(pull)
+        squared.append(theory.pulled_squared_error(sums.variance, f, pull))
+        cut += float(theory.cut_off(sums.variance, f, pull).mean())
     share = cut / max(float(np.mean(squared)) * len(squared), np.finfo(float).tiny)
     if share > MOST_CUT:
-        return _unknown(f"too early: cutting estimates to [0, 1] takes {100.0 * share:.2g} % off the squared error")
+        why = f"cutting estimates to [0, 1] takes {100.0 * share:.2g} % off the squared error"
+        if setting.message_delay:
+            return _unknown(f"{why}, and no law is known with late messages")
+        if sum(theory.terms_for(graph, rounds) for graph in used) > MOST_TERMS:
+            return _unknown(f"{why}, and the law of so large a network takes too long")
+        squared = [
+            theory.cut_squared_error(graph, rounds, looks, f, b[k], w[k], pulls[k]) for k, graph in enumerate(used)
+        ]
     return ExactErrors(np.broadcast_to(squared, b.shape))

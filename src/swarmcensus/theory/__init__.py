@@ -13,6 +13,7 @@ from swarmcensus.theory.bounds import (
     robot_bound,
     swarm_bound,
 )
+from swarmcensus.theory.cut_mixing import cut_squared_error, terms_for
 from swarmcensus.theory.floor import (
     Truth,
     cluster_covariance,
@@ -63,6 +64,7 @@ __all__ = [
     "concentration",
     "covariance_variance",
     "cut_off",
+    "cut_squared_error",
     "error_law",
     "even_concentration",
     "factor_bounds",
@@ -93,6 +95,7 @@ __all__ = [
     "stationary_efficiency",
     "stationary_law",
     "swarm_bound",
+    "terms_for",
     "tiles_variance",
     "torus_spectrum",
     "variance_factors",
