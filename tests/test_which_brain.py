@@ -84,12 +84,27 @@ def test_what_it_advises_is_what_the_leaderboard_orders(board):
 
 
 def test_numbers_in_its_words_stand_in_its_tables_or_describe_the_worlds():
-    words = re.sub(r"(?:^\|.*\n)+|\]\([^)]*\)", "", PAGE, flags=re.MULTILINE)
+    words = re.sub(r"^```text\n(?s:.*?)^```|(?:^\|.*\n)+|\]\([^)]*\)", "", PAGE, flags=re.MULTILINE)
     study = tomllib.loads((DOCS.parent / "studies" / "leaderboard.toml").read_text(encoding="utf-8"))
     changes = [case["fill_ratio"] for case in study["case"] if isinstance(case.get("fill_ratio"), dict)]
     ratios = {*study["world"]["fill_ratio"], *(change[end] for change in changes for end in ("from", "to"))}
     worlds = {"0.1", "0.05", "0.7", *map(str, ratios)}  # seconds a round, half a tenth, an accuracy
     assert set(re.findall(r"\d+\.\d+", words)) <= worlds
+
+
+def test_where_our_brains_are_worse_is_what_the_command_runs_and_they_are_worse():
+    """The table itself is measured by the command; here, that its worlds are those, and that each row shows a loss."""
+    command = runpy.run_path(str(DOCS.parent / "benchmarks" / "worse.py"))
+    [block] = re.findall(r"```text\n(.*?)```", PAGE, re.DOTALL)
+    _, *lines = block.splitlines()
+    for line, (world, (ours, *_)) in zip(lines, command["WORLDS"].items(), strict=False):
+        found = re.fullmatch(rf"{re.escape(world)} +{ours} +([\d.]+) +([\d.]+) +([\d.]+)  ([\d.]+) .*", line)
+        assert found, line
+        mine, *others = map(float, found.groups())
+        assert mine > 1.5 * min(others)
+    wrong = [float(share) for share in re.findall(r"([\d.]+)% \+- [\d.]+% of robots stop on a wrong answer", block)]
+    assert len(wrong) == 4
+    assert max(wrong) > 5
 
 
 def test_the_page_of_ones_own_brain_shows_the_same_board(board):
