@@ -201,6 +201,16 @@ def test_direct_comparison_tells_for_as_long_as_the_larger_share_says():
     assert me.left == math.ceil(-6.0 * 2.0 / 3.0 * math.log(0.5)) + 2.0
 
 
+def test_direct_comparison_tells_for_as_long_as_the_best_quality_says_if_that_is_given():
+    """All robots alike, whatever they read, as in a public fork."""
+    for blacks in (0.0, 1.0):
+        me, rule = robot("direct-comparison", best=0.9)
+        rounds(me, rule, blacks=blacks)
+        me.left = 1.0
+        rounds(me, rule, blacks=blacks)
+        assert me.left == math.ceil(-6.0 * 0.9 * math.log(0.5)) + 2.0
+
+
 NONE = 0.5
 
 

@@ -3,17 +3,16 @@
 Kar, Moura, "Consensus + innovations distributed inference over networks", 2013, in its scalar form. In the t-th round
 with readings, counted from 0,
 
-    x += -B sum (x - x_j) + (z - x) / (t + 1),    z = (share - 1 + w) / (b + w - 1) of the round's readings,  B = `pull`
+    x += -B sum (x - x_j) + (z - x) / (t + 1),    z = (share - 1 + w) / (b + w - 1) of the round's readings
 
-As published: this step. If links go both ways, B is the same at all links, and all robots have readings in every round,
-the mean of all x is that of all z so far; each x approaches it if the network is connected on average.
+As published: this step, but for B. If links go both ways, B is the same at all links, and all robots have readings in
+every round, the mean of all x is that of all z so far; each x approaches it if the network is connected on average.
 
 Deviations:
-- The source lets B decay too, as a power of the round below that of the innovations. Here B stays by default; with
-  `decay` above 0 it is `pull` / (t + 1)^decay.
-- B is at most 1 / (1 + neighbours heard), so that consensus is a weighted mean and does not oscillate with
+- B, `pull`, is at most 1 / (1 + neighbours heard), so that consensus is a weighted mean and does not oscillate with
   many neighbours. The source chooses B for a network with known degrees. If the bound applies to some robots only, the
   mean of all x is not preserved.
+- B stays. In the source it falls with the rounds too, more slowly than the step of the innovations.
 - A round without readings, or with b + w = 1, has no innovation and is not counted.
 - Robots with good and poor sensors have the same weight, as in the plain form.
 - x may leave [0, 1], as z does; the estimate is clipped to [0, 1].
@@ -21,7 +20,6 @@ Deviations:
 
 PARAMETERS = {
     "pull": 0.25,  # B
-    "decay": 0.0,  # the power of the rounds by which B falls; 0: B stays
 }
 MEMORY = {
     "t": 0.0,  # observations made in this round
@@ -54,8 +52,7 @@ def receive(me, message):
 
 def fuse(me):
     """Add the steps of consensus and innovation."""
-    pull = me.pull if me.decay == 0.0 else me.pull / (me.rounds + 1.0) ** me.decay
-    step = min(pull, 1.0 / (1.0 + me.heard)) * (me.heard_x - me.heard * me.x)
+    step = min(me.pull, 1.0 / (1.0 + me.heard)) * (me.heard_x - me.heard * me.x)
     slope = me.b + me.w - 1.0
     if me.t > 0.0 and abs(slope) >= 1e-12:
         z = (me.n / me.t + me.w - 1.0) / slope
