@@ -19,7 +19,7 @@ from swarmcensus.studies.study import Study
 
 Floats = NDArray[np.float64]
 MOST_CUT = 1e-3  # share of the mean squared error
-MOST_TERMS = 2e8  # complex numbers for the law of mixed sums: some seconds
+MOST_TERMS = 5e7  # complex numbers for the law of mixed sums: some seconds
 BRAINS = {"alone": ALONE, "minimalistic": ALONE, "commons": MIXED}  # the line of theory for each brain
 MOST_POOLED = 1_000_000  # readings of a swarm up to which all counts of black readings are summed over
 
