@@ -100,7 +100,7 @@ def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         [show] = show_of(tmp_path / "day")
-        ticks = list(range(show.setting.rounds + 1))
+        ticks = list(range(show.rounds + 1))
         shown = parsed(show.frames(ticks))
     known = read_day(tmp_path / "day")
     x = estimates_of(known, as_logged(known, relive_all(known)), Clock(known.members))

@@ -1,13 +1,14 @@
 """When each tick of each robot was: by a common clock where all logs know the time, else by the robots' own ticks."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 from swarmcensus.reliving.folders import Member
-from swarmcensus.reliving.log_times import timed
+from swarmcensus.reliving.log_times import LogTimes
 from swarmcensus.reliving.logs import Gap, State, Tick
 
 TOGETHER = 1.5  # periods: robots whose first ticks are as near as this began together
+APART = 3.0  # periods: where no robot began as much later as this, and none again, their own ticks tell the time
 
 
 class _Life(NamedTuple):
@@ -22,75 +23,103 @@ class _Life(NamedTuple):
 class Clock:
     """Times of blocks, in ticks, from the first start of any robot on."""
 
-    def __init__(self, members: tuple[Member, ...]) -> None:
+    def __init__(self, members: Iterable[Member] = ()) -> None:
         """Read the starts of all robots."""
-        lives = {member.number: _lives(member) for member in members}
-        self.restarted = any(len(of_robot) > 1 for of_robot in lives.values())
-        self.is_common = self.restarted and all(state.now for member in members for state in member.log.states)
-        if self.is_common:
-            references = {number: _reference(of_robot) for number, of_robot in lives.items()}
-            begun = min(one.zero + one.tick for one in references.values())
-            self.times = {m.number: _by_clock(m, lives[m.number], references[m.number], begun) for m in members}
-        else:
-            self.times = {member.number: _by_ticks(member, lives[member.number]) for member in members}
-        first = min(of_robot[0] for of_robot in self.times.values())  # logs may begin after many ticks
-        self.times = {number: [time - first for time in of_robot] for number, of_robot in self.times.items()}
+        self._robots: dict[int, _Robot] = {}
+        self._first = 0  # the first time of all: logs may begin after many ticks
+        self.restarted = self.is_common = False
+        self.go_on(members)
+
+    def go_on(self, members: Iterable[Member]) -> bool:
+        """Go on with blocks that were appended to logs; returns whether any earlier block has another time now."""
+        for member in members:
+            self._robots.setdefault(member.number, _Robot(member)).read()
+        robots = self._robots.values()
+        if not robots:
+            return False
+        self.restarted = any(len(robot.lives) > 1 for robot in robots)
+        starts = [robot.reference.zero + robot.reference.tick for robot in robots]
+        begun = min(starts)
+        apart = self.restarted or max(starts) - begun >= APART
+        self.is_common = apart and all(robot.knows_time for robot in robots)
+        moved = [robot.place(robot.by_clock(begun) if self.is_common else robot.by_ticks()) for robot in robots]
+        first, self._first = self._first, min(robot.times[0] for robot in robots)
+        return any(moved) or first != self._first
 
     def time(self, robot: int, at: int) -> int:
         """The time of a block: 0 at the start, 1 after the first tick."""
-        return self.times[robot][at]
+        return self._robots[robot].times[at] - self._first
+
+    def last(self, robot: int) -> int:
+        """The time of a robot's last block."""
+        return self._robots[robot].times[-1] - self._first
 
     @property
     def rounds(self) -> int:
         """The time of the last block of all."""
-        return max(max(times) for times in self.times.values())
+        return max(robot.latest for robot in self._robots.values()) - self._first
 
 
-def _lives(member: Member) -> list[_Life]:
-    """The lives of a robot; where ticks are late, the earliest one tells when they were due."""
-    lives: list[_Life] = []
-    boot = -1
-    places = [at for at, block in enumerate(member.log.blocks) if not isinstance(block, Gap)]
-    known = list(timed(member.log.blocks))
-    for at, (now, block) in zip(places[len(places) - len(known) :], known, strict=True):
-        if isinstance(block, State):
-            if block.boot != boot or block.starts:
-                boot, period = block.boot, max(block.period, 1)
-                lives.append(_Life(at, block.tick, now / period - block.tick, False))
-            continue
-        zero = now / period - block.tick
-        life = lives[-1]
-        lives[-1] = life._replace(zero=min(zero, life.zero) if life.ticks else zero, ticks=True)
-    return lives
+class _Robot:
+    """One robot's lives and the times of its blocks, as far as its log was read."""
 
+    def __init__(self, member: Member) -> None:
+        self.blocks = member.log.blocks
+        self.lives: list[_Life] = []
+        self.knows_time = True
+        self.times: list[int] = []
+        self._read = 0
+        self._clock = LogTimes()
+        self._boot, self._period = -1, 1
+        self._shifts: dict[int, int | None] = {}  # by the block of a start: what is added to the ticks from there on
+        self._time = self._shift = self.latest = 0
 
-def _reference(lives: list[_Life]) -> _Life:
-    """The first life with a tick: robots may wait for each other between their start and their first tick."""
-    return next((life for life in lives if life.ticks), lives[0])
+    def read(self) -> None:
+        """Note the lives of new blocks; where ticks are late, the earliest one tells when they were due."""
+        for at in range(self._read, len(self.blocks)):
+            block, now = self.blocks[at], self._clock.of(self.blocks[at])
+            if now is None or isinstance(block, Gap):
+                continue
+            if isinstance(block, State):
+                self.knows_time = self.knows_time and bool(block.now)
+                if block.boot != self._boot or block.starts:
+                    self._boot, self._period = block.boot, max(block.period, 1)
+                    self.lives.append(_Life(at, block.tick, now / self._period - block.tick, False))
+                continue
+            zero, life = now / self._period - block.tick, self.lives[-1]
+            self.lives[-1] = life._replace(zero=min(zero, life.zero) if life.ticks else zero, ticks=True)
+        self._read = len(self.blocks)
 
+    @property
+    def reference(self) -> _Life:
+        """The first life with a tick: robots may wait for each other between their start and their first tick."""
+        return next((life for life in self.lives if life.ticks), self.lives[0])
 
-def _by_clock(member: Member, lives: list[_Life], reference: _Life, begun: float) -> list[int]:
-    """Times of blocks since `begun`; a robot that began with the others and never started again has its own ticks."""
-    late = reference.zero + reference.tick - begun
-    first = (0 if late < TOGETHER else int(late)) - reference.tick
-    shifts = {life.at: first + round(life.zero - reference.zero) for life in lives}
-    return _times(member, shifts)
+    def by_clock(self, begun: float) -> dict[int, int | None]:
+        """Shifts since `begun`; a robot that began with the others and never started again has its own ticks."""
+        reference = self.reference
+        late = reference.zero + reference.tick - begun
+        first = (0 if late < TOGETHER else int(late)) - reference.tick
+        return {life.at: first + round(life.zero - reference.zero) for life in self.lives}
 
+    def by_ticks(self) -> dict[int, int | None]:
+        """Shifts where nothing is known of the time between two boots."""
+        return {life.at: None if k else 0 for k, life in enumerate(self.lives)}
 
-def _by_ticks(member: Member, lives: list[_Life]) -> list[int]:
-    """Times of blocks where nothing is known of the time between two boots."""
-    return _times(member, {life.at: None if at else 0 for at, life in enumerate(lives)})
-
-
-def _times(member: Member, shifts: Mapping[int, int | None]) -> list[int]:
-    """Times of blocks; `shifts` has, by the block of a start, what is added to the ticks from there on."""
-    times: list[int] = []
-    time = shift = 0
-    for at, block in enumerate(member.log.blocks):
-        if isinstance(block, State) and at in shifts:
-            given = shifts[at]
-            shift = time - block.tick if given is None else max(given, time - block.tick)
-        if isinstance(block, State | Tick):
-            time = block.tick + shift
-        times.append(time)
-    return times
+    def place(self, shifts: Mapping[int, int | None]) -> bool:
+        """Find the times of new blocks, or of all if shifts are others than before; returns whether they are."""
+        moved = not self._shifts.items() <= shifts.items()
+        if moved:
+            self.times, self._time, self._shift, self.latest = [], 0, 0, 0
+        self._shifts = dict(shifts)
+        for at in range(len(self.times), len(self.blocks)):
+            block = self.blocks[at]
+            if isinstance(block, State) and at in shifts:
+                given = shifts[at]
+                least = self._time - block.tick
+                self._shift = least if given is None else max(given, least)
+            if isinstance(block, State | Tick):
+                self._time = block.tick + self._shift
+            self.times.append(self._time)
+            self.latest = max(self.latest, self._time)
+        return moved

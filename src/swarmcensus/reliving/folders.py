@@ -3,7 +3,7 @@
 import contextlib
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -51,41 +51,57 @@ class Day:
 
 def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Day:
     """Read a folder. `brain_file` is the brain of robots whose brain the folder does not hold. Raises InputError."""
-    if not folder.is_dir():
-        raise InputError(f"{folder}: should be a folder of robots' logs")
-    about = about_of(folder)
-    entries = {str(entry["log"]): entry for entry in about.get("robots", [])}
-    names = list(dict.fromkeys([*entries, *(path.name for path in sorted(folder.glob("*.log")))]))
-    if not names:
-        raise InputError(without_logs(folder))
-    logs, absent = {}, []
-    for name in names:
+    of = Folder(folder, brain_file, fill_ratio)
+    logs, absent = [], []
+    for name in of.names():
         try:
-            logs[name] = read_log(folder / name)
+            logs.append(read_log(folder / name))
         except InputError as error:
             absent.append(str(error))
     if not logs:
-        raise InputError(f"{folder}: no robot's log can be read: {absent[0]}")
-    numbers = [log.number for log in logs.values()]
-    if twice := next((number for number in numbers if numbers.count(number) > 1), None):
-        raise InputError(f"{folder}: two logs are of robot {twice}: each robot has one")
-    kept = Brains(folder, brain_file, about)
-    members = []
-    for name, log in logs.items():
-        entry = entries.get(name, {})
+        raise InputError(f"{folder}: no robot's log can be read: {absent[0]}" if absent else without_logs(folder))
+    return of.day(logs, absent)
+
+
+class Folder:
+    """A folder of logs, before they are read."""
+
+    def __init__(self, path: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> None:
+        """Read what swarm.json says. Raises InputError."""
+        if not path.is_dir():
+            raise InputError(f"{path}: should be a folder of robots' logs")
+        self.path = path
+        self.about = about_of(path)
+        self.fill_ratio = self.about.get("fill_ratio") if fill_ratio is None else fill_ratio
+        self._entries = {str(entry["log"]): entry for entry in self.about.get("robots", [])}
+        self._brains = Brains(path, brain_file, self.about)
+
+    def names(self) -> list[str]:
+        """The logs that swarm.json names, and others that are there."""
+        return list(dict.fromkeys([*self._entries, *(path.name for path in sorted(self.path.glob("*.log")))]))
+
+    def day(self, logs: Sequence[RobotLog], absent: Sequence[str] = ()) -> Day:
+        """The day of these logs. Raises InputError."""
+        numbers = [log.number for log in logs]
+        twice = next((number for number in numbers if numbers.count(number) > 1), None)
+        if twice is not None:
+            raise InputError(f"{self.path}: two logs are of robot {twice}: each robot has one")
+        members = _with_adversaries([self._member(log) for log in logs], self.about)
+        members.sort(key=lambda member: member.number)
+        swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
+        about, known = self.about, self.fill_ratio
+        return Day(
+            self.path, self.path.resolve().name, swarm, tuple(members),
+            None if known is None else float(known), int(about.get("bins", 10)), float(about.get("delta", 0.01)),
+            int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
+        )  # fmt: skip
+
+    def _member(self, log: RobotLog) -> Member:
+        entry, kept = self._entries.get(log.path.name, {}), self._brains
         of_swarm = str(entry.get("brain", kept.file)) == kept.file
         brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
-        honest, adversary = bool(entry.get("honest", True)), entry.get("adversary")
-        members.append(Member(log.number, log, brain, honest, adversary and str(adversary), of_swarm))
-    members = _with_adversaries(members, about)
-    members.sort(key=lambda member: member.number)
-    swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
-    known = about.get("fill_ratio") if fill_ratio is None else fill_ratio
-    return Day(
-        folder, folder.resolve().name, swarm, tuple(members),
-        None if known is None else float(known), int(about.get("bins", 10)), float(about.get("delta", 0.01)),
-        int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
-    )  # fmt: skip
+        adversary = entry.get("adversary")
+        return Member(log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm)
 
 
 def without_logs(folder: Path) -> str:

@@ -67,46 +67,76 @@ class Life:
 
 def relive(member: Member, keep: bool = False) -> Life:
     """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
-    life = Life(member.number, ticks=len(member.log.ticks))
+    life = Reliving(member, keep).go_on()
     life.starts = starts_of(member)
     life.lost = list(_lost(member.log))
-    blocks = member.log.blocks
-    mind: Mind | None = None
-    first = -1  # the block from whose state the mind came
-    boot = 0
-    for at, block in enumerate(blocks):
-        if isinstance(block, Gap):
-            mind = None
-        elif isinstance(block, State):
-            boot = block.boot
-            if mind is not None and not block.starts:
-                if mind.ticks != block.tick:  # ticks are missing
-                    mind = None
-                elif mind.checksum != checksum_of((*block.numbers, *block.owed)):
-                    life.differs(boot, block.tick, "its saved memory is not what its ticks lead to")
-                    mind = None
-            if mind is None or block.starts:
-                first = at
-                try:
-                    mind = mind_of(member.brain, block)
-                except Unfit as why:
-                    life.differs(boot, block.tick, unfit_reason(member, block, str(why)))
-                    mind = None
-        elif mind is not None:
-            if mind.ticks + 1 != block.tick:
-                mind = None
-                continue
-            before, estimate, stuck = mind.kept(), mind.estimate, mind.stuck
-            if lives(mind, block):
-                life.relived += 1
-                if keep:
-                    life.memory[at] = mind.numbers()
-                continue
-            mind.become(before, block.tick - 1)
-            mind.estimate, mind.stuck = estimate, stuck
-            life.differs(boot, block.tick, reason_of(member, first, at, mind, lives))
-            mind = None
     return life
+
+
+class Reliving:
+    """A life on its way through its log, which may still grow."""
+
+    def __init__(self, member: Member, keep: bool = False) -> None:
+        """Start before the first block."""
+        self.member, self.keep = member, keep
+        self.life = Life(member.number)
+        self._at = 0  # the next block
+        self._mind: Mind | None = None
+        self._first = -1  # the block from whose state the mind came
+        self._boot = 0
+
+    def go_on(self) -> Life:
+        """Live the blocks that were not lived yet."""
+        blocks = self.member.log.blocks
+        while self._at < len(blocks):
+            block = blocks[self._at]
+            if isinstance(block, Gap):
+                self._mind = None
+            elif isinstance(block, State):
+                self._become(block)
+            else:
+                self._live(block)
+            self._at += 1
+        return self.life
+
+    def _become(self, state: State) -> None:
+        """Check a mind against a saved state, or take over a state after a start, a gap or a difference."""
+        self._boot = state.boot
+        mind = self._mind
+        if mind is not None and not state.starts:
+            if mind.ticks != state.tick:  # ticks are missing
+                mind = None
+            elif mind.checksum != checksum_of((*state.numbers, *state.owed)):
+                self.life.differs(self._boot, state.tick, "its saved memory is not what its ticks lead to")
+                mind = None
+        if mind is None or state.starts:
+            self._first = self._at
+            try:
+                mind = mind_of(self.member.brain, state)
+            except Unfit as why:
+                self.life.differs(self._boot, state.tick, unfit_reason(self.member, state, str(why)))
+                mind = None
+        self._mind = mind
+
+    def _live(self, tick: Tick) -> None:
+        """Live a tick, if the mind before it is known."""
+        mind, life = self._mind, self.life
+        life.ticks += 1
+        if mind is None:
+            return
+        if mind.ticks + 1 != tick.tick:
+            self._mind = None
+            return
+        before, estimate, stuck = mind.kept(), mind.estimate, mind.stuck
+        if lives(mind, tick):
+            life.relived += 1
+            if self.keep:
+                life.memory[self._at] = mind.numbers()
+            return
+        mind.become(before, tick.tick - 1)
+        mind.estimate, mind.stuck = estimate, stuck
+        life.differs(self._boot, tick.tick, reason_of(self.member, self._first, self._at, mind, lives))
+        self._mind = None
 
 
 def relive_all(day: Day, keep: bool = False) -> list[Life]:

@@ -3,7 +3,7 @@
 import mmap
 import struct
 from binascii import crc32
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -68,13 +68,16 @@ class Gap(NamedTuple):
     is_last: bool  # nothing follows: the log was cut
 
 
+Block = State | Tick | Gap
+
+
 @dataclass(frozen=True)
 class RobotLog:
     """All that is whole in a log, in its order."""
 
     path: Path
     number: int
-    blocks: tuple[State | Tick | Gap, ...]
+    blocks: Sequence[Block]  # a list that grows where a `LogReader` reads the log
 
     @property
     def states(self) -> list[State]:
@@ -96,18 +99,61 @@ def read_log(path: str | Path) -> RobotLog:
     """Read the log of one robot. Raises InputError if the file cannot be read, or has no whole state."""
     path = Path(path)
     blocks = tuple(blocks_of(path))
-    states = [block for block in blocks if isinstance(block, State)]
-    if not states:
+    number = _number_of(blocks, path)
+    if number is None:
         what = "" if blocks else "the file is empty: "
         raise InputError(f"{path}: {what}should be a robot's log, which begins with what the robot is")
-    if strangers := {state.number for state in states} - {states[0].number}:
-        raise InputError(
-            f"{path}: the log is of robot {states[0].number} and of robot {min(strangers)}: of one is right"
-        )
-    return RobotLog(path, states[0].number, blocks)
+    return RobotLog(path, number, blocks)
 
 
-def blocks_of(path: str | Path) -> Iterator[State | Tick | Gap]:
+class LogReader:
+    """Reads the log of one robot while it grows: only what was appended since it was last read."""
+
+    def __init__(self, path: Path) -> None:
+        """Read nothing yet; the file need not exist."""
+        self.path = path
+        self.blocks: list[Block] = []
+        self.log: RobotLog | None = None  # known after the first state
+        self._at = 0  # the byte that is read next
+        self._state: State | None = None  # the last one
+
+    def more(self) -> bool:
+        """Append new whole blocks to `blocks`; returns whether there are any.
+
+        A last block that is not whole is left for the next time, because it may still be being written. Raises
+        InputError if the file cannot be read, or is not a log of one robot.
+        """
+        try:
+            with self.path.open("rb") as file:
+                file.seek(self._at)
+                data = file.read()
+        except FileNotFoundError:
+            return False
+        except OSError as error:
+            raise InputError(f"{self.path}: {error.strerror}") from None
+        before = [self._state] if self._state else []
+        new = list(_blocks(data, self.path, self._at, self._state.code_bytes if self._state else -1))
+        end = self._at + len(data)
+        if new and isinstance(new[-1], Gap) and new[-1].is_last:
+            end = new.pop().at  # type: ignore[union-attr]
+        self._at = end
+        number = _number_of([*before, *new], self.path)
+        self._state = next((block for block in reversed(new) if isinstance(block, State)), self._state)
+        self.blocks += new
+        if self.log is None and number is not None:
+            self.log = RobotLog(self.path, number, self.blocks)
+        return bool(new)
+
+
+def _number_of(blocks: Sequence[Block], path: Path) -> int | None:
+    """The number of the robot of a log; None without a state. Raises InputError if there are several."""
+    numbers = [block.number for block in blocks if isinstance(block, State)]
+    if strangers := set(numbers) - set(numbers[:1]):
+        raise InputError(f"{path}: the log is of robot {numbers[0]} and of robot {min(strangers)}: of one is right")
+    return numbers[0] if numbers else None
+
+
+def blocks_of(path: str | Path) -> Iterator[Block]:
     """The blocks of a log one after the other, in memory that does not grow with the log. Raises InputError."""
     path = Path(path)
     try:
@@ -119,18 +165,19 @@ def blocks_of(path: str | Path) -> Iterator[State | Tick | Gap]:
     yield from _blocks(data, path)
 
 
-def _blocks(data: bytes | mmap.mmap, path: Path) -> Iterator[State | Tick | Gap]:
-    at, size = 0, -1  # size: bytes of a message, known after the first state
+def _blocks(data: bytes | mmap.mmap, path: Path, origin: int = 0, size: int = -1) -> Iterator[Block]:
+    """The blocks of a part of a log from byte `origin` on; `size`: bytes of a message, known after the first state."""
+    at = 0
     while at < len(data):
         kind, body, after = _block(data, at)
         if body is None or (kind == written.TICK and size < 0):
             after = _next_state(data, at)
-            yield Gap(at, after - at, after == len(data))
+            yield Gap(origin + at, after - at, after == len(data))
         elif kind == written.STATE:
             try:
                 state = _state(body, path)
             except struct.error:
-                yield Gap(at, after - at, after == len(data))
+                yield Gap(origin + at, after - at, after == len(data))
             else:
                 size = state.code_bytes
                 yield state

@@ -1,7 +1,7 @@
 """Which tick of which robot a logged message is from. Messages have the low bytes of boot count and tick only."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from swarmcensus.reliving.clocks import Clock
 from swarmcensus.reliving.folders import Member
@@ -17,7 +17,7 @@ class Origins:
         """Note what each robot said in each tick."""
         self.clock = clock
         self.said: dict[tuple[int, int, int], list[int]] = defaultdict(list)  # as a message names its tick: blocks
-        self.blocks: Mapping[int, tuple[object, ...]] = {member.number: member.log.blocks for member in members}
+        self.blocks: Mapping[int, Sequence[object]] = {member.number: member.log.blocks for member in members}
         self.last: dict[tuple[int, int], int] = {}  # receiver and sender: the block of the last message
         for member in members:
             boot = 0

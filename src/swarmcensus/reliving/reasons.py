@@ -79,7 +79,7 @@ def _readings(tick: Tick, mind: Mind, lives: Lives) -> str | None:
     return None
 
 
-def _lives_in(member: Member, blocks: tuple[object, ...], state: State, lives: Lives) -> bool:
+def _lives_in(member: Member, blocks: Sequence[object], state: State, lives: Lives) -> bool:
     """Whether the part can be lived in the other precision."""
     try:
         mind = mind_of(member.brain, state, not state.single)

@@ -7,7 +7,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.reliving.clocks import Clock
-from swarmcensus.reliving.folders import Day
+from swarmcensus.reliving.folders import Day, Member
 from swarmcensus.reliving.lives import Life
 from swarmcensus.reliving.logs import State, Tick
 from swarmcensus.reliving.minds import Unfit, mind_of
@@ -21,25 +21,32 @@ def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
     """The day as it was: the estimates of the logs, and the memory of minds that were lived again."""
     result = OtherDay(day.brain, {}, {})
     for member, life in zip(day.members, lives, strict=True):
-        estimates: dict[int, float] = {}
-        number, memory = member.number, dict(life.memory)
-        for at, block in enumerate(member.log.blocks):
-            if isinstance(block, Tick):
-                estimates[at] = block.estimate
-                result.sent[number] += block.said is not None
-                result.heard[number] += len(block.heard)
-                if block.said is not None:
-                    result.said[number, at] = block.said
-                if block.heard:
-                    result.received[number, at] = [(one.sender, one.code) for one in block.heard]
-            elif isinstance(block, State) and block.starts:
-                try:
-                    mind = mind_of(member.brain, block)
-                except Unfit:
-                    continue
-                estimates[at], memory[at] = mind.estimate, mind.numbers()
-        result.estimates[number], result.memory[number] = estimates, memory
+        note_logged(result, member, life)
     return result
+
+
+def note_logged(result: OtherDay, member: Member, life: Life, first: int = 0) -> None:
+    """Add what the blocks of a robot's log say, from the block `first` on."""
+    number, blocks = member.number, member.log.blocks
+    estimates, memory = result.estimates.setdefault(number, {}), result.memory.setdefault(number, {})
+    for at in range(first, len(blocks)):
+        block = blocks[at]
+        if isinstance(block, Tick):
+            estimates[at] = block.estimate
+            if at in life.memory:
+                memory[at] = life.memory[at]
+            result.sent[number] += block.said is not None
+            result.heard[number] += len(block.heard)
+            if block.said is not None:
+                result.said[number, at] = block.said
+            if block.heard:
+                result.received[number, at] = [(one.sender, one.code) for one in block.heard]
+        elif isinstance(block, State) and block.starts:
+            try:
+                mind = mind_of(member.brain, block)
+            except Unfit:
+                continue
+            estimates[at], memory[at] = mind.estimate, mind.numbers()
 
 
 def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:

@@ -3,6 +3,7 @@
 import threading
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
@@ -10,6 +11,7 @@ from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.reliving.clocks import Clock
 from swarmcensus.reliving.folders import ABOUT, OWN, Day, read_day
+from swarmcensus.reliving.growing import GrowingDay, may_grow
 from swarmcensus.reliving.lives import relive_all
 from swarmcensus.reliving.minds import format_of
 from swarmcensus.reliving.others import OtherDay, under
@@ -19,44 +21,100 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.watching.logged import Logged
 
+NEXT = 0.1  # seconds from one look at growing logs to the next
+LATER = 1.0  # the same while no robot is at work
+
 
 class LoggedDay:
-    """A day, the study and the setting that it was of, and its minds, which were lived again."""
+    """A day, the study and the setting that it was of, and its minds, which were lived again; logs may still grow."""
 
     def __init__(self, folder: Path, given: tuple[Path, ...] = ()) -> None:
         """Read a folder; `given` are other brains. Raises InputError."""
-        self.day = read_day(folder)
+        self._growing = GrowingDay(folder) if may_grow(folder) else None
+        known = self._growing
+        self.day = known.day if known else read_day(folder)
+        self.clock = known.clock if known else Clock(self.day.members)
         self.study = study_of(self.day)
-        planned = setting_of(self.day, self.study)
-        self.clock = Clock(self.day.members)
-        rounds = max(self.clock.rounds, 1)
-        if rounds * planned.robots > MOST_VALUES:
-            raise InputError(f"{folder}: its logs span {rounds:,} ticks, too many to keep: is one damaged?")
-        self.planned_rounds = planned.rounds
-        self.setting = replace(planned, rounds=rounds)
-        strangers = [member.number for member in self.day.members if member.number >= planned.robots]
-        if strangers:
-            raise InputError(
-                f"{folder}: a log is of robot {strangers[0]}, and the {planned.robots} robots of its study are "
-                f"numbered from 0"
-            )
+        self.setting = setting_of(self.day, self.study)
+        self._check()
         self.brains = {brain.label: brain for brain in (self._other(path) for path in given)}
-        self.lives = relive_all(self.day, keep=True)
-        self._lived = {self.setting.brain: as_logged(self.day, self.lives)}
-        self._lock = threading.Lock()  # two pages wait for one life of the day, and do not live it twice
+        self.lives = known.lives if known else relive_all(self.day, keep=True)
+        self._lived = {self.setting.brain: known.lived if known else as_logged(self.day, self.lives)}
+        self._shown: dict[Brain, Logged] = {}
+        self._lock = threading.RLock()  # two pages wait for one life of the day, and do not live it twice
+
+    @property
+    def rounds(self) -> int:
+        """How many rounds robots have lived, by the logs."""
+        return max(self.clock.rounds, 1)
+
+    @property
+    def grows(self) -> bool:
+        """Whether the swarm runs that writes the logs."""
+        return self._growing is not None and bool(self._growing.at_work())
+
+    @property
+    def may_grow(self) -> bool:
+        """Whether the swarm has not ended."""
+        return self._growing is not None
 
     def life(self, setting: Setting, seed: int, trial: int) -> Logged:
         """The day under the brain of a setting. Raises InputError if that brain cannot live it."""
-        # networks and sensors are those of the study, however long the logs are
-        given = inputs_of(replace(setting, rounds=self.planned_rounds), seed, trial)
-        return Logged(setting, given, self.day, self.under(setting.brain), self.clock)
+        with self._lock:
+            lived = self.under(setting.brain)
+            if setting.brain not in self._shown:
+                shown = Logged(setting, inputs_of(setting, seed, trial), self.day, lived, self.clock)
+                self._shown[setting.brain] = shown
+            return self._shown[setting.brain]
 
     def under(self, brain: Brain) -> OtherDay:
         """What robots believed, remembered and said under a brain. Raises InputError if it cannot live the day."""
         with self._lock:
             if brain not in self._lived:
+                if self.grows:
+                    raise InputError("beside: this swarm still runs: another brain can be compared when it has ended")
                 self._lived[brain] = under(self.day, brain, clock=self.clock, keep=True)
             return self._lived[brain]
+
+    def news(self, since: int) -> dict[str, Any]:
+        """Follow the logs; returns what a page needs that knows the day as of the version `since`.
+
+        That is the version, the first round that has `changed`, how many `rounds` there are, whether robots are at work
+        (`live`), and seconds to `wait` until it should ask again; None: nothing more comes. Raises InputError.
+        """
+        with self._lock:
+            self._follow()
+            life = self._shown[self.setting.brain]
+            wait = None if self._growing is None else NEXT if self.grows else LATER
+            return {
+                "version": life.version, "changed": life.since(since), "rounds": life.rounds, "live": self.grows,
+                "wait": wait,
+            }  # fmt: skip
+
+    def _follow(self) -> None:
+        """Go on with what was appended to the logs of a swarm that runs."""
+        growing, own = self._growing, self.setting.brain
+        if growing is None:
+            return
+        new = growing.go_on()
+        self.day, self.lives = growing.day, growing.lives
+        self._check()
+        if new or growing.has_ended:  # the day under other brains is another one now
+            self._lived, self._shown = {own: growing.lived}, {own: self._shown[own]}
+        self._shown[own].grow(self.day, new, growing.moved, growing.at_work())
+        if growing.has_ended:
+            self._growing = None
+
+    def _check(self) -> None:
+        """Raise InputError if logs do not fit their study."""
+        folder, robots = self.day.folder, self.setting.robots
+        if self.rounds * robots > MOST_VALUES:
+            raise InputError(f"{folder}: its logs span {self.rounds:,} ticks, too many to keep: is one damaged?")
+        strangers = [member.number for member in self.day.members if member.number >= robots]
+        if strangers:
+            raise InputError(
+                f"{folder}: a log is of robot {strangers[0]}, and the {robots} robots of its study are numbered from 0"
+            )
 
     def _other(self, path: Path) -> Brain:
         brain = brains.load(path)

@@ -37,7 +37,7 @@ def export(
     """
     trial = wanted(offer, query)
     shows = [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
-    rounds, robots = shows[0].setting.rounds, shows[0].setting.robots
+    rounds, robots = shows[0].rounds, shows[0].setting.robots
     if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
         raise InputError(
             f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: take fewer"
@@ -54,7 +54,7 @@ def export(
         names.append(fields[0][0])
         minds.append(_packed(_shuffled(np.concatenate([values for _, values in fields], axis=2))))
     recording = {
-        "scenes": [scene_of(show) for show in shows],
+        "scenes": [scene_of(show) for show in shows],  # of logs that grow, as they are now
         "form": form_of(offer, trial),
         "frames": frames,
         "minds": minds,
@@ -75,7 +75,7 @@ def _blocks(rounds: int) -> Iterator[list[int]]:
 
 def _step(show: Show) -> int:
     """The step between recorded memories with which they fit, estimated from the first rounds."""
-    rounds = show.setting.rounds
+    rounds = show.rounds
     sample = list(range(1, min(rounds, 200) + 1))
     size = len(zlib.compress(_shuffled(_minds(show, sample)[1]), 6)) / len(sample) * (rounds + 1)
     return next((step for step in STEPS if size / step <= MINDS), STEPS[-1])

@@ -76,6 +76,7 @@ class Wanted:
     seed: int
     trial: int
     request: dict[str, str]  # the values that were given, by key
+    rounds: int  # how many can be shown
     mark: str  # identifies the unchanged setting, so that links to other studies are noticed
 
 
@@ -166,7 +167,8 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
         settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
         _check(settings[1], study)
     given = {key: value for key, value in request.items() if value != ""}
-    return Wanted(study, tuple(settings), seed, trial, given, mark)
+    rounds = offer.logged.rounds if offer.logged else changed.rounds
+    return Wanted(study, tuple(settings), seed, trial, given, rounds, mark)
 
 
 def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
@@ -179,7 +181,7 @@ def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     """Raise InputError for a tick, robot, side or colouring that the page cannot show."""
     setting = found.settings[0]
-    _whole(played, "tick", 0, 0, setting.rounds)
+    _whole(played, "tick", 0, 0, found.rounds)
     _whole(played, "robot", 0, 0, setting.robots - 1)
     _whole(played, "side", 0, 0, len(found.settings) - 1)
     if played.get("colour", COLOURINGS[0]) not in COLOURINGS:

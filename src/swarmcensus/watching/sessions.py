@@ -40,7 +40,7 @@ class Session:
         try:
             request = _read(text)
             number = request.get("id")
-            does = {"begin": self._begin, "frames": self._frames, "robot": self._robot}
+            does = {"begin": self._begin, "frames": self._frames, "robot": self._robot, "news": self._news}
             do = request.get("do")
             if not isinstance(do, str) or do not in does:
                 raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
@@ -111,10 +111,18 @@ class Session:
                 return [{"going": True, "to": tick}]
             return [{"told": robot_of(show, tick, robot), "side": side}]
 
+    def _news(self, request: Mapping[str, Any]) -> list[Answer]:
+        """What is new of a day whose logs grow, since the version that the page knows."""
+        day = self.offer.logged
+        if day is None or len(self.shows) != 1:
+            raise InputError("do = 'news': only of a day in logs, without another brain beside it")
+        news = day.news(_whole(request, "since", 0, 2**53))
+        return [{**news, "fixed": fixed(self.offer)}]
+
     def _last(self) -> int:
         if not self.shows:
             raise InputError("no trial yet: send begin first")
-        return self.shows[0].setting.rounds
+        return min(show.rounds for show in self.shows)
 
 
 def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
@@ -136,7 +144,7 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "floor": "" if setting.body is None else str(setting.floor),
         "liars": f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}",
         "adversary": liars[0].brain.name if liars and liars[0].brain else trial.request.get("adversary", ""),
-        "rounds": str(setting.rounds),
+        "rounds": str(trial.rounds),
     }
     return {
         "name": offer.name,
@@ -145,7 +153,8 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "asked": trial.request,
         "mark": trial.mark,
         "keys": KEYS,
-        "fixed": [key for key in KEYS if key not in ON_A_DAY] if offer.logged else [],
+        "fixed": fixed(offer),
+        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": trial.study.trials,
         "choices": {
@@ -156,6 +165,12 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
             "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])),
         },
     }
+
+
+def fixed(offer: Offer) -> list[str]:
+    """The controls that cannot be changed: on a day in logs all but the brain beside it, and that while it grows."""
+    day = offer.logged
+    return [key for key in KEYS if key not in ON_A_DAY or (day.grows and key == "beside")] if day else []
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:
@@ -183,7 +198,7 @@ def _read(text: str | bytes) -> dict[str, Any]:
     number = request.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number")
-    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side"}:
+    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
         raise InputError(
             f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
         )

@@ -37,6 +37,7 @@ SCALE = 65_535
 NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
 MOST_LINKS = 20_000  # drawn by a page
 KEPT = 4  # stretches whose frames are kept
+Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 class Show:
@@ -54,11 +55,16 @@ class Show:
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
         self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
-        self._encoded: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
+        self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
         self._ground = setting.ground(self.seed, self.trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
         names = {name for brain in setting.brains for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
+
+    @property
+    def rounds(self) -> int:
+        """How many rounds there are, for now if logs still grow."""
+        return self.life.rounds
 
     def stretch_of(self, tick: int) -> int:
         """The stretch that contains a round; -1 for round 0."""
@@ -102,15 +108,17 @@ class Show:
         intervals = HAS_INTERVALS * any(brain.has_interval for brain in brains)
         return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in brains) + MOVES * self.moves
 
-    def _encode(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _encode(self, stretch: Stretch) -> Encoded:
         """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
-        if stretch.first not in self._encoded:
-            self._encoded[stretch.first] = self._encode_anew(stretch)
+        known, encoded = self._encoded.get(stretch.first, (None, None))
+        if known is not stretch or encoded is None:
+            encoded = self._encode_anew(stretch)
+            self._encoded[stretch.first] = stretch, encoded
             while len(self._encoded) > KEPT:
                 self._encoded.popitem(last=False)
-        return self._encoded[stretch.first]
+        return encoded
 
-    def _encode_anew(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _encode_anew(self, stretch: Stretch) -> Encoded:
         x, rounds = stretch.estimates, np.arange(len(stretch.estimates)) + stretch.first
         truths = self.truths(rounds)
         fields = {} if not self.layers & ~MOVES else self.fields(stretch, slice(None))

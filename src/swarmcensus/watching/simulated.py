@@ -19,6 +19,11 @@ class Simulated(Life):
     """One trial of a setting."""
 
     @property
+    def rounds(self) -> int:
+        """How many rounds the trial has."""
+        return self.setting.rounds
+
+    @property
     def adds(self) -> bool:
         """Whether messages are stored as what they add to the sums of their receivers."""
         return bool(self.swarm.additive)

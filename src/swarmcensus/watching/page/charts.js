@@ -12,10 +12,11 @@ const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
 class History {
   constructor(scene) {
     this.columns = scene.columns;
-    const fine = Math.min(FINE, scene.rounds);
-    const every = Math.max(1, Math.ceil((scene.rounds - fine) / MOST_POINTS));
+    this.rounds = Math.max(scene.rounds, scene.planned || 0); // logs may still grow
+    const fine = Math.min(FINE, this.rounds);
+    const every = Math.max(1, Math.ceil((this.rounds - fine) / MOST_POINTS));
     this.at = (tick) => (tick <= fine ? tick : fine + Math.floor((tick - fine) / every));
-    this.ticks = Array.from({ length: this.at(scene.rounds) + 1 }, (_, k) => (k <= fine ? k : fine + (k - fine) * every));
+    this.ticks = Array.from({ length: this.at(this.rounds) + 1 }, (_, k) => (k <= fine ? k : fine + (k - fine) * every));
     this.rows = scene.columns.map(() => new Array(this.ticks.length).fill(null));
     this.seen = new Uint8Array(this.ticks.length);
   }
@@ -25,6 +26,13 @@ class History {
     if (this.seen[at] && frame.tick !== this.ticks[at]) return;
     this.seen[at] = 1;
     for (let c = 0; c < this.rows.length; c++) this.rows[c][at] = Number.isNaN(frame.numbers[c]) ? null : frame.numbers[c];
+  }
+
+  // forget the points from a round on
+  forget(tick) {
+    const from = this.at(tick);
+    this.seen.fill(0, from);
+    for (const row of this.rows) row.fill(null, from);
   }
 
   of(name) {
@@ -188,6 +196,12 @@ class Charts {
 
   put(side, frames) {
     for (const frame of frames) this.histories[side].put(frame);
+  }
+
+  // logs have grown: points from a round on are others now
+  grow(tick) {
+    if (this.scenes[0].rounds > this.histories[0].rounds) this.histories = this.scenes.map((scene) => new History({ ...scene, planned: 2 * scene.rounds }));
+    else for (const history of this.histories) history.forget(tick);
   }
 
   // at most five times a second, not with every frame

@@ -2,7 +2,7 @@
 // Actions of buttons and keys, and the start of the page.
 
 const KEYS = {
-  " ": () => (state.playing ? pause() : play()),
+  " ": () => toggle(),
   ArrowLeft: (event) => hop(event.shiftKey ? -100 : -1),
   ArrowRight: (event) => hop(event.shiftKey ? 100 : 1),
   Home: () => hop(-Infinity),
@@ -67,7 +67,8 @@ $("colour").addEventListener("change", () => {
   paint($("colour").value);
   remember();
 });
-$("play").addEventListener("click", () => (state.playing ? pause() : play()));
+$("play").addEventListener("click", toggle);
+$("live").addEventListener("click", () => (state.live ? pause() : hop(Infinity)));
 $("first").addEventListener("click", () => hop(-Infinity));
 $("last").addEventListener("click", () => hop(Infinity));
 $("back").addEventListener("click", (event) => hop(event.shiftKey ? -100 : -1));

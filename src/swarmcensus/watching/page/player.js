@@ -87,7 +87,7 @@ function tickOn(now) {
     state.tick = next;
     if ((end - state.tick) / by < AHEAD / 2 && end + by <= rounds()) fetchAt(end + by, state.run);
     else if (end + by > rounds() && end < rounds() && !state.frames.has(rounds())) fetchAt(rounds(), state.run);
-    if (state.tick >= rounds()) pause();
+    if (state.tick >= rounds()) reachEnd();
   }
   const frames = state.frames.get(state.tick);
   if (frames && frames.filter(Boolean).length === state.scenes.length && state.drawn !== state.tick) show(frames, now);
@@ -116,15 +116,13 @@ function show(frames, now) {
   });
   const scene = state.scenes[0];
   $("moment").value = state.tick;
-  const seconds = scene.seconds ? `, ${clockOf(state.tick * scene.seconds)}` : "";
-  $("clock").textContent = `${scene.unit} ${state.tick.toLocaleString("en")} of ${scene.rounds.toLocaleString("en")}${seconds}`;
-  $("moment").setAttribute("aria-valuetext", $("clock").textContent);
+  tellClock();
   for (const [tick, sides] of state.frames) {
     if (tick > state.tick || sides.charted) continue;
     sides.forEach((frame, side) => state.charts.put(side, [frame]));
     sides.charted = true;
   }
-  state.charts.show(state.tick, now, !state.playing);
+  state.charts.show(state.tick, now, !state.playing && !state.live);
   state.pictures.push(now);
   while (state.pictures[0] < now - 1000) state.pictures.shift();
   if (!state.playing || now - state.told > 100) {
@@ -133,6 +131,16 @@ function show(frames, now) {
     $("rate").textContent = state.playing ? `${state.pictures.length} frames per second` : "";
     tellChosen();
   }
+}
+
+function tellClock() {
+  const scene = state.scenes[0];
+  const seconds = scene.seconds ? `, ${clockOf(state.tick * scene.seconds)}` : "";
+  const soFar = state.grows && !state.live ? " so far" : "";
+  const text = `${scene.unit} ${state.tick.toLocaleString("en")} of ${scene.rounds.toLocaleString("en")}${soFar}${seconds}`;
+  if ($("clock").textContent === text) return;
+  $("clock").textContent = text;
+  $("moment").setAttribute("aria-valuetext", text);
 }
 
 function clockOf(seconds) {
@@ -166,24 +174,43 @@ function again() {
 
 function play() {
   state.halted = false;
-  if (state.tick >= rounds()) seek(0);
+  if (state.tick >= rounds()) seek(state.grows ? rounds() : 0);
+  if (state.live) return;
   state.playing = true;
   state.place = state.tick;
-  $("play").textContent = "❚❚ Pause";
-  $("play").setAttribute("aria-label", "Pause");
+  showPlay();
 }
 
 function pause() {
-  state.playing = false;
-  $("play").textContent = "▶ Play";
-  $("play").setAttribute("aria-label", "Play");
+  state.playing = state.live = false;
+  showPlay();
   again();
   remember();
+  if (state.grows) showLive();
+}
+
+// at the newest moment of logs that grow the page follows them
+function reachEnd() {
+  pause();
+  if (state.grows) seek(rounds());
+}
+
+function toggle() {
+  if (state.playing || state.live) pause();
+  else play();
+}
+
+function showPlay() {
+  const runs = state.playing || state.live;
+  $("play").textContent = runs ? "❚❚ Pause" : "▶ Play";
+  $("play").setAttribute("aria-label", runs ? "Pause" : "Play");
 }
 
 function seek(tick) {
   state.halted = false;
   state.tick = state.place = Math.min(Math.max(Math.round(tick), 0), rounds());
+  state.live = state.grows && !state.playing && state.tick >= rounds();
+  if (state.grows) showLive();
   again();
   $("moment").value = state.tick;
   if (!state.playing) remember();

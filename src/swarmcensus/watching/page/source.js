@@ -129,6 +129,11 @@ class Live {
     return answer.going ? null : answer.parts.map((part) => part.frames);
   }
 
+  // what is new of logs that grow
+  news(since) {
+    return this.ask("news", { since });
+  }
+
   async robot(side, robot, tick) {
     for (;;) {
       const answer = await this.ask("robot", { side, robot, tick });

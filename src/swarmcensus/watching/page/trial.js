@@ -15,7 +15,7 @@ const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
   tick: 0, place: 0, playing: false, speed: 60, colour: "belief", chosen: null, side: 0, follow: false,
-  wish: null, preparing: false, asking: false, halted: false, settled: "", run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
+  wish: null, preparing: false, asking: false, halted: false, settled: "", live: false, grows: false, working: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
 };
 
 function complain(error) {
@@ -30,7 +30,7 @@ const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds(
 function wishOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
   const { tick, robot, side, colour, ...ask } = asked;
-  return { ask, tick: Number.parseInt(tick || "0", 10) || 0, robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "belief" };
+  return { ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "belief" };
 }
 
 function fragment() {
@@ -38,7 +38,7 @@ function fragment() {
   if (!words.has("trial") && state.form) words.set("trial", state.form.now.trial);
   if (!words.has("seed") && state.form) words.set("seed", state.form.now.seed);
   if (state.form) words.set("of", state.form.mark);
-  words.set("tick", state.tick);
+  if (!state.live) words.set("tick", state.tick);
   if (state.chosen !== null) words.set("robot", state.chosen);
   if (state.side) words.set("side", state.side);
   if (state.colour !== "belief") words.set("colour", state.colour);
@@ -52,7 +52,8 @@ function remember() {
 const titled = () => `${state.form.name}: ${state.scenes[0].title}; seed ${state.form.now.seed}, trial ${state.form.now.trial}`;
 
 // one request at a time, then the latest of those made meanwhile, so that server and page show the same trial
-async function begin(ask, tick = 0, robot = state.chosen) {
+// where logs grow, no tick is the newest one
+async function begin(ask, tick = null, robot = state.chosen) {
   state.wish = { ask, tick, robot };
   if (state.preparing) return;
   state.preparing = true;
@@ -67,7 +68,7 @@ async function begin(ask, tick = 0, robot = state.chosen) {
     } catch (error) {
       refused = error;
       instead = !state.form && state.wish === wish && Object.keys(wish.ask).length > 0;
-      if (instead) state.wish = { ask: {}, tick: 0, robot: null };
+      if (instead) state.wish = { ask: {}, tick: null, robot: null };
     }
     if (state.wish === wish) state.wish = null;
   }
@@ -83,10 +84,14 @@ function arrive({ form, scenes }, { ask, tick, robot }) {
   state.frames.clear();
   state.chosen = robot !== null && robot >= 0 && robot < scenes[0].robots ? robot : null;
   state.side = Math.min(state.side, scenes.length - 1);
-  state.tick = state.place = Math.min(Math.max(tick, 0), rounds());
+  state.grows = form.grows && Boolean(state.source.news);
+  state.live = state.grows && tick === null;
+  state.tick = state.place = state.live ? rounds() : Math.min(Math.max(tick ?? 0, 0), rounds());
   [state.drawn, state.settled, state.asking, state.halted, state.shownAt] = [-1, "", false, false, performance.now()];
   buildPage();
   remember();
+  showLive();
+  followLogs(state.run);
 }
 
 function buildPage() {
@@ -116,7 +121,7 @@ function buildPage() {
   buildControls($("controls"), form, change, Boolean(recordedText));
   state.charts = new Charts($("curves"), scenes, seek);
   state.charts.build($("log").checked, $("close").checked);
-  if (form.fixed.length) $("world-note").textContent = "This day is in robots' logs: only another brain, beside it, can be chosen.";
+  if (form.fixed.length) $("world-note").textContent = "This day is in robots' logs: only another brain to compare with can be chosen, once the swarm has ended.";
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   legend();
 }
@@ -146,5 +151,5 @@ function change(key, value) {
   if (key === "setting" || key === "seed") delete ask.of;
   if (key === "setting") for (const other of Object.keys(ask)) if (!["setting", "trial", "seed"].includes(other)) delete ask[other];
   if (key === "topology") for (const other of ["density", "floor", "rounds"]) delete ask[other];
-  begin(ask, 0);
+  begin(ask);
 }

@@ -1,0 +1,59 @@
+"use strict";
+// A day whose logs still grow: the page asks for what is new, and shows the newest moment until another one is chosen.
+
+const RECENT = 120; // newest rounds that are fetched again when logs have grown
+
+// while the run is shown; an error is told, and ends it
+async function followLogs(run) {
+  let version = 0;
+  $("live").hidden = !state.grows;
+  try {
+    while (run === state.run && state.grows) {
+      const news = await state.source.news(version);
+      if (run !== state.run) return;
+      version = news.version;
+      await take(news, run);
+      if (run === state.run && news.wait !== null) await new Promise((soon) => setTimeout(soon, 1000 * news.wait));
+    }
+  } catch (error) {
+    if (run === state.run) complain(error);
+  }
+}
+
+async function take(news, run) {
+  const { changed, rounds: newest, live, wait, fixed } = news;
+  for (const tick of [...state.frames.keys()]) if (tick >= changed) state.frames.delete(tick);
+  for (const scene of state.scenes) scene.rounds = newest;
+  $("moment").max = newest;
+  state.charts.grow(changed);
+  if (changed <= newest) {
+    const from = Math.max(changed, newest - RECENT + 1);
+    put(await state.source.frames(from, 1, newest - from + 1), run, true);
+    const missing = state.charts.histories[0].missing(from);
+    if (missing && run === state.run) put(await state.source.frames(missing.from, missing.by, Math.min(missing.count, AT_ONCE)), run, false);
+  }
+  if (run !== state.run) return;
+  [state.working, state.grows] = [live, wait !== null];
+  if (fixed.length !== state.form.fixed.length) {
+    state.form.fixed = fixed;
+    buildControls($("controls"), state.form, change, false);
+  }
+  state.form.now.rounds = $("control-rounds").value = String(newest);
+  if (state.live) [state.tick, state.place] = [newest, newest];
+  if (changed <= state.tick) again();
+  showLive();
+}
+
+function put(sides, run, kept) {
+  if (run !== state.run || !sides) return;
+  if (kept) keep(sides);
+  sides.forEach((frames, side) => state.charts.put(side, frames));
+}
+
+function showLive() {
+  $("live").hidden = !state.grows;
+  $("live").setAttribute("aria-pressed", String(state.live));
+  if (!state.grows) state.live = false;
+  if (!state.playing) showPlay();
+  tellClock();
+}
