@@ -141,3 +141,10 @@ def _whole(text: str, least: int) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= DIGITS and int(text) >= least):
         raise argparse.ArgumentTypeError(f"should be a whole number from {least}")
     return int(text)
+
+
+def port(text: str) -> int:
+    """A port, or 0 for a free one. Raises ArgumentTypeError."""
+    if not (text.isascii() and text.isdigit() and len(text) <= 5 and int(text) <= 65_535):
+        raise argparse.ArgumentTypeError(f"{text[:40]!r}: should be a port, from 1 to 65535, or 0 for a free one")
+    return int(text)

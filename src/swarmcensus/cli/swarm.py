@@ -1,6 +1,7 @@
 """The command `swarm`: robots as processes that talk over sockets. Imports wait until the command needs them."""
 
 import argparse
+import contextlib
 import itertools
 import re
 import sys
@@ -12,10 +13,13 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.deploy import number
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
+from swarmcensus.cli.swarm_watch import Page, add_page_options
 
 if TYPE_CHECKING:
     from swarmcensus.studies.study import Study
-    from swarmcensus.swarm.plans import Air
+    from swarmcensus.swarm.outcomes import Outcome
+    from swarmcensus.swarm.plans import Air, Plan
+    from swarmcensus.swarm.running import Swarm
 
 OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults
     "robots": 20, "topology": "ring", "loss": 0.0, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
@@ -66,11 +70,12 @@ def add_swarm_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--out", type=Path, metavar="FOLDER", help="where logs go; it should be new (default: swarm, swarm-2 ...)"
     )
+    add_page_options(sub)
 
 
 def swarm(options: argparse.Namespace) -> int:
     """Run a swarm of processes."""
-    from swarmcensus.cli.swarm_table import showing, summary
+    from swarmcensus.cli.swarm_table import showing
     from swarmcensus.deployment.folders import check_free
     from swarmcensus.swarm.children import check_system
     from swarmcensus.swarm.faults import faults_of
@@ -87,23 +92,36 @@ def swarm(options: argparse.Namespace) -> int:
     plan = plan_of(study, options.setting or 0, seed, options.trial, air, options.micropython)
     faults = faults_of(options.at, plan.setting.robots, plan.period, plan.seconds)
     stopped = ""
-    try:
-        with showing(plan, options) as show:
-            outcome = run(plan, faults, folder, show)
-    except Stopped as after:
-        outcome, stopped = (
-            after.outcome,
-            f"swarmcensus: stopped after {after.rounds:,} of {plan.setting.rounds:,} rounds",
-        )
+    with contextlib.closing(Page(options, folder)) as page:
+        try:
+            with showing(plan, options) as show:
+
+                def tell(swarm: "Swarm") -> None:
+                    show(swarm)
+                    page.show(swarm)
+
+                outcome = run(plan, faults, folder, tell)
+        except Stopped as after:
+            outcome = after.outcome
+            stopped = f"swarmcensus: stopped after {after.rounds:,} of {plan.setting.rounds:,} rounds"
+        _tell(options, plan, folder, outcome)
+        if stopped:
+            print(stopped, file=sys.stderr)
+            return STOPPED
+        page.stay()
+    return int(bool(outcome.died) or not outcome.at_work)
+
+
+def _tell(options: argparse.Namespace, plan: "Plan", folder: Path, outcome: "Outcome") -> None:
+    """Print what came of a run."""
+    from swarmcensus.cli.swarm_table import summary
+
     if options.json:
         answer("swarm", vars(outcome) | {"folder": str(folder)})
     else:
         print("\n".join(summary(plan, outcome)))
     logs = len(list(folder.glob("robot-*.log")))  # fewer if it was stopped before all had begun
     wrote(f"{folder}: {counted(logs, 'log')}" + (f"; next: swarmcensus relive {folder}" if logs else ""))
-    if stopped:
-        print(stopped, file=sys.stderr)
-    return STOPPED if stopped else int(bool(outcome.died) or not outcome.at_work)
 
 
 def _study(options: argparse.Namespace) -> "Study":

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.options import port
 from swarmcensus.cli.output import say, wrote
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--export", type=Path, metavar="FILE.html", help="write the page with this trial as one file, and exit"
     )
-    sub.add_argument("--port", type=_port, default=0, help="port of the server (default: a free one)")
+    sub.add_argument("--port", type=port, default=0, help="port of the server (default: a free one)")
     sub.add_argument("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
     sub.add_argument("--no-browser", action="store_true", help="only print the address")
 
@@ -98,12 +99,12 @@ def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], p
         if options.host not in LOOPBACK:
             say(f"Anyone who can reach {options.host} and knows this address can run simulations on this machine.")
         if not options.no_browser:
-            _open_browser(address)
+            open_browser(address)
         serve(served)
     return 0
 
 
-def _open_browser(address: str) -> None:
+def open_browser(address: str) -> None:
     """Open the page a moment later, when the server has started; its socket listens already."""
     import threading
     import webbrowser
@@ -141,9 +142,3 @@ def _query(options: argparse.Namespace) -> dict[str, str]:
             raise InputError(f"--set {pair}: should be such as robots=100")
         query[key] = value
     return query
-
-
-def _port(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) <= 5 and int(text) <= 65_535):
-        raise argparse.ArgumentTypeError(f"{text[:40]!r}: should be a port, from 1 to 65535, or 0 for a free one")
-    return int(text)

@@ -79,17 +79,14 @@ class LoggedDay:
     def news(self, since: int) -> dict[str, Any]:
         """Follow the logs; returns what a page needs that knows the day as of the version `since`.
 
-        That is the version, the first round that has `changed`, how many `rounds` there are, whether robots are at work
-        (`live`), and seconds to `wait` until it should ask again; None: nothing more comes. Raises InputError.
+        That is the version, the first round that has `changed`, how many `rounds` there are, and seconds to `wait`
+        until the page should ask again; None: nothing more comes. Raises InputError.
         """
         with self._lock:
             self._follow()
             life = self._shown[self.setting.brain]
             wait = None if self._growing is None else NEXT if self.grows else LATER
-            return {
-                "version": life.version, "changed": life.since(since), "rounds": life.rounds, "live": self.grows,
-                "wait": wait,
-            }  # fmt: skip
+            return {"version": life.version, "changed": life.since(since), "rounds": life.rounds, "wait": wait}
 
     def _follow(self) -> None:
         """Go on with what was appended to the logs of a swarm that runs."""

@@ -63,6 +63,11 @@ class Served:
 
 def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
     """Listen on a port; 0 takes a free one. Raises InputError if it is not available, or the server not installed."""
+    return Served(offer, host, bound(host, port))
+
+
+def bound(host: str, port: int) -> socket.socket:
+    """A socket that listens on a port, before it is known what is served. Raises InputError as `listen`."""
     try:
         import starlette  # noqa: F401
         import uvicorn  # noqa: F401
@@ -78,7 +83,7 @@ def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
     except (OSError, OverflowError) as error:
         made.close()
         raise InputError(f"cannot listen on {host}, port {port}: {getattr(error, 'strerror', None) or error}") from None
-    return Served(offer, host, made)
+    return made
 
 
 def app_of(served: Served) -> Any:

@@ -20,20 +20,21 @@ async function followLogs(run) {
   }
 }
 
-async function take(news, run) {
-  const { changed, rounds: newest, live, wait, fixed } = news;
-  for (const tick of [...state.frames.keys()]) if (tick >= changed) state.frames.delete(tick);
+async function take({ changed, rounds: newest, wait, fixed }, run) {
   for (const scene of state.scenes) scene.rounds = newest;
   $("moment").max = newest;
-  state.charts.grow(changed);
   if (changed <= newest) {
     const from = Math.max(changed, newest - RECENT + 1);
-    put(await state.source.frames(from, 1, newest - from + 1), run, true);
-    const missing = state.charts.histories[0].missing(from);
-    if (missing && run === state.run) put(await state.source.frames(missing.from, missing.by, Math.min(missing.count, AT_ONCE)), run, false);
+    const sides = await state.source.frames(from, 1, newest - from + 1);
+    if (run !== state.run) return;
+    for (const tick of [...state.frames.keys()]) if (tick >= changed) state.frames.delete(tick);
+    state.charts.grow(changed);
+    if (sides) keep(sides);
+    sides?.forEach((frames, side) => state.charts.put(side, frames));
+    await fillCurves(from, run);
   }
   if (run !== state.run) return;
-  [state.working, state.grows] = [live, wait !== null];
+  state.grows = wait !== null;
   if (fixed.length !== state.form.fixed.length) {
     state.form.fixed = fixed;
     buildControls($("controls"), state.form, change, false);
@@ -41,13 +42,16 @@ async function take(news, run) {
   state.form.now.rounds = $("control-rounds").value = String(newest);
   if (state.live) [state.tick, state.place] = [newest, newest];
   if (changed <= state.tick) again();
+  else state.charts.show(state.tick, performance.now());
   showLive();
 }
 
-function put(sides, run, kept) {
-  if (run !== state.run || !sides) return;
-  if (kept) keep(sides);
-  sides.forEach((frames, side) => state.charts.put(side, frames));
+// points of curves before a round, some of those that are missing
+async function fillCurves(tick, run) {
+  const missing = state.charts.histories[0].missing(tick);
+  if (!missing) return;
+  const sides = await state.source.frames(missing.from, missing.by, Math.min(missing.count, AT_ONCE));
+  if (run === state.run) sides?.forEach((frames, side) => state.charts.put(side, frames));
 }
 
 function showLive() {

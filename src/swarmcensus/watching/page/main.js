@@ -103,7 +103,7 @@ $("world").addEventListener("submit", (event) => event.preventDefault());
 $("copy").addEventListener("click", async () => {
   remember();
   try {
-    await navigator.clipboard.writeText(recordedText ? location.hash : location.href);
+    await navigator.clipboard.writeText((recordedText ? "" : location.href.split("#")[0]) + fragment(false));
     $("copy").textContent = "Copied";
   } catch {
     $("copy").textContent = "Copy it from the address bar";

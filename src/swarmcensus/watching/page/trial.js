@@ -15,7 +15,7 @@ const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
   tick: 0, place: 0, playing: false, speed: 60, colour: "belief", chosen: null, side: 0, follow: false,
-  wish: null, preparing: false, asking: false, halted: false, settled: "", live: false, grows: false, working: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
+  wish: null, preparing: false, asking: false, halted: false, settled: "", live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
 };
 
 function complain(error) {
@@ -33,12 +33,12 @@ function wishOf(text) {
   return { ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "belief" };
 }
 
-function fragment() {
+function fragment(live = state.live) {
   const words = new URLSearchParams(state.ask);
   if (!words.has("trial") && state.form) words.set("trial", state.form.now.trial);
   if (!words.has("seed") && state.form) words.set("seed", state.form.now.seed);
   if (state.form) words.set("of", state.form.mark);
-  if (!state.live) words.set("tick", state.tick);
+  if (!live) words.set("tick", state.tick);
   if (state.chosen !== null) words.set("robot", state.chosen);
   if (state.side) words.set("side", state.side);
   if (state.colour !== "belief") words.set("colour", state.colour);
