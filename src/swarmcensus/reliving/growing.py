@@ -53,9 +53,7 @@ class GrowingDay:
         return self._folder.about.get("ended") is not None
 
     def at_work(self) -> frozenset[int]:
-        """The robots whose logs grew lately; none if the swarm has ended."""
-        if self.has_ended:
-            return frozenset()
+        """The robots whose logs grew lately."""
         now, patience = time.time(), max(GONE, FEWEST * float(self._folder.about.get("period", 0)) / 1000.0)
         return frozenset(number for number, grew in self._grew.items() if now - grew < patience)
 

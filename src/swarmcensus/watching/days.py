@@ -22,6 +22,7 @@ from swarmcensus.studies.study import Study
 from swarmcensus.watching.logged import Logged
 
 NEXT = 0.1  # seconds from one look at growing logs to the next
+LAST = 3  # rounds
 LATER = 1.0  # the same while no robot is at work
 
 
@@ -51,7 +52,7 @@ class LoggedDay:
     @property
     def grows(self) -> bool:
         """Whether the swarm runs that writes the logs."""
-        return self._growing is not None and bool(self._growing.at_work())
+        return self.may_grow and bool(self._at_work())
 
     @property
     def may_grow(self) -> bool:
@@ -63,7 +64,8 @@ class LoggedDay:
         with self._lock:
             lived = self.under(setting.brain)
             if setting.brain not in self._shown:
-                shown = Logged(setting, inputs_of(setting, seed, trial), self.day, lived, self.clock)
+                given = inputs_of(setting, seed, trial)
+                shown = Logged(setting, given, self.day, lived, self.clock, self._at_work())
                 self._shown[setting.brain] = shown
             return self._shown[setting.brain]
 
@@ -98,9 +100,13 @@ class LoggedDay:
         self._check()
         if new or growing.has_ended:  # the day under other brains is another one now
             self._lived, self._shown = {own: growing.lived}, {own: self._shown[own]}
-        self._shown[own].grow(self.day, new, growing.moved, growing.at_work())
         if growing.has_ended:
             self._growing = None
+        self._shown[own].grow(self.day, new, growing.moved, self._at_work())
+
+    def _at_work(self) -> frozenset[int]:
+        """The robots at work now, or at the end: they believe what their last ticks led to."""
+        return self._growing.at_work() if self._growing is not None else at_the_end(self.day, self.clock)
 
     def _check(self) -> None:
         """Raise InputError if logs do not fit their study."""
@@ -118,6 +124,15 @@ class LoggedDay:
         if brain.name == self.day.brain.name and brain.sha256 != self.day.brain.sha256:
             brain = replace(brain, name=f"{brain.name} (--brain)")
         return brain
+
+
+def at_the_end(day: Day, clock: Clock) -> frozenset[int]:
+    """The robots that were at work when a day ended: by swarm.json, or else those with a tick in its last rounds."""
+    result = day.about.get("result")
+    estimates = result.get("estimates") if isinstance(result, dict) else None
+    if isinstance(estimates, list):
+        return frozenset(number for number, estimate in enumerate(estimates) if estimate is not None)
+    return frozenset(m.number for m in day.members if clock.last(m.number) > clock.rounds - LAST)
 
 
 def study_of(day: Day) -> Study:

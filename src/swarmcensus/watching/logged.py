@@ -28,8 +28,8 @@ UNKNOWN = -1  # in place of a block: a robot was away, or its log lacks the tick
 class Logged:
     """A day, as it was or under another brain, with the attributes of a simulated life.
 
-    Logs may grow: `grow` takes what is new. A robot at work that has not come to the newest rounds yet is shown in them
-    as after its last tick.
+    Logs may grow: `grow` takes what is new. A robot at work, or at work when the day ended, that has no tick in the
+    last rounds is shown in them as after its last tick.
     """
 
     adds = False  # messages are shown as they were sent
@@ -39,7 +39,9 @@ class Logged:
     messages: np.ndarray  # (round, what): how many all robots had sent and heard
     _counts: np.ndarray  # the same of one round
 
-    def __init__(self, setting: Setting, given: Inputs, day: Day, lived: OtherDay, clock: Clock) -> None:
+    def __init__(
+        self, setting: Setting, given: Inputs, day: Day, lived: OtherDay, clock: Clock, at_work: Set[int] = frozenset()
+    ) -> None:
         """Order what is known of a day by rounds. Raises InputError if the brain does not compile."""
         self.setting, self.seed, self.trial, self.given = setting, day.seed, day.trial, given
         self.lived, self.clock = lived, clock
@@ -60,9 +62,9 @@ class Logged:
         self.length = int(np.clip(STRETCH_BYTES // self.blank.nbytes, 1, MOST_LENGTH))
         self._made: dict[int, tuple[int, Stretch]] = {}  # with the version that they show
         self._lock = threading.Lock()
-        self.grow(day, {member.number: 0 for member in day.members})
+        self.grow(day, {member.number: 0 for member in day.members}, False, at_work)
 
-    def grow(self, day: Day, new: Mapping[int, int], moved: bool = False, at_work: Set[int] = frozenset()) -> None:
+    def grow(self, day: Day, new: Mapping[int, int], moved: bool, at_work: Set[int]) -> None:
         """Take the blocks of some robots from the first new one on; all again if rounds of known ones have `moved`."""
         with self._lock:
             self.logs = {member.number: member.log.blocks for member in day.members}
@@ -74,7 +76,7 @@ class Logged:
             if len(self.blocks) <= rounds:
                 self._make_room(2 * rounds if self.version else rounds + 1, keep=not moved)
             self.version += 1
-            for number in self.at_work - at_work - new.keys():  # they are away from here on
+            for number in self.at_work ^ at_work:  # they are away after their last ticks, or not
                 self.changed[self._last.get(number, (-1, 0))[0] + 1 :] = self.version
             for number, first in new.items():
                 self._order(number, first)

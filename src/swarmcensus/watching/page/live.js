@@ -6,7 +6,6 @@ const RECENT = 120; // newest rounds that are fetched again when logs have grown
 // while the run is shown; an error is told, and ends it
 async function followLogs(run) {
   let version = 0;
-  $("live").hidden = !state.grows;
   try {
     while (run === state.run && state.grows) {
       const news = await state.source.news(version);
@@ -38,6 +37,7 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
   if (fixed.length !== state.form.fixed.length) {
     state.form.fixed = fixed;
     buildControls($("controls"), state.form, change, false);
+    noteDay();
   }
   state.form.now.rounds = $("control-rounds").value = String(newest);
   if (state.live) [state.tick, state.place] = [newest, newest];

@@ -121,9 +121,14 @@ function buildPage() {
   buildControls($("controls"), form, change, Boolean(recordedText));
   state.charts = new Charts($("curves"), scenes, seek);
   state.charts.build($("log").checked, $("close").checked);
-  if (form.fixed.length) $("world-note").textContent = "This day is in robots' logs: only another brain to compare with can be chosen, once the swarm has ended.";
+  if (form.fixed.length) noteDay();
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   legend();
+}
+
+function noteDay() {
+  const choice = state.form.fixed.includes("beside") ? "another brain can be compared when the swarm has ended" : "only another brain to compare with can be chosen";
+  $("world-note").textContent = `This day is in robots' logs: ${choice}.`;
 }
 
 function legend() {
@@ -140,6 +145,7 @@ function legend() {
     ...(crowd ? ["each square a robot"] : []),
     ...(moves ? [] : [edges ? carried : "too many links to draw"]),
     ...(dishonest?.length ? ["crossed out: it lies"] : []),
+    ...(state.form?.fixed.length ? ["pink: away"] : []),
   ].join(" · ");
 }
 
