@@ -29,6 +29,7 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
     for (const tick of [...state.frames.keys()]) if (tick >= changed) state.frames.delete(tick);
     state.charts.grow(changed);
     if (sides) keep(sides);
+    forget();
     sides?.forEach((frames, side) => state.charts.put(side, frames));
     await fillCurves(from, run);
   }
