@@ -91,6 +91,24 @@ def test_a_log_that_is_read_byte_by_byte_has_the_blocks_of_the_whole_one(whole, 
     assert reader.log.number == known.number
 
 
+def test_a_page_that_comes_late_gets_the_day_in_parts(whole, tmp_path, monkeypatch):
+    """Also where a block is longer than a part."""
+    monkeypatch.setattr(LogReader.more, "__defaults__", (150,))
+    day = Day(whole, tmp_path / "day")
+    session = Session(offer_of(day.folder))
+    asked(session, do="begin", ask={})
+    day.grow(1.0)
+    day.tell({})
+    rounds, news = [], {"wait": 0.0}
+    while news["wait"] is not None:
+        _, news = asked(session, do="news", since=0)
+        rounds.append(news["rounds"])
+        assert news["wait"] in (0.0, None)
+    assert len(rounds) > 5
+    assert rounds == sorted(rounds)
+    assert session.shows[0].life.clock.rounds == Clock(read_day(whole).members).rounds
+
+
 def test_each_tick_is_lived_once_and_the_end_is_that_of_the_whole_day(whole, tmp_path, monkeypatch):
     lived = []
     live = lives.lives

@@ -78,6 +78,8 @@ def watch(options: argparse.Namespace) -> int:
 
 def _tell_day(logged: "LoggedDay") -> None:
     """Say what of a day is not known."""
+    if logged.grows:
+        say("This swarm still runs: the page follows it.")
     for what in logged.day.absent:
         say(f"left out: {what}")
     whole, lives = sum(life.to_the_bit for life in logged.lives), len(logged.lives)

@@ -29,7 +29,7 @@ class GrowingDay:
     """What is known of a day so far; `go_on` reads and lives what was appended to the logs."""
 
     def __init__(self, path: Path) -> None:
-        """Read and live what there is. Raises InputError."""
+        """Read and live the first part of what there is. Raises InputError."""
         self.path = path
         self.clock = Clock()
         self.moved = False  # whether blocks that were known before have other times since the last `go_on`
@@ -51,7 +51,12 @@ class GrowingDay:
     @property
     def has_ended(self) -> bool:
         """Whether the swarm has ended, and all of its logs are read."""
-        return self.day.about.get("ended") is not None
+        return self.day.about.get("ended") is not None and not self.is_behind
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether logs hold more than was read: each `go_on` takes a part, so that nobody waits long for it."""
+        return any(reader.is_behind for reader in self._readers.values())
 
     def at_work(self) -> frozenset[int]:
         """The robots whose logs grew lately."""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from swarmcensus.basics.errors import InputError
 from swarmcensus.robot import log as written
 
+PART = 16_384  # bytes of a log that are read at a time while it grows
 AROUND = 5, 2  # bytes before the body of a block and after it
 
 
@@ -114,11 +115,12 @@ class LogReader:
         self.path = path
         self.blocks: list[Block] = []
         self.log: RobotLog | None = None  # known after the first state
+        self.is_behind = False  # whether there is more than was read
         self._at = 0  # the byte that is read next
         self._state: State | None = None  # the last one
 
-    def more(self) -> bool:
-        """Append new whole blocks to `blocks`; returns whether there are any.
+    def more(self, most: int = PART) -> bool:
+        """Append new whole blocks of the next `most` bytes to `blocks`; returns whether there are any.
 
         A last block that is not whole is left for the next time, because it may still be being written. Raises
         InputError if the file cannot be read, or is not a log of one robot.
@@ -126,7 +128,8 @@ class LogReader:
         try:
             with self.path.open("rb") as file:
                 file.seek(self._at)
-                data = file.read()
+                data = file.read(most)
+                self.is_behind = len(data) == most and file.read(1) != b""
         except FileNotFoundError:
             return False
         except OSError as error:
@@ -137,6 +140,8 @@ class LogReader:
         if new and isinstance(new[-1], Gap) and new[-1].is_last:
             end = new.pop().at  # type: ignore[union-attr]
         self._at = end
+        if not new and self.is_behind:  # a block, or damage, that is longer
+            return self.more(16 * most)
         number = _number_of([*before, *new], self.path)
         self._state = next((block for block in reversed(new) if isinstance(block, State)), self._state)
         self.blocks += new

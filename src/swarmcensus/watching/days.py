@@ -32,6 +32,8 @@ class LoggedDay:
     def __init__(self, folder: Path, given: tuple[Path, ...] = ()) -> None:
         """Read a folder; `given` are other brains. Raises InputError."""
         self._growing = GrowingDay(folder) if may_grow(folder) else None
+        while self._growing is not None and self._growing.is_behind:
+            self._growing.go_on()
         known = self._growing
         self.day = known.day if known else read_day(folder)
         self.clock = known.clock if known else Clock(self.day.members)
@@ -87,8 +89,15 @@ class LoggedDay:
         with self._lock:
             self._follow()
             life = self._shown[self.setting.brain]
-            wait = None if self._growing is None else NEXT if self.grows else LATER
-            return {"version": life.version, "changed": life.since(since), "rounds": life.rounds, "wait": wait}
+            news = {"version": life.version, "changed": life.since(since), "rounds": life.rounds}
+            return {**news, "wait": self._wait()}
+
+    def _wait(self) -> float | None:
+        if self._growing is None:
+            return None
+        if self._growing.is_behind:
+            return 0.0
+        return NEXT if self.grows else LATER
 
     def _follow(self) -> None:
         """Go on with what was appended to the logs of a swarm that runs."""

@@ -3,19 +3,24 @@
 
 const RECENT = 120; // newest rounds that are fetched again when logs have grown
 
-// while the run is shown; an error is told, and ends it
+const AGAIN = 2; // seconds until the page tries again after an error
+
+// as long as this trial is shown, and its logs may grow
 async function followLogs(run) {
-  let version = 0;
-  try {
-    while (run === state.run && state.grows) {
+  let [version, wait, failed] = [0, 0, false];
+  while (run === state.run && state.grows) {
+    try {
       const news = await state.source.news(version);
       if (run !== state.run) return;
-      version = news.version;
       await take(news, run);
-      if (run === state.run && news.wait !== null) await new Promise((soon) => setTimeout(soon, 1000 * news.wait));
+      [version, wait] = [news.version, news.wait];
+      if (failed && run === state.run) complain(null);
+      failed = false;
+    } catch (error) {
+      if (run === state.run) complain(error);
+      [wait, failed] = [AGAIN, true];
     }
-  } catch (error) {
-    if (run === state.run) complain(error);
+    if (wait !== null) await new Promise((soon) => setTimeout(soon, 1000 * wait));
   }
 }
 
