@@ -22,8 +22,8 @@ from swarmcensus.studies.study import Study
 from swarmcensus.watching.logged import Logged
 
 NEXT = 0.1  # seconds from one look at growing logs to the next
-LAST = 3  # rounds
 LATER = 1.0  # the same while no robot is at work
+LAST = 3  # rounds of a day: who has a tick in them was at work at its end, where swarm.json does not say it
 
 
 class LoggedDay:

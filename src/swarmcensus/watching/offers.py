@@ -160,14 +160,14 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     if offer.logged:
         _check_day(request, {"setting": number, "trial": first, "seed": began})
     changed = _changed(offer, setting, request)
-    _check(changed, study)
+    rounds = offer.logged.rounds if offer.logged else changed.rounds
+    _check(changed, study, rounds)
     settings = [changed]
     if request.get("beside"):
         beside = _brain(offer, "beside", request["beside"])
         settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
-        _check(settings[1], study)
+        _check(settings[1], study, rounds)
     given = {key: value for key, value in request.items() if value != ""}
-    rounds = offer.logged.rounds if offer.logged else changed.rounds
     return Wanted(study, tuple(settings), seed, trial, given, rounds, mark)
 
 
@@ -230,12 +230,12 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
     return replace(setting, **values)
 
 
-def _check(setting: Setting, study: Study) -> None:
+def _check(setting: Setting, study: Study, rounds: int) -> None:
     """Raise InputError if values do not go together, or are too large to be watched."""
     try:
-        if setting.robots > MOST_ROBOTS or setting.rounds > MOST_ROUNDS:
+        if setting.robots > MOST_ROBOTS or rounds > MOST_ROUNDS:
             raise ValueError(
-                f"{setting.robots:,} robots for {setting.rounds:,} rounds: at most {MOST_ROBOTS:,} robots "
+                f"{setting.robots:,} robots for {rounds:,} rounds: at most {MOST_ROBOTS:,} robots "
                 f"for {MOST_ROUNDS:,} rounds can be watched"
             )
         setting.topology.check(setting.robots)

@@ -21,7 +21,6 @@ def scene_of(show: Show) -> dict[str, Any]:
         "brain": setting.brain.label,
         "robots": setting.robots,
         "rounds": show.rounds,
-        "planned": setting.rounds,
         "moves": show.moves,
         "columns": COLUMNS,
         "layers": show.layers,

@@ -10,13 +10,13 @@ const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
 
 // The points of curves: every round at first, later every n-th.
 class History {
-  constructor(scene) {
+  constructor(scene, room) {
     this.columns = scene.columns;
-    this.rounds = Math.max(scene.rounds, scene.planned || 0); // logs may still grow
-    const fine = Math.min(FINE, this.rounds);
-    const every = Math.max(1, Math.ceil((this.rounds - fine) / MOST_POINTS));
+    this.room = room; // in rounds
+    const fine = Math.min(FINE, room);
+    const every = Math.max(1, Math.ceil((room - fine) / MOST_POINTS));
     this.at = (tick) => (tick <= fine ? tick : fine + Math.floor((tick - fine) / every));
-    this.ticks = Array.from({ length: this.at(this.rounds) + 1 }, (_, k) => (k <= fine ? k : fine + (k - fine) * every));
+    this.ticks = Array.from({ length: this.at(room) + 1 }, (_, k) => (k <= fine ? k : fine + (k - fine) * every));
     this.rows = scene.columns.map(() => new Array(this.ticks.length).fill(null));
     this.seen = new Uint8Array(this.ticks.length);
   }
@@ -33,6 +33,16 @@ class History {
     const from = this.at(tick);
     this.seen.fill(0, from);
     for (const row of this.rows) row.fill(null, from);
+  }
+
+  // take over the points that another history has of the same rounds
+  takeOver(other) {
+    other.ticks.forEach((tick, k) => {
+      const at = this.at(tick);
+      if (!other.seen[k] || this.ticks[at] !== tick) return;
+      this.seen[at] = 1;
+      this.rows.forEach((row, c) => (row[at] = other.rows[c][k]));
+    });
   }
 
   of(name) {
@@ -55,11 +65,11 @@ class History {
 const dim = (name, part) => `color-mix(in srgb, ${tone(name)} ${part}%, transparent)`;
 
 class Charts {
-  constructor(host, scenes, seek) {
+  constructor(host, scenes, seek, grows) {
     this.host = host;
     this.scenes = scenes;
     this.seek = seek;
-    this.histories = scenes.map((scene) => new History(scene));
+    this.histories = scenes.map((scene) => new History(scene, grows ? Math.max(FINE + MOST_POINTS, scene.rounds) : scene.rounds));
     this.tick = 0;
     [this.log, this.close] = [false, false];
     this.due = 0;
@@ -200,8 +210,14 @@ class Charts {
 
   // logs have grown: points from a round on are others now
   grow(tick) {
-    if (this.scenes[0].rounds > this.histories[0].rounds) this.histories = this.scenes.map((scene) => new History({ ...scene, planned: 2 * scene.rounds }));
-    else for (const history of this.histories) history.forget(tick);
+    for (const history of this.histories) history.forget(tick);
+    while (this.scenes[0].rounds > this.histories[0].room) {
+      this.histories = this.histories.map((history, side) => {
+        const made = new History(this.scenes[side], FINE + 2 * (history.room - FINE));
+        made.takeOver(history);
+        return made;
+      });
+    }
   }
 
   // at most five times a second, not with every frame

@@ -119,7 +119,7 @@ function buildPage() {
   $("which-side").hidden = scenes.length < 2;
   if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see its memory, its reading and the messages that it hears."));
   buildControls($("controls"), form, change, Boolean(recordedText));
-  state.charts = new Charts($("curves"), scenes, seek);
+  state.charts = new Charts($("curves"), scenes, seek, state.grows);
   state.charts.build($("log").checked, $("close").checked);
   if (form.fixed.length) noteDay();
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
