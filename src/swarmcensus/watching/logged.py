@@ -113,7 +113,7 @@ class Logged:
             if estimate is not None and (isinstance(blocks[at], Tick) or self.blocks[time, number] == UNKNOWN):
                 self.blocks[time, number], self.estimates[time, number] = at, estimate
                 begins = min(begins, time)
-                self._last[number] = time, at
+                self._last[number] = max(self._last.get(number, (-1, 0)), (time, at))  # a forged tick may go back
             self._counts[time] += (number, at) in lived.said, len(lived.received.get((number, at), ()))
         self.changed[begins:] = self.version
 
