@@ -7,6 +7,7 @@ import random
 import numpy as np
 import pytest
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.reliving import growing, lives
 from swarmcensus.reliving.clocks import Clock
@@ -259,3 +260,17 @@ def test_who_was_at_work_at_the_end_of_a_day_is_shown_in_its_last_rounds(tmp_pat
     assert estimates[0][1] == estimates[1][1]
     assert np.isnan(estimates[1][2])
     assert not np.isnan(estimates[0][2])
+
+
+@pytest.mark.parametrize("robot", [0, 2])
+def test_two_logs_of_one_robot_are_refused(whole, tmp_path, robot):
+    """Also a second one that comes while the day is watched."""
+    day = Day(whole, tmp_path / "day")
+    session = Session(offer_of(day.folder))
+    asked(session, do="begin", ask={})
+    (day.folder / "copy.log").write_bytes(day.contents[f"robot-{robot}.log"])
+    says = f"{day.folder}: two logs are of robot {robot}: each robot has one"
+    with pytest.raises(InputError, match=says):
+        read_day(day.folder)
+    _, refused = asked(session, do="news", since=0)
+    assert refused["error"] == says
