@@ -165,8 +165,8 @@ class Independent(Search):
 
 
 @pytest.mark.long
-def test_smallest_swarms_keep_the_promise_on_average_and_their_shares_are_not_of_the_trials_that_chose_them():
-    """Sizes are found to a twentieth, which is half a point; the share in the trials that chose them is a point high.
+def test_smallest_swarms_keep_the_promise_and_their_shares_are_not_of_the_trials_that_chose_them():
+    """The first of single sizes with enough in 200 trials would be a point short, and 1.5 points off either way.
 
     The means over 150 plans have standard errors of 0.1 points. Of 150 intervals, 136 or more hold in all but one case
     of a hundred.
@@ -180,8 +180,9 @@ def test_smallest_swarms_keep_the_promise_on_average_and_their_shares_are_not_of
         kept.append(search.right(row.robots))
         told.append(row.share.value)
         held += row.share.low <= kept[-1] <= row.share.high
-    assert -0.003 <= np.mean(kept) - 0.95 <= 0.008
-    assert abs(np.mean(told) - np.mean(kept)) <= 0.005
+    assert -0.002 <= np.mean(kept) - 0.95 <= 0.005
+    assert np.std(kept) <= 0.01
+    assert abs(np.mean(told) - np.mean(kept)) <= 0.003
     assert held >= 136
 
 

@@ -115,13 +115,14 @@ class Search:
         trials: int,
         fresh: bool = False,
     ) -> list[Curve]:
-        """Run `trials` trials, or fewer if they would take too long; `fresh` trials were not used in choosing the size.
+        """Run `trials` trials, or fewer if they would take too long.
 
+        `fresh` trials are others than those of the search, and independent of those of other sizes.
         Raises TooLong if fewer than `FEWEST_TRIALS` are affordable.
         """
         self.check_network(robots)
         mission = self.mission
-        seed = seed_for(mission.seed, "fresh trials", command="plan") if fresh else mission.seed
+        seed = seed_for(mission.seed, f"fresh trials of {robots} robots", command="plan") if fresh else mission.seed
         study = study_of(mission, robots, brains, cases, times, trials, seed)
         most = affordable(study, MOST_SECONDS)
         if most < FEWEST_TRIALS:

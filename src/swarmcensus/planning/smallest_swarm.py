@@ -1,17 +1,20 @@
-"""Finds the smallest swarm that is enough for a time: by growing or shrinking sizes, then by bisection."""
+"""Finds the smallest swarm that is enough for a time: a search near the size, then a curve through sizes around it."""
 
+from bisect import bisect_left
 from dataclasses import replace
 
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS
 from swarmcensus.planning.plans import Answer, Row, row_of, with_case
 from swarmcensus.planning.search import Search, TooLong, cases_to_confirm
-from swarmcensus.planning.simulating import LEVEL, Share
+from swarmcensus.planning.simulating import LEVEL, Case, Curve, Share
+from swarmcensus.statistics.share_fits import ShareFit, fit_shares
 
-RATIOS = (1.1, 1.2, 1.4, 1.7, 2.0)  # to the found size, of sizes tried for the ends of its interval
 STEP = 1.5  # from one size to the next, until one is enough and one is not
 SURE = 0.99  # the level at which few trials decide: higher than 95 %, as they decide many times
-NEAR = 0.05  # precision of the found size, as a share of it
+NEAR = 0.1  # precision of the search, as a share of the size
+RATIO = 1.2  # from one size to the next of those around the size that the search ends with
+AROUND, FARTHEST = 2, 4  # how many such steps there are on either side at first, and at most
 
 
 def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
@@ -28,10 +31,12 @@ def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
 def smallest(search: Search, brain: Brain, minutes: float) -> Row:
     """The smallest swarm that is enough for so many minutes.
 
-    Sizes are tried from the predicted one on. Few trials decide if the confidence is outside of their interval; else
-    all trials do.
+    The search begins at the predicted size. Few trials decide if the confidence is outside of their interval; else all
+    trials do.
     """
     low, high = search.sizes
+    if low == high:
+        return enough(search, brain, low, minutes)
     search.check_reach(high)
     rows: dict[int, Row] = {}
 
@@ -55,34 +60,64 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
         while size - too_few > max(1, NEAR * size):
             middle = (size + too_few) // 2
             size, too_few = (middle, too_few) if holds(middle) else (size, middle)
-        while True:  # all trials confirm what few trials decided
-            row = _row(search, brain, size, minutes, chosen=True)
-            if row.answer == "reached":
-                row = _check_fresh(search, brain, row)
-            if row.answer == "reached":
-                break
-            if size == high:
-                return row
-            size = min(high, max(size + 1, int(size * (1.0 + NEAR))))
+        return _fitted(search, brain, size, minutes)
     except TooLong:
         return _of_theory(search, brain, size, minutes)
-    lowest, highest = _ends(search, brain, row)
-    return replace(row, robots_low=lowest, robots_high=highest)
 
 
-def _ends(search: Search, brain: Brain, chosen: Row) -> tuple[int, int | None]:
-    """The interval of a size: above the next smaller size that is surely too few, up to the first surely enough."""
-    wanted, size, (low, high) = search.mission.wanted.confidence, chosen.robots, search.sizes
+def _fitted(search: Search, brain: Brain, near: int, minutes: float) -> Row:
+    """The smallest swarm, with its interval, by a curve through fresh trials of sizes around `near`.
+
+    More sizes are tried until the curve is surely too low at the first and surely enough at the last, or `FARTHEST`.
+    """
+    wanted, (low, high) = search.mission.wanted.confidence, search.sizes
+    cases = cases_to_confirm(search.worst[brain.label])
+    curves: dict[int, dict[Case, Curve]] = {}
+
+    def fit_until(least: int, most: int) -> dict[Case, ShareFit]:
+        for robots in _sizes(near, least, most, low, high):
+            if robots not in curves:
+                rounds = [search.mission.rounds(minutes)]
+                run = search.run(robots, [brain], cases, rounds, search.mission.trials, fresh=True)
+                curves[robots] = {curve.case: curve for curve in run}
+        sizes = sorted(curves)
+        return {case: fit_shares(sizes, [curves[robots][case].shares[0] for robots in sizes]) for case in cases}
 
     def share(robots: int) -> Share:
-        row = chosen if robots == size else _row(search, brain, robots, chosen.minutes)
-        assert row.share is not None
-        return row.share
+        return min((Share(*fit.at(robots)) for fit in fits.values()), key=lambda share: share.value)
 
-    smaller = sorted({max(low, min(size - 1, int(size / ratio))) for ratio in RATIOS} - {size}, reverse=True)
-    larger = sorted({size} | {min(high, max(size + 1, round(size * ratio))) for ratio in RATIOS})
-    lowest = next((n + 1 for n in smaller if n < size and share(n).high < wanted), low)
-    return lowest, next((n for n in larger if share(n).low >= wanted), None)
+    least, most = -AROUND, AROUND
+    fits = fit_until(least, most)
+    while True:
+        smallest_share, largest_share = share(min(curves)), share(max(curves))
+        enough_below = smallest_share.value >= wanted or (smallest_share.high >= wanted and least > -FARTHEST)
+        too_few_above = largest_share.value < wanted or (largest_share.low < wanted and most < FARTHEST)
+        fewer, more = enough_below and min(curves) > low, too_few_above and max(curves) < high
+        if not fewer and not more:
+            break
+        least, most = least - fewer, most + more
+        fits = fit_until(least, most)
+    sizes = range(min(curves), max(curves) + 1)
+
+    def first(end: str) -> int | None:
+        k = bisect_left(sizes, True, key=lambda robots: getattr(share(robots), end) >= wanted)
+        return sizes[k] if k < len(sizes) else None
+
+    size, lowest = first("value"), first("high")
+    robots = size or sizes[-1]
+    worst = min(cases, key=lambda case: fits[case].at(robots).value)
+    row = with_case(_of_theory(search, brain, robots, minutes), curves[sizes[0]][worst])
+    if size is None:
+        return replace(row, answer="not reached", share=share(robots))
+    lowest = low if lowest == sizes[0] else lowest
+    return replace(row, answer="reached", share=share(robots), robots_low=lowest, robots_high=first("low"))
+
+
+def _sizes(near: int, least: int, most: int, low: int, high: int) -> list[int]:
+    """Sizes from `least` to `most` steps by `RATIO` about `near`, at least one robot apart, in the allowed range."""
+    steps = {k: round(near * RATIO**k) - near for k in range(least, most + 1)}
+    apart = [max(k, step) if k > 0 else min(k, step) for k, step in steps.items()]
+    return sorted({min(high, max(low, near + step)) for step in apart})
 
 
 def _theory_size(search: Search, minutes: float) -> int:
@@ -101,17 +136,6 @@ def _decide(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     if row.share.low >= search.mission.wanted.confidence or row.share.high < search.mission.wanted.confidence:
         return row
     return _row(search, brain, robots, minutes, chosen=True)
-
-
-def _check_fresh(search: Search, brain: Brain, row: Row) -> Row:
-    """The row with the share in fresh trials: "reached" unless that is surely below the confidence.
-
-    The share in the trials that chose the size is too high on average, as they may have chosen it by chance.
-    """
-    mission, [case, *_] = search.mission, search.worst[brain.label]
-    [curve] = search.run(row.robots, [brain], [case], [mission.rounds(row.minutes)], mission.trials, fresh=True)
-    share = curve.at(0)
-    return replace(row, share=share, answer="reached" if share.high >= mission.wanted.confidence else "not reached")
 
 
 def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Row:
