@@ -11,6 +11,7 @@ from swarmcensus.basics.errors import line_of
 from swarmcensus.engine.constants import FULL, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER, PAIRS, SENSING, TALKING
 from swarmcensus.engine.random import chance, word_of, words
 from swarmcensus.simulation import oracle
+from swarmcensus.simulation.informing import informed
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
@@ -45,7 +46,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     given = inputs_of(setting, seed, trial)
     stops = given.stops[0]
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-    brain = [setting.brains[one] for one in group]
+    brain = [informed(setting.brains[one], setting) for one in group]
     b, w = (side[0] for side in given.beliefs)
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
     delay = setting.message_delay
