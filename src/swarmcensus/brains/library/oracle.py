@@ -70,7 +70,7 @@ def this_round(me):
 
 def adds_up(me):
     """Whether readings are used once, in the round in which they are made."""
-    return me.drift != 0.0 or (me.until > me.change and this_round(me) >= me.change)
+    return me.drift != 0.0 or (me.until > me.change and me.fused >= (me.change - 1.0) * me.fuses)
 
 
 def accuracy(me, start):
@@ -81,8 +81,6 @@ def accuracy(me, start):
 
 def information(me):
     """The Fisher information of the own readings at x."""
-    if adds_up(me):
-        return me.t
     p = chance(me.x, me.b, me.w)
     slope = me.b + me.w - 1.0
     return me.t * slope * slope / (p * (1.0 - p))
@@ -90,8 +88,6 @@ def information(me):
 
 def pull(me):
     """The information times x, plus the score."""
-    if adds_up(me):
-        return me.n
     p = chance(me.x, me.b, me.w)
     slope = me.b + me.w - 1.0
     return slope * (me.n - me.t * (1.0 - me.w)) / (p * (1.0 - p))
@@ -105,6 +101,8 @@ def chance(x, b, w):
 
 def broadcast(me):
     """The pull and the information of the own readings at x."""
+    if adds_up(me):
+        return me.n, me.t
     return pull(me), information(me)
 
 
@@ -116,31 +114,40 @@ def receive(me, message):
 
 def fuse(me):
     """A step towards the point where the sum of scores is 0, or the fit to all that was added up."""
-    total = me.heard_information + information(me)
-    pulls = me.heard_pull + pull(me)
     if adds_up(me):
+        total = me.heard_information + me.t
+        pulls = me.heard_pull + me.n
         fit(me, total, pulls)
-    elif total > 0.0:
-        whole = min(max(pulls / total, 0.0), 1.0) - me.x
-        turns = whole * me.step < 0.0
-        me.gain = 0.5 * me.gain if turns else min(3.0 * me.gain, 1.0)
-        me.step = me.gain * whole
-        me.x = min(max(me.x + me.step, 0.0), 1.0)
+        me.t = 0.0
+        me.n = 0.0
+    else:
+        total = me.heard_information + information(me)
+        pulls = me.heard_pull + pull(me)
+        if total > 0.0:
+            whole = min(max(pulls / total, 0.0), 1.0) - me.x
+            turns = whole * me.step < 0.0
+            me.gain = 0.5 * me.gain if turns else min(3.0 * me.gain, 1.0)
+            me.step = me.gain * whole
+            me.x = min(max(me.x + me.step, 0.0), 1.0)
+    me.fused += 1.0
+    if me.change > 0.0 and me.fused == (me.change - 1.0) * me.fuses:
+        change(me, total, pulls)
     me.heard_pull = 0.0
     me.heard_information = 0.0
-    begins = me.change > 0.0 and me.fused + 1.0 == (me.change - 1.0) * me.fuses
-    if begins and not adds_up(me):
-        me.first = total
-        me.first_pull = pulls
-    if begins and me.until <= me.change:
+
+
+def change(me, total, pulls):
+    """After the last round of the first fill ratio: a switch makes all readings old, else they are about the first."""
+    if me.until <= me.change:
         me.first = 0.0
         me.first_pull = 0.0
         me.step = 0.0
         me.gain = 1.0
-    if begins or adds_up(me):
-        me.t = 0.0
-        me.n = 0.0
-    me.fused += 1.0
+    elif me.drift == 0.0:
+        me.first = total
+        me.first_pull = pulls
+    me.t = 0.0
+    me.n = 0.0
 
 
 def fit(me, total, pulls):
