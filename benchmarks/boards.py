@@ -28,16 +28,16 @@ def cells(line):
 
 
 def values_of(page):
-    """The value of each brain in each column of a leaderboard, as it is printed."""
+    """The value of each brain in each column of the page's boards, as it is printed; ranks are left out."""
     found = {}
     for title, prefix in PARTS.items():
-        head, _, *body = (
-            line for line in page.partition(f"## {title}\n")[2].partition("\n## ")[0].splitlines() if line[:1] == "|"
-        )
-        at = cells(head).index("brain")
-        for row in map(cells, body):
-            named = zip(cells(head)[at + 1 :], row[at + 1 :], strict=True)
-            found |= {(row[at], prefix + name): value for name, value in named}
+        part = page.partition(f"## {title}\n")[2].partition("\n## ")[0]
+        for table in TABLE.findall(part + "\n"):
+            head, _, *body = table.splitlines()
+            at = cells(head).index("brain")
+            for row in map(cells, body):
+                named = zip(cells(head)[at + 1 :], row[at + 1 :], strict=True)
+                found |= {(row[at], prefix + name): value for name, value in named if name != "rank"}
     return found
 
 

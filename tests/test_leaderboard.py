@@ -14,7 +14,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.leaderboard import board as entries
 from swarmcensus.leaderboard.board import leaderboard
 from swarmcensus.leaderboard.page import cell
-from swarmcensus.leaderboard.scores import COLUMNS, scores_of
+from swarmcensus.leaderboard.scores import DIVISIONS, scores_of
 
 SMALL = """
 name = "leaderboard"
@@ -95,8 +95,11 @@ def test_the_official_worlds_hold_all_that_ships_and_all_that_makes_it_hard():
     worlds = [
         {**one.coordinates, "liars": one.robots - one.honest} for one in settings if one.brain == settings[0].brain
     ]
-    for column in COLUMNS:
-        assert sum(column.holds(world) for world in worlds) >= 2, column.name
+    for division in DIVISIONS.values():
+        own = [world for world in worlds if division.holds(world)]
+        for column in division.columns:
+            assert sum(column.holds(world) for world in own) >= 2, column.name
+    assert [sum(division.holds(world) for world in worlds) for division in DIVISIONS.values()] == [22, 44, 2]
     assert len({one.accuracy for one in settings}) == 4
     assert {one.body is None for one in settings} == {True, False}
     assert {(one.robots - one.honest) / one.robots for one in settings} == {0.0, 0.1, 0.3}
@@ -104,6 +107,7 @@ def test_the_official_worlds_hold_all_that_ships_and_all_that_makes_it_hard():
 
 def hold(scores, data, opinions):
     """Every number of some scores, worked out once more."""
+    lying = scores.division is DIVISIONS["liars"]
     counted = data["honest"].values if "honest" in data else np.full(data.sizes["setting"], 20)
     final, truth = data["final_estimate"].values, data["fill_ratio"].values
     medians, sides = np.empty(final.shape[:2]), np.empty(final.shape[:2])
@@ -115,18 +119,21 @@ def hold(scores, data, opinions):
     still = data["topology"].values == "ring"
     plain = (data["link_success"].values == 1.0) & (counted == 20)
     thirty = (data["link_success"].values == 1.0) & (counted == 14)
-    kinds = [(0, plain & still), (1, plain & ~still), (9, thirty)]
+    kinds = [(1, thirty)] if lying else [(0, plain & still), (1, plain & ~still)]
+    own = (counted < 20) == lying
     for k, name in enumerate(scores.contenders):
-        for column, some in kinds if thirty.any() else kinds[:2]:
+        for column, some in kinds:
             rows = some & (of == name)
             error = np.mean(np.median(medians[rows], axis=1))
             wanted = np.nan if name in opinions else error
             assert scores.error.values[k, column] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
             assert scores.side.values[k, column] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
-    by_brain = np.stack([sides[of == name] for name in scores.contenders])
+    by_brain = np.stack([sides[own & (of == name)] for name in scores.contenders])
     assert scores.side.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
     sure = np.array([name not in opinions for name in scores.contenders])
-    numbers = np.stack([medians[of == name] for name in np.array(scores.contenders)[sure]])
+    numbers = np.stack([medians[own & (of == name)] for name in np.array(scores.contenders)[sure]]).round(
+        14
+    )  # the same but for rounding: a tie
     assert scores.error.ranks[sure] == pytest.approx(rankdata(numbers, axis=0).mean(axis=(1, 2)), abs=1e-9)
     assert np.isnan(scores.error.ranks[~sure]).tolist() == [True] * len(opinions)
 
@@ -136,6 +143,8 @@ def test_scores_are_what_they_say(small):
     board = leaderboard(["mine.py", "votes.py"], "out")
     assert board.scores.contenders == ["minimalistic", "legacy", "mine.py", "votes.py"]
     hold(board.scores, board.data, ["votes.py"])
+    hold(scores_of(board.data, ["votes.py"], board="liars"), board.data, ["votes.py"])
+    assert scores_of(board.data, ["votes.py"], board="change") is None
     assert board.scores.error.order[0] in (0, 2)
 
 
@@ -243,6 +252,24 @@ def test_who_is_ranked_is_said(small, capsys):
     assert places["alone"].strip("| ") in ("1", "2")
 
 
+@pytest.mark.long
+def test_each_board_ranks_its_own_worlds(small, capsys):
+    shown = {}
+    for board in ("honest", "liars"):
+        assert main(["leaderboard", "mine.py", "--out", "out", "--trials", "2", "--board", board, "--json"]) == 0
+        shown[board] = json.loads(capsys.readouterr().out)
+        assert shown[board]["board"] == board
+        assert [loss["board"] for loss in shown[board]["losses"]] == [board]
+    assert (shown["honest"]["worlds"], shown["liars"]["worlds"]) == (12, 24)
+    assert set(shown["liars"]["brains"][0]["final_error_by_kind"]) == {"10 % liars", "30 % liars"}
+    assert "10 % liars" not in shown["honest"]["brains"][0]["final_error_by_kind"]
+    text = (small / "out" / "leaderboard.md").read_text()  # the page has both
+    assert text.count("### Honest robots\n") == text.count("### Liars\n") == 2
+    assert "### A floor that changes" not in text
+    assert main(["leaderboard", "--out", "out", "--trials", "2", "--board", "change"]) == 2
+    assert "no world of studies/leaderboard.toml is on it" in capsys.readouterr().err
+
+
 def printed_as_kept(small, capsys, *mine):
     """What a board prints, its page stands for and its JSON has is the same; the page's text."""
     command = ["leaderboard", *mine, "--out", "out", "--trials", "3"]
@@ -283,7 +310,7 @@ def test_opinions_are_on_the_board_of_sides_alone(small, capsys):
     for name in ("minimalistic", "legacy", "mine.py"):
         assert name in table
     sides = text[text.index("## Right decisions") : text.index("## Costs")]
-    assert sides.count("votes.py") == 1
+    assert sides.count("votes.py") == 2  # on the boards of honest robots and of liars
 
 
 @pytest.mark.parametrize(

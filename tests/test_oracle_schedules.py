@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results.replaying import recording
-from swarmcensus.simulation.informing import informed
+from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.worlds.changes import along
 
 DRIFT = {"start": "U(0.6, 0.95)", "drift": -0.002, "least": 0.55}
@@ -19,7 +19,7 @@ LOOKS, ROUNDS = 3, 100
 
 
 def study(accuracy, fill_ratio, **other):
-    swarm = {"brain": "oracle", "robots": 12, "accuracy": accuracy}
+    swarm = {"brain": "oracle", "robots": 12, "accuracy": accuracy} | other.pop("swarm", {})
     world = {"topology": "ring", "fill_ratio": fill_ratio} | other.pop("world", {})
     schedule = other.pop("schedule", {"rounds": ROUNDS, "observations_per_round": LOOKS})
     return sc.Study(**{"seed": 6, "trials": 20} | other, swarm=swarm, world=world, schedule=schedule)
@@ -96,8 +96,9 @@ def test_robots_that_move_know_the_schedule_too():
 
 def test_a_robot_alone_counts_rounds_by_its_readings():
     """It ends a round after each reading, of which a round of the schedule has three: white from round 5 on."""
-    robot = brains.load("oracle").with_parameters({"change": 5.0, "until": 5.0, "fuses": float(LOOKS)})
-    me, functions = robot.robot(0.9, 0.8), robot.functions
+    oracle = brains.load("oracle")
+    me, functions = oracle.robot(0.9, 0.8), oracle.functions
+    me.change, me.until, me.fuses = 5.0, 5.0, float(LOOKS)
     for reading in range(8 * LOOKS):
         functions.observe(me, float(reading < 4 * LOOKS), 1.0)
         functions.fuse(me)
@@ -106,11 +107,11 @@ def test_a_robot_alone_counts_rounds_by_its_readings():
 
 
 def test_where_nothing_changes_it_has_no_schedule():
-    [still] = study(MIXED, 0.3).settings()
-    assert informed(still.brain, still) is still.brain
-    [ramp] = study(DRIFT, RAMP).settings()
-    assert informed(ramp.brain, ramp).parameters == {
+    [still], [ramp] = study(MIXED, 0.3).settings(), study(DRIFT, RAMP).settings()
+    assert schedule_of(still) == {}
+    assert schedule_of(ramp) == {
         "change": 30.0, "until": 70.0, "drift": -0.002, "least": 0.55, "most": 1.0, "fuses": 1.0,
     }  # fmt: skip
-    assert informed(ramp.brain, ramp, alone=True).parameters["fuses"] == LOOKS
-    assert informed(brains.load("commons"), ramp) == brains.load("commons")
+    assert schedule_of(ramp, alone=True)["fuses"] == LOOKS
+    [other] = study(DRIFT, RAMP, swarm={"brain": "commons"}).settings()
+    assert schedule_of(other) == {}

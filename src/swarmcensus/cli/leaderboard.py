@@ -20,6 +20,10 @@ def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--out", type=Path, default=Path("leaderboard"), help="folder for the results (default: %(default)s)"
     )
+    sub.add_argument(
+        "--board", choices=("honest", "liars", "change"), default="honest",
+        help="worlds that rank the brains: honest robots, liars, or a floor that changes (default: %(default)s)",
+    )  # fmt: skip
     add_run_options(sub)
 
 
@@ -28,7 +32,8 @@ def leaderboard(options: argparse.Namespace) -> int:
     from swarmcensus.leaderboard.board import leaderboard
 
     board = leaderboard(
-        options.files, options.out, trials=options.trials, seed=options.seed, jobs=options.jobs, fresh=options.fresh,
+        options.files, options.out, board=options.board, trials=options.trials,
+        seed=options.seed, jobs=options.jobs, fresh=options.fresh,
         reporting=reporting, say=say,
     )  # fmt: skip
     if options.json:
@@ -41,8 +46,6 @@ def leaderboard(options: argparse.Namespace) -> int:
 
 def _as_dict(board: "Board") -> dict[str, Any]:
     """The board for JSON: brains in the order of the table, with error and share of right robots by kind of world."""
-    from swarmcensus.leaderboard.scores import COLUMNS
-
     scores = board.scores
     rows: list[dict[str, Any]] = []
     for place, k in _placed(scores):
@@ -50,10 +53,16 @@ def _as_dict(board: "Board") -> dict[str, Any]:
         for score in (scores.error, scores.side):
             row[score.name] = score.by_world[:, k].mean()
             row[f"{score.name}_by_kind"] = dict(
-                zip((column.name for column in COLUMNS), score.values[k].tolist(), strict=True)
+                zip((column.name for column in scores.division.columns), score.values[k].tolist(), strict=True)
             )
         rows.append(row | {name: values[k] for name, values in scores.costs.items()})
-    return {"worlds": len(scores.worlds), "brains": rows, "losses": board.losses, "page": board.page}
+    return {
+        "board": board.name,
+        "worlds": len(scores.worlds),
+        "brains": rows,
+        "losses": board.losses,
+        "page": board.page,
+    }
 
 
 def _placed(scores: "Scores") -> "Iterator[tuple[int | None, int]]":
@@ -67,13 +76,13 @@ def _placed(scores: "Scores") -> "Iterator[tuple[int | None, int]]":
 
 
 def _show(board: "Board") -> None:
+    from swarmcensus.basics.formatting import counted
     from swarmcensus.basics.terminal import console, table
     from swarmcensus.leaderboard.page import cell
-    from swarmcensus.leaderboard.scores import COLUMNS
 
     scores = board.scores
-    names = [column.name for column in COLUMNS]
-    liars = [names.index("10 % liars"), names.index("30 % liars")]
+    names = [column.name for column in scores.division.columns]
+    shown = [names.index(name) for name in scores.division.shown]
     error, right = (score.by_world.mean(axis=0) for score in (scores.error, scores.side))
     rows = []
     for place, k in _placed(scores):
@@ -82,16 +91,18 @@ def _show(board: "Board") -> None:
             "" if place is None else f"{place}",
             scores.contenders[k],
             f"{scores.error.ranks[k]:.1f}" if ranked else "",
-            *(cell(value, True) for value in (error[k], *scores.error.values[k, liars])),
+            *(cell(value, True) for value in (error[k], *scores.error.values[k, shown])),
             cell(right[k], False),
             *(f"{scores.costs[name][k]:.0f}" for name in ("memory_bytes", "message_bytes")),
         ])  # fmt: skip
-    lying = (names[k].replace(" liars", "\nliars") for k in liars)  # in two lines, so that long names fit beside them
-    heads = ("", "brain", "rank", "error", *lying, "right\n%", "memory", "message")
+    kinds = (names[k].replace(" liars", "\nliars") for k in shown)  # in two lines, so that long names fit beside them
+    heads = ("", "brain", "rank", "error", *kinds, "right\n%", "memory", "message")
     out = console()
     out.print(table([(head, head != "brain") for head in heads], rows))
+    parts = f", and by kind: {' and '.join(scores.division.shown)}" if shown else ""
     out.print(
-        "error: |x - f| after the last round, mean over all worlds, and over those with 10 % and 30 % liars; "
+        f"board {board.name}: {scores.division.meaning}; error: |x - f| after the last round, mean over its "
+        f"{counted(len(scores.worlds), 'world')}{parts}; "
         "right: estimates on the same side of one half as f; memory, message: bytes"
     )
     if bounds := [name for name in scores.contenders if name in scores.bounds]:

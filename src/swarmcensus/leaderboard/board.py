@@ -15,7 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_own, check_writable, data_path, shipped_study
 from swarmcensus.leaderboard.losses import Losses, losses_of
 from swarmcensus.leaderboard.page import TITLE, page
-from swarmcensus.leaderboard.scores import COLUMNS, Scores, scores_of
+from swarmcensus.leaderboard.scores import DIVISIONS, Scores, scores_of
 from swarmcensus.results.merging import merge
 from swarmcensus.results.store import load
 from swarmcensus.runs.collect import Reporting
@@ -30,18 +30,20 @@ SIZE = 7.0  # points: the numbers of the picture
 
 @dataclass(frozen=True)
 class Board:
-    """The outcome: results of all brains, scores, where each of your own brains loses, and the page."""
+    """The outcome: results of all brains, scores of one board, losses of your own brains there, and the page."""
 
     data: xr.Dataset
+    name: str
     scores: Scores
     losses: list[Losses]
-    page: Path
+    page: Path  # of all boards
 
 
 def leaderboard(
     files: Sequence[str | Path] = (),
     out: str | Path = "leaderboard",
     *,
+    board: str = "honest",
     trials: int | None = None,
     seed: int | None = None,
     jobs: int | None = None,
@@ -51,6 +53,7 @@ def leaderboard(
 ) -> Board:
     """Run all shipped brains and those of `files` in the worlds of the leaderboard; write page, figure and results.
 
+    The page has all boards of `DIVISIONS`; the outcome has the scores of one `board`.
     Results in `out` are kept, unless `fresh` or a brain's file has changed. `trials` and `seed` replace those of
     studies/leaderboard.toml. `reporting(label)` is a context that gives the callback for the progress of `run`; `say`
     gets messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot be written.
@@ -74,18 +77,21 @@ def leaderboard(
     brains = [brain for study in studies.values() for brain in study.brains]
     opinions = {brain.name for brain in brains if brain.is_opinion}
     oracles = {brain.name for brain in brains if brain.is_oracle}
-    scores = scores_of(data, opinions, oracles)
-    own = [name for name in scores.contenders if name in map(str, own_files.values())]
-    losses = [losses_of(name, scores) for name in own]
+    boards = {name: scores_of(data, opinions, oracles, name) for name in DIVISIONS}
+    scores = {name: board_scores for name, board_scores in boards.items() if board_scores}
+    if board not in scores:
+        raise InputError(f"board {board!r}: no world of studies/leaderboard.toml is on it")
+    own = [name for name in scores[board].contenders if name in map(str, own_files.values())]
+    losses = {name: [losses_of(brain, name, scores[name]) for brain in own] for name in scores}
     words = ["swarmcensus", "leaderboard", *map(str, own_files.values())]
     words += [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
               for word in (option, str(value))]  # fmt: skip
     shipped = studies[OFFICIAL]
-    _draw(scores, own, out / FIGURE)
+    _draw([*scores.values()], own, out / FIGURE)
     with atomic_write(out / PAGE) as temporary:
-        text = page(scores, losses, shlex.join(words), shipped.seed, shipped.trials, FIGURE)
+        text = page([*scores.values()], [*losses.values()], shlex.join(words), shipped.seed, shipped.trials, FIGURE)
         temporary.write_text(text, encoding="utf-8")
-    return Board(data, scores, losses, out / PAGE)
+    return Board(data, board, scores[board], losses[board], out / PAGE)
 
 
 def _changed(path: Path, study: Study, say: Callable[[str], None]) -> bool:
@@ -110,8 +116,11 @@ def _changed(path: Path, study: Study, say: Callable[[str], None]) -> bool:
     return True
 
 
-def _draw(scores: Scores, own: list[str], path: Path) -> None:
-    """Write the picture of the errors, a row per contender, the best first: dark is worse, your own are bold."""
+def _draw(boards: Sequence[Scores], own: list[str], path: Path) -> None:
+    """Write the picture of the errors on all boards, a row per contender: dark is worse, your own are bold.
+
+    The best of the first board comes first.
+    """
     from matplotlib.colors import LogNorm  # matplotlib takes half a second
     from matplotlib.figure import Figure
     from matplotlib.ticker import NullFormatter
@@ -119,9 +128,10 @@ def _draw(scores: Scores, own: list[str], path: Path) -> None:
     from swarmcensus.figures.files import save
     from swarmcensus.figures.lettering import write_numbers
 
-    order = scores.error.order
-    names = [scores.contenders[k] for k in order]
-    values = scores.error.values[order]
+    order = boards[0].error.order
+    names = [boards[0].contenders[k] for k in order]
+    columns = [column.name for scores in boards for column in scores.division.columns]
+    values = np.concatenate([scores.error.values for scores in boards], axis=1)[order]
     rows, count = values.shape
     figure = Figure(figsize=(2.6 + 0.72 * count, 1.5 + 0.215 * rows), layout="constrained")
     axes = figure.add_subplot()
@@ -129,9 +139,7 @@ def _draw(scores: Scores, own: list[str], path: Path) -> None:
     norm = LogNorm(max(LEAST, known.min(initial=1.0)), max(known.max(initial=LEAST), 2 * LEAST), clip=True)
     image = axes.imshow(values, cmap="cividis_r", norm=norm, aspect="auto")
     write_numbers(axes, image, values, "{:.3f}".format, SIZE)
-    axes.set_xticks(
-        range(count), [column.name for column in COLUMNS], size=SIZE + 1, rotation=35, ha="left", rotation_mode="anchor"
-    )
+    axes.set_xticks(range(count), columns, size=SIZE + 1, rotation=35, ha="left", rotation_mode="anchor")
     axes.set_yticks(range(rows), names, size=SIZE + 1)
     for label, name in zip(axes.get_yticklabels(), names, strict=True):
         label.set_fontweight("bold" if name in own else "normal")

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.comparing.pair_tests import ALPHA, ContestInput, contests
-from swarmcensus.leaderboard.scores import COLUMNS, Floats, Score, Scores, World
+from swarmcensus.leaderboard.scores import Floats, Score, Scores, World
 from swarmcensus.statistics.significance import holm
 
 FEW = 5  # number of worlds and rivals in the lists
@@ -36,9 +36,10 @@ class Rival:
 
 @dataclass(frozen=True)
 class Losses:
-    """The losses of one brain: by kind of world, the worst first; by single worlds; by rivals."""
+    """The losses of one brain on one board: by kind of world, the worst first; by single worlds; by rivals."""
 
     name: str
+    board: str
     low: bool  # whether its values are errors, not shares
     place: int
     of: int
@@ -47,15 +48,15 @@ class Losses:
     rivals: list[Rival]  # the clearest first
 
 
-def losses_of(name: str, scores: Scores) -> Losses:
-    """Where this contender loses, by errors, or by right decisions if its estimate is an opinion."""
+def losses_of(name: str, board: str, scores: Scores) -> Losses:
+    """Where this contender loses on a board, by errors, or by right decisions if its estimate is an opinion."""
     own, names = scores.contenders.index(name), scores.contenders
     others = [k for k in range(len(names)) if k != own and names[k] not in scores.bounds]
     score = scores.side if np.isnan(scores.error.ranks[own]) else scores.error
     low = score.low
     columns = [
         behind
-        for k, column in enumerate(COLUMNS)
+        for k, column in enumerate(scores.division.columns)
         if (behind := _behind(column.name, score.values[:, k], own, others, names, low))
     ]
     worlds = [
@@ -67,7 +68,8 @@ def losses_of(name: str, scores: Scores) -> Losses:
     worlds.sort(key=lambda pair: -gap(pair[1]))
     order = [k for k in score.order if k == own or k in others]
     return Losses(
-        name, low, order.index(own) + 1, len(order), sorted(columns, key=lambda behind: -gap(behind)), worlds[:FEW],
+        name, board, low, order.index(own) + 1, len(order),
+        sorted(columns, key=lambda behind: -gap(behind)), worlds[:FEW],
         _rivals(own, others, score, names),
     )  # fmt: skip
 

@@ -7,56 +7,71 @@ import numpy as np
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.comparing.cells import p_value
-from swarmcensus.leaderboard.losses import FEW, Losses
-from swarmcensus.leaderboard.scores import COLUMNS, Score, Scores
+from swarmcensus.leaderboard.losses import FEW, Behind, Losses
+from swarmcensus.leaderboard.scores import Score, Scores
 
 TITLE = "# Leaderboard"
 
 
-def page(scores: Scores, losses: Sequence[Losses], command: str, seed: int, trials: int, figure: str) -> str:
-    """The whole page; `figure` is the name of the picture's file, which lies beside it."""
-    marked = {loss.name for loss in losses}
-    worlds, many = len(scores.worlds), counted(trials, "trial")
+def page(
+    boards: Sequence[Scores], losses: Sequence[Sequence[Losses]], command: str, seed: int, trials: int, figure: str
+) -> str:
+    """The whole page, from the scores and losses of each board; `figure` is the picture's file name."""
+    own = [loss.name for loss in losses[0]]
+    marked = set(own)
+    contenders = len(boards[0].contenders)
     parts = [
         TITLE,
-        f"{len(scores.contenders):,} contenders in the same {worlds:,} worlds, {many} each, by `{command}` "
+        f"{contenders:,} contenders in the same worlds, {counted(trials, 'trial')} each, by `{command}` "
         f"(seed {seed}, swarmcensus {__version__}). All have the same tiles, readings, neighbours, losses and liars, "
-        "trial by trial. *Rank* is the average over all worlds and trials, 1 is best; the column of a kind of world "
-        "has the mean over its worlds. The best of a column is **bold**. `oracle` is a bound and has no place: it "
-        "hears all honest robots and knows all sensors, which no robot can. `alone` communicates with nobody and is "
-        "ranked, because a robot can run it.",
-        _kinds(),
-        *(_losses(loss) for loss in losses),
+        "trial by trial. Each board has worlds of its own: a brain for honest robots need not bear liars, and few "
+        "brains follow a floor that changes. *Rank* is the average over all worlds and trials of a board, 1 is best; "
+        "the column of a kind of world has the mean over its worlds. The best of a column is **bold**. `oracle` is a "
+        "bound and has no place: it hears all honest robots and knows all sensors and when the floor changes, which no "
+        "robot can. `alone` communicates with nobody and is ranked, because a robot can run it.",
+        "\n".join(_meaning(scores) for scores in boards),
+        *(_losses(name, [loss for board in losses for loss in board if loss.name == name], boards) for name in own),
         "## Errors of estimates",
         "The distance of a robot's last estimate from *f*, median over robots and trials. Brains whose estimate is "
         "an opinion, black or white, are left out.",
-        _table(scores, scores.error, marked),
+        *_tables(boards, "error", marked),
         f"![Errors of all contenders by kind of world: dark means a large error]({figure})",
         "## Right decisions on black or white",
         "The percentage of robots whose last estimate is on the right side of one half. An estimate of exactly one "
         "half is wrong.",
-        _table(scores, scores.side, marked),
+        *_tables(boards, "side", marked),
         "## Costs",
         "Bytes of memory and of a message, with four bytes per number, and messages per robot and round.",
-        _costs(scores),
+        _costs(boards[0]),
     ]
     return "\n\n".join(parts) + "\n"
 
 
-def _kinds() -> str:
-    return "\n".join(f"- *{column.name}*: {column.meaning}" for column in COLUMNS)
+def _meaning(scores: Scores) -> str:
+    """A board in the list of boards, with its kinds of worlds."""
+    division = scores.division
+    kinds = "; ".join(f"*{column.name}*: {column.meaning}" for column in division.columns)
+    return f"- **{division.title}** ({counted(len(scores.worlds), 'world')}): {division.meaning}. {kinds}"
+
+
+def _tables(boards: Sequence[Scores], measure: str, marked: set[str]) -> list[str]:
+    """A heading and a table for each board."""
+    parts = []
+    for scores in boards:
+        parts += [f"### {scores.division.title}", _table(scores, getattr(scores, measure), marked)]
+    return parts
 
 
 def _table(scores: Scores, score: Score, marked: set[str]) -> str:
-    low = score is scores.error
+    low, columns = score is scores.error, scores.division.columns
     order = score.order
-    best = [np.nan] * len(COLUMNS)
-    for k in range(len(COLUMNS)):
+    best = [np.nan] * len(columns)
+    for k in range(len(columns)):
         rivals = [score.values[c, k] for c in order if scores.contenders[c] not in scores.bounds]
         known = np.array(rivals)[~np.isnan(rivals)]
         if known.size:
             best[k] = known.min() if low else known.max()
-    rows = [["", "brain", "rank", *(column.name for column in COLUMNS)]]
+    rows = [["", "brain", "rank", *(column.name for column in columns)]]
     place = 0
     for k in order:
         cells = [cell(v, low, v == best[c]) for c, v in enumerate(score.values[k])]
@@ -90,33 +105,34 @@ def _costs(scores: Scores) -> str:
     return _markdown(rows, left=1)
 
 
-def _losses(brain: Losses) -> str:
-    low = brain.low
-    lines = [
-        f"## Where {brain.name} loses",
-        f"{brain.name} is number {brain.place} of {brain.of}. It is first in "
-        f"{sum(b.place == 1 for b in brain.columns)} of {len(brain.columns)} kinds of worlds. "
-        "Kinds of worlds, the largest loss first:",
-    ]
-    rows = [["kind of world", "place", "its own", "best other's", "best other"]]
-    rows += [
-        [b.column, f"{b.place} of {b.of}", cell(b.value, low), cell(b.best_value, low), b.best] for b in brain.columns
-    ]
-    lines.append(_markdown(rows, left=1))
-    lines.append("Single worlds with the largest losses:")
-    rows = [["world", "place", "its own", "best other's", "best other"]]
-    rows += [[t, f"{b.place} of {b.of}", cell(b.value, low), cell(b.best_value, low), b.best] for t, b in brain.worlds]
-    lines.append(_markdown(rows, left=1))
-    ahead = "; ".join(
-        f"{rival.name} (better in {rival.better:.0%}, worse in {rival.worse:.0%} of trials, p {p_value(rival.p)})"
-        for rival in brain.rivals[:FEW]
-    )
-    more = f"; and {len(brain.rivals) - FEW} more" if len(brain.rivals) > FEW else ""
-    lines.append(
-        "Significantly better over all worlds, compared trial by trial (Wilcoxon signed-rank test, corrected by Holm's "
-        f"method): {ahead or 'none'}{more}."
-    )
+def _losses(name: str, losses: Sequence[Losses], boards: Sequence[Scores]) -> str:
+    """Where a brain loses: all kinds of worlds, then single worlds and rivals by board."""
+    lines = [f"## Where {name} loses", "Kinds of worlds, the largest loss of each board first:"]
+    rows = [["board", "kind of world", "place", "its own", "best other's", "best other"]]
+    for loss in losses:
+        rows += [[loss.board, b.column, *_behind(b, loss.low)] for b in loss.columns]
+    lines.append(_markdown(rows, left=2))
+    for brain, scores in zip(losses, boards, strict=True):
+        lines.append(f"### {scores.division.title}: {name}")
+        lines.append(f"{name} is number {brain.place} of {brain.of}. Single worlds with the largest losses:")
+        rows = [["world", "place", "its own", "best other's", "best other"]]
+        lines.append(_markdown(rows + [[text, *_behind(b, brain.low)] for text, b in brain.worlds], left=1))
+        ahead = "; ".join(
+            f"{rival.name} (better in {rival.better:.0%}, worse in {rival.worse:.0%} of trials, p {p_value(rival.p)})"
+            for rival in brain.rivals[:FEW]
+        )
+        more = f"; and {len(brain.rivals) - FEW} more" if len(brain.rivals) > FEW else ""
+        lines.append(
+            "Significantly better over these worlds, compared trial by trial (Wilcoxon signed-rank test, corrected by "
+            f"Holm's method): {ahead or 'none'}{more}."
+        )
     return "\n\n".join(lines)
+
+
+def _behind(behind: Behind, low: bool) -> list[str]:
+    """Place, own value, and value and name of the best other brain, as cells."""
+    place = f"{behind.place} of {behind.of}"
+    return [place, cell(behind.value, low), cell(behind.best_value, low), behind.best]
 
 
 def _markdown(rows: Sequence[Sequence[str]], left: int) -> str:

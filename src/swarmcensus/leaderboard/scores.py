@@ -1,4 +1,4 @@
-"""The scores of each contender in each kind of world: by errors, and by right decisions on black or white."""
+"""The boards, and the scores of each contender on one of them: by errors, and by right decisions on black or white."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -65,18 +65,53 @@ def _lying(share: float) -> Callable[[World], bool]:
     return holds
 
 
-COLUMNS = (
-    Column("networks", "fixed networks, honest robots, nothing lost", lambda w: _plain(w) and not _moves(w)),
-    Column("moving", "robots that move, honest, nothing lost", lambda w: _plain(w) and _moves(w)),
-    Column("poor sensors", "both, b = w = 0.55", lambda w: _plain(w) and w["accuracy"] == "0.55"),
-    Column("mixed sensors", "both, b = w from U(0.525, 0.975)", lambda w: _plain(w) and w["accuracy"][0] == "U"),
-    Column("f near 1/2", "both, f = 0.47", lambda w: _plain(w) and w["fill_ratio"] == 0.47),
-    Column("lost messages", "half of all messages are lost", lambda w: _honest(w) and _lossy(w)),
-    Column("clusters", "black lies in clusters", lambda w: _honest(w) and _clustered(w)),
-    Column("change", "the floor changes halfway", lambda w: _honest(w) and _changing(w)),
-    Column("10 % liars", "2 of 20 robots say that all is black", _lying(0.1)),
-    Column("30 % liars", "6 of 20 robots say that all is black", _lying(0.3)),
-)
+@dataclass(frozen=True)
+class Division:
+    """Worlds that one board ranks together: its title, which worlds belong to it, and their kinds."""
+
+    title: str
+    meaning: str
+    holds: Callable[[World], bool]
+    columns: tuple[Column, ...]
+    shown: tuple[str, ...]  # columns that the shell shows
+
+
+DIVISIONS = {
+    "honest": Division(
+        "Honest robots",
+        "all robots are honest, and the floor stays",
+        lambda w: _honest(w) and not _changing(w),
+        (
+            Column("networks", "fixed networks, nothing lost", lambda w: _plain(w) and not _moves(w)),
+            Column("moving", "robots that move, nothing lost", lambda w: _plain(w) and _moves(w)),
+            Column("poor sensors", "both, b = w = 0.55", lambda w: _plain(w) and w["accuracy"] == "0.55"),
+            Column(
+                "mixed sensors", "both, b = w from U(0.525, 0.975)", lambda w: _plain(w) and w["accuracy"][0] == "U"
+            ),
+            Column("f near 1/2", "both, f = 0.47", lambda w: _plain(w) and w["fill_ratio"] == 0.47),
+            Column("lost messages", "half of all messages are lost", _lossy),
+            Column("clusters", "black lies in clusters", _clustered),
+        ),
+        ("networks", "moving"),
+    ),
+    "liars": Division(
+        "Liars",
+        "some robots say that all is black, and the floor stays",
+        lambda w: not _honest(w) and not _changing(w),
+        (
+            Column("10 % liars", "2 of 20 robots lie, nothing lost", _lying(0.1)),
+            Column("30 % liars", "6 of 20 robots lie, nothing lost", _lying(0.3)),
+        ),
+        ("10 % liars", "30 % liars"),
+    ),
+    "change": Division(
+        "A floor that changes",
+        "all robots are honest, and the floor changes halfway",
+        lambda w: _honest(w) and _changing(w),
+        (Column("change", "networks and moving robots", lambda w: True),),
+        (),
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -103,13 +138,14 @@ class Score:
 
 @dataclass(frozen=True)
 class Scores:
-    """The whole board: contenders, worlds and scores."""
+    """One board: contenders, its worlds and scores."""
 
+    division: Division
     grid: Grid
     worlds: Sequence[World]
     error: Score
     side: Score
-    costs: dict[str, Floats]  # (contender,)
+    costs: dict[str, Floats]  # (contender,), means over the worlds of all boards
     bounds: frozenset[str]  # contenders that are bounds: no robot can reach them
 
     @property
@@ -118,29 +154,46 @@ class Scores:
         return self.grid.contenders
 
 
-def scores_of(data: xr.Dataset, opinions: Collection[str], oracles: Collection[str] = ()) -> Scores:
-    """Score results. The estimates of brains in `opinions` have no error; those in `oracles` are bounds."""
-    grid, _ = grid_of(data, data)
+def scores_of(
+    data: xr.Dataset, opinions: Collection[str], oracles: Collection[str] = (), board: str = "honest"
+) -> Scores | None:
+    """Score results on one board; None if they have none of its worlds.
+
+    The estimates of brains in `opinions` have no error; those in `oracles` are bounds.
+    """
+    division, (grid, _) = DIVISIONS[board], grid_of(data, data)
     columns = {str(name): values.values.tolist() for name, values in data.coords.items() if values.dims == ("setting",)}
     firsts = [next(place for place in row if place != NONE) for row in grid.place]
     worlds = [{name: values[k] for name, values in columns.items()} for k in firsts]
+    own = np.array([division.holds(world) for world in worlds])
+    if not own.any():
+        return None
+    worlds = [world for world, holds in zip(worlds, own, strict=True) if holds]
     brains = [str(data["brain"].values[column[column != NONE][0]]) for column in grid.place.T]
-    errors = grid.spread(measures.numbers(data, ERROR))
+
+    def by_world(values: Any) -> Floats:
+        return np.asarray(grid.spread(values)[own])
+
+    errors = by_world(measures.numbers(data, ERROR))
     errors[:, [brain in opinions for brain in brains]] = np.nan
-    sides = grid.spread(measures.numbers(data, SIDE))
+    sides = by_world(measures.numbers(data, SIDE))
     costs = {name: np.nanmean(grid.spread(measures.numbers(data, name)), axis=(0, 2)) for name in ("messages_sent",)}
     costs |= {name: np.nanmean(grid.spread(data[name].values.astype(float)), axis=0) for name in measures.SIZES}
     bounds = frozenset(name for name, brain in zip(grid.contenders, brains, strict=True) if brain in oracles)
-    return Scores(grid, worlds, _score(ERROR, errors, worlds, True), _score(SIDE, sides, worlds, False), costs, bounds)
+    error, side = (
+        _score(name, numbers, worlds, division, low)
+        for name, numbers, low in ((ERROR, errors, True), (SIDE, sides, False))
+    )
+    return Scores(division, grid, worlds, error, side, costs, bounds)
 
 
-def _score(name: str, numbers: Floats, worlds: Sequence[World], low: bool) -> Score:
+def _score(name: str, numbers: Floats, worlds: Sequence[World], division: Division, low: bool) -> Score:
     known: NDArray[np.bool_] = np.asarray(~np.isnan(numbers).all(axis=(0, 2)))
     statistic: Statistic = "median" if low else "mean"
     by_world = centres(numbers, statistic)
     (contest,) = contests([ContestInput(numbers[:, known], statistic, low, not low)], with_intervals=False)
     ranks = np.full(len(known), np.nan)
     ranks[known] = contest.average_ranks
-    masks = [np.array([column.holds(world) for world in worlds]) for column in COLUMNS]
+    masks = [np.array([column.holds(world) for world in worlds]) for column in division.columns]
     columns = [by_world[mask].mean(axis=0) if mask.any() else np.full(len(known), np.nan) for mask in masks]
     return Score(name, low, numbers, np.stack(columns, axis=1), ranks, by_world)

@@ -11,7 +11,7 @@ from swarmcensus.basics.errors import line_of
 from swarmcensus.engine.constants import FULL, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER, PAIRS, SENSING, TALKING
 from swarmcensus.engine.random import chance, word_of, words
 from swarmcensus.simulation import oracle
-from swarmcensus.simulation.informing import informed
+from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
@@ -46,9 +46,12 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     given = inputs_of(setting, seed, trial)
     stops = given.stops[0]
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-    brain = [informed(setting.brains[one], setting) for one in group]
+    brain = [setting.brains[one] for one in group]
     b, w = (side[0] for side in given.beliefs)
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
+    for me in minds:
+        for name, value in schedule_of(setting).items():
+            setattr(me, name, value)
     delay = setting.message_delay
     first_heard = delay + (setting.body is None)  # moving robots also hear messages from before the first tick
     looks, threshold, key = setting.observations_per_round, given.radio.threshold, given.radio.key

@@ -1,21 +1,20 @@
-"""What a bound knows of its trial: the schedule of the floor and of the sensors, as parameters of its brain."""
+"""What a bound knows of its trial: when the fill ratio changes, and how sensors drift."""
 
-from swarmcensus.brains import Brain
 from swarmcensus.studies.settings import Setting
 
 
-def informed(brain: Brain, setting: Setting, *, alone: bool = False) -> Brain:
-    """An oracle with those of its parameters that say when the fill ratio changes and how the swarm's sensors drift.
+def schedule_of(setting: Setting, *, alone: bool = False) -> dict[str, float]:
+    """The initial values of an oracle's fields that hold the schedule; empty if there is none, and for other brains.
 
-    Other brains, and oracles where nothing changes, stay as they are. `alone` is for robots that end a round after each
-    reading.
+    The schedule has when the fill ratio changes, not from what to what, and the drift of the swarm's accuracy. `alone`
+    is for robots that end a round after each reading.
     """
-    drift, change = setting.accuracy.drift, setting.change
+    brain, drift, change = setting.brain, setting.accuracy.drift, setting.change
     if not brain.is_oracle or (drift is None and change is None):
-        return brain
-    known = {"fuses": float(setting.observations_per_round if alone else 1)}
+        return {}
+    schedule = {"fuses": float(setting.observations_per_round if alone else 1)}
     if change is not None:
-        known |= {"change": float(setting.course[2]), "until": float(setting.course[3])}
+        schedule |= {"change": float(setting.course[2]), "until": float(setting.course[3])}
     if drift is not None:
-        known |= dict(zip(("drift", "least", "most"), drift.numbers, strict=True))
-    return brain.with_parameters({name: value for name, value in known.items() if name in brain.parameters})
+        schedule |= dict(zip(("drift", "least", "most"), drift.numbers, strict=True))
+    return {name: value for name, value in schedule.items() if name in brain.memory}

@@ -11,7 +11,7 @@ from swarmcensus.brains import Brain
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import VERDICTS, WRONG
 from swarmcensus.engine.layout import Minds, Swarm, Tally, runs_of
-from swarmcensus.simulation.informing import informed
+from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import Inputs
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies.settings import Setting
@@ -24,12 +24,23 @@ DECIDED, IS_DONE = "decided", "is_done"  # of a trace, beside a brain's own fiel
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     """The swarm of some trials. Raises NotCompiled."""
     if not setting.members:
-        plain = homogeneous_swarm(informed(setting.brain, setting, alone=use == "alone"), setting.robots, use)
+        plain = _informed(homogeneous_swarm(setting.brain, setting.robots, use), setting, use)
         return plain._replace(luck=given.luck) if given.luck.size else plain
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else ALL_HONEST
-    brains = tuple(informed(brain, setting, alone=use == "alone") for brain in setting.brains)
-    return swarm(brains, group, use, given.luck, honest)
+    return _informed(swarm(setting.brains, group, use, given.luck, honest), setting, use)
+
+
+def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
+    """The swarm, with the schedule in the initial minds of an oracle."""
+    schedule = schedule_of(setting, alone=use == "alone")
+    if not schedule:
+        return swarm
+    blanks = swarm.blanks.copy()
+    minds = compiler.array_layout(setting.brain).records(blanks)
+    for name, value in schedule.items():
+        minds[name] = value
+    return swarm._replace(blanks=blanks)
 
 
 @functools.lru_cache(maxsize=256)

@@ -8,8 +8,8 @@ information are s = k (n - t p) / (p (1 - p)) and I = t k^2 / (p (1 - p)). A mes
 of Fisher scoring, x <- sum(I x + s) / sum I, clipped to [0, 1]. It converges to the maximum of the pooled likelihood,
 which is concave in x.
 
-In a simulation it knows when the fill ratio changes, though not from what to what, and how sensors drift: its
-parameters are set from the study. After a switch in round `change` only later readings count. While f changes in equal
+In a simulation it knows when the fill ratio changes, though not from what to what, and how sensors drift: it
+sets the last fields of MEMORY. After a switch in round `change` only later readings count. While f changes in equal
 steps, f = (1 - g) a + g c with a known share g of the way, and robots fit a and c in [0, 1] to all readings. Then, and
 if sensors drift, a reading is used once, with I and s at the estimate of its round: robots add up sum (1 - g)^2 I,
 sum (1 - g) g I, sum g^2 I, sum (1 - g) (I x + s) and sum g (I x + s).
@@ -22,14 +22,6 @@ next one reverses too, because with few readings whole steps may oscillate for e
 ORACLE = True
 EDGE = 1e-9
 
-PARAMETERS = {
-    "change": 0.0,  # the first round in which the fill ratio differs; 0: it is constant
-    "until": 0.0,  # the first round in which it has its last value
-    "drift": 0.0,  # what b and w gain a round, from round 1 on
-    "least": 0.0,  # where they stop falling
-    "most": 1.0,  # where they stop rising
-    "fuses": 1.0,  # calls of `fuse` in a round
-}
 MEMORY = {
     "t": 0.0,  # observations made, or the information of this round's readings
     "n": 0.0,  # black ones among them, or the pull of this round's readings
@@ -44,6 +36,13 @@ MEMORY = {
     "last_pull": 0.0,  # the same, by their shares of the last fill ratio
     "heard_pull": 0.0,  # the sum of others' pulls
     "heard_information": 0.0,  # the sum of the informations
+    # what a simulation tells it:
+    "change": 0.0,  # the first round in which the fill ratio differs; 0: it is constant
+    "until": 0.0,  # the first round in which it has its last value
+    "drift": 0.0,  # what b and w gain a round, from round 1 on
+    "least": 0.0,  # where they stop falling
+    "most": 1.0,  # where they stop rising
+    "fuses": 1.0,  # calls of `fuse` in a round
 }
 MESSAGE = ("pull", "information")
 ROLES = {"pull": "information", "information": "confidence"}
