@@ -8,8 +8,8 @@ information are s = k (n - t p) / (p (1 - p)) and I = t k^2 / (p (1 - p)). A mes
 of Fisher scoring, x <- sum(I x + s) / sum I, clipped to [0, 1]. It converges to the maximum of the pooled likelihood,
 which is concave in x.
 
-In a simulation it knows when the fill ratio changes, though not from what to what, and how sensors drift: it
-sets the last fields of MEMORY. After a switch in round `change` only later readings count. While f changes in equal
+A simulation tells it when the fill ratio changes, though not from what to what, and how sensors drift, by the last
+fields of MEMORY. After a switch in round `change` only later readings count. While f changes in equal
 steps, f = (1 - g) a + g c with a known share g of the way, and robots fit a and c in [0, 1] to all readings. Then, and
 if sensors drift, a reading is used once, with I and s at the estimate of its round: robots add up sum (1 - g)^2 I,
 sum (1 - g) g I, sum g^2 I, sum (1 - g) (I x + s) and sum g (I x + s).
@@ -36,7 +36,7 @@ MEMORY = {
     "last_pull": 0.0,  # the same, by their shares of the last fill ratio
     "heard_pull": 0.0,  # the sum of others' pulls
     "heard_information": 0.0,  # the sum of the informations
-    # what a simulation tells it:
+    # set by the simulation:
     "change": 0.0,  # the first round in which the fill ratio differs; 0: it is constant
     "until": 0.0,  # the first round in which it has its last value
     "drift": 0.0,  # what b and w gain a round, from round 1 on
@@ -159,15 +159,14 @@ def fit(me, total, pulls):
     me.last += g * g * total
     me.first_pull += (1.0 - g) * pulls
     me.last_pull += g * pulls
-    first, last = within(me.first_pull, me.first, me.x), me.x
     whole = me.first * me.last - me.both * me.both
     if whole > EDGE * me.first * me.last:
         last = within(me.first * me.last_pull - me.both * me.first_pull, whole, me.x)
         first = within(me.first_pull - me.both * last, me.first, me.x)
         last = within(me.last_pull - me.both * first, me.last, me.x)
-    elif me.last > 0.0:  # nobody saw the first fill ratio
-        last = within(me.last_pull, me.last, me.x)
-    me.x = (1.0 - g) * first + g * last
+        me.x = (1.0 - g) * first + g * last
+    else:  # all readings are of one fill ratio
+        me.x = within(me.first_pull + me.last_pull, me.first + 2.0 * me.both + me.last, me.x)
 
 
 def within(above, below, otherwise):
