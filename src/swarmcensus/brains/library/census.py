@@ -1,0 +1,333 @@
+"""Census: commons whose old readings count more, with momentum where the network is steady, on floors that may change.
+
+Three pairs of sums of the evidence of `commons` are mixed alike, with k = b + w - 1:
+
+    s, v    all readings, with the momentum of `swift` while the network is steady
+    S, V    ripe: after each round of mixing    S <- S (1 - v / V') + s,    V <- V' = V + 2 v / 3
+    a, e    short: the latest readings, at most a quarter of v and at most `memory`
+
+Ripening. An old reading is spread over more robots than a new one, so it should weigh more: among weights for the ages
+of readings, the best are the numbers of robots over which mixing has spread them. After t rounds, S / V is a mean of
+s / v over all rounds in which a reading made in round r has the weight 1 - (r / t)^2. V / v tells t, so no clock is
+needed. Without momentum, the own sums weigh as much as OWN messages, or as all that arrive: late messages lack what the
+robot has read since they were sent. All sums treat s and v alike, so S / V is consistent for f, as with `commons`,
+whatever is lost or late, and if robots move, fail or join late.
+
+Change. If the floor has changed, a / e differs from S / V by more than chance. What chance explains depends on how well
+the swarm mixes, so robots measure it with coins: where a round's readings add r to e, heads or tails add sqrt(r) / 2 to
+a sum c or take it away. c is mixed and forgotten as a is, so that it varies as a does, at most, but tells nothing of
+the floor. The noise d is the mean of c^2 / e over rounds and robots. Evidence in a that no neighbour has mixed yet adds
+a quarter of its share in e. With n voices in a round, d is between 1 / (32 n) and 1 / (4 n). A robot begins anew, from
+a and e cut to KEPT, if
+
+    (S / V - a / e)^2 > z^2 d / e    or    > confirm^2 d / e, and it hears a robot that has begun anew
+
+and counts the long sums only of robots that have, until v is SETTLED. One that erred then gets back what it lost.
+
+Patches. Where successive readings of a robot are alike, as on black in clusters, d is at least the mean of what
+(S / V - a / e)^2 e has been, cut at CUT^2 d. Elsewhere this would hide slow changes.
+"""
+
+OWN = 3.0  # the weight of the own sums in a mean without momentum, in messages
+KEPT = 1.0  # evidence in the sums of a robot that begins anew, in readings of a perfect sensor
+SETTLED = 30.0  # evidence from which on it counts the sums of all robots again
+LEAST = 10.0  # evidence that the short sums may always hold
+MOST = 8.0  # times the voices heard: the most robots for which short sums are taken to stand
+PRIOR_WINDOWS = 2.0  # the weight of the first guess of the noise, in lives of the short sums
+WINDOWS = 16.0  # lives of the short sums over which the noise is averaged
+CUT = 3.0  # deviations beyond which a difference counts no further in the noise seen
+PATCHY = 0.05  # correlation of successive readings on ground in patches
+WALK = 0.002  # the share of a round in that correlation
+OLDEST = 16384.0  # rounds: the sums forget older readings, so that they bear single precision
+
+PARAMETERS = {
+    "momentum": 0.9,  # g of `swift`
+    "crowd": 50.0,  # the number of voices above which momentum is reduced
+    "memory": 100.0,  # the most evidence in the short sums, in readings of a perfect sensor
+    "z": 3.5,  # standard deviations of a change that a robot finds
+    "confirm": 1.5,  # standard deviations that confirm a neighbour's change
+}
+MEMORY = {
+    "s": 0.0,  # sent: evidence for black
+    "v": 0.0,  # and evidence
+    "said_s": 0.0,  # in the round before
+    "said_v": 0.0,
+    "ripe_s": 0.0,  # S
+    "ripe_v": 0.0,  # V
+    "short_s": 0.0,  # a
+    "short_v": 0.0,  # e
+    "coins": 0.0,  # c
+    "noise": 0.0,  # d
+    "seen": 0.0,  # the noise that differences of short and ripe sums have shown
+    "windows": 0.0,  # lives of the short sums in them
+    "alone": 0.0,  # evidence in a that nobody else has mixed in, scaled as variances are
+    "alike": 0.0,  # the correlation of the readings of successive rounds
+    "last": 0.5,  # what the readings of the round before say
+    "fresh_s": 0.0,  # evidence for black of this round
+    "fresh": 0.0,  # and evidence
+    "coin": 0.0,  # of this round: 1 or -1; none in the first
+    "anew": 0.0,  # 1: the robot has begun anew, and is not yet settled
+    "unit": 0.0,  # what evidence of 1 per round would have become, as sent
+    "said_unit": 0.0,
+    "rounds": 0.0,  # so far
+    "first": 0.0,  # messages in the first round
+    "company": 0.0,  # the sum of marks heard in the first round and the own; 0 before, -1 without momentum
+    "x": 0.5,  # estimate
+    "heard": 0.0,  # messages since the last round
+    "heard_s": 0.0,  # the sums in them, of robots that have not begun anew
+    "heard_v": 0.0,
+    "heard_ripe_s": 0.0,
+    "heard_ripe_v": 0.0,
+    "anew_heard": 0.0,  # messages of robots that have
+    "anew_s": 0.0,  # the sums in them
+    "anew_v": 0.0,
+    "anew_ripe_s": 0.0,
+    "anew_ripe_v": 0.0,
+    "heard_short_s": 0.0,  # the sums of all
+    "heard_short_v": 0.0,
+    "heard_coins": 0.0,
+    "heard_noise": 0.0,
+    "heard_seen": 0.0,
+    "heard_company": 0.0,
+    "alarms": 0.0,  # messages of robots that are without momentum or evidence
+}
+MESSAGE = ("s", "v", "ripe_s", "ripe_v", "short_s", "short_v", "coins", "noise", "seen", "anew", "company")
+ROLES = {
+    "s": "information",
+    "v": "confidence",
+    "ripe_s": "information",
+    "ripe_v": "confidence",
+    "short_s": "information",
+    "short_v": "confidence",
+}
+SUMS = (
+    "heard", "heard_s", "heard_v", "heard_ripe_s", "heard_ripe_v", "anew_heard", "anew_s", "anew_v", "anew_ripe_s",
+    "anew_ripe_v", "heard_short_s", "heard_short_v", "heard_coins", "heard_noise", "heard_seen",
+    "heard_company", "alarms",
+)  # fmt: skip
+
+
+def mark(me):
+    """The mark of a robot, the square of a name, because sums of squares are rarely equal."""
+    return (me.name + 1.0) ** 2
+
+
+def observe(me, blacks, looks):
+    """Add unbiased evidence, weighted by how much the sensor tells."""
+    slope = me.b + me.w - 1.0
+    s = slope * (blacks - looks * (1.0 - me.w))
+    v = slope * slope * looks
+    me.s += s
+    me.v += v
+    me.short_s += s
+    me.short_v += v
+    me.alone += v
+    me.fresh_s += s
+    me.fresh += v
+
+
+def tossed(me):
+    """The coins, with that of this round."""
+    return me.coins + me.coin * 0.5 * me.fresh**0.5
+
+
+def broadcast(me):
+    """All sums, the noises, whether the robot has begun anew, and the mark."""
+    company = me.company if me.rounds > 0.0 else mark(me)
+    return me.s, me.v, me.ripe_s, me.ripe_v, me.short_s, me.short_v, tossed(me), me.noise, me.seen, me.anew, company
+
+
+def receive(me, message):
+    """A neighbour's sums."""
+    s, v, ripe_s, ripe_v, short_s, short_v, coins, noise, seen, anew, company = message
+    me.heard += 1.0
+    me.heard_short_s += short_s
+    me.heard_short_v += short_v
+    me.heard_coins += coins
+    me.heard_noise += noise
+    me.heard_seen += seen
+    me.heard_company += company
+    if anew > 0.0:
+        me.anew_heard += 1.0
+        me.anew_s += s
+        me.anew_v += v
+        me.anew_ripe_s += ripe_s
+        me.anew_ripe_v += ripe_v
+    else:
+        me.heard_s += s
+        me.heard_v += v
+        me.heard_ripe_s += ripe_s
+        me.heard_ripe_v += ripe_v
+    if company < 0.0 or v <= 0.0:
+        me.alarms += 1.0
+
+
+def fuse(me):
+    """Average all voices, ripen, step beyond the mean, and look for a change."""
+    voices = 1.0 + me.heard
+    look_around(me)
+    if me.v > SETTLED:
+        me.anew = 0.0
+    own = 1.0 if me.company >= 0.0 else max(OWN, me.heard)
+    mixed = own + me.heard
+    if me.anew > 0.0:
+        mixed = own + me.anew_heard
+        me.heard_s = 0.0
+        me.heard_v = 0.0
+        me.heard_ripe_s = 0.0
+        me.heard_ripe_v = 0.0
+    s = (own * me.s + me.heard_s + me.anew_s) / mixed
+    v = (own * me.v + me.heard_v + me.anew_v) / mixed
+    me.ripe_s = (own * me.ripe_s + me.heard_ripe_s + me.anew_ripe_s) / mixed
+    me.ripe_v = (own * me.ripe_v + me.heard_ripe_v + me.anew_ripe_v) / mixed
+    ripen(me, s, v)
+    step(me, s, v, voices)
+    gain = max(me.said_unit / max(me.rounds, 1.0), 1.0)
+    walk(me)
+    compare(me, v / gain, voices)
+    me.x = ratio(me, v / gain)
+    me.heard = 0.0
+    me.heard_s = 0.0
+    me.heard_v = 0.0
+    me.heard_ripe_s = 0.0
+    me.heard_ripe_v = 0.0
+    me.anew_heard = 0.0
+    me.anew_s = 0.0
+    me.anew_v = 0.0
+    me.anew_ripe_s = 0.0
+    me.anew_ripe_v = 0.0
+    me.heard_short_s = 0.0
+    me.heard_short_v = 0.0
+    me.heard_coins = 0.0
+    me.heard_noise = 0.0
+    me.heard_seen = 0.0
+    me.heard_company = 0.0
+    me.alarms = 0.0
+    me.fresh_s = 0.0
+    me.fresh = 0.0
+    me.coin = 1.0 if me.luck < 0.5 else -1.0
+
+
+def look_around(me):
+    """Give up momentum, for good, if the network changes or one round mixes all of it; as in `swift`."""
+    if me.rounds == 0.0:
+        me.first = me.heard
+        me.company = me.heard_company + mark(me)
+    elif me.rounds == 1.0 and me.heard_company == me.heard * me.company:
+        me.company = -1.0
+    if me.heard == 0.0 or me.heard != me.first or me.alarms > 0.0:
+        me.company = -1.0
+
+
+def ripen(me, s, v):
+    """Draw the ripe sums towards the mixed ones."""
+    ripe_v = me.ripe_v + 2.0 / 3.0 * v
+    if ripe_v <= v:
+        me.ripe_s = s
+        me.ripe_v = v
+    else:
+        me.ripe_s = (ripe_v - v) / me.ripe_v * me.ripe_s + s
+        me.ripe_v = ripe_v
+
+
+def step(me, s, v, voices):
+    """Set what is sent next: beyond the means by the momentum, as in `swift`."""
+    unit = me.unit + 1.0
+    g = 0.0
+    if me.company > 0.0 and me.rounds > 1.0:
+        g = me.momentum * min(1.0, me.crowd / voices) ** 2
+        if v + g * (v - me.said_v) <= 0.5 * v:
+            g = 0.0
+    keep = 1.0 - 1.0 / OLDEST if 3.0 * me.ripe_v > OLDEST * v else 1.0
+    ahead_s = keep * (s + g * (s - me.said_s))
+    ahead_v = keep * (v + g * (v - me.said_v))
+    ahead_unit = unit + g * (unit - me.said_unit)
+    me.ripe_s *= keep
+    me.ripe_v *= keep
+    me.said_s = me.s
+    me.said_v = me.v
+    me.said_unit = unit
+    me.s = ahead_s
+    me.v = ahead_v
+    me.unit = ahead_unit
+    me.rounds += 1.0
+
+
+def walk(me):
+    """Learn how much successive readings are alike, from their squared difference against that of unlike ones."""
+    if me.fresh <= 0.0:
+        return
+    now = me.fresh_s / me.fresh
+    q = (me.b + me.w - 1.0) * me.x + 1.0 - me.w
+    if me.rounds > 1.0:
+        unlike = 2.0 * max(q * (1.0 - q), 0.01) / me.fresh
+        me.alike += WALK * (1.0 - (now - me.last) ** 2 / unlike - me.alike)
+    me.last = now
+
+
+def compare(me, long, voices):
+    """Mix the short sums, learn the noise, and begin anew if short and ripe sums differ by more than chance."""
+    me.short_s = (me.short_s + me.heard_short_s) / voices
+    me.short_v = (me.short_v + me.heard_short_v) / voices
+    me.coins = (tossed(me) + me.heard_coins) / voices
+    me.noise = (me.noise + me.heard_noise) / voices
+    me.seen = (me.seen + me.heard_seen) / voices
+    me.alone /= voices
+    if me.short_v <= 0.0:
+        return
+    if me.windows == 0.0:
+        me.noise = 0.25 / voices
+        me.seen = me.noise
+    part = me.fresh / me.short_v
+    me.windows = min(me.windows + part, WINDOWS)
+    weight = min(part / (PRIOR_WINDOWS + me.windows), 1.0)
+    me.noise += weight * (me.coins * me.coins / me.short_v - me.noise)
+    cut_short(me, min(me.memory, max(LEAST, 0.25 * long)))
+    if long <= 1.01 * me.short_v:  # all readings are still in the short sums
+        return
+    noise = min(max(me.noise, 0.25 / (MOST * voices)) + 0.25 * me.alone / me.short_v, 0.25 / voices)
+    off = me.ripe_s / me.ripe_v - me.short_s / me.short_v
+    square = off * off * me.short_v
+    if me.alike > PATCHY:
+        noise = max(noise, me.seen)
+    me.seen += weight * (min(square, CUT * CUT * noise) - me.seen)
+    confirmed = me.anew_heard > 0.0 and me.anew == 0.0 and square > me.confirm * me.confirm * noise
+    if confirmed or square > me.z * me.z * noise:
+        begin_anew(me)
+
+
+def cut_short(me, most):
+    """Forget: limit the evidence in the short sums."""
+    if me.short_v > most:
+        part = most / me.short_v
+        me.short_s *= part
+        me.short_v = most
+        me.coins *= part
+        me.alone *= part * part
+
+
+def begin_anew(me):
+    """Keep of the past what the short sums hold, cut."""
+    cut_short(me, KEPT)
+    me.s = me.short_s
+    me.v = me.short_v
+    me.ripe_s = me.short_s
+    me.ripe_v = me.short_v
+    me.anew = 1.0
+    me.company = -1.0
+    me.unit = 2.0
+    me.said_unit = 2.0
+    me.rounds = 2.0
+
+
+def ratio(me, long):
+    """The ratio of the ripe sums, with the prior of `commons`, in [0, 1]."""
+    if me.ripe_v <= 0.0 or long <= 0.0:
+        return 0.5
+    prior = min(0.25, 0.0625 / long) / long
+    return min(max((me.ripe_s / me.ripe_v + 0.5 * prior) / (1.0 + prior), 0.0), 1.0)
+
+
+def estimate(me):
+    """The ratio after the latest round."""
+    return me.x
