@@ -28,6 +28,8 @@ Patches. Where successive readings of a robot are alike, as on black in clusters
 (S / V - a / e)^2 e has been, cut at CUT^2 d. Elsewhere this would hide slow changes.
 """
 
+import math
+
 OWN = 3.0  # the weight of the own sums in a mean without momentum, in messages
 KEPT = 1.0  # evidence in the sums of a robot that begins anew, in readings of a perfect sensor
 SETTLED = 30.0  # evidence from which on it counts the sums of all robots again
@@ -128,7 +130,7 @@ def observe(me, blacks, looks):
 
 def tossed(me):
     """The coins, with that of this round."""
-    return me.coins + me.coin * 0.5 * me.fresh**0.5
+    return me.coins + me.coin * 0.5 * math.sqrt(me.fresh)
 
 
 def broadcast(me):
