@@ -79,6 +79,25 @@ def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits
     assert same.estimates[1] == as_logged(day, lives).estimates[1]
 
 
+@pytest.mark.parametrize("again", [False, True])
+def test_a_stopped_robot_has_no_numbers_in_between(tmp_path, again):
+    """Its process misses ticks, and its count of them lags behind the clock."""
+    _, _, swarm = logged(tmp_path / "day", more={"saves": 5})
+    swarm.run(12)
+    stopped, swarm.robots[1] = swarm.robots[1], None
+    swarm.run(8)
+    swarm.robots[1] = stopped
+    if again:
+        swarm.kill(3)
+        swarm.start(3)
+    swarm.run()
+    shown = swarm.close()
+    day, lives = lived(tmp_path / "day")
+    trace = as_trace(day, as_logged(day, lives), Clock(day.members))["estimate"].values
+    assert np.isnan(trace[13:21, 1]).all()
+    np.testing.assert_array_equal(trace, shown)
+
+
 @pytest.mark.parametrize("other", ["minimalistic", "sure", "voter"])
 def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     killed(tmp_path / "day", damages=["memory-2"])

@@ -8,16 +8,17 @@ from swarmcensus.reliving.log_times import LogTimes
 from swarmcensus.reliving.logs import Gap, State, Tick
 
 TOGETHER = 1.5  # periods: robots whose first ticks are as near as this began together
-APART = 3.0  # periods: where no robot began as much later as this, and none again, their own ticks tell the time
+APART = 3.0  # periods: where no robot began or paused as much later as this, and none again, their own ticks tell time
 
 
 class _Life(NamedTuple):
-    """What a robot lived between two starts."""
+    """What a robot lived between two starts, or after ticks that it missed."""
 
-    at: int  # the block of its first state
-    tick: int  # of that state
+    at: int  # its first block
+    tick: int  # of that block
     zero: float  # when its tick 0 would have been, in periods
     ticks: bool  # whether it came to a tick
+    starts: bool = True  # whether the robot started then; False: it went on after ticks that it missed
 
 
 class Clock:
@@ -37,10 +38,11 @@ class Clock:
         robots = self._robots.values()
         if not robots:
             return False
-        self.restarted = any(len(robot.lives) > 1 for robot in robots)
+        self.restarted = any(sum(life.starts for life in robot.lives) > 1 for robot in robots)
         starts = [robot.reference.zero + robot.reference.tick for robot in robots]
         begun = min(starts)
-        apart = self.restarted or max(starts) - begun >= APART
+        paused = any(robot.longest_pause >= APART for robot in robots)
+        apart = self.restarted or paused or max(starts) - begun >= APART
         self.is_common = apart and all(robot.knows_time for robot in robots)
         moved = [robot.place(robot.by_clock(begun) if self.is_common else robot.by_ticks()) for robot in robots]
         first, self._first = self._first, min(robot.times[0] for robot in robots)
@@ -67,15 +69,19 @@ class _Robot:
         self.blocks = member.log.blocks
         self.lives: list[_Life] = []
         self.knows_time = True
+        self.longest_pause = 0.0  # periods
         self.times: list[int] = []
         self._read = 0
         self._clock = LogTimes()
         self._boot, self._period = -1, 1
-        self._shifts: dict[int, int | None] = {}  # by the block of a start: what is added to the ticks from there on
+        self._shifts: dict[int, int | None] = {}  # by the first block of a life: what is added to its ticks
         self._time = self._shift = self.latest = 0
 
     def read(self) -> None:
-        """Note the lives of new blocks; where ticks are late, the earliest one tells when they were due."""
+        """Note the lives of new blocks; where ticks are late, the earliest one tells when they were due.
+
+        A tick is late by less than a period: where it is later, the robot has missed ticks, as after it was stopped.
+        """
         for at in range(self._read, len(self.blocks)):
             block, now = self.blocks[at], self._clock.of(self.blocks[at])
             if now is None or isinstance(block, Gap):
@@ -87,6 +93,10 @@ class _Robot:
                     self.lives.append(_Life(at, block.tick, now / self._period - block.tick, False))
                 continue
             zero, life = now / self._period - block.tick, self.lives[-1]
+            if life.ticks and zero - life.zero >= 1.0:
+                self.longest_pause = max(self.longest_pause, zero - life.zero)
+                self.lives.append(_Life(at, block.tick, zero, True, False))
+                continue
             self.lives[-1] = life._replace(zero=min(zero, life.zero) if life.ticks else zero, ticks=True)
         self._read = len(self.blocks)
 
@@ -104,7 +114,8 @@ class _Robot:
 
     def by_ticks(self) -> dict[int, int | None]:
         """Shifts where nothing is known of the time between two boots."""
-        return {life.at: None if k else 0 for k, life in enumerate(self.lives)}
+        starts = (life.at for life in self.lives if life.starts)
+        return {at: None if k else 0 for k, at in enumerate(starts)}
 
     def place(self, shifts: Mapping[int, int | None]) -> bool:
         """Find the times of new blocks, or of all if shifts are others than before; returns whether they are."""
@@ -114,9 +125,9 @@ class _Robot:
         self._shifts = dict(shifts)
         for at in range(len(self.times), len(self.blocks)):
             block = self.blocks[at]
-            if isinstance(block, State) and at in shifts:
+            if at in shifts and isinstance(block, State | Tick):
                 given = shifts[at]
-                least = self._time - block.tick
+                least = self._time - block.tick + isinstance(block, Tick)
                 self._shift = least if given is None else max(given, least)
             if isinstance(block, State | Tick):
                 self._time = block.tick + self._shift
