@@ -174,6 +174,10 @@ def test_a_folder_from_boards_needs_no_more_than_logs(day, tmp_path, capsys):
         (["DAY", "--out", "r.csv"], "--out r.csv: it is written as .nc"),
         (["DAY", "--trace", "r.png"], "--trace r.png: it is written as .nc or .csv"),
         (["DAY", "--brain", "commons", "--out", "r.nc"], "commons would be there twice"),
+        (
+            ["DAY", "--brain", "sure", "--brain", "sure", "--out", "r.nc"],
+            "sure would be there twice: give each --brain",
+        ),
         (["DAY", "--out", "r.nc", "--trace", "./r.nc"], "--out and --trace both name r.nc: they should name two files"),
         (["BLANK"], "robot-0.log: the file is empty: should be a robot's log"),
         (["BAD"], "swarm.json: robots should be a list of tables"),

@@ -287,6 +287,19 @@ def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
     assert "Anyone who can reach 0.0.0.0" in capsys.readouterr().err
 
 
+def test_localhost_is_this_machine_alone(tmp_path, capsys):
+    """Its robots are all killed before memory is looked at, and the peak is what they had."""
+    arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "localhost", "--at", "0.1s kill 0-1"]
+    assert main(["swarm", "commons", *arguments, "--out", str(tmp_path / "out")]) == 1
+    assert "Anyone" not in capsys.readouterr().err
+    assert json.loads((tmp_path / "out" / "swarm.json").read_text())["result"]["memory"] > 1_000_000
+
+
+def test_a_stopped_robot_is_not_stopped_again():
+    with pytest.raises(InputError, match="robot 1 is stopped then"):
+        faults_of(["1s stop 1", "2s stop 1"], 4, 100, 50.0)
+
+
 def test_what_processes_cannot_run_is_refused():
     moving = {"topology": "moving", "density": 2.0, "fill_ratio": 0.5}
     swarm = {"robots": 4, "accuracy": 0.8}

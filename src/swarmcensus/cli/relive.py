@@ -121,7 +121,8 @@ def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
         found.append(brain)
     labels = [day.brain.label, *(brain.label for brain in found)]
     if twice := next((label for label in labels if labels.count(label) > 1 and options.out), None):
-        raise InputError(f"--out {options.out}: {twice} would be there twice: the robots' own brain is always there")
+        why = "the robots' own brain is always there" if twice == day.brain.label else "give each --brain once"
+        raise InputError(f"--out {options.out}: {twice} would be there twice: {why}")
     return found
 
 

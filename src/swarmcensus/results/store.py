@@ -262,6 +262,8 @@ def _absent(path: Path) -> str:
     from swarmcensus.results import shards
 
     folder = shards.folder_of(path)
+    if path.is_dir():
+        return "it is a folder"
     if not (folder / "run.json").is_file():
         return "there is no such file"
     if shards.is_busy(folder):

@@ -88,7 +88,9 @@ def _check_order(faults: Sequence[Fault]) -> None:
         for robot in fault.robots:
             state = gone.get(robot, "runs")
             allowed = {"start": "has not started", "continue": "is stopped"}.get(fault.action)
-            if fault.action in ("kill", "stop") and state in ("has not started", "is killed"):
+            if (state in ("has not started", "is killed") and fault.action in ("kill", "stop")) or (
+                fault.action == "stop" and state == "is stopped"
+            ):
                 raise InputError(f'--at "{fault.text}": robot {robot} {state} then')
             if allowed and state != allowed:
                 raise InputError(f'--at "{fault.text}": robot {robot} {state} then')

@@ -88,7 +88,7 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
     """
     check_system()
     command = _socket(plan.air.host)
-    if not plan.air.host.startswith(LOOPBACK):
+    if not command.getsockname()[0].startswith(LOOPBACK):  # a name such as localhost is its address here
         LOG.info("Anyone who can reach %s can send messages in the name of any robot.", plan.air.host)
     before = seconds_of_children()
     began = time.monotonic()
@@ -271,6 +271,8 @@ def _tell_again(swarm: Swarm) -> None:
 def _happen(swarm: Swarm, fault: Fault) -> None:
     children = swarm.children
     swarm.happened.append(f"{fault.seconds:g} s: {fault.what}")
+    if fault.action in ("kill", "restart"):
+        _weigh(swarm)  # afterwards its memory is gone
     for number in fault.robots if fault.action in ("kill", "restart", "stop", "continue", "start") else ():
         if fault.action in ("kill", "restart"):
             children.kill(number)
