@@ -204,8 +204,10 @@ def ablation(trials):
             for k, part in enumerate(("all parts", *PARTS)):
                 rows.setdefault(part, []).append((topology, measured(results, k)))
     for part, cells in rows.items():
-        told = [f"{t} " + " ".join(f"{q} {v:.4f}" if v < 1 else f"{q} {v:.0f}" for q, v in m.items()) for t, m in cells]
-        print(f"{part:36}", "; ".join(told))
+        print(part)
+        for topology, values in cells:
+            numbers = (f"{quantity} {x:.4f}" if x < 1 else f"{quantity} {x:.0f}" for quantity, x in values.items())
+            print(f"    {topology}", *numbers)
 
 
 if __name__ == "__main__":
