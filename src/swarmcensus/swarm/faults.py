@@ -74,7 +74,8 @@ def _robots(who: str, robots: int, text: str) -> tuple[int, ...]:
             raise InputError(f'--at "{text}": {part} should be a robot or a range of them, such as 0-9')
         first, last = int(match[1]), int(match[2] or match[1])
         if not first <= last < robots:
-            raise InputError(f'--at "{text}": {part} should be from 0 to {robots - 1}, the lower number first')
+            order = ", the lower number first" if match[2] else ""
+            raise InputError(f'--at "{text}": robot {part} should be from 0 to {robots - 1}{order}')
         chosen.update(range(first, last + 1))
     return tuple(sorted(chosen))
 

@@ -1,6 +1,7 @@
 """The server of the page: on loopback, for browsers that have the token, and not for pages of other sites."""
 
 import contextlib
+import errno
 import json
 import secrets
 import socket
@@ -82,7 +83,9 @@ def bound(host: str, port: int) -> socket.socket:
         made.listen()  # so that a browser that is early waits, and is not refused
     except (OSError, OverflowError) as error:
         made.close()
-        raise InputError(f"cannot listen on {host}, port {port}: {getattr(error, 'strerror', None) or error}") from None
+        hint = "; without --port any free one is taken" if getattr(error, "errno", None) == errno.EADDRINUSE else ""
+        why = getattr(error, "strerror", None) or error
+        raise InputError(f"cannot listen on {host}, port {port}: {why}{hint}") from None
     return made
 
 
