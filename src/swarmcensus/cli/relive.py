@@ -30,9 +30,7 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument("--message", metavar="FORMAT", help="message format under --brain (default: that of the logs)")
     sub.add_argument("--brain-file", type=Path, metavar="FILE.py", help="the robots' brain, if FOLDER lacks its file")
-    sub.add_argument(
-        "--fill-ratio", type=float, metavar="F", help="the true share of black, not that of FOLDER"
-    )
+    sub.add_argument("--fill-ratio", type=float, metavar="F", help="the true share of black, not that of FOLDER")
     sub.add_argument("--out", type=Path, metavar="FILE.nc", help="results to write: one setting per brain")
     sub.add_argument(
         "--trace",
