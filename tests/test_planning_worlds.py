@@ -262,7 +262,10 @@ def test_where_liars_do_most_harm_inside_of_the_range_that_is_planned_for():
 
 @pytest.mark.long
 def test_the_smallest_swarm_and_whether_it_is_enough_are_asked_inside_of_the_range_too():
-    """At 0.88 min ten robots of which two lie are right at 0.3, 0.5 and 0.7 and in only 70 % near 0.43."""
+    """At 0.88 min ten robots of which two lie are right at 0.3, 0.5 and 0.7 and in only 70 % near 0.43.
+
+    In two minutes sixty are right in 95.2 % (of 1,000 trials).
+    """
     known = {"accuracy": 0.7, "fill_ratio": [0.3, 0.7], "lying": 0.2, "lie": "opposite"}
     free = {"brain": "steadfast", "topology": "full", "minutes": 0.9}
     [asked] = sc.plan(changed(known=known, free=free) | {"trials": 40}, **QUIET).rows
@@ -270,7 +273,7 @@ def test_the_smallest_swarm_and_whether_it_is_enough_are_asked_inside_of_the_ran
     assert asked.fill_ratio not in (0.3, 0.5, 0.7)
     assert asked.share.high < 0.95
     [least] = sc.plan(
-        changed(known=known, free=free | {"robots": [5, 60], "minutes": 2}) | {"trials": 40}, **QUIET
+        changed(known=known, free=free | {"robots": [5, 150], "minutes": 2}) | {"trials": 40}, **QUIET
     ).rows
     assert least.answer == "reached"
     assert least.robots > 5

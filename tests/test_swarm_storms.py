@@ -33,6 +33,8 @@ def storm(seed):
             action = action if stopped else "restart"
         if action in ("kill", "stop") and (robot in gone or len(gone | stopped) > ROBOTS // 2):
             action = "restart"
+        if action == "stop" and robot in stopped:
+            action = "continue"
         match action:
             case "kill":
                 gone.add(robot)
