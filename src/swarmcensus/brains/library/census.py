@@ -1,4 +1,5 @@
-"""Census: commons whose old readings count more, with momentum where the network is steady, on floors that may change.
+"""Census: commons whose old readings count more, with momentum where the network is steady, on floors that may change,
+among liars.
 
 Three pairs of sums of the evidence of `commons` are mixed alike, with k = b + w - 1:
 
@@ -24,8 +25,25 @@ a and e cut to KEPT, if
 
 and counts the long sums only of robots that have, until v is SETTLED. One that erred then gets back what it lost.
 
+Liars. Each robot also says the sums o, p of its own readings alone. A neighbour whose own readings differ from its own
+by more than PAIR standard errors is not heard. From the own readings of the others it makes a mean that a minority
+cannot draw far: r, over those within NEAR standard errors of r, with weights of at most p, averaged over rounds; its
+standard error is E = 1 / (2 sqrt(p n)) for n robots, MOST at most. Then
+
+    sums whose S / V is more than GATE E from r are not counted, and weights are at most CAP times the own
+    the estimate is S / V, cut to r +- CUT_OFF E
+    if S / V is more than BREAK E from r, the robot sets its sums to r: others have mixed in lies
+
+A robot that has done so in round t, or has heard own readings more than CLEAR standard errors off, is on guard until
+round 2 t: limits are GUARDED_GATE and GUARDED_CUT_OFF, and its sums are drawn to r by LEAN shares of new readings a
+round, so that lies fade. After it has begun anew, a robot does not know whether the floor has changed or others lie.
+Only its own new readings tell: it adds the logarithms of how much likelier they are if S / V is true than if o / p is,
+to TRUST. Until the sum is below 0 or above SURE it believes others; then it sets its sums to r, or o, p to its readings
+since.
+
 Patches. Where successive readings of a robot are alike, as on black in clusters, d is at least the mean of what
-(S / V - a / e)^2 e has been, cut at CUT^2 d. Elsewhere this would hide slow changes.
+(S / V - a / e)^2 e has been, cut at CUT^2 d, and own readings tell less: standard errors are `alike` / PATCHY times as
+large. Elsewhere the first would hide slow changes.
 """
 
 import math
@@ -34,13 +52,27 @@ OWN = 3.0  # the weight of the own sums in a mean without momentum, in messages
 KEPT = 1.0  # evidence in the sums of a robot that begins anew, in readings of a perfect sensor
 SETTLED = 30.0  # evidence from which on it counts the sums of all robots again
 LEAST = 10.0  # evidence that the short sums may always hold
-MOST = 8.0  # times the voices heard: the most robots for which short sums are taken to stand
+CROWDED = 8.0  # times the voices heard: the most robots for which short sums are taken to stand
 PRIOR_WINDOWS = 2.0  # the weight of the first guess of the noise, in lives of the short sums
 WINDOWS = 16.0  # lives of the short sums over which the noise is averaged
 CUT = 3.0  # deviations beyond which a difference counts no further in the noise seen
 PATCHY = 0.05  # correlation of successive readings on ground in patches
 WALK = 0.002  # the share of a round in that correlation
 OLDEST = 16384.0  # rounds: the sums forget older readings, so that they bear single precision
+PAIR = 4.5  # standard errors of the difference of two robots' own readings, beyond which one is not heard
+CLEAR = 5.5  # and beyond which it is a lie
+NEAR = 2.0  # standard errors within which the own readings of others count in r
+MOST = 30.0  # robots that count in its standard error, at most
+RECENT = 20.0  # r is averaged over the last 1 / RECENT of all rounds
+CAP = 2.0  # the largest weight of a message, in own weights
+GATE = 3.5  # standard errors of r, from it to the sums that count
+CUT_OFF = 1.5  # and to the estimate
+BREAK = 4.0  # and to sums that others have spoilt
+GUARDED_GATE = 1.5  # the same for a robot on guard
+GUARDED_CUT_OFF = 1.0
+LEAN = 3.0  # its pull to r, in shares of new readings
+TRUST = 4.0  # in a change that others tell of, in nats
+SURE = 5.0  # and when own readings confirm it
 
 PARAMETERS = {
     "momentum": 0.9,  # g of `swift`
@@ -48,6 +80,7 @@ PARAMETERS = {
     "memory": 100.0,  # the most evidence in the short sums, in readings of a perfect sensor
     "z": 3.5,  # standard deviations of a change that a robot finds
     "confirm": 1.5,  # standard deviations that confirm a neighbour's change
+    "belief": 1.0,  # how many times wider all limits to what others say are
 }
 MEMORY = {
     "s": 0.0,  # sent: evidence for black
@@ -69,6 +102,16 @@ MEMORY = {
     "fresh": 0.0,  # and evidence
     "coin": 0.0,  # of this round: 1 or -1; none in the first
     "anew": 0.0,  # 1: the robot has begun anew, and is not yet settled
+    "own_s": 0.0,  # o: evidence for black of its own readings
+    "own_v": 0.0,  # p: and evidence
+    "trial": 0.0,  # above 0: whether others are right about a change is not decided
+    "new_s": 0.0,  # own evidence for black since it is not
+    "new_v": 0.0,  # and evidence
+    "near_s": 0.0,  # evidence for black in r, in shares of p
+    "near_v": 0.0,  # and evidence: n
+    "near": 0.5,  # r
+    "error": 10.0,  # E
+    "guard": 0.0,  # the round until which the robot is on guard
     "unit": 0.0,  # what evidence of 1 per round would have become, as sent
     "said_unit": 0.0,
     "rounds": 0.0,  # so far
@@ -76,24 +119,27 @@ MEMORY = {
     "company": 0.0,  # the sum of marks heard in the first round and the own; 0 before, -1 without momentum
     "x": 0.5,  # estimate
     "heard": 0.0,  # messages since the last round
-    "heard_s": 0.0,  # the sums in them, of robots that have not begun anew
-    "heard_v": 0.0,
-    "heard_ripe_s": 0.0,
-    "heard_ripe_v": 0.0,
-    "anew_heard": 0.0,  # messages of robots that have
-    "anew_s": 0.0,  # the sums in them
-    "anew_v": 0.0,
-    "anew_ripe_s": 0.0,
-    "anew_ripe_v": 0.0,
-    "heard_short_s": 0.0,  # the sums of all
+    "heard_company": 0.0,
+    "alarms": 0.0,  # of robots that are without momentum or evidence
+    "lies": 0.0,  # that are clear lies
+    "near_heard_s": 0.0,  # the own sums in those that count in r
+    "near_heard_v": 0.0,
+    "begun": 0.0,  # of robots that have begun anew
+    "voices": 0.0,  # whose short sums count
+    "heard_short_s": 0.0,  # the sums in them
     "heard_short_v": 0.0,
     "heard_coins": 0.0,
     "heard_noise": 0.0,
     "heard_seen": 0.0,
-    "heard_company": 0.0,
-    "alarms": 0.0,  # messages of robots that are without momentum or evidence
+    "counted": 0.0,  # whose long sums count
+    "heard_s": 0.0,  # the sums in them
+    "heard_v": 0.0,
+    "heard_ripe_s": 0.0,
+    "heard_ripe_v": 0.0,
 }
-MESSAGE = ("s", "v", "ripe_s", "ripe_v", "short_s", "short_v", "coins", "noise", "seen", "anew", "company")
+MESSAGE = (
+    "s", "v", "ripe_s", "ripe_v", "short_s", "short_v", "coins", "noise", "seen", "anew", "company", "own_s", "own_v",
+)  # fmt: skip
 ROLES = {
     "s": "information",
     "v": "confidence",
@@ -101,12 +147,9 @@ ROLES = {
     "ripe_v": "confidence",
     "short_s": "information",
     "short_v": "confidence",
+    "own_s": "information",
+    "own_v": "confidence",
 }
-SUMS = (
-    "heard", "heard_s", "heard_v", "heard_ripe_s", "heard_ripe_v", "anew_heard", "anew_s", "anew_v", "anew_ripe_s",
-    "anew_ripe_v", "heard_short_s", "heard_short_v", "heard_coins", "heard_noise", "heard_seen",
-    "heard_company", "alarms",
-)  # fmt: skip
 
 
 def mark(me):
@@ -123,6 +166,8 @@ def observe(me, blacks, looks):
     me.v += v
     me.short_s += s
     me.short_v += v
+    me.own_s += s
+    me.own_v += v
     me.alone += v
     me.fresh_s += s
     me.fresh += v
@@ -134,80 +179,126 @@ def tossed(me):
 
 
 def broadcast(me):
-    """All sums, the noises, whether the robot has begun anew, and the mark."""
+    """All sums, the noises, the mark, and whether the robot has begun anew (1) and tries a change (2), or both (3)."""
     company = me.company if me.rounds > 0.0 else mark(me)
-    return me.s, me.v, me.ripe_s, me.ripe_v, me.short_s, me.short_v, tossed(me), me.noise, me.seen, me.anew, company
+    anew = me.anew + 2.0 if me.trial > 0.0 else me.anew
+    return (
+        me.s, me.v, me.ripe_s, me.ripe_v, me.short_s, me.short_v, tossed(me), me.noise, me.seen, anew, company,
+        me.own_s, me.own_v,
+    )  # fmt: skip
 
 
 def receive(me, message):
-    """A neighbour's sums."""
-    s, v, ripe_s, ripe_v, short_s, short_v, coins, noise, seen, anew, company = message
+    """A neighbour's sums, as far as they can be believed."""
+    s, v, ripe_s, ripe_v, short_s, short_v, coins, noise, seen, anew, company, own_s, own_v = message
     me.heard += 1.0
-    me.heard_short_s += short_s
-    me.heard_short_v += short_v
-    me.heard_coins += coins
-    me.heard_noise += noise
-    me.heard_seen += seen
     me.heard_company += company
-    if anew > 0.0:
-        me.anew_heard += 1.0
-        me.anew_s += s
-        me.anew_v += v
-        me.anew_ripe_s += ripe_s
-        me.anew_ripe_v += ripe_v
-    else:
-        me.heard_s += s
-        me.heard_v += v
-        me.heard_ripe_s += ripe_s
-        me.heard_ripe_v += ripe_v
     if company < 0.0 or v <= 0.0:
         me.alarms += 1.0
+    tries = anew >= 2.0
+    if tries:
+        anew -= 2.0
+    if not tries and own_v > 0.0 and me.own_v > 0.0 and not meet(me, own_s / own_v, min(own_v, me.own_v), anew):
+        return
+    believed = True
+    if me.trial <= 0.0 and me.rounds > 1.0 and ripe_v > 0.0:
+        believed = abs(ripe_s / ripe_v - me.near) <= limit(me, GATE, GUARDED_GATE)
+    if not believed and (me.rounds < me.guard or (anew == 0.0 and not tries)):
+        return
+    if anew > 0.0:
+        me.begun += 1.0
+    me.voices += 1.0
+    most = CAP * max(me.short_v, LEAST)
+    share = most / short_v if short_v > most else 1.0
+    me.heard_short_s += share * short_s
+    me.heard_short_v += share * short_v
+    me.heard_coins += share * coins
+    me.heard_noise += noise
+    me.heard_seen += seen
+    if not believed or (me.anew > 0.0 and anew == 0.0):
+        return
+    me.counted += 1.0
+    most = CAP * max(me.v, me.own_v)
+    share = most / v if v > most > 0.0 else 1.0
+    me.heard_s += share * s
+    me.heard_v += share * v
+    me.heard_ripe_s += share * ripe_s
+    me.heard_ripe_v += share * ripe_v
+
+
+def meet(me, other, weight, anew):
+    """Whether a neighbour's own readings agree with the own; if so, count them in r where they are near it."""
+    wide = width(me)
+    apart = 2.0 * abs(other - me.own_s / me.own_v) / math.sqrt(1.0 / me.own_v + 1.0 / weight)
+    if apart > PAIR * wide:
+        if apart > CLEAR * wide and anew == 0.0 and me.anew == 0.0 and me.trial <= 0.0:
+            me.lies += 1.0
+        return False
+    if me.rounds > 1.0:
+        apart = wide * abs(other - me.near) / math.sqrt(0.25 * wide * wide / weight + me.error * me.error)
+    if apart <= NEAR * wide:
+        me.near_heard_s += weight * other
+        me.near_heard_v += weight
+    return True
+
+
+def width(me):
+    """How many times more own readings vary than independent ones, and how much more is believed."""
+    return me.belief * max(1.0, me.alike / PATCHY)
+
+
+def limit(me, free, guarded):
+    """A distance from r, given in standard errors for a robot that is not on guard and for one that is."""
+    return me.error * (guarded if me.rounds < me.guard else free)
 
 
 def fuse(me):
-    """Average all voices, ripen, step beyond the mean, and look for a change."""
-    voices = 1.0 + me.heard
+    """Average all voices, ripen, step beyond the mean, look for a change, and for lies."""
+    voices = 1.0 + me.voices
     look_around(me)
-    if me.v > SETTLED:
-        me.anew = 0.0
-    own = 1.0 if me.company >= 0.0 else max(OWN, me.heard)
-    mixed = own + me.heard
-    if me.anew > 0.0:
-        mixed = own + me.anew_heard
-        me.heard_s = 0.0
-        me.heard_v = 0.0
-        me.heard_ripe_s = 0.0
-        me.heard_ripe_v = 0.0
-    s = (own * me.s + me.heard_s + me.anew_s) / mixed
-    v = (own * me.v + me.heard_v + me.anew_v) / mixed
-    me.ripe_s = (own * me.ripe_s + me.heard_ripe_s + me.anew_ripe_s) / mixed
-    me.ripe_v = (own * me.ripe_v + me.heard_ripe_v + me.anew_ripe_v) / mixed
+    if me.lies > 0.0:
+        me.guard = 2.0 * me.rounds
+    own = 1.0 if me.company >= 0.0 else max(OWN, me.counted)
+    mixed = own + me.counted
+    s = (own * me.s + me.heard_s) / mixed
+    v = (own * me.v + me.heard_v) / mixed
+    me.ripe_s = (own * me.ripe_s + me.heard_ripe_s) / mixed
+    me.ripe_v = (own * me.ripe_v + me.heard_ripe_v) / mixed
     ripen(me, s, v)
     step(me, s, v, voices)
     gain = max(me.said_unit / max(me.rounds, 1.0), 1.0)
     walk(me)
     compare(me, v / gain, voices)
     me.x = ratio(me, v / gain)
+    doubt(me)
+    if me.v > SETTLED:
+        me.anew = 0.0
+    clear(me)
+    me.coin = 1.0 if me.luck < 0.5 else -1.0
+
+
+def clear(me):
+    """Forget the messages and readings of this round."""
     me.heard = 0.0
-    me.heard_s = 0.0
-    me.heard_v = 0.0
-    me.heard_ripe_s = 0.0
-    me.heard_ripe_v = 0.0
-    me.anew_heard = 0.0
-    me.anew_s = 0.0
-    me.anew_v = 0.0
-    me.anew_ripe_s = 0.0
-    me.anew_ripe_v = 0.0
+    me.heard_company = 0.0
+    me.alarms = 0.0
+    me.lies = 0.0
+    me.near_heard_s = 0.0
+    me.near_heard_v = 0.0
+    me.begun = 0.0
+    me.voices = 0.0
     me.heard_short_s = 0.0
     me.heard_short_v = 0.0
     me.heard_coins = 0.0
     me.heard_noise = 0.0
     me.heard_seen = 0.0
-    me.heard_company = 0.0
-    me.alarms = 0.0
+    me.counted = 0.0
+    me.heard_s = 0.0
+    me.heard_v = 0.0
+    me.heard_ripe_s = 0.0
+    me.heard_ripe_v = 0.0
     me.fresh_s = 0.0
     me.fresh = 0.0
-    me.coin = 1.0 if me.luck < 0.5 else -1.0
 
 
 def look_around(me):
@@ -287,13 +378,13 @@ def compare(me, long, voices):
     cut_short(me, min(me.memory, max(LEAST, 0.25 * long)))
     if long <= 1.01 * me.short_v:  # all readings are still in the short sums
         return
-    noise = min(max(me.noise, 0.25 / (MOST * voices)) + 0.25 * me.alone / me.short_v, 0.25 / voices)
+    noise = min(max(me.noise, 0.25 / (CROWDED * voices)) + 0.25 * me.alone / me.short_v, 0.25 / voices)
     off = me.ripe_s / me.ripe_v - me.short_s / me.short_v
     square = off * off * me.short_v
     if me.alike > PATCHY:
         noise = max(noise, me.seen)
     me.seen += weight * (min(square, CUT * CUT * noise) - me.seen)
-    confirmed = me.anew_heard > 0.0 and me.anew == 0.0 and square > me.confirm * me.confirm * noise
+    confirmed = me.begun > 0.0 and me.anew == 0.0 and square > me.confirm * me.confirm * noise
     if confirmed or square > me.z * me.z * noise:
         begin_anew(me)
 
@@ -309,7 +400,7 @@ def cut_short(me, most):
 
 
 def begin_anew(me):
-    """Keep of the past what the short sums hold, cut."""
+    """Keep of the past what the short sums hold, cut, and try whether own readings agree."""
     cut_short(me, KEPT)
     me.s = me.short_s
     me.v = me.short_v
@@ -320,6 +411,72 @@ def begin_anew(me):
     me.unit = 2.0
     me.said_unit = 2.0
     me.rounds = 2.0
+    me.trial = TRUST
+    me.new_s = 0.0
+    me.new_v = 0.0
+
+
+def doubt(me):
+    """Bound the estimate by what the robots near have read themselves, and find lies in the sums."""
+    if me.own_v <= 0.0:
+        return
+    part = min(1.0, RECENT * me.fresh / me.own_v)
+    me.near_s += part * ((me.own_s + me.near_heard_s) / me.own_v - me.near_s)
+    me.near_v += part * ((me.own_v + me.near_heard_v) / me.own_v - me.near_v)
+    me.near = me.near_s / me.near_v
+    me.error = 0.5 * width(me) / math.sqrt(me.own_v * min(me.near_v, MOST))
+    if me.trial > 0.0:
+        weigh(me)
+        return
+    if abs(me.x - me.near) > BREAK * me.error:
+        set_right(me)
+    most = limit(me, CUT_OFF, GUARDED_CUT_OFF)
+    me.x = min(max(me.x, me.near - most), me.near + most)
+    me.x = min(max(me.x, 0.0), 1.0)
+    if me.rounds < me.guard:
+        lean = min(1.0, LEAN * me.fresh / me.own_v)
+        me.s += lean * (me.near * me.v - me.s)
+        me.ripe_s += lean * (me.near * me.ripe_v - me.ripe_s)
+    if me.own_v > OLDEST * me.fresh > 0.0:
+        me.own_s *= 1.0 - 1.0 / OLDEST
+        me.own_v *= 1.0 - 1.0 / OLDEST
+
+
+def weigh(me):
+    """Whether the own readings of this round are for the change."""
+    me.new_s += me.fresh_s
+    me.new_v += me.fresh
+    if me.fresh <= 0.0:
+        return
+    own = me.own_s / me.own_v
+    now = me.fresh_s / me.fresh
+    wide = width(me)
+    me.trial += 2.0 * me.fresh * ((now - own) ** 2 - (now - me.x) ** 2) / (wide * wide)
+    if me.trial > SURE:
+        me.own_s = me.new_s
+        me.own_v = me.new_v
+        me.near_s = me.x
+        me.near_v = 1.0
+        me.trial = 0.0
+    elif 2.0 * abs(own - me.x) * math.sqrt(me.own_v) < 1.0:
+        me.trial = 0.0
+    elif me.trial <= 0.0:
+        set_right(me)
+
+
+def set_right(me):
+    """Set all sums to what the robots near have read themselves."""
+    age = max(me.rounds / 3.0, 1.0)
+    me.s = me.near * me.own_v
+    me.v = me.own_v
+    me.ripe_s = me.s * age
+    me.ripe_v = me.v * age
+    me.said_s = me.s
+    me.said_v = me.v
+    me.short_s = me.near * me.short_v
+    me.x = min(max(me.near, 0.0), 1.0)
+    me.trial = 0.0
+    me.guard = 2.0 * me.rounds
 
 
 def ratio(me, long):
