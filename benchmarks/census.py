@@ -3,10 +3,11 @@
 RESULTS is what `swarmcensus run studies/census.toml --out census.nc` writes; without it the study is run. Every line is
 a world: what `census` reaches, the best of the other brains that robots can run, and their ratio. Error is the median
 error after the last round, K the median round of convergence, recovery the median number of rounds after a change until
-the error stays below 0.05, mean the median over trials of the mean error over all rounds. Then errors among
-liars, as ratios to that of a robot alone and to that of the best other brain, of creepers of other steps, too; with
-wrong accuracies; where two needs meet; in large swarms; what leaving out a part costs; and K of flooding, the limit of any
-brain. With a processor of two cores it takes a quarter of an hour.
+the error stays below 0.05, mean the median over trials of the mean error over all rounds.
+
+Then errors among liars, as ratios to that of a robot alone and to that of the best other brain, also among creepers of
+other steps; with wrong accuracies; where two needs meet; in large swarms; what leaving out a part costs; and K of
+flooding, the limit of any brain. With a processor of two cores it takes a quarter of an hour.
 """
 
 import argparse

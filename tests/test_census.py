@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2, norm
 from scipy.stats import f as f_ratio
 
 import swarmcensus as sc
@@ -134,6 +135,7 @@ class TestChange:
     def test_it_counts_all_again_once_it_has_seen_enough(self):
         first, other = self.settled()
         first.anew, first.s, first.v = 1.0, 31.0, 31.0
+        DO.fuse(first)
         DO.receive(first, DO.broadcast(other))
         DO.fuse(first)
         assert first.anew == 0.0
@@ -170,3 +172,116 @@ def test_it_is_sooner_than_commons(world):
     rounds = sc.run(study)["convergence_round"].values
     ours, commons = np.median(np.where(rounds < 0, np.inf, rounds), axis=(1, 2))
     assert ours < commons / 2
+
+
+class TestLiars:
+    def met(self, readings, rounds=1, talk=True):
+        """Robots with `readings` (blacks, looks) in each round, that all hear each other."""
+        swarm = robots(len(readings))
+        for me in swarm:
+            me.z = me.confirm = 1e6
+        heard = [[j for j in range(len(swarm)) if j != k and talk] for k in range(len(swarm))]
+        for _ in range(rounds):
+            round_of(swarm, readings, heard)
+        return swarm
+
+    def test_r_is_the_mean_of_own_readings_weighted_by_them_up_to_the_own_ones(self):
+        """By hand: k = 0.6, so v = 0.36 a reading and o / p = (black share - 0.2) / 0.6."""
+        first, second, _ = self.met([(5.0, 10.0), (12.0, 20.0), (6.0, 10.0)])
+        f = [(share - 0.2) / 0.6 for share in (0.5, 0.6, 0.6)]
+        assert first.near == pytest.approx((f[0] + f[1] + f[2]) / 3)  # the 20 readings count as 10, as many as its own
+        assert second.near == pytest.approx((2 * f[1] + f[0] + f[2]) / 4)
+        assert first.error == pytest.approx(0.5 / (0.36 * 10 * 3) ** 0.5)
+        assert second.error == pytest.approx(0.5 / (0.36 * 20 * 2) ** 0.5)
+
+    def test_its_standard_error_is_that_of_many_swarms(self):
+        """Of 400 swarms of five robots, all with f = 1/2: a chi-square test at 0.1 %, two-sided.
+
+        Where some own readings are too far off to count, the mean is of fewer: E is of those that count.
+        """
+        random = np.random.default_rng(7)
+        scores = []
+        for _ in range(400):
+            swarm = robots(5)
+            for me in swarm:
+                me.z = me.confirm = 1e6
+            for _ in range(6):
+                blacks = random.binomial(50, 0.5, 5)
+                round_of(swarm, [(float(n), 50.0) for n in blacks], [[j for j in range(5) if j != k] for k in range(5)])
+            scores.append((swarm[0].near - 0.5) / swarm[0].error)
+        assert chi2.ppf(0.0005, 400) < np.square(scores).sum() < chi2.ppf(0.9995, 400)
+
+    def test_a_neighbour_with_other_readings_is_not_heard(self):
+        honest = self.met([(50.0, 100.0), (50.0, 100.0), (95.0, 100.0)])
+        pair = self.met([(50.0, 100.0), (50.0, 100.0)])
+        for me, other in zip(honest, pair, strict=False):
+            assert (me.ripe_s, me.ripe_v, me.near) == (other.ripe_s, other.ripe_v, other.near)
+        assert honest[2].x == pytest.approx(1.0)
+        assert honest[0].guard == 0.0  # in the first round: twice 0
+
+    def test_sums_far_from_r_are_not_counted(self):
+        (me,) = self.met([(50.0, 100.0)], rounds=10)
+        for far, counts in ((4.9, True), (5.1, False)):
+            said = list(DO.broadcast(me))
+            fields = dict(zip(CENSUS.message, range(len(said)), strict=True))
+            claim = me.near + far * me.error
+            said[fields["ripe_s"]], said[fields["s"]] = claim * me.ripe_v, claim * me.v
+            DO.receive(me, tuple(said))
+            assert me.counted == counts
+            DO.clear(me)
+
+    def test_the_estimate_is_within_what_the_robots_near_have_read(self):
+        (me,) = self.met([(50.0, 100.0)], rounds=10)
+        me.ripe_s += 3.0 * me.error * me.ripe_v
+        DO.fuse(me)
+        assert me.x == pytest.approx(me.near + 1.5 * me.error)
+        assert me.guard == 0.0
+
+    def test_spoilt_sums_are_set_right_and_the_robot_is_on_guard(self):
+        (me,) = self.met([(50.0, 100.0)], rounds=10)
+        me.ripe_s += 8.0 * me.error * me.ripe_v
+        DO.fuse(me)
+        assert me.x == me.near
+        assert me.ripe_s / me.ripe_v == pytest.approx(me.near)
+        assert me.s / me.v == pytest.approx(me.near)
+        assert me.guard == 2.0 * me.rounds
+        me.ripe_s += 2.0 * me.error * me.ripe_v
+        DO.fuse(me)
+        assert me.x == pytest.approx(me.near + me.error)
+
+    def test_own_readings_decide_whether_a_change_is_one(self):
+        """Logarithms of likelihoods of normal readings, whose variance is 1 / (4 v)."""
+        for truth, changed in ((0.2, True), (0.5, False)):
+            (me,) = self.met([(50.0, 100.0)], rounds=10)
+            me.short_s, me.short_v = 0.2 * me.short_v, me.short_v
+            DO.begin_anew(me)
+            assert me.trial == 4.0
+            before, readings = me.trial, (0.6 * truth + 0.2) * 10.0
+            DO.observe(me, readings, 10.0)
+            own = me.own_s / me.own_v
+            DO.fuse(me)
+            if me.trial > 0.0:
+                gained = norm.logpdf(truth, me.x, 0.5 / 3.6**0.5) - norm.logpdf(truth, own, 0.5 / 3.6**0.5)
+                assert me.trial - before == pytest.approx(gained)
+            for _ in range(200):
+                if me.trial == 0.0:
+                    break
+                me.ripe_s, me.s = 0.2 * me.ripe_v, 0.2 * me.v  # what others say
+                DO.observe(me, readings, 10.0)
+                DO.fuse(me)
+            assert me.trial == 0.0
+            assert (me.own_s / me.own_v == pytest.approx(0.2)) == changed
+            assert (me.guard > 0.0) != changed
+
+    @pytest.mark.parametrize("liar", ["always-black", "opposite", "shouter", "noisy-mirror"])
+    def test_it_is_better_than_alone_among_liars(self, liar):
+        study = sc.Study(
+            trials=15, seed=8, swarm={"robots": 20, "accuracy": 0.75, "brain": ["census", "alone"]},
+            members=[{"robots": 6, "brain": liar, "honest": False}],
+            world={"topology": ["full", "ring"], "fill_ratio": 0.55},
+            schedule={"rounds": 600, "observations_per_round": 10},
+        )  # fmt: skip
+        results = sc.run(study)
+        errors = np.nanmedian(abs(results["final_estimate"] - 0.55), axis=(1, 2))
+        is_ours = results["brain"].values == "census"
+        assert (errors[is_ours] < errors[~is_ours]).all()
