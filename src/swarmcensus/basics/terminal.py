@@ -1,14 +1,18 @@
 """Tables on standard output: as wide as the terminal, and in a file or pipe as wide as their content."""
 
 import sys
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from swarmcensus.basics.readers import asked_columns
+
 UNFOLDED = 1_000_000  # columns: a file or a pipe has no width
+INTERVAL = "[95 %]"  # the head of a column of intervals
+INTERVALS = "intervals"  # their name among what is left out
 
 
 class _Console(Console):
@@ -21,8 +25,8 @@ class _Console(Console):
 def console(**options: Any) -> Console:
     """A console for standard output, or error. It folds lines only in a terminal, and prints texts without markup."""
     stream = sys.stderr if options.get("stderr") else sys.stdout
-    width = None if stream.isatty() else UNFOLDED
-    return _Console(width=width, highlight=False, markup=False, emoji=False, **options)
+    width = asked_columns() or (None if stream.isatty() else UNFOLDED)
+    return _Console(**{"width": width, "highlight": False, "markup": False, "emoji": False} | options)
 
 
 def table(columns: Iterable[tuple[str, bool]], rows: Iterable[Iterable[str]]) -> Table:
@@ -33,3 +37,60 @@ def table(columns: Iterable[tuple[str, bool]], rows: Iterable[Iterable[str]]) ->
     for row in rows:
         out.add_row(*map(Text, row))
     return out
+
+
+class Column(NamedTuple):
+    """A column of a table: its head, its cells, whether they are numbers, and how soon it is left out.
+
+    On a narrow terminal columns with the largest `spare` are left out first, and those with 0 never.
+    """
+
+    head: str
+    cells: Sequence[str]
+    number: bool = True
+    spare: int = 0
+
+
+FIRST_OUT = 99  # `spare` of intervals: they are left out before anything else
+
+
+def fitted(columns: Sequence[Column], out: Console) -> tuple[Table, list[str]]:
+    """A table with a line for each row, and the names of what is left out so that it fits.
+
+    Heads are put into two lines before anything is left out.
+    """
+    for most in sorted({column.spare for column in columns} | {0}, reverse=True):
+        kept = [column for column in columns if column.spare <= most]
+        for heads in ([column.head for column in kept], [_in_lines(column.head) for column in kept]):
+            rows = table(
+                zip(heads, (column.number for column in kept), strict=True),
+                zip(*(column.cells for column in kept), strict=True),
+            )
+            if fits(rows, out):
+                break
+        else:
+            continue
+        break
+    heads = [column.head for column in columns if column.spare > most]
+    return rows, [INTERVALS] * any(map(_of_interval, heads)) + [head for head in heads if not _of_interval(head)]
+
+
+def left_out(names: Sequence[str], out: Console, where: str = "--json has all") -> list[str]:
+    """A sentence on columns that `fitted` left out, and where they are; none if it left out none."""
+    if not names:
+        return []
+    return [f"left out, as they do not fit into {out.width} columns: {', '.join(names)}; {where}"]
+
+
+def fits(rows: Table, out: Console) -> bool:
+    """Whether no line of a table is folded."""
+    return rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width
+
+
+def _of_interval(head: str) -> bool:
+    return head.startswith("[")
+
+
+def _in_lines(head: str) -> str:
+    """A head in two lines, such as "fill" above "ratio"."""
+    return head if _of_interval(head) else "\n".join(head.replace("_", " ").split(" ", 1))

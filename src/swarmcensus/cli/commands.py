@@ -37,17 +37,24 @@ from swarmcensus.results.presence import check_there
 
 
 class Command(NamedTuple):
-    """A command: its help text, the function that runs it, the one that adds its options, and whether it has --json."""
+    """A command: its help text, the function that runs it, and the one that adds its options.
+
+    `json` is whether it has --json, and `table` whether its answer is a table, which a pipe gets tab-separated.
+    """
 
     text: str
     run: Callable[[argparse.Namespace], int]
     add_options: Callable[[argparse.ArgumentParser], None] | None = None
     json: bool = True
+    table: bool = False
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
+    """Run one command, or print the help if there is none; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
     options = _cached_parser().parse_args(arguments)
+    if not hasattr(options, "run"):
+        _cached_parser().print_help()
+        return 0
     try:
         with shell_options(vars(options)), speaking(options):
             _look_for_results(options)
@@ -94,13 +101,13 @@ def parser() -> argparse.ArgumentParser:
         epilog="'swarmcensus COMMAND --help' shows the options of a command. To begin: swarmcensus reproduce",
     )
     top.add_argument("--version", action="version", version=f"swarmcensus {__version__}")
-    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=False)
     for name, command in COMMANDS.items():
         sub = commands.add_parser(name, help=command.text, description=command.text)
         sub.set_defaults(run=command.run)
         if command.add_options:
             command.add_options(sub)
-        add_output_options(sub, command.json)
+        add_output_options(sub, command.json, command.table)
     return top
 
 
@@ -151,28 +158,30 @@ COMMANDS = {
     "reproduce": Command(
         "Run the paper's evaluation, draw its figures and check its claims.", run.reproduce, run.add_reproduce_options
     ),
-    "run": Command("Run a study file and write its results as netCDF.", run.run, run.add_study_options),
+    "run": Command("Run a study file and write its results as netCDF.", run.run, run.add_study_options, table=True),
     "show": Command(
         "Print a summary of a results file: medians and right decisions, one row per setting.",
-        read_results.show, read_results.add_show_options,
+        read_results.show, read_results.add_show_options, table=True,
     ),
     "compare": Command(
         "Rank brains within each world, paired trial by trial, and test their differences.",
-        compare.compare, compare.add_compare_options,
+        compare.compare, compare.add_compare_options, table=True,
     ),
     "explain": Command(
         "Compare all settings with theory, or show one in detail and what limits its error.",
-        explain.explain, explain.add_explain_options,
+        explain.explain, explain.add_explain_options, table=True,
     ),
     "leaderboard": Command(
         "Run the shipped brains, and your own beside them, in one fixed set of worlds.",
-        leaderboard.leaderboard, leaderboard.add_leaderboard_options,
+        leaderboard.leaderboard, leaderboard.add_leaderboard_options, table=True,
     ),
     "tune": Command(
         "Search for good values of a brain's parameters, and evaluate them in trials that the search did not use.",
         tune.tune, tune.add_tune_options,
     ),
-    "plan": Command("Find how many robots, or how many minutes, a mission needs.", plan.plan, plan.add_plan_options),
+    "plan": Command(
+        "Find how many robots, or how many minutes, a mission needs.", plan.plan, plan.add_plan_options, table=True
+    ),
     "status": Command(
         "Show how far a running or interrupted study is, and when it will end.", run.status, run.add_status_options
     ),
@@ -190,11 +199,12 @@ COMMANDS = {
         export.export, export.add_export_options, json=False,
     ),
     "replay": Command(
-        "Run one trial of a results file again and show every round.", replay.replay, replay.add_replay_options
+        "Run one trial of a results file again and show every round.",
+        replay.replay, replay.add_replay_options, table=True,
     ),
     "infer": Command(
         "Run a brain on recorded observations and links instead of a simulated world.",
-        replay.infer, replay.add_infer_options,
+        replay.infer, replay.add_infer_options, table=True,
     ),
     "relive": Command(
         "Live robots' minds again from their logs, to the bit, or the same day under another brain.",
@@ -202,11 +212,11 @@ COMMANDS = {
     ),
     "list": Command(
         "List what studies and figures can use by name, including plugins from other packages.",
-        list_brains.choices, list_brains.add_list_options,
+        list_brains.choices, list_brains.add_list_options, table=True,
     ),
     "brains": Command(
         "List brains and adversaries, print the source of one, check a file, or measure what brains take of a chip.",
-        list_brains.brains, list_brains.add_brains_options,
+        list_brains.brains, list_brains.add_brains_options, table=True,
     ),
     "deploy": Command(
         "Write a brain's files for a robot, or check that a robot computes what it should.",

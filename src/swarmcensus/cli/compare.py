@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.cli.output import answer, say, wrote
+from swarmcensus.cli.output import present, say, wrote
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
         help="count wins by topology, robots or another coordinate of the worlds; may be repeated",
     )
     sub.add_argument("--pairs", action="store_true", help="also show each pair of brains: difference, effect, p-values")
-    add_limit_option(sub)
+    add_limit_option(sub, "; in a pipe: all")
     sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, one row each")
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
     sub.add_argument(
@@ -65,12 +65,20 @@ def compare(options: argparse.Namespace) -> int:
     comparison = compare_results(stored, options.metric, options.where, options.against)
     limit = MOST_ROWS if options.limit is None else options.limit
     title, line = head(stored, options.results), again(options, "compare", ("against", "metric", "by"))
-    if options.json:
-        answer("comparison", _as_dict(comparison, list(dict.fromkeys(options.by))))
-    elif options.by:
-        compare_tables.show_groups(comparison, title, line, list(dict.fromkeys(options.by)), limit)
-    else:
-        compare_tables.show(comparison, title, line, limit, options.pairs)
+    axes = list(dict.fromkeys(options.by))
+    frame = comparison.by(*axes) if axes else comparison.pairs if options.pairs else comparison.table
+    present(
+        options,
+        "comparison",
+        lambda: _as_dict(comparison, axes),
+        lambda: frame.head(options.limit or len(frame)).to_dict("records"),
+        lambda: (
+            compare_tables.show_groups(comparison, title, line, axes, limit)
+            if axes
+            else compare_tables.show(comparison, title, line, limit, options.pairs)
+        ),
+        lambda: str(comparison).splitlines(),
+    )
     if options.csv:
         wrote(f"{options.csv}: {counted(write_csv(comparison, options.csv), 'row')}")
     if options.latex:

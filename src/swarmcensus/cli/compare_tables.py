@@ -4,26 +4,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from rich.table import Table
 
 from swarmcensus.basics.formatting import counted, grouped
-from swarmcensus.basics.terminal import UNFOLDED, console, table
-from swarmcensus.comparing.cells import (
-    COSTS,
-    MARKS,
-    PAIR_HEADS,
-    Cell,
-    column_head,
-    columns,
-    legend,
-    pair_rows,
-    rows_of,
-)
+from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fits, fitted, left_out
+from swarmcensus.comparing.cells import MARKS, PAIR_HEADS, column_head, legend, pair_rows
 from swarmcensus.comparing.comparison import Comparison
 from swarmcensus.comparing.groups import gap_name
 from swarmcensus.comparing.pair_tests import test_count
 from swarmcensus.comparing.standings import AGAINST, RANKED
-from swarmcensus.results.summaries import is_idle
+from swarmcensus.comparing.table_text import cost_table, fitting, same, world_tables
+from swarmcensus.comparing.verdicts import findings
 from swarmcensus.statistics.intervals import FEWEST
 
 
@@ -33,26 +23,14 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
     `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
     out = console()
-    worlds = _fitting(comparison, limit)
-    world, contender = rows_of(comparison, worlds)
-    first = np.append(True, world[1:] != world[:-1])
-    names = list(comparison.grid.worlds[0])
-    left = {"world": [str(w) if new else "" for w, new in zip(world, first, strict=True)]}
-    for name in names:
-        values = [comparison.grid.worlds[w][name] for w in world]
-        texts = ["-" if is_idle(value) else grouped(value) for value in values]
-        left[name] = [text if new else "" for text, new in zip(texts, first, strict=True)]
-    left["contender"] = [comparison.contenders[c] for c in contender]
-    if not names:
-        del left["world"]
-    cells = columns(comparison, worlds)
-    pages = [_rows(left, cells)]
-    if pages[0].__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
-        pages = [_rows(left, {name: column}) for name, column in cells.items()]
+    worlds = fitting(comparison, limit)
+    tables, lacking = world_tables(comparison, worlds, out)
     out.print(title)
-    for page in pages:
+    for line in same(comparison):
+        out.print(line, style="dim")
+    for page in tables:
         out.print(page)
-    for line in _legend(comparison, cells):
+    for line in [*left_out(lacking, out), *_legend(comparison, INTERVALS not in lacking)]:
         out.print(line, style="dim")
     if worlds < len(comparison.grid.worlds):
         out.print(
@@ -61,9 +39,11 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         )
     if with_pairs:
         out.print()
-        out.print(_pairs(comparison, worlds))
-        for line in PAIRS:
+        page, lacking = fitted(_pairs(comparison, worlds), out)
+        out.print(page)
+        for line in [*left_out(lacking, out), *PAIRS]:
             out.print(line, style="dim")
+    _print_costs(comparison)
     _print_verdict(comparison)
     if not with_pairs:
         count = sum(int((~np.isnan(contest.corrected)).sum()) for contest in comparison.contests)
@@ -75,11 +55,20 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         )
 
 
+def _print_costs(comparison: Comparison) -> None:
+    """Print what a robot of each contender costs, if the results say it."""
+    out = console()
+    if rows := cost_table(comparison):
+        out.print()
+        out.print(rows)
+        out.print("messages and bytes: sent in a trial, means over robots and trials; memory: bytes", style="dim")
+
+
 def _print_verdict(comparison: Comparison) -> None:
-    """Print the verdict and its cautions."""
+    """Print the verdict, without costs, and its cautions."""
     out = console()
     out.print()
-    for sentence in comparison.verdict:
+    for sentence in findings(comparison):
         out.print(sentence)
     for caution in comparison.cautions:
         out.print(f"caution: {caution}", style="yellow")
@@ -93,42 +82,22 @@ PAIRS = (
 )
 
 
-def _fitting(comparison: Comparison, limit: int) -> int:
-    """How many worlds fit into `limit` rows (0: all); at least one."""
-    rows = np.cumsum((comparison.settings >= 0).sum(axis=1))
-    return len(rows) if not limit else max(1, int(np.searchsorted(rows, limit, side="right")))
-
-
-def _rows(left: dict[str, list[str]], cells: dict[str, list[Cell]]) -> Table:
-    heads, texts = [(name, name == "world") for name in left], []
-    for name, column in cells.items():
-        wide, wider = (max(map(len, part), default=0) for part in list(zip(*column, strict=True))[:2])
-        marked = any(cell.standing for cell in column)
-        wide = max(wide, len(name) if wider else 0)
-        heads.append((name + (f" {'[95 %]':>{wider}}" if wider else ""), True))
-        texts.append(
-            [
-                f"{MARKS.get(cell.standing, ' ')} " * marked
-                + f"{cell.value:>{wide}}" + f" {cell.interval:>{wider}}" * bool(wider)
-                for cell in column
-            ]
-        )  # fmt: skip
-    return table(heads, zip(*left.values(), *texts, strict=True))
-
-
-def _pairs(comparison: Comparison, worlds: int) -> Table:
-    texts = ("measure", "one", "other", "[95 %]", "one is better in", "told apart")
+def _pairs(comparison: Comparison, worlds: int) -> list[Column]:
+    texts = ("measure", "one", "other", INTERVAL, "one is better in", "told apart")
     rows: Sequence[tuple[str, ...]] = pair_rows(comparison, worlds)
-    kept = [k for k, name in enumerate(PAIR_HEADS) if name != "world" or comparison.grid.worlds[0]]
-    heads = [(PAIR_HEADS[k], PAIR_HEADS[k] not in texts) for k in kept]
-    return table(heads, ([row[k] for k in kept] for row in rows))
+    spare = {INTERVAL: FIRST_OUT} | {name: k for k, name in enumerate(("p", "effect", "one is better in"), start=1)}
+    return [
+        Column(name, [row[k] for row in rows], name not in texts, spare.get(name, 0))
+        for k, name in enumerate(PAIR_HEADS)
+        if name != "world" or comparison.grid.worlds[0]
+    ]
 
 
-def _legend(comparison: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
-    """The meaning of columns and marks, and the coordinates that all worlds share."""
+def _legend(comparison: Comparison, intervals: bool) -> list[str]:
+    """The meaning of columns and marks."""
     trials = comparison.contests[0].trials[comparison.settings >= 0]
     few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
-        "; [95 %]: bootstrap over trials; always: in every trial"
+        "; [95 %]: bootstrap over trials; always: in every trial" * intervals
     )  # fmt: skip
     several = bool(trials.min() < trials.max())
     many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
@@ -138,22 +107,11 @@ def _legend(comparison: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         for measure in comparison.measures
     ]
     tests = test_count(comparison.contests)
-    same = [
-        f"{name} {grouped(value)}" for name, value in comparison.grid.common.items()
-        if not (is_idle(value) or (name == "link_success" and value == 1.0))
-    ]  # fmt: skip
-    costs = [name for name in COSTS.values() if name in cells]
-    means = "means over robots and trials" if len(costs) > ("memory" in costs) else ""
     return [
         "; ".join(meanings),
         f"values: median over {many} of the median robot (means for shares and for messages and bytes){few}",
-        *([f"{', '.join(costs)}: cost of a robot{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
         f"{legend(comparison)}; {counted(tests, 'test')}, corrected by Holm's method",
-        *([f"all with {', '.join(same)}"] if same else []),
     ]
-
-
-Column = tuple[str, bool, list[str]]  # head, whether it holds numbers, cells
 
 
 def show_groups(comparison: Comparison, title: str, again: str, axes: Sequence[str], limit: int) -> None:
@@ -164,15 +122,14 @@ def show_groups(comparison: Comparison, title: str, again: str, axes: Sequence[s
     out = console()
     everything = comparison.by(*axes)
     rows = everything.head(limit or len(everything))
-    left: list[Column] = [(name, False, _once(rows, axes[: k + 1])) for k, name in enumerate(axes)]
-    left += [(name, name == "worlds", rows[name].map(str).tolist()) for name in ("contender", "worlds")]
+    left = [Column(name, _once(rows, axes[: k + 1]), number=False) for k, name in enumerate(axes)]
+    left += [Column(name, rows[name].map(str).tolist(), name == "worlds") for name in ("contender", "worlds")]
     parts = [_columns(comparison, k, rows) for k in range(len(comparison.measures))]
-    pages = [[*left, *(column for part in parts for column in part)]]
-    if _table(pages[0]).__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
-        pages = [[*left, *part] for part in parts]
+    together, _ = fitted([*left, *(column for part in parts for column in part)], out)
+    pages = [together] if fits(together, out) else [fitted([*left, *part], out)[0] for part in parts]
     out.print(title)
     for page in pages:
-        out.print(_table(page))
+        out.print(page)
     out.print(f"number of worlds: {legend(comparison)}", style="dim")
     if comparison.against is not None:
         reference = comparison.contenders[comparison.against]
@@ -183,6 +140,7 @@ def show_groups(comparison: Comparison, title: str, again: str, axes: Sequence[s
         )
     if len(rows) < len(everything):
         out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0", soft_wrap=True)
+    _print_costs(comparison)
     _print_verdict(comparison)
 
 
@@ -197,16 +155,12 @@ def _columns(comparison: Comparison, k: int, rows: Any) -> list[Column]:
     ways = RANKED if comparison.against is None else AGAINST
     heads = [f"{measure.label} " * (way == ways[0]) + MARKS.get(way, way) for way in ways]
     out: list[Column] = [
-        (head, True, rows[f"{measure.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
+        Column(head, rows[f"{measure.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
     ]
     if comparison.against is not None:
         for name in (gap_name(measure.share), "worst"):
-            out.append((name, True, [_gap(value, measure.share) for value in rows[f"{measure.name}_{name}"]]))
+            out.append(Column(name, [_gap(value, measure.share) for value in rows[f"{measure.name}_{name}"]]))
     return out
-
-
-def _table(columns: Sequence[Column]) -> Table:
-    return table([(head, number) for head, number, _ in columns], zip(*(cells for *_, cells in columns), strict=True))
 
 
 def _gap(value: float, share: bool) -> str:

@@ -1,28 +1,27 @@
 """What brains take of the chip of a Kilobot, measured and printed: `brains --cost`."""
 
+import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.formatting import counted
-from swarmcensus.cli.output import answer, say
+from swarmcensus.cli.output import present, say
 
 if TYPE_CHECKING:
     from swarmcensus.deployment.costs import Cost
 
 
-def show_costs(names: Sequence[str], json: bool) -> None:
-    """Measure brains, all shipped ones if none is named, and print the table or a document."""
+def show_costs(options: argparse.Namespace) -> None:
+    """Measure the brains of --cost, all shipped ones if none is named, and print what they take."""
     from swarmcensus.brains import load, shipped
     from swarmcensus.deployment.costs import check_tools, cost
 
-    brains = [load(name) for name in names or shipped()]
+    brains = [load(name) for name in options.cost or shipped()]
     check_tools()
     say(f"measuring {counted(len(brains), 'brain')}, each for about half a second")
     costs = [cost(brain) for brain in brains]
-    if json:
-        answer("costs", {"costs": [_as_dict(one) for one in costs]})
-    else:
-        _show(costs)
+    rows = [_as_dict(one) for one in costs]
+    present(options, "costs", lambda: {"costs": rows}, lambda: rows, lambda: _show(costs))
 
 
 def _as_dict(one: "Cost") -> dict[str, Any]:

@@ -2,15 +2,16 @@
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import from_zero
-from swarmcensus.cli.output import answer
+from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
+    from swarmcensus.basics.terminal import Column
     from swarmcensus.explaining.one_setting import Explanation, Interval
 
 NAMES = {
@@ -35,7 +36,7 @@ def add_explain_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--setting", type=from_zero, metavar="N", help="explain this setting, by its number in 'show' (default: all)"
     )
-    add_limit_option(sub)
+    add_limit_option(sub, "; in a pipe: all")
 
 
 def explain(options: argparse.Namespace) -> int:
@@ -53,10 +54,14 @@ def explain(options: argparse.Namespace) -> int:
     data = read(options).stored
     explanation = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
-    if options.json:
-        answer("explanation", explanation._asdict() | {"asked_anew": asked_anew(data)})
-    else:
-        show(explanation, str(options.results))
+    present(
+        options,
+        "explanation",
+        lambda: explanation._asdict() | {"asked_anew": asked_anew(data)},
+        lambda: records(explanation),
+        lambda: show(explanation, str(options.results)),
+        lambda: sentences(explanation),
+    )
     return 0
 
 
@@ -71,68 +76,98 @@ def _all(options: argparse.Namespace) -> int:
         raise InputError(f"--limit {options.limit} does not go with --json, which has all settings")
     stored, data = read(options)
     result = agreement(data)
-    if options.json:
-        answer("agreement", result._asdict() | {"asked_anew": asked_anew(data)})
-        return 0
+    title, line = head(stored, options.results), again(options, "explain")
     limit = MOST_ROWS if options.limit is None else options.limit
-    explain_table.show(result, data, head(stored, options.results), again(options, "explain"), limit)
+    present(
+        options,
+        "agreement",
+        lambda: result._asdict() | {"asked_anew": asked_anew(data)},
+        lambda: explain_table.records(result)[: options.limit or None],
+        lambda: explain_table.show(result, data, title, line, limit),
+        lambda: [*explain_table.coverage(result), *([explain_table.verdict_of(result)] if result.exact else [])],
+    )
     return 0
 
 
 def show(explanation: "Explanation", path: str) -> None:
     """Print what one setting measured and what theory expects, then what its error consists of."""
-    from swarmcensus.basics.terminal import UNFOLDED, console
+    from swarmcensus.basics.terminal import console, fitted, left_out
 
     out = console()
     out.print(f"{path}, setting {explanation.setting}: {explanation.what}; {counted(explanation.trials, 'trial')}")
-    for most in range(MOST_CHECKPOINTS, 0, -1):  # as many checkpoints as the terminal has room for
-        rows = _table(explanation, most)
-        if rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width:
-            break
+    rows, lacking = fitted(_columns(explanation), out)
     out.print(rows)
+    for line in left_out(lacking, out):
+        out.print(line, style="dim")
     out.print(
         f"error: the median of |x - f|; error, sd, bias: after {explanation.rounds:,} {explanation.unit}", style="dim"
     )
     for name in (name for name in NAMES if name in explanation.theory):
         out.print(f"{NAMES[name]}: {MEANS[name]}", style="dim")
+    for sentence in sentences(explanation):
+        out.print(sentence)
+
+
+def sentences(explanation: "Explanation") -> "Iterator[str]":
+    """K, what the error consists of, and what theory has no line for."""
     k, low, high = explanation.convergence_round
-    out.print(f"K: {k:,.0f} {explanation.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else ""))
+    yield f"K: {k:,.0f} {explanation.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else "")
     total = sum(explanation.terms.values())
     if explanation.terms and total < NEGLIGIBLE:
-        out.print(f"mean squared error: {total:.3g}, due to rounding or a prior: nothing limits it")
+        yield f"mean squared error: {total:.3g}, due to rounding or a prior: nothing limits it"
     elif explanation.terms:
         value, low, high = explanation.efficiency
         ends = f" [{low:.3g}, {high:.3g}]" if math.isfinite(low) else ""
-        out.print(f"efficiency: {value:.3g}{ends}, the bound of the whole swarm over the mean squared error")
+        yield f"efficiency: {value:.3g}{ends}, the bound of the whole swarm over the mean squared error"
         parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in explanation.terms.items())
-        out.print(f"mean squared error: {explanation.squared_error[0]:.3g}, made of {parts}")
-        out.print(f"What limits it most is {explanation.limit}")
+        yield f"mean squared error: {explanation.squared_error[0]:.3g}, made of {parts}"
+        yield f"What limits it most is {explanation.limit}"
     for why in dict.fromkeys(explanation.absent.values()):
         names = [NAMES[name] for name, reason in explanation.absent.items() if reason == why]
         missing = "no line of theory" if len(names) == len(NAMES) else f"no line for {', '.join(names)}"
-        out.print(f"{missing}: {why}")
+        yield f"{missing}: {why}"
 
 
-def _table(explanation: "Explanation", most: int) -> Any:
-    from swarmcensus.basics.terminal import table
+def records(explanation: "Explanation") -> "list[dict[str, Any]]":
+    """A flat record for what was measured, and one for each line of theory; `right_K` is the share at round K."""
+    checkpoints = explanation.checkpoints
+    measured: dict[str, Any] = {"line": "measured"}
+    measured |= dict(zip(("error", "error_low", "error_high"), explanation.median_error, strict=True))
+    measured |= {"sd": explanation.sd, "bias": explanation.bias}
+    for k, interval in zip(checkpoints, explanation.right, strict=True):
+        measured |= dict(zip((f"right_{k}", f"right_{k}_low", f"right_{k}_high"), interval, strict=True))
+    return [measured] + [
+        {"line": name, "error": line.median_error[-1], "sd": line.sd[-1], "bias": line.bias[-1]}
+        | {f"right_{k}": line.right[place] for place, k in enumerate(checkpoints)}
+        for name, line in explanation.theory.items()
+    ]
+
+
+def _columns(explanation: "Explanation") -> "list[Column]":
+    """The columns of the table; on a narrow terminal the checkpoints between the first and the last go first."""
+    from swarmcensus.basics.terminal import Column
 
     last = len(explanation.checkpoints) - 1
-    few = min(last, most - 1)
+    few = min(last, MOST_CHECKPOINTS - 1)
     shown = [last - round(k * last / few) for k in range(few, -1, -1)] if few > 0 else [last] * (last >= 0)
-    heads = [("", False), ("error", True), ("sd", True), ("bias", True)]
-    heads += [(f"right % at {explanation.checkpoints[k]:,}", True) for k in shown[:1]]
-    heads += [(f"at {explanation.checkpoints[k]:,}", True) for k in shown[1:]]
-    rows = [
-        ["measured", _number(explanation.median_error[0]), _number(explanation.sd), _number(explanation.bias)]
-        + [_percent(explanation.right[k][0]) for k in shown]
-    ]
-    if math.isfinite(explanation.median_error[1]):
-        ends = [_ends(explanation.right[k], _percent) for k in shown]
-        rows.append(["[95 %]", _ends(explanation.median_error, _number), "", "", *ends])
-    for name, line in ((name, explanation.theory[name]) for name in NAMES if name in explanation.theory):
-        numbers = [_number(float(part[-1])) for part in (line.median_error, line.sd, line.bias)]
-        rows.append([NAMES[name], *numbers, *(_percent(float(line.right[k])) for k in shown)])
-    return table(heads, rows)
+    known = math.isfinite(explanation.median_error[1])
+    lines = [(NAMES[name], explanation.theory[name]) for name in NAMES if name in explanation.theory]
+    interval = ["[95 %]"] * known
+    columns = [Column("", ["measured", *interval, *(name for name, _ in lines)], number=False)]
+    for name, measured, end in (
+        ("error", explanation.median_error[0], _ends(explanation.median_error, _number)),
+        ("sd", explanation.sd, ""),
+        ("bias", explanation.bias, ""),
+    ):
+        field = "median_error" if name == "error" else name
+        theory = [_number(float(getattr(line, field)[-1])) for _, line in lines]
+        columns.append(Column(name, [_number(measured), *[end] * known, *theory]))
+    for place, k in enumerate(shown):
+        head = f"right % at {explanation.checkpoints[k]:,}" if place == 0 else f"at {explanation.checkpoints[k]:,}"
+        cells = [_percent(explanation.right[k][0]), *[_ends(explanation.right[k], _percent)] * known]
+        spare = len(shown) - place if 0 < place < len(shown) - 1 else 0
+        columns.append(Column(head, [*cells, *(_percent(float(line.right[k])) for _, line in lines)], spare=spare))
+    return columns
 
 
 def _number(value: float) -> str:

@@ -1,62 +1,83 @@
-"""The table of `explain`: one row per setting, why some have no verdict, and how many agree with theory."""
+"""The table of `explain`: what can be explained, one row per setting, and how many agree with theory."""
 
 import math
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import xarray as xr
-from rich.table import Table
 
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.terminal import UNFOLDED, console, table
-from swarmcensus.cli.tables import NOTHING, coordinates
+from swarmcensus.basics.terminal import FIRST_OUT, Column, console, fitted, left_out
+from swarmcensus.cli.tables import NOTHING, varied_and_same
 
 if TYPE_CHECKING:
     from swarmcensus.explaining.agreement import Agreement, SettingAgreement
     from swarmcensus.explaining.one_setting import Interval
 
-MEANS = (
-    "measured: root mean squared error of x - f after the last round; theory: its expected value, where that is exact",
-    "ratio: measured by theory, robot by robot, with its 99.9 % interval over trials; they agree if it contains 1",
-    "efficiency: bound of the whole swarm divided by the mean squared error; limit: the largest part of the error",
-)
+MEANS = {
+    "measured": "root mean squared error of x - f after the last round",
+    "theory": "its expected value, where that is exact",
+    "ratio": "measured by theory, robot by robot, with its 99.9 % interval over trials; they agree if it contains 1",
+    "efficiency": "bound of the whole swarm divided by the mean squared error",
+    "limit": "the largest part of the error",
+}
 
 
 def show(agreement: "Agreement", data: xr.Dataset, title: str, again: str, limit: int) -> None:
-    """Print the first `limit` settings (0: all) of `data`, and how many of all agree. `again`: the command's line."""
-    from swarmcensus.explaining.agreement import UNKNOWN
+    """Print what can be explained, then the first `limit` settings (0: all) of `data`, and how many of all agree.
 
+    `again` is the command's line.
+    """
     shown = agreement.settings[: limit or None]
-    shown_data = data.sel(setting=[row.setting for row in shown])
-    all_of = coordinates(data.sel(setting=[row.setting for row in agreement.settings]))
-    varied = [name for name, values in all_of.items() if (values != values[0]).any()]
-    same = [f"{name} {values[0]}" for name, values in all_of.items() if name not in varied and values[0] != NOTHING]
-    texts = coordinates(shown_data)
-    left = {name: texts[name].tolist() for name in varied if name in texts}
-    reasons = list(dict.fromkeys(row.why for row in shown if row.verdict == UNKNOWN))
+    varied, same = varied_and_same(data.sel(setting=[row.setting for row in agreement.settings]))
+    reasons = reasons_of(agreement)
+    left = [Column("setting", [str(row.setting) for row in shown])]
+    left += [Column(name, values[: len(shown)], number=False) for name, values in varied.items()]
+    columns = _columns(shown, [*reasons], agreement.exact > 0)
     out = console()
-    page = _rows(left, shown, reasons)
-    if page.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
-        each = zip(*left.values(), strict=True)
-        joined = [", ".join(f"{k} {v}" for k, v in zip(left, values, strict=True) if v != NOTHING) for values in each]
-        page = _rows({"with": joined} if left else {}, shown, reasons, narrow=True)
     out.print(title)
-    out.print(page)
-    for line in (*MEANS, *([f"all with {', '.join(same)}"] if same else [])):
+    for line in coverage(agreement):
+        out.print(line)
+    for line in same:
         out.print(line, style="dim")
-    for number, why in enumerate(reasons, start=1):
-        out.print(f"[{number}] no verdict: {why}")
+    rows, lacking = fitted([*left, *columns], out)
+    out.print(rows)
+    known = {column.head for column in columns} - {*lacking}
+    meanings = [f"{name}: {meaning}" for name, meaning in MEANS.items() if name in known]
+    for line in [*left_out(lacking, out), *meanings]:
+        out.print(line, style="dim")
     if len(shown) < len(agreement.settings):
         out.print(
             f"{len(shown):,} of {counted(len(agreement.settings), 'setting')}; show all: {again} --limit 0",
             soft_wrap=True,
         )
-    out.print(verdict_of(agreement))
+    if agreement.exact:
+        out.print(verdict_of(agreement))
+
+
+def reasons_of(agreement: "Agreement") -> dict[str, int]:
+    """Why settings have no verdict, each reason with its number of settings."""
+    return dict(Counter(row.why for row in agreement.settings if row.why))
+
+
+def coverage(agreement: "Agreement") -> list[str]:
+    """How many settings can be compared with exact theory, and why the others cannot; empty if all can."""
+    reasons = reasons_of(agreement)
+    if not reasons:
+        return []
+    some = f"{agreement.exact:,} of" if agreement.exact else "none of these"
+    settings = counted(len(agreement.settings), "setting")
+    first = (
+        f"a verdict on theory can be given for {some} {settings}; of each, the table has the error and what limits it"
+    )
+    return [first] + [
+        f"[{number}] no verdict for {counted(count, 'setting')}: {why}"
+        for number, (why, count) in enumerate(reasons.items(), start=1)
+    ]
 
 
 def verdict_of(agreement: "Agreement") -> str:
     """How many settings agree, and how many are expected to differ by chance."""
-    if not agreement.exact:
-        return "no verdict for any of these settings: theory is not exact, or there are too few trials"
     return (
         f"{agreement.agree:,} of {counted(agreement.exact, 'setting')} with exact theory agree (by chance "
         f"{agreement.by_chance:.2g} would differ; the probability that any does is at most "
@@ -64,21 +85,40 @@ def verdict_of(agreement: "Agreement") -> str:
     )
 
 
-def _rows(
-    left: dict[str, list[str]], shown: "list[SettingAgreement]", reasons: list[str], narrow: bool = False
-) -> Table:
-    heads = [("setting", True), *((name, False) for name in left)]
-    heads += [(name, True) for name in ("measured", "theory", "ratio", *([] if narrow else ["[99.9 %]"]))]
-    heads += [("efficiency", True), ("limit", False), ("verdict", False)]
-    rows = []
-    for k, row in enumerate(shown):
-        numbers = [_number(row.measured), _number(row.expected), _ratio(row.ratio[0])]
-        numbers += [] if narrow else [_ends(row.ratio)]
-        verdict = f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict
-        efficiency = f"{row.efficiency[0]:.3g}" if math.isfinite(row.efficiency[0]) else NOTHING
-        labels = [values[k] for values in left.values()]
-        rows.append([str(row.setting), *labels, *numbers, efficiency, row.limit or NOTHING, verdict])
-    return table(heads, rows)
+def _columns(shown: "list[SettingAgreement]", reasons: list[str], exact: bool) -> list[Column]:
+    """The columns beside the coordinates, without those that say nothing; `exact` is whether any has a verdict."""
+    columns = [
+        Column("measured", [_number(row.measured) for row in shown]),
+        Column("theory", [_number(row.expected) for row in shown], spare=2),
+        Column("ratio", [_ratio(row.ratio[0]) for row in shown], spare=0 if exact else 3),
+        Column("[99.9 %]", [_ends(row.ratio) for row in shown], spare=FIRST_OUT),
+        Column("efficiency", [_share(row.efficiency[0]) for row in shown], spare=1),
+        Column("limit", [row.limit or NOTHING for row in shown], number=False),
+    ]
+    if exact or len(reasons) > 1:
+        verdicts = [f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict for row in shown]
+        columns.append(Column("verdict", verdicts, number=False))
+    return [column for column in columns if {*column.cells} - {NOTHING, ""}]
+
+
+def _share(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else NOTHING
+
+
+def records(agreement: "Agreement") -> list[dict[str, object]]:
+    """A flat record for each setting; intervals have the ends `_low` and `_high`."""
+    return [
+        {
+            end: number
+            for name, value in row._asdict().items()
+            for end, number in (
+                zip((name, f"{name}_low", f"{name}_high"), value, strict=True)
+                if isinstance(value, tuple)
+                else [(name, value)]
+            )
+        }
+        for row in agreement.settings
+    ]
 
 
 def _number(value: float) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import add_run_options
-from swarmcensus.cli.output import answer, reporting, say, wrote
+from swarmcensus.cli.output import present, reporting, say, wrote
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -36,10 +36,14 @@ def leaderboard(options: argparse.Namespace) -> int:
         seed=options.seed, jobs=options.jobs, fresh=options.fresh,
         reporting=reporting, say=say,
     )  # fmt: skip
-    if options.json:
-        answer("leaderboard", _as_dict(board))
-    else:
-        _show(board)
+    present(
+        options,
+        "leaderboard",
+        lambda: _as_dict(board),
+        lambda: map(_flat, _as_dict(board)["brains"]),
+        lambda: _show(board),
+        lambda: _sentences(board),
+    )
     wrote(board.page)
     return 0
 
@@ -63,6 +67,14 @@ def _as_dict(board: "Board") -> dict[str, Any]:
         "losses": board.losses,
         "page": board.page,
     }
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """A brain's row with a column for each kind of world, such as "error: ring"."""
+    flat = {name: value for name, value in row.items() if not isinstance(value, dict)}
+    for name in (name for name in row if name not in flat):
+        flat |= {f"{name.removesuffix('_by_kind')}: {kind}": value for kind, value in row[name].items()}
+    return flat
 
 
 def _placed(scores: "Scores") -> "Iterator[tuple[int | None, int]]":
@@ -110,8 +122,14 @@ def _show(board: "Board") -> None:
             f"not ranked, as bounds that no robot can reach: {', '.join(bounds)}; "
             "alone is ranked, as a robot can run it"
         )
+    for sentence in _sentences(board):
+        out.print(sentence)
+
+
+def _sentences(board: "Board") -> "Iterator[str]":
+    """Where each brain of your own is, and where it loses most."""
     for losses in board.losses:
         worst = losses.columns[0]
         text = f"its worst kind of world is '{worst.column}' (number {worst.place} of {worst.of}; best is {worst.best})"
         text = text if worst.place > 1 else "it is first in every kind of world"
-        out.print(f"{losses.name} is number {losses.place} of {losses.of}; {text}")
+        yield f"{losses.name} is number {losses.place} of {losses.of}; {text}"

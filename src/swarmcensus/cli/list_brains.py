@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.cost_table import show_costs
-from swarmcensus.cli.output import answer, say
+from swarmcensus.cli.output import answer, present, say
 
 if TYPE_CHECKING:
     from swarmcensus.conformance.suite import Check
@@ -51,14 +51,16 @@ def brains(options: argparse.Namespace) -> int:
         if options.wearing:
             raise InputError(f"--wearing {options.wearing} needs --check or --show with an adversary")
         if options.cost is not None:
-            show_costs(options.cost, options.json)
+            show_costs(options)
             return 0
         known, liars = brain_rows(), adversary_rows()
-        if options.json:
-            answer("brains", {"brains": known, "adversaries": liars})
-        else:
-            show_brains(known)
-            show_adversaries(liars)
+        present(
+            options,
+            "brains",
+            lambda: {"brains": known, "adversaries": liars},
+            lambda: [{"kind": kind, **row} for kind, rows in (("brain", known), ("adversary", liars)) for row in rows],
+            lambda: show_all(known, liars),
+        )
         return 0
     from swarmcensus.brains import find
     from swarmcensus.conformance.suite import brain_to_check, check, notes, single_life
@@ -138,6 +140,12 @@ def _row(name: str, details: Callable[[str], Row]) -> Row:
         return {"name": name, "fault": str(error)}
 
 
+def show_all(brains: list[Row], adversaries: list[Row]) -> None:
+    """Print brains, then adversaries."""
+    show_brains(brains)
+    show_adversaries(adversaries)
+
+
 def show_brains(rows: list[Row]) -> None:
     """Print brains, grouped by what they estimate."""
     from swarmcensus.basics.terminal import console, table
@@ -199,12 +207,21 @@ def add_list_options(sub: argparse.ArgumentParser) -> None:
 
 def choices(options: argparse.Namespace) -> int:
     """List what can be used by name, kind by kind."""
+    kinds = [options.kind] if options.kind else list(MODULES)
+    present(
+        options,
+        "choices",
+        lambda: {kind: [_as_dict(row) for row in _rows(kind)] for kind in kinds},
+        lambda: ({"kind": kind, **_as_dict(row)} for kind in kinds for row in _rows(kind)),
+        lambda: _show_choices(kinds),
+    )
+    return 0
+
+
+def _show_choices(kinds: Collection[str]) -> None:
+    """Print a table for each kind."""
     from swarmcensus.basics.terminal import console, table
 
-    kinds = [options.kind] if options.kind else list(MODULES)
-    if options.json:
-        answer("choices", {kind: [_as_dict(row) for row in _rows(kind)] for kind in kinds})
-        return 0
     for k, kind in enumerate(kinds):
         rows = list(_rows(kind))
         plugins = {row[-1] for row in rows} != {"swarmcensus"}  # else the last column would say the same in every row
@@ -212,7 +229,6 @@ def choices(options: argparse.Namespace) -> int:
         if k:
             print()
         console().print(table(heads, [row[: len(heads)] for row in rows]))
-    return 0
 
 
 def _as_dict(row: tuple[str, str, str, str]) -> dict[str, object]:

@@ -81,10 +81,14 @@ def _shown(text: object) -> str:
     return shlex.quote(str(text)[:40])
 
 
-def add_output_options(sub: argparse.ArgumentParser, json: bool) -> None:
-    """Add --quiet and --verbose, and --json if the command prints a table."""
-    sub.set_defaults(json=False)
-    group = sub.add_argument_group("output")
+def add_output_options(sub: argparse.ArgumentParser, json: bool, table: bool) -> None:
+    """Add --quiet and --verbose, and --json if the command prints an answer.
+
+    `table` is whether the answer is a table, which is tab-separated in a file or a pipe.
+    """
+    sub.set_defaults(json=False, table=table)
+    text = "in a file or a pipe the table is tab-separated columns with all digits; see docs/data-format.md"
+    group = sub.add_argument_group("output", text if table else None)
     if json:
         group.add_argument("--json", action="store_true", help="print one JSON document on stdout, and nothing else")
     volume = group.add_mutually_exclusive_group()

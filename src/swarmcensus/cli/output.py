@@ -1,5 +1,8 @@
 """What a command prints: answers and names of files on stdout, messages on stderr, as --quiet and --verbose ask.
 
+A table is laid out for people on a terminal. In a file or a pipe it is tab-separated columns: a line of names, then a
+line for each row, with all digits; what people are told beside the table is then on stderr, as are names of files.
+
 All packages log to the logger `swarmcensus` and below: INFO is printed by default, DEBUG only with --verbose.
 """
 
@@ -8,8 +11,11 @@ import contextlib
 import logging
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import chain
 from typing import TYPE_CHECKING, Any
+
+from swarmcensus.basics.readers import is_terminal
 
 if TYPE_CHECKING:
     from swarmcensus.runs.collect import Progress
@@ -21,12 +27,13 @@ WROTE = LOG.getChild("wrote")
 class _Voice(logging.Handler):
     """Prints to the current sys.stdout and sys.stderr, which a progress bar replaces by its own."""
 
-    def __init__(self, json: bool) -> None:
+    def __init__(self, data: bool) -> None:
+        """`data` is whether programs read stdout, so that nothing but the answer is printed there."""
         super().__init__()
-        self.json = json
+        self.data = data
 
     def emit(self, record: logging.LogRecord) -> None:
-        to_files = record.name == WROTE.name and not self.json
+        to_files = record.name == WROTE.name and not self.data
         print(record.getMessage(), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
 
 
@@ -34,7 +41,7 @@ class _Voice(logging.Handler):
 def speaking(options: argparse.Namespace) -> Iterator[None]:
     """Print messages and warnings as the options ask while the block lasts; with --quiet neither."""
     level = logging.ERROR if options.quiet else logging.DEBUG if options.verbose else logging.INFO
-    voice, before = _Voice(options.json), LOG.level
+    voice, before = _Voice(options.json or (options.table and not is_terminal())), LOG.level
     LOG.setLevel(level)
     LOG.addHandler(voice)
     try:
@@ -53,7 +60,7 @@ def say(line: str) -> None:
 
 
 def wrote(line: object) -> None:
-    """Print the name of a written file on stdout; not with --quiet, and with --json on stderr."""
+    """Print the name of a written file on stdout; not with --quiet, and on stderr where stdout is for programs."""
     WROTE.info("%s", line)
 
 
@@ -62,6 +69,53 @@ def answer(kind: str, about: Mapping[str, Any]) -> None:
     from swarmcensus.basics.documents import document
 
     print(document(kind, about))
+
+
+def present(
+    options: argparse.Namespace,
+    kind: str,
+    about: Callable[[], Mapping[str, Any]],
+    rows: Callable[[], Iterable[Mapping[str, Any]]],
+    show: Callable[[], None],
+    notes: Callable[[], Iterable[str]] = tuple,
+) -> None:
+    """Print an answer: the document `about` with --json, `show` on a terminal, and elsewhere `rows` as a table.
+
+    `notes` are sentences that `show` prints too; beside `rows` they are messages.
+    """
+    if options.json:
+        answer(kind, about())
+    elif is_terminal():
+        show()
+    else:
+        print_rows(rows())
+        for note in notes():
+            say(note)
+
+
+def print_rows(rows: Iterable[Mapping[str, Any]]) -> None:
+    """Print rows as tab-separated columns: a line of names, those of all rows in order, then a line for each row.
+
+    Numbers have all digits and no commas; what a row lacks, and NaN, is an empty field.
+    """
+    listed = list(rows)
+    names = dict.fromkeys(chain.from_iterable(listed))
+    for line in (names, *([row.get(name) for name in names] for row in listed)):
+        print(*map(_field, line), sep="\t")
+
+
+def _field(value: Any) -> str:
+    if hasattr(value, "item"):  # a number of NumPy
+        value = value.item()
+    if isinstance(value, Mapping):
+        value = [f"{name}={_field(each)}" for name, each in value.items()]
+    if isinstance(value, list | tuple):
+        value = ", ".join(map(_field, value))
+    if value is None or value != value:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return " ".join(str(value).split())
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.cli.options import from_zero, positive
-from swarmcensus.cli.output import answer, reporting, say
+from swarmcensus.cli.output import present, reporting, say
 
 KEYS = {
     "side": ("area", "METRES", "side of the square in which robots move"),
@@ -117,10 +117,7 @@ def plan(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     with reporting(str(tables.get("name", "mission"))) as progress:
         plan = plan_of(tables, options.jobs, progress, where=where, base=base)
-    if options.json:
-        answer("plan", plan.data)
-    else:
-        show(plan)
+    present(options, "plan", lambda: plan.data, lambda: plan.records, lambda: show(plan))
     if options.plot:
         from swarmcensus.figures.files import save
         from swarmcensus.figures.plan_lines import draw_plan

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import from_zero, positive, round_or_time
-from swarmcensus.cli.output import answer, reporting, wrote
+from swarmcensus.cli.output import answer, present, reporting, wrote
 from swarmcensus.cli.source import MOST_ROWS, RESULTS_HELP, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def add_show_options(sub: argparse.ArgumentParser) -> None:
         "--sort", metavar="COLUMN", help="sort by a column, such as error, right, K or fill_ratio (default: as stored)"
     )
     sub.add_argument("--reverse", action="store_true", help="reverse the order of --sort")
-    add_limit_option(sub, "; with --json: all")
+    add_limit_option(sub, "; with --json and in a pipe: all")
 
 
 def show(options: argparse.Namespace) -> int:
@@ -46,13 +46,18 @@ def show(options: argparse.Namespace) -> int:
         data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
     elif options.reverse:
         raise InputError("--reverse needs --sort")
-    if options.json:
-        shown = data.isel(setting=slice(options.limit or None))
-        answer("summary", summaries.as_dict(stored, shown, checkpoint))
-        return 0
+    shown = data.isel(setting=slice(options.limit or None))
     limit = MOST_ROWS if options.limit is None else options.limit
-    title = tables.head(stored, options.results)
-    tables.settings(data, options.results, limit, checkpoint, title, again(options, "show", SHOW_OPTIONS))
+    title, line = tables.head(stored, options.results), again(options, "show", SHOW_OPTIONS)
+    present(
+        options,
+        "summary",
+        lambda: summaries.as_dict(stored, shown, checkpoint),
+        lambda: summaries.records(shown, checkpoint),
+        lambda: tables.settings(data, options.results, limit, checkpoint, title, line),
+    )
+    if options.json:
+        return 0
     tables.failures(data)
     warn_of_start(data)
     warn_of_edges(data)

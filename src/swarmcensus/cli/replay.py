@@ -63,7 +63,7 @@ def replay(options: argparse.Namespace) -> int:
         header = ["i", "j"] if edges.shape[1] == 2 else ["step", "sender", "receiver"]
         recordings.write_rows(options.recording / "links.csv", header, edges)
         wrote(options.recording)
-    rounds(trace, options.json)
+    rounds(trace, options)
     return 0
 
 
@@ -136,7 +136,7 @@ def infer(options: argparse.Namespace) -> int:
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
         raise InputError(f"{source}: {error}" if source else str(error)) from error
     recordings.write_trace(trace, out)
-    rounds(trace, options.json)
+    rounds(trace, options)
     wrote(out)
     save_figure(plot.curves(trace), plotted, ("png",))
     return 0

@@ -7,7 +7,7 @@ from pathlib import Path
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import add_run_options, share
-from swarmcensus.cli.output import answer, reporting, say, wrote
+from swarmcensus.cli.output import answer, present, reporting, say, wrote
 
 
 def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
     study = study.with_(trials=options.trials, seed=options.seed)
     from swarmcensus.cli.tables import failures, settings  # after the checks above, since these imports are slow
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
-    from swarmcensus.results.summaries import as_dict
+    from swarmcensus.results.summaries import as_dict, records
     from swarmcensus.runs.running import run as run_study
 
     begun = time.monotonic()
@@ -108,10 +108,8 @@ def run(options: argparse.Namespace) -> int:
     except Interrupted as stopped:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")
         raise
-    if options.json:
-        answer("summary", as_dict(data, data))
-    elif not options.quiet:  # the answer is the file, so that --quiet prints nothing
-        settings(data, out)
+    if options.json or not options.quiet:  # the answer is the file, so that --quiet prints nothing
+        present(options, "summary", lambda: as_dict(data, data), lambda: records(data), lambda: settings(data, out))
     warn_of_start(data)
     warn_of_edges(data)
     trials = "up to " * bool(study.until) + counted(study.trials, "trial")

@@ -1,22 +1,20 @@
 """The tables that commands print of results and traces."""
 
+import argparse
 import json
 import shlex
 import sys
 import tomllib
-from collections.abc import Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich.table import Table
-from rich.text import Text
 
 from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounded
-from swarmcensus.basics.terminal import UNFOLDED, console, table
-from swarmcensus.cli.output import answer
+from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fitted, left_out, table
+from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
@@ -33,8 +31,8 @@ MOST_NAMED = 8  # settings in a note
 TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.items()}
 DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # named in the legend
-FOLDED = 12  # least width of the column that all coordinates of a setting share
 MOST_DECIMALS = 6
+SPARE = {"K": 0, "right": 0, "error": 3, "final error": 2}  # the larger, the sooner left out; others are 1
 DIGITS = {"K": 1}  # significant digits of an interval's width; 2 for other columns
 
 
@@ -59,31 +57,20 @@ def settings(
 ) -> None:
     """Print one row per setting, at most `limit` (0: all): medians over robots and trials, intervals over trials.
 
-    `again` is the shell line of the command. On a narrow terminal intervals stand below their values, then the
-    coordinates of a setting share one column, and at last each setting has several lines.
+    `again` is the shell line of the command. On a narrow terminal intervals are left out, and then other columns.
     """
-    columns = coordinates(data)
-    varied = [k for k, values in columns.items() if (values != values[0]).any()]
-    same = [f"{k} {v[0]}" for k, v in columns.items() if k not in varied and v[0] != NOTHING]
     frame = summary(data.isel(setting=slice(limit or None)), checkpoint=checkpoint)
+    varied, same = varied_and_same(data)
     out = console()
-    unfolded = out.options.update(max_width=UNFOLDED)
-    named = {"setting": frame["setting"].astype(str).tolist()} | {k: columns[k][: len(frame)] for k in varied}
-    rows: Table | Text = _rows(named, _numbers(data, frame))
-    if rows.__rich_measure__(out, unfolded).maximum > out.width:
-        rows = _rows(named, _numbers(data, frame, below=True))
-    if rows.__rich_measure__(out, unfolded).maximum > out.width:
-        each = zip(*(columns[k][: len(frame)] for k in varied), strict=True)
-        joined = [", ".join(f"{k} {v}" for k, v in zip(varied, values, strict=True) if v != NOTHING) for values in each]
-        numbers = _numbers(data, frame, below=True)
-        rows = _rows({"setting": named["setting"], "with": joined}, numbers)
-        bare = _rows({"setting": named["setting"]}, numbers)
-        if bare.__rich_measure__(out, unfolded).maximum + FOLDED > out.width:
-            rows = _blocks(frame, joined, numbers)
+    left = [Column("setting", frame["setting"].astype(str).tolist())]
+    left += [Column(name, values[: len(frame)], number=False) for name, values in varied.items()]
+    rows, lacking = fitted([*left, *_numbers(data, frame)], out)
     if title:
         out.print(title)
+    for line in same:
+        out.print(line, style="dim")
     out.print(rows)
-    for line in [*_legend(data, frame), *([f"all with {', '.join(same)}"] if same else [])]:
+    for line in [*left_out(lacking, out), *_legend(data, frame, INTERVALS not in lacking)]:
         out.print(line, style="dim")
     if len(frame) < data.sizes["setting"]:
         out.print(
@@ -91,6 +78,14 @@ def settings(
             f"{again or shlex.join(['swarmcensus', 'show', str(path)])} --limit 0",
             soft_wrap=True,  # to be copied
         )
+
+
+def varied_and_same(data: xr.Dataset) -> tuple[dict[str, list[str]], list[str]]:
+    """The coordinates that differ between settings, as text, and a line on those that do not, if there are any."""
+    columns = coordinates(data)
+    varied = {name: values.tolist() for name, values in columns.items() if (values != values[0]).any()}
+    same = [f"{name} {values[0]}" for name, values in columns.items() if name not in varied and values[0] != NOTHING]
+    return varied, [f"all with {', '.join(same)}"] * bool(same)
 
 
 NOTHING = "-"  # shown where a coordinate has no value
@@ -121,41 +116,32 @@ def _parameter(values: np.ndarray) -> np.ndarray:
     return np.array([value or "-" for value in values.tolist()])
 
 
-def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, list[str]]:
-    """The columns of numbers of a summary, with intervals beside or below their values."""
+def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
+    """The columns of numbers of a summary, each followed by its intervals."""
     trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
     sure = {name: column for name, column in SURE.items() if column in frame}
-    numbers = dict(_values(frame, name, column, below) for name, column in {**SHORT, **sure, **watched}.items())
-    if "consensus_right" in frame:
-        numbers["exit %"] = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame["consensus_right"]]
-    if "done" in frame:
-        numbers["done %"] = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame["done"]]
+    columns = [
+        column
+        for name, stored in {**SHORT, **sure, **watched}.items()
+        for column in _values(frame, name, stored, spare=SPARE.get(name, 1))
+    ]
+    for name, head in (("consensus_right", "exit %"), ("done", "done %")):
+        if name in frame:
+            cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
+            columns.append(Column(head, cells, spare=1))
     if "half_width" in frame or (frame["trials"] < trials).any():
-        numbers["trials"] = [f"{n:,}" for n in frame["trials"]]
+        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], spare=1))
     if frame["failed"].any():
-        numbers["failed"] = [f"{n:,}" for n in frame["failed"]]
+        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], spare=1))
     if "half_width" in frame:
         decimals = decimals_for(frame["half_width"].min())
-        numbers["+-"] = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
-    return numbers
+        cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
+        columns.append(Column("+-", cells, spare=1))
+    return columns
 
 
-def _rows(coordinates: Mapping[str, Sequence[str]], numbers: dict[str, list[str]]) -> Table:
-    heads = [(name, name == "setting") for name in coordinates] + [(name, True) for name in numbers]
-    return table(heads, zip(*coordinates.values(), *numbers.values(), strict=True))
-
-
-def _blocks(frame: Any, labels: Sequence[str], numbers: dict[str, list[str]]) -> Text:
-    """Several lines per setting, for terminals too narrow for the numbers side by side."""
-    lines = []
-    for k, setting in enumerate(frame["setting"]):
-        lines.append(f"setting {setting}{': ' * bool(labels[k])}{labels[k]}")
-        lines += [f"  {name.splitlines()[0]} {' '.join(cells[k].splitlines())}" for name, cells in numbers.items()]
-    return Text("\n".join(lines))
-
-
-def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[str]]:
-    """The head and the cells of a column of values with intervals."""
+def _values(frame: Any, name: str, column: str, spare: int) -> list[Column]:
+    """A column of values, and one of their intervals if any is known."""
     times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
     ends = [times * frame[column + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
@@ -171,16 +157,13 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
         else:
             finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest)))
+    values, intervals = map(list, zip(*texts, strict=True))
     head = f"{name} %" if times > 1.0 else name
-    if not any(interval for _, interval in texts):
-        return head, [value for value, _ in texts]
-    if below:
-        return f"{head}\n[95 %]", [f"{value}\n{interval}" for value, interval in texts]
-    wide, wider = (max(map(len, column)) for column in zip((head, "[95 %]"), *texts, strict=True))
-    return f"{head:>{wide}} {'[95 %]':{wider}}", [f"{value:>{wide}} {interval:{wider}}" for value, interval in texts]
+    columns = [Column(head, values, spare=spare), Column(INTERVAL, intervals, spare=FIRST_OUT)]
+    return columns if any(intervals) else columns[:1]
 
 
-def _legend(data: xr.Dataset, frame: Any) -> list[str]:
+def _legend(data: xr.Dataset, frame: Any, intervals: bool) -> list[str]:
     checkpoints = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
     when = f"after {unit} {checkpoints.pop():,}" if len(checkpoints) == 1 else "at the last checkpoint"
@@ -189,8 +172,8 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
     return [
         f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} "
         f"(medians over robots and trials){floor}",
-        f"right: robots in the correct bin {when}; "
-        + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST:,} trials"),
+        f"right: robots in the correct bin {when}"
+        + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
             if "coverage" in frame
@@ -262,22 +245,29 @@ def failures(data: xr.Dataset) -> int:
     return 2 if by_setting else 0
 
 
-def rounds(trace: xr.Dataset, json: bool = False) -> None:
-    """Print the swarm's estimates at a few rounds of a trace, as a table or as JSON."""
+def rounds(trace: xr.Dataset, options: argparse.Namespace) -> None:
+    """Print the swarm's estimates at a few rounds of a trace."""
     honest = honest_in(trace)
     estimates = trace["estimate"].values[:, honest]
     last = len(estimates) - 1
     at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
     ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
-    if json:
-        names = ("round", "lowest", "median", "highest")
-        rows = [dict(zip(names, values, strict=True)) for values in ends]
-        answer("trace", {"title": trace.attrs["title"], "robots": int(honest.sum()), "rounds": rows})
-        return
-    whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
-    console().print(f"{trace.attrs['title']}: {whose} estimates")
-    heads = [(name, True) for name in ("round", "lowest", "median", "highest")]
-    console().print(table(heads, [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]))
+    names = ("round", "lowest", "median", "highest")
+    rows = [dict(zip(names, values, strict=True)) for values in ends]
+
+    def show() -> None:
+        whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
+        console().print(f"{trace.attrs['title']}: {whose} estimates")
+        heads = [(name, True) for name in names]
+        console().print(table(heads, [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]))
+
+    present(
+        options,
+        "trace",
+        lambda: {"title": trace.attrs["title"], "robots": int(honest.sum()), "rounds": rows},
+        lambda: rows,
+        show,
+    )
 
 
 def disturbances(data: xr.Dataset) -> list[str]:

@@ -93,6 +93,15 @@ def amount(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
+def range_text(values: Floats) -> str:
+    """A contender's values over all worlds: one number, or the least and the largest; empty if none is known."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return ""
+    low, high = amount(known.min()), amount(known.max())
+    return low if low == high else f"{low} to {high}"
+
+
 def legend(standings: Standings) -> str:
     """The meaning of the marks."""
     if standings.against is None:

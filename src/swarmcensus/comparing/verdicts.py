@@ -4,23 +4,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.formatting import counted
-from swarmcensus.comparing.cells import amount, p_equals
+from swarmcensus.comparing.cells import p_equals, range_text
 from swarmcensus.comparing.pair_tests import Contest, pairs_of, test_count
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.statistics.significance import groups
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 MOST_NAMED = 6  # contenders in one sentence
+UNKNOWN = "an unknown number of"
 
 
 def verdict(standings: Standings) -> list[str]:
     """For each measure one sentence about single worlds and one about all of them; then one about costs."""
+    return findings(standings) + costs(standings)
+
+
+def findings(standings: Standings) -> list[str]:
+    """The verdict without costs."""
     sentences = []
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
         sentences.append(f"{measure.label}: {_by_world(standings, contest)}")
         if contest.met.sum() > 1 and not np.isnan(contest.duels_corrected).all():
             sentences.append(f"{measure.label}, over all worlds: {_overall(standings, contest)}")
-    return sentences + costs(standings)
+    return sentences
 
 
 def costs(standings: Standings) -> list[str]:
@@ -29,8 +35,12 @@ def costs(standings: Standings) -> list[str]:
         return []
     phrases = []
     for k, name in enumerate(standings.contenders[:MOST_NAMED]):
-        sent = [f"sends {_range_text(v[:, k])} {QUANTITIES[n].unit}" for n, v in standings.costs.items()]
-        held = [f"remembers {_range_text(v[:, k])} bytes" for n, v in standings.sizes.items() if n == "memory_bytes"]
+        sent = [f"sends {range_text(v[:, k]) or UNKNOWN} {QUANTITIES[n].unit}" for n, v in standings.costs.items()]
+        held = [
+            f"remembers {range_text(v[:, k]) or UNKNOWN} bytes"
+            for n, v in standings.sizes.items()
+            if n == "memory_bytes"
+        ]
         phrases.append(f"{name} {' and '.join(sent[-1:] + held)}")  # bytes sent if known, else messages
     more = f"; and {len(standings.contenders) - MOST_NAMED} more" if len(standings.contenders) > MOST_NAMED else ""
     return [f"cost of a robot in a trial: {'; '.join(phrases)}{more}"]
@@ -136,12 +146,3 @@ def _against_overall(standings: Standings, contest: Contest) -> str:
 def win_shares(better: float, worse: float) -> str:
     """The shares of trials in which one is better and worse; in the others both are equal."""
     return f"better in {better:.0%}, worse in {worse:.0%} of trials"
-
-
-def _range_text(values: NDArray[np.float64]) -> str:
-    """A contender's values over all worlds: one number, or the least and the largest."""
-    known = values[np.isfinite(values)]
-    if not known.size:
-        return "an unknown number of"
-    low, high = amount(known.min()), amount(known.max())
-    return low if low == high else f"{low} to {high}"

@@ -90,6 +90,16 @@ class Plan:
             "rows": rows,
         }
 
+    @property
+    def records(self) -> list[dict[str, Any]]:
+        """A flat record for each row, with the same names for all."""
+        return [
+            {k: v for k, v in dataclasses.asdict(row).items() if k not in ("share", "theory")}
+            | dict(zip(("right", "right_low", "right_high"), row.share or (None, None, None), strict=True))
+            | {f"theory_{name}": value for name, value in row.theory._asdict().items()}
+            for row in self.rows
+        ]
+
     def save(self, path: str | Path) -> None:
         """Write the plan as .json or .toml, whole or not at all. Raises InputError."""
         check_out(path)

@@ -125,11 +125,18 @@ def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
     return [one for one in json.loads(data.attrs.get("failed", "[]")) if one["setting"] in there]
 
 
-def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> dict[str, Any]:
-    """The summary of these settings for JSON (see docs/data-format.md). Raises InputError."""
+def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:
+    """The summary of these settings as a flat record for each, whose names are always in this order. Raises InputError.
+
+    They are the columns of `summary`.
+    """
     import pandas as pd
 
-    frame = pd.DataFrame(_with_intervals(_ready(data), checkpoint))
+    return pd.DataFrame(_with_intervals(_ready(data), checkpoint)).to_dict("records")  # type: ignore[return-value]
+
+
+def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> dict[str, Any]:
+    """The summary of these settings for JSON (see docs/data-format.md). Raises InputError."""
     rule = data["half_width"].attrs.get("rule") if "half_width" in data else None
     return {
         "title": str(data.attrs["title"]),
@@ -142,7 +149,7 @@ def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None)
         "trials_total": int(stored.attrs["trials_total"]),
         "trials_failed": len(failed_trials(stored)),
         "failed": failed_trials(data),
-        "settings": [_nested(row) for row in frame.to_dict("records")],
+        "settings": [_nested(row) for row in records(data, checkpoint)],
     }
 
 
