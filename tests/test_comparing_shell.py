@@ -1,8 +1,6 @@
 """The command `compare`: what it prints, writes and draws, and what it says where it cannot."""
 
 import csv
-import os
-import re
 
 import matplotlib as mpl
 import numpy as np
@@ -10,8 +8,10 @@ import pytest
 from matplotlib.figure import Figure
 
 import swarmcensus as sc
+from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
+from swarmcensus.comparing.verdicts import findings
 from swarmcensus.figures.kinds.pareto import draw_pareto, front
 from swarmcensus.figures.kinds.ranks import draw_ranks
 from tests.contending import made_up
@@ -47,13 +47,17 @@ def test_it_prints_worlds_and_a_verdict(two, capsys):
     out = capsys.readouterr().out
     lines = out.splitlines()
     assert lines[0].startswith(f"{two}: two (seed 3, swarmcensus ")
-    assert lines[1].split()[:5] == ["world", "topology", "accuracy", "contender", "final"]
-    assert [line.split()[0] for line in lines[2:10:2]] == ["0", "1", "2", "3"]
+    assert lines[1].startswith("all with robots 10, fill_ratio 0.55, ")
+    assert lines[2].split()[:5] == ["world", "topology", "accuracy", "contender", "final"]
+    assert [line.split()[0] for line in lines[3:11:2]] == ["0", "1", "2", "3"]
     found = sc.compare(two)
     assert "15 tests, corrected by Holm's method" in out
-    for said in (*found.verdict, *(f"caution: {one}" for one in found.cautions)):
+    for said in (*findings(found), *(f"caution: {one}" for one in found.cautions)):
         assert said in lines
-    width = {len(line) for line in lines[1:10]}
+    assert [line.split() for line in lines if line.startswith(("cost of", "minimalistic "))] == [
+        ["cost", "of", "a", "robot", "messages", "bytes", "memory"], ["minimalistic", "60", "480", "48"]
+    ]  # fmt: skip
+    width = {len(line) for line in lines[2:11]}
     assert max(width) - min(width) <= 1  # all cells end at the edge
     assert out.endswith("--pairs, or --csv FILE\n")
 
@@ -79,7 +83,7 @@ def test_some_worlds_are_shown_and_the_command_for_all_is_named(two, capsys):
     assert main(["compare", str(two), "--limit", "4", "--where", where, "--metric", "correct"]) == 0
     out = capsys.readouterr().out
     assert f"2 of 4 worlds; show all: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
-    assert sum(line.strip().startswith(("legacy",)) for line in out.splitlines()) == 2
+    assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2 + 1  # and what it costs
 
 
 @pytest.mark.parametrize("against", [None, "minimalistic"])
@@ -116,7 +120,7 @@ def test_counts_of_worlds_are_printed_and_the_command_for_all_is_named(two, caps
     assert lines[1].split()[:4] == ["topology", "accuracy", "contender", "worlds"]
     assert [line.split()[0] for line in lines[2:5]] == ["ring", "0.8", "full"]  # what is as above is not said again
     assert f"3 of 4 rows; show all: swarmcensus {' '.join(words[:-2])} --limit 0" in lines
-    assert set(sc.compare(two, against="legacy").verdict) < set(lines)
+    assert {*findings(sc.compare(two, against="legacy"))} < {*lines}
 
 
 def test_an_axis_that_is_given_twice_is_counted_once(two, capsys):
@@ -127,15 +131,16 @@ def test_an_axis_that_is_given_twice_is_counted_once(two, capsys):
 
 
 def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch):
-    monkeypatch.setattr(os, "get_terminal_size", lambda *_: os.terminal_size((70, 40)))
-    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    monkeypatch.setenv("COLUMNS", "70")
-    monkeypatch.setenv("NO_COLOR", "1")
+    monkeypatch.setenv(AS_TERMINAL, "60")
     assert main(["compare", str(two)]) == 0
-    out = re.sub(r"\x1b\[[\d;]*m", "", capsys.readouterr().out)
-    heads = [line for line in out.splitlines() if line.startswith("world")]
-    assert len(heads) == 6  # three measures and three costs
-    assert all(len(line) <= 70 for line in heads)
+    lines = capsys.readouterr().out.splitlines()
+    assert sum(line.startswith("world ") for line in lines) == 3  # measures
+    assert sum(line.split()[:1] == ["legacy"] for line in lines) == 3 * 4 + 1  # a line a world, and one for costs
+    monkeypatch.setenv(AS_TERMINAL, "80")
+    assert main(["compare", str(two)]) == 0
+    out = capsys.readouterr().out
+    assert "left out, as they do not fit into 80 columns: intervals; --json has all" in out
+    assert sum(line.startswith("world") for line in out.splitlines()) == 1
 
 
 @pytest.mark.parametrize(
@@ -274,7 +279,7 @@ def test_one_world_has_no_column_of_worlds_and_a_verdict_of_its_own(capsys):
     found = sc.compare(made_up(worlds=("ring",), gap=0.6))
     compare_tables.show(found, "title", "swarmcensus compare x.nc", 40, True)
     out = capsys.readouterr().out
-    assert out.splitlines()[1].startswith("contender ")
+    assert out.splitlines()[2].startswith("contender ")
     assert "final error: minimalistic is best; bayes-bots prior=1 is behind; " in out
     assert "over all worlds" not in out
 

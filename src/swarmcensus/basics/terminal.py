@@ -13,6 +13,7 @@ from swarmcensus.basics.readers import asked_columns
 UNFOLDED = 1_000_000  # columns: a file or a pipe has no width
 INTERVAL = "[95 %]"  # the head of a column of intervals
 INTERVALS = "intervals"  # their name among what is left out
+FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out before anything else, and of numbers
 
 
 class _Console(Console):
@@ -42,16 +43,14 @@ def table(columns: Iterable[tuple[str, bool]], rows: Iterable[Iterable[str]]) ->
 class Column(NamedTuple):
     """A column of a table: its head, its cells, whether they are numbers, and how soon it is left out.
 
-    On a narrow terminal columns with the largest `spare` are left out first, and those with 0 never.
+    On a narrow terminal columns with the largest `spare` are left out first, and those with 0 never: NUMBER and above
+    for numbers, below for what says which row it is.
     """
 
     head: str
     cells: Sequence[str]
     number: bool = True
     spare: int = 0
-
-
-FIRST_OUT = 99  # `spare` of intervals: they are left out before anything else
 
 
 def fitted(columns: Sequence[Column], out: Console) -> tuple[Table, list[str]]:

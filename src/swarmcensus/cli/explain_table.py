@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import xarray as xr
 
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.terminal import FIRST_OUT, Column, console, fitted, left_out
-from swarmcensus.cli.tables import NOTHING, varied_and_same
+from swarmcensus.basics.terminal import FIRST_OUT, NUMBER, Column, console, fitted, left_out
+from swarmcensus.cli.tables import NOTHING, coordinate_columns, varied_and_same
 
 if TYPE_CHECKING:
     from swarmcensus.explaining.agreement import Agreement, SettingAgreement
@@ -32,7 +32,7 @@ def show(agreement: "Agreement", data: xr.Dataset, title: str, again: str, limit
     varied, same = varied_and_same(data.sel(setting=[row.setting for row in agreement.settings]))
     reasons = reasons_of(agreement)
     left = [Column("setting", [str(row.setting) for row in shown])]
-    left += [Column(name, values[: len(shown)], number=False) for name, values in varied.items()]
+    left += coordinate_columns(varied, len(shown))
     columns = _columns(shown, [*reasons], agreement.exact > 0)
     out = console()
     out.print(title)
@@ -89,10 +89,10 @@ def _columns(shown: "list[SettingAgreement]", reasons: list[str], exact: bool) -
     """The columns beside the coordinates, without those that say nothing; `exact` is whether any has a verdict."""
     columns = [
         Column("measured", [_number(row.measured) for row in shown]),
-        Column("theory", [_number(row.expected) for row in shown], spare=2),
-        Column("ratio", [_ratio(row.ratio[0]) for row in shown], spare=0 if exact else 3),
+        Column("theory", [_number(row.expected) for row in shown], spare=NUMBER + 1),
+        Column("ratio", [_ratio(row.ratio[0]) for row in shown], spare=0 if exact else NUMBER + 2),
         Column("[99.9 %]", [_ends(row.ratio) for row in shown], spare=FIRST_OUT),
-        Column("efficiency", [_share(row.efficiency[0]) for row in shown], spare=1),
+        Column("efficiency", [_share(row.efficiency[0]) for row in shown], spare=NUMBER),
         Column("limit", [row.limit or NOTHING for row in shown], number=False),
     ]
     if exact or len(reasons) > 1:

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounded
-from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fitted, left_out, table
+from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, NUMBER, Column, console, fitted, left_out, table
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.replaying import honest_in
@@ -32,7 +32,7 @@ TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.it
 DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
-SPARE = {"K": 0, "right": 0, "error": 3, "final error": 2}  # the larger, the sooner left out; others are 1
+SPARE = {"K": 0, "right": 0, "error": NUMBER + 2, "final error": NUMBER + 1}  # the larger, the sooner left out
 DIGITS = {"K": 1}  # significant digits of an interval's width; 2 for other columns
 
 
@@ -63,7 +63,7 @@ def settings(
     varied, same = varied_and_same(data)
     out = console()
     left = [Column("setting", frame["setting"].astype(str).tolist())]
-    left += [Column(name, values[: len(frame)], number=False) for name, values in varied.items()]
+    left += coordinate_columns(varied, len(frame))
     rows, lacking = fitted([*left, *_numbers(data, frame)], out)
     if title:
         out.print(title)
@@ -86,6 +86,11 @@ def varied_and_same(data: xr.Dataset) -> tuple[dict[str, list[str]], list[str]]:
     varied = {name: values.tolist() for name, values in columns.items() if (values != values[0]).any()}
     same = [f"{name} {values[0]}" for name, values in columns.items() if name not in varied and values[0] != NOTHING]
     return varied, [f"all with {', '.join(same)}"] * bool(same)
+
+
+def coordinate_columns(varied: dict[str, list[str]], rows: int) -> list[Column]:
+    """The columns of coordinates, of the first rows; on a narrow terminal the last ones are left out first."""
+    return [Column(name, values[:rows], number=False, spare=k) for k, (name, values) in enumerate(varied.items(), 1)]
 
 
 NOTHING = "-"  # shown where a coordinate has no value
@@ -123,20 +128,20 @@ def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
     columns = [
         column
         for name, stored in {**SHORT, **sure, **watched}.items()
-        for column in _values(frame, name, stored, spare=SPARE.get(name, 1))
+        for column in _values(frame, name, stored, spare=SPARE.get(name, NUMBER))
     ]
     for name, head in (("consensus_right", "exit %"), ("done", "done %")):
         if name in frame:
             cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
-            columns.append(Column(head, cells, spare=1))
+            columns.append(Column(head, cells, spare=NUMBER))
     if "half_width" in frame or (frame["trials"] < trials).any():
-        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], spare=1))
+        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], spare=NUMBER))
     if frame["failed"].any():
-        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], spare=1))
+        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], spare=NUMBER))
     if "half_width" in frame:
         decimals = decimals_for(frame["half_width"].min())
         cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
-        columns.append(Column("+-", cells, spare=1))
+        columns.append(Column("+-", cells, spare=NUMBER))
     return columns
 
 

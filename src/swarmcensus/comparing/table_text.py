@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus.basics.formatting import counted, grouped
-from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, Column, console, fits, fitted, left_out
+from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fits, fitted, left_out
 from swarmcensus.basics.terminal import table as table_of
 from swarmcensus.comparing.cells import COSTS, MARKS, Cell, column_head, columns, range_text, rows_of
 from swarmcensus.comparing.standings import Standings
@@ -63,7 +63,7 @@ def world_tables(standings: Standings, worlds: int, out: Console) -> tuple[list[
     left, cells = _left(standings, worlds), columns(standings, worlds)
     measured = [_values(name, cells[name]) for name in map(column_head, standings.measures)]
     together, lacking = fitted([*left, *(column for columns in measured for column in columns)], out)
-    if fits(together, out):
+    if fits(together, out) and {*lacking} <= {INTERVALS}:
         return [together], lacking
     pages = [fitted([*left, *columns], out) for columns in measured]
     return [page for page, _ in pages], list(dict.fromkeys(name for _, names in pages for name in names))
@@ -75,10 +75,11 @@ def _left(standings: Standings, worlds: int) -> list[Column]:
     new = [True, *(one != other for one, other in pairwise(world))]
     names = list(standings.grid.worlds[0])
     columns = [Column("world", [str(w) * first for w, first in zip(world, new, strict=True)])] * bool(names)
-    for name in names:
+    for k, name in enumerate(names, start=1):
         values = [standings.grid.worlds[w][name] for w in world]
         texts = ["-" if is_idle(value) else grouped(value) for value in values]
-        columns.append(Column(name, [text * first for text, first in zip(texts, new, strict=True)], number=False))
+        shown = [text * first for text, first in zip(texts, new, strict=True)]
+        columns.append(Column(name, shown, number=False, spare=k))
     return [*columns, Column("contender", [standings.contenders[c] for c in contender], number=False)]
 
 
