@@ -26,17 +26,21 @@ class Terminal(io.StringIO):
 def waited(show, kinds=60):
     """Show how so many kinds of swarms are compiled, and then a trial that is run."""
     for k in range(kinds):
-        show(Progress(0, 0, 0.0, 0.0, f"compiling number {k}, once on this machine", steps=(k, kinds)))
+        show(Progress(0, 0, 0.0, 0.0, f"compiling {k + 1} of {kinds}: voter", steps=(k, kinds)))
     show(Progress(0, 1, 0.0, 1.0))
     show(Progress(1, 1, 1.0, 1.0))
 
 
-def test_where_there_is_no_terminal_many_brains_are_one_line(capsys):
+def test_where_there_is_no_terminal_many_brains_are_a_line_now_and_then(monkeypatch, capsys):
     with progress.bar_or_lines("board") as show:
         waited(show)
     assert capsys.readouterr().err.splitlines() == [
-        "board: compiling for 60 kinds of swarms, once on this machine", "board: 0 of 1 trial, starting"
+        "board: compiling 1 of 60: voter", "board: 0 of 1 trial, starting"
     ]  # fmt: skip
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    with progress.bar_or_lines("board") as show:
+        waited(show)
+    assert "board: compiling 37 of 60: voter" in capsys.readouterr().err.splitlines()
 
 
 @pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["fixed", "moving"])
@@ -56,7 +60,7 @@ def test_a_known_brain_waits_for_the_engine(world, monkeypatch):
 def test_one_brain_is_named_there(capsys):
     with progress.bar_or_lines("board") as show:
         waited(show, 1)
-    assert capsys.readouterr().err.startswith("board: compiling number 0, once on this machine\n")
+    assert capsys.readouterr().err.startswith("board: compiling 1 of 1: voter\n")
 
 
 def test_on_a_terminal_it_is_a_bar_with_a_count_that_no_thread_draws(monkeypatch):
@@ -69,9 +73,8 @@ def test_on_a_terminal_it_is_a_bar_with_a_count_that_no_thread_draws(monkeypatch
         assert threading.active_count() == before  # a process with threads cannot be copied, and would compile alone
         waited(show)
     seen = terminal.getvalue()
-    assert all(f"compiling number {k}, once on this machine" in seen for k in range(60))
-    assert all(f"{k:>2}/60" in seen for k in range(60))
-    assert "59/60 trials" not in seen
+    assert all(f"compiling {k} of 60: voter" in seen for k in range(1, 61))
+    assert "60 trials" not in seen
 
 
 @pytest.mark.parametrize("copied", [True, False])
@@ -106,7 +109,8 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
     assert sorted({steps for _, steps in told}) == [(k, 6) for k in range(6)]
     assert [steps for _, steps in told] == sorted(steps for _, steps in told)
     assert len({note for note, _ in told}) == 6
-    assert told[0][0].endswith("minimalistic for fixed networks, once on this machine")
+    assert told[0][0].startswith("compiling 1 of 6: ")
+    assert told[0][0].endswith("minimalistic for fixed networks")
     told.clear()
     pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
     assert told == []

@@ -132,7 +132,8 @@ def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, A
     """
     import pandas as pd
 
-    return pd.DataFrame(_with_intervals(_ready(data), checkpoint)).to_dict("records")  # type: ignore[return-value]
+    rows: list[dict[str, Any]] = pd.DataFrame(_with_intervals(_ready(data), checkpoint)).to_dict("records")
+    return rows
 
 
 def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> dict[str, Any]:

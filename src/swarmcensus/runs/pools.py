@@ -111,7 +111,8 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         while in_copy and _is_compiled(*in_copy[0]):
             in_copy.popleft()
         if left := [*here, *in_copy]:
-            show(_compile_note(left[0][0]), (kinds - len({_kind_of_swarm(setting) for setting, _ in left}), kinds))
+            done = kinds - len({_kind_of_swarm(setting) for setting, _ in left})
+            show(_compile_note(left[0][0], done, kinds), (done, kinds))
 
     moving = [pair for pair in new if pair[0].body]
 
@@ -135,12 +136,12 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
 
 
-def _compile_note(setting: Setting) -> str:
-    """What is compiled for a setting, in words for a person who waits."""
-    moves = bool(setting.body)
+def _compile_note(setting: Setting, done: int, kinds: int) -> str:
+    """What is compiled for a setting, in words for a person who waits, and which of several kinds of swarms it is."""
     engine = "" if _engine_is_compiled(setting) else "the engine and "
     names = " and ".join(brain.name for brain in setting.brains)
-    return f"compiling {engine}{names} for {'robots that move' if moves else 'fixed networks'}, once on this machine"
+    what = f"{engine}{names} for {'robots that move' if setting.body else 'fixed networks'}"
+    return f"compiling {done + 1:,} of {kinds:,}: {what}" if kinds > 1 else f"compiling {what}, once on this machine"
 
 
 def _kind_of_swarm(setting: Setting) -> str:

@@ -30,18 +30,17 @@ def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
         yield _plain_lines(label)
         return
     from rich.markup import escape
-    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+    from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bar
 
     columns: tuple[Any, ...] = (
         TextColumn("{task.description}"),
         BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[unit]}  {task.fields[rate]}  {task.fields[left]}"),
+        TextColumn("{task.fields[count]}  {task.fields[rate]}  {task.fields[left]}"),
     )
     # no thread redraws it: a process with several threads cannot be forked, and compiling forks
     with Bar(*columns, console=console, transient=True, auto_refresh=False) as bar:
-        task = bar.add_task(escape(label), total=None, unit="trials", rate="", left="")
+        task = bar.add_task(escape(label), total=None, count="", rate="", left="")
         begun, drawn = time.monotonic(), -math.inf
 
         def show(progress: Progress) -> None:
@@ -55,7 +54,7 @@ def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
                 description=escape(progress.note or ": ".join(filter(None, (label, progress.stage)))),
                 total=total,
                 completed=done,
-                unit="" if several else "trials",
+                count="" if several or not total else f"{done:,} of {counted(total, 'trial')}",  # a note has its own
                 rate=rate,
                 left=left,
             )
@@ -107,8 +106,7 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
         last, elapsed = progress, time.monotonic() - begun
         if handle is None and elapsed < NOTEBOOK_DELAY:
             return
-        count = "{:,} of {:,}".format(*progress.steps) if progress.steps[1] > 1 else ""
-        pace = ", ".join(filter(None, (progress.note, count) if progress.note else _pace(progress, elapsed)))
+        pace = progress.note or ", ".join(filter(None, _pace(progress, elapsed)))
         trials = f"{progress.done:,} of {counted(progress.total, 'trial')}" if progress.total else ""
         text = ": ".join(filter(None, [label, ", ".join(filter(None, [trials, pace]))]))
         put(text, progress.work_done, max(progress.work_total, 1e-9))
@@ -122,17 +120,16 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
 
 def _plain_lines(label: str) -> Callable[[Progress], None]:
     begun = last = time.monotonic()
-    before = "", ""
+    before = "", "", False
 
     def show(progress: Progress) -> None:
         nonlocal last, before, begun
-        now, several = time.monotonic(), progress.steps[1]
+        now, several = time.monotonic(), progress.steps[1] > 1
         begun = begun if progress.work_done else now
-        note = f"compiling for {several:,} kinds of swarms, once on this machine" if several > 1 else progress.note
-        this = note, progress.stage
-        if this != before or (not progress.note and now - last >= LINE_SECONDS):
+        this = "" if several else progress.note, progress.stage, several
+        if this != before or ((several or not progress.note) and now - last >= LINE_SECONDS):
             last, before = now, this
-            pace = note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
+            pace = progress.note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
             trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
             stage = f"{progress.stage}: " if progress.stage else ""
             print(f"{label}: {stage}{trials}{pace}", file=sys.stderr, flush=True)
