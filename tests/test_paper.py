@@ -183,7 +183,7 @@ def test_every_figure_names_claims_and_studies_that_exist():
 
 def said_in(line):
     """The stage and the seconds of a line, which names the clock."""
-    return re.fullmatch(r"(\w+): ([\d.]+ s), wall-clock time", line).groups()
+    return re.fullmatch(r"(\w+): ([\d.]+ s) of wall-clock time", line).groups()
 
 
 def test_a_part_runs_only_what_it_needs(tmp_path):
@@ -264,7 +264,7 @@ def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next_and_their_t
     assert max(spent) >= 100  # and not only what this call computed
     assert done.seconds["simulate"] == pytest.approx(sum(spent), abs=0.001)
     (line,) = (line for line in said if line.startswith("simulate: "))
-    assert line == f"simulate: {sum(spent):.1f} s with earlier calls, wall-clock time"
+    assert line == f"simulate: {sum(spent):.1f} s of wall-clock time, with earlier calls"
     text = done.page.read_text(encoding="utf-8")
     assert f"simulate {sum(spent):.1f} s" in text
     assert "the total of all runs on their datasets" in text

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from numbers import Integral
 from typing import Any
 
+CLOCK = "wall-clock time"
 EXACT = 17  # significant digits that distinguish any two numbers
 DECIMAL = re.compile(r"\d*\.\d+(?:e[-+]?\d+)?")
 
@@ -42,6 +43,11 @@ def rounded(value: float, low: float, high: float, decimals: int) -> tuple[str, 
 def counted(count: int, noun: str) -> str:
     """A count with its noun: "1 setting", "1,000 settings"."""
     return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
+
+
+def elapsed(seconds: float) -> str:
+    """How long something took, by the clock on the wall, which is what all times are that commands print."""
+    return f"{seconds:.1f} s of {CLOCK}"
 
 
 def grouped(value: Any) -> str:

@@ -1,9 +1,11 @@
 """The command `leaderboard`. Imports wait until the command needs them."""
 
 import argparse
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from swarmcensus.basics.formatting import elapsed
 from swarmcensus.cli.options import add_run_options
 from swarmcensus.cli.output import present, reporting, say, wrote
 
@@ -31,6 +33,7 @@ def leaderboard(options: argparse.Namespace) -> int:
     """Run the leaderboard and print the ranking, and where your own brains lose most."""
     from swarmcensus.leaderboard.board import leaderboard
 
+    begun = time.monotonic()
     board = leaderboard(
         options.files, options.out, board=options.board, trials=options.trials,
         seed=options.seed, jobs=options.jobs, fresh=options.fresh,
@@ -45,6 +48,7 @@ def leaderboard(options: argparse.Namespace) -> int:
         lambda: _sentences(board),
     )
     wrote(board.page)
+    say(elapsed(time.monotonic() - begun))
     return 0
 
 

@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics.formatting import elapsed
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import present, reporting, say
 
@@ -126,7 +127,7 @@ def plan(options: argparse.Namespace) -> int:
     if options.out:
         plan.save(options.out)
     written = ", ".join(str(path) for path in (options.out, options.plot) if path)
-    say(f"{written}{': ' * bool(written)}{time.monotonic() - begun:.1f} s")
+    say(f"{written}{': ' * bool(written)}{elapsed(time.monotonic() - begun)}")
     return 0
 
 

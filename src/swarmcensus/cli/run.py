@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError, Interrupted
-from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.formatting import counted, elapsed
 from swarmcensus.cli.options import add_run_options, share
 from swarmcensus.cli.output import answer, present, reporting, say, wrote
 
@@ -114,7 +114,7 @@ def run(options: argparse.Namespace) -> int:
     warn_of_edges(data)
     trials = "up to " * bool(study.until) + counted(study.trials, "trial")
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
-    wrote(f"{out}: {part}{counted(data.sizes['setting'], 'setting')} of {trials}, {time.monotonic() - begun:.1f} s")
+    wrote(f"{out}: {part}{counted(data.sizes['setting'], 'setting')} of {trials}, {elapsed(time.monotonic() - begun)}")
     return failures(data)
 
 

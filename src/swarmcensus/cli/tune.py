@@ -4,7 +4,7 @@ import argparse
 import time
 from pathlib import Path
 
-from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.formatting import counted, elapsed
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, reporting, say, wrote
 
@@ -85,5 +85,5 @@ def tune(options: argparse.Namespace) -> int:
         answer("tuning", tuning.as_dict)
     else:
         print(tuning)
-    wrote(f"{out}: {counted(len(tuning.evaluations), 'evaluation')}, {time.monotonic() - begun:.1f} s")
+    wrote(f"{out}: {counted(len(tuning.evaluations), 'evaluation')}, {elapsed(time.monotonic() - begun)}")
     return 0

@@ -14,6 +14,7 @@ from urllib.parse import quote
 import xarray as xr
 
 from swarmcensus.basics.files import data_path
+from swarmcensus.basics.formatting import CLOCK
 from swarmcensus.basics.templates import render
 from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evaluations import PAPER, Evaluation
@@ -21,8 +22,6 @@ from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outc
 from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.report import SIGNS, WORDS, kind, measured, tally
 from swarmcensus.statistics import intervals
-
-CLOCK = "wall-clock time"  # what all times are, on the page and on the terminal
 
 # the drawing of a claim, in pixels; in colours of the page
 WIDTH, HEIGHT, LEFT, MARGIN, LETTERS = 960.0, 180.0, 60.0, 12.0, 11.0

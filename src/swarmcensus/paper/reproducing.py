@@ -15,6 +15,7 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_own, check_writable, data_path, shipped_study
 from swarmcensus.basics.fork import in_background
+from swarmcensus.basics.formatting import elapsed
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
@@ -70,7 +71,7 @@ def reproduce(
 
     def report_time(name: str, spent: float, more: str = "") -> None:
         seconds[name] = round(spent, 3)
-        say(f"{name}: {seconds[name]:.1f} s{more}, {page.CLOCK}")
+        say(f"{name}: {elapsed(seconds[name])}{more}")
 
     @contextlib.contextmanager
     def stage(name: str) -> Iterator[None]:
@@ -83,7 +84,7 @@ def reproduce(
         report_time("compile", compiled)
     if datasets:
         total = sum(data.attrs["wall_seconds"] for data in datasets.values())
-        report_time("simulate", total, " with earlier calls" if total - simulated > TAKEN_OVER else "")
+        report_time("simulate", total, ", with earlier calls" if total - simulated > TAKEN_OVER else "")
     drawn, outcomes = [], []
     if figures:
         with stage("figures"):
