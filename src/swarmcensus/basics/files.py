@@ -130,3 +130,11 @@ def shipped_studies() -> dict[str, Path]:
     root = shipped_study("")
     studies = {path.relative_to(root).with_suffix("").as_posix(): path for path in root.rglob("*.toml")}
     return dict(sorted(studies.items(), key=lambda item: (item[0].count("/"), item[0])))
+
+
+def check_no_log(path: Path) -> None:
+    """Raise InputError if this is the log of one robot."""
+    if path.suffix == ".log" and path.is_file():
+        raise InputError(
+            f"{path} is the log of one robot: relive, watch and export read the folder that it is in, {path.parent}"
+        )

@@ -200,7 +200,8 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
         )
         for life in lives for s in life.starts if life.relived and (s.boot or s.kind != "blank")
     ])  # fmt: skip
-    columns = [("brain", False), *((name, True) for name in ("estimate", "error", "right", "sent", "heard", "unknown"))]
+    names = ("mean estimate", "mean error", "right", "sent", "heard", "unknown")
+    columns = [("brain", False), *((name, True) for name in names)]
     rows = []
     for k, one in enumerate(lived):
         ends = _ends(day, one)

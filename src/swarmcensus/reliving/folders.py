@@ -10,6 +10,7 @@ from typing import Any
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_no_log
 from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain
 from swarmcensus.reliving.logs import RobotLog, read_log
@@ -68,6 +69,7 @@ class Folder:
 
     def __init__(self, path: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> None:
         """Read what swarm.json says. Raises InputError."""
+        check_no_log(path)
         if not path.is_dir():
             raise InputError(f"{path}: should be a folder of robots' logs")
         self.path = path

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_no_log
 from swarmcensus.basics.hints import did_you_mean_file
 
 
@@ -15,6 +16,7 @@ def folder_of(out: Path) -> Path:
 
 def check_there(path: Path) -> None:
     """Raise InputError if there is neither a results file nor the shards of its run."""
+    check_no_log(path)
     if path.suffix == ".toml" and path.is_file():
         raise InputError(f"{path} is a study, not results: first run it with swarmcensus run {path}")
     if path.is_file() or (path.name and folder_of(path).is_dir()):

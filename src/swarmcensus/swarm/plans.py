@@ -106,6 +106,7 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
         raise InputError(f"--setting {number}: {study.name} has {counted(len(settings), 'setting')}, numbered from 0")
     setting = _in_bytes(settings[number])
     _check(setting, study, air)
+    _check_delay(setting, air)
     given = inputs_of(setting, seed, trial)
     members = _members(setting, given, micropython)
     links = _links(given, setting.robots)
@@ -151,6 +152,16 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
     for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
         if not 0.0 <= value <= 0.9:
             raise InputError(f"--{name} {value:g}: should be a share, from 0 to 0.9")
+
+
+def _check_delay(setting: Setting, air: Air) -> None:
+    """Raise InputError if no message could arrive before the end."""
+    seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
+    if air.delay >= 1000.0 * seconds > 0.0:
+        raise InputError(
+            f"--delay {air.delay / 1000.0:g}s: the run takes {seconds:g} s, so that no message would arrive: should be "
+            "shorter than the run"
+        )
 
 
 def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member, ...]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_no_log
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
@@ -88,6 +89,8 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     name = of.name if isinstance(of, Path) else ""
     if isinstance(of, Path) and of.is_dir():
         return _day(of, given)
+    if isinstance(of, Path):
+        check_no_log(of)
     if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
         return _results(of, name, given)
     more = {brain.label: brain for brain in map(brains.load, given)}
