@@ -200,3 +200,12 @@ def test_wrong_inputs_are_named_in_a_sentence(day, tmp_path, monkeypatch, capsys
     assert main(["relive", *(str(day) if word == "DAY" else word for word in given)]) == 2
     assert says in capsys.readouterr().err
     assert not list(tmp_path.glob("r.*"))
+
+
+@pytest.mark.parametrize("command", ["relive", "watch", "export", "show"])
+def test_the_log_of_one_robot_is_not_taken_for_something_else(command, day, capsys):
+    assert main([command, str(day / "robot-0.log")]) == 2
+    right = (
+        f"{day}/robot-0.log is the log of one robot: relive, watch and export read the folder that it is in, {day}\n"
+    )
+    assert capsys.readouterr().err == f"swarmcensus: {right}"

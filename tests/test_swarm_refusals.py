@@ -65,6 +65,16 @@ def test_periods_of_no_or_too_many_milliseconds_are_refused(tmp_path, capsys, hz
     assert f"--hz {float(hz):g}: should be ticks a second, from 0.001 to 500" in capsys.readouterr().err
 
 
+def test_a_delay_as_long_as_the_run_is_refused(tmp_path, capsys):
+    words = ["swarm", "commons", "--hz", "20", "--rounds", "40", "--out", str(tmp_path / "out"), "--delay"]
+    assert main([*words, "2s"]) == 2
+    error = capsys.readouterr().err
+    assert "--delay 2s: the run takes 2 s, so that no message would arrive: should be shorter than the run" in error
+    assert not (tmp_path / "out").exists()
+    air = plans.Air(hz=20.0, delay=99)
+    assert plan_of(small(), 0, 0, 0, air).air is air  # a run of 100 ms
+
+
 def test_the_folder_one_is_in_is_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["swarm", "commons", "--out", "."]) == 2

@@ -51,7 +51,7 @@ def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
             done, total = progress.steps if several else (progress.done, progress.total)
             bar.update(
                 task,
-                description=escape(progress.note or ": ".join(filter(None, (label, progress.stage)))),
+                description=escape(progress.note or progress.stage or label),  # one of them, to fit into 80 columns
                 total=total,
                 completed=done,
                 count="" if several or not total else f"{done:,} of {counted(total, 'trial')}",  # a note has its own
