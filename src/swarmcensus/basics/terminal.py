@@ -92,4 +92,4 @@ def _of_interval(head: str) -> bool:
 
 def _in_lines(head: str) -> str:
     """A head in two lines, such as "fill" above "ratio"."""
-    return head if _of_interval(head) else "\n".join(head.replace("_", " ").split(" ", 1))
+    return head if _of_interval(head) or "\n" in head else "\n".join(head.replace("_", " ").split(" ", 1))

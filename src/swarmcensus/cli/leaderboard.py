@@ -93,7 +93,7 @@ def _placed(scores: "Scores") -> "Iterator[tuple[int | None, int]]":
 
 def _show(board: "Board") -> None:
     from swarmcensus.basics.formatting import counted
-    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.basics.terminal import NUMBER, Column, console, fitted, left_out
     from swarmcensus.leaderboard.page import cell
 
     scores = board.scores
@@ -113,8 +113,15 @@ def _show(board: "Board") -> None:
         ])  # fmt: skip
     kinds = (names[k].replace(" liars", "\nliars") for k in shown)  # in two lines, so that long names fit beside them
     heads = ("", "brain", "rank", "error", *kinds, "right\n%", "memory", "message")
+    spare = {"message": NUMBER + 2, "memory": NUMBER + 1, "rank": NUMBER}
+    columns = [
+        Column(head, [row[k] for row in rows], head != "brain", spare.get(head, 0)) for k, head in enumerate(heads)
+    ]
     out = console()
-    out.print(table([(head, head != "brain") for head in heads], rows))
+    page, lacking = fitted(columns, out)
+    out.print(page)
+    for line in left_out(lacking, out):
+        out.print(line)
     parts = f", and by kind: {' and '.join(scores.division.shown)}" if shown else ""
     out.print(
         f"board {board.name}: {scores.division.meaning}; error: |x - f| after the last round, mean over its "
