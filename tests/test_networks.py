@@ -93,7 +93,7 @@ def test_edge_list_file(tmp_path):
     assert not topology.directed
     assert (topology.name, topology.edges) == ("office", ((0, 1), (1, 4)))
     topology.check(5)
-    with pytest.raises(ValueError, match=r"office.csv: edge \(1, 4\).*not there: 4 robots are numbered 0 to 3"):
+    with pytest.raises(ValueError, match=r"office.csv: edge \(1, 4\).*not there: the robots are numbered 0 to 3"):
         topology.check(4)
 
 

@@ -43,7 +43,6 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         out.print(page)
         for line in [*left_out(lacking, out), *PAIRS]:
             out.print(line, style="dim")
-    _print_costs(comparison)
     _print_verdict(comparison)
     if not with_pairs:
         count = sum(int((~np.isnan(contest.corrected)).sum()) for contest in comparison.contests)
@@ -55,21 +54,16 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         )
 
 
-def _print_costs(comparison: Comparison) -> None:
-    """Print what a robot of each contender costs, if the results say it."""
-    out = console()
-    if rows := cost_table(comparison):
-        out.print()
-        out.print(rows)
-        out.print("messages and bytes: sent in a trial, means over robots and trials; memory: bytes", style="dim")
-
-
 def _print_verdict(comparison: Comparison) -> None:
-    """Print the verdict, without costs, and its cautions."""
+    """Print the verdict, with costs as a table, and its cautions."""
     out = console()
     out.print()
     for sentence in findings(comparison):
         out.print(sentence)
+    if costs := cost_table(comparison):
+        out.print()
+        out.print(costs)
+        out.print("messages and bytes: sent in a trial, means over robots and trials; memory: bytes", style="dim")
     for caution in comparison.cautions:
         out.print(f"caution: {caution}", style="yellow")
 
@@ -140,7 +134,6 @@ def show_groups(comparison: Comparison, title: str, again: str, axes: Sequence[s
         )
     if len(rows) < len(everything):
         out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0", soft_wrap=True)
-    _print_costs(comparison)
     _print_verdict(comparison)
 
 

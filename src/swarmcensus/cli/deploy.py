@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
 
@@ -77,7 +78,7 @@ def _deploy(options: argparse.Namespace) -> int:
 
 def _sizes(made: "Deployed") -> list[str]:
     lines = [
-        f"message   {made.message_bytes:,} bytes, in a datagram of {made.datagram_bytes:,}",
+        f"message   {counted(made.message_bytes, 'byte')}, in a datagram of {made.datagram_bytes:,}",
         f"memory    {made.memory_bytes:,} bytes of numbers, 4 a number",
     ]
     if made.flash_bytes is not None:
@@ -126,7 +127,7 @@ def _is_given(options: argparse.Namespace, name: str) -> bool:
 
 def _show(result: "Comparison") -> None:
     print(f"{result.brain}: {result.bits} binary digits on the board, and in the reference")
-    print(f"{result.numbers:,} numbers compared, {result.equal:,} equal to the bit")
+    print(f"{counted(result.numbers, 'number')} compared, {result.equal:,} equal to the bit")
     print(f"largest difference {result.largest:.1e}, relative above 1")
     print(f"{result.datagrams:,} datagrams compared, {result.datagrams_equal:,} equal")
     for wrong in result.wrong[:SHOWN]:

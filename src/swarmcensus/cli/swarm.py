@@ -103,7 +103,7 @@ def swarm(options: argparse.Namespace) -> int:
                 outcome = run(plan, faults, folder, tell)
         except Stopped as after:
             outcome = after.outcome
-            stopped = f"swarmcensus: stopped after {after.rounds:,} of {plan.setting.rounds:,} rounds"
+            stopped = f"swarmcensus: stopped after {after.rounds:,} of {counted(plan.setting.rounds, 'round')}"
         _tell(options, plan, folder, outcome)
         if stopped:
             print(stopped, file=sys.stderr)

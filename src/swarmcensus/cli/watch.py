@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import port
 from swarmcensus.cli.output import say, wrote
 
@@ -84,7 +85,8 @@ def _tell_day(logged: "LoggedDay") -> None:
         say(f"left out: {what}")
     whole, lives = sum(life.to_the_bit for life in logged.lives), len(logged.lives)
     if whole < lives:
-        say(f"{whole} of {lives} minds were lived again to the bit: swarmcensus relive tells where the others differ.")
+        minds = f"{whole} of {counted(lives, 'mind')} lived again to the bit"
+        say(f"{minds}: swarmcensus relive tells where the others differ.")
 
 
 def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:

@@ -126,8 +126,8 @@ def _cautions(place: NDArray[np.intp], met: NDArray[np.bool_], contenders: list[
     for name, count in zip(contenders, lacking.tolist(), strict=True):
         if count:
             where = "in no world with another contender" if count == met.sum() else (
-                f"not in {count} of {met.sum():,} worlds: it is compared in the others, and the overall comparison "
-                "uses only worlds that all contenders have met"
+                f"not in {count} of {counted(int(met.sum()), 'world')}: it is compared in the others, and the "
+                "overall comparison uses only worlds that all contenders have met"
             )  # fmt: skip
             cautions.append(f"{name} is {where}")
     return cautions

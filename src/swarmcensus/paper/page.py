@@ -14,7 +14,7 @@ from urllib.parse import quote
 import xarray as xr
 
 from swarmcensus.basics.files import data_path
-from swarmcensus.basics.formatting import CLOCK
+from swarmcensus.basics.formatting import CLOCK, counted
 from swarmcensus.basics.templates import render
 from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evaluations import PAPER, Evaluation
@@ -88,6 +88,7 @@ def html(done: Reproduction) -> str:
         kind_of_detail=_kind_of_detail,
         measured=measured,
         tally=tally,
+        counted=counted,
         strip=strip,
     )
 

@@ -124,8 +124,8 @@ def check_network(world: Any, robots: int) -> None:
         links = topology.links(robots, world.seed, 0, 1, lossless=False, sums=False)
     except ValueError as error:
         raise NoNetwork(
-            f"free.topology: no network of {robots:,} robots can be made, because {error}: say as free.robots how many "
-            "robots it can have"
+            f"free.topology: no network of {counted(robots, 'robot')} can be made, because {error}: say as "
+            "free.robots how many robots it can have"
         ) from None
     if not links.receivers.size and topology.named:
         return  # everyone hears everyone

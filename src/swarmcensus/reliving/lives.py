@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 from swarmcensus.basics.fork import in_background
+from swarmcensus.basics.formatting import counted
 from swarmcensus.reliving.folders import Day, Member
 from swarmcensus.reliving.logs import Gap, RobotLog, State, Tick
 from swarmcensus.reliving.minds import Mind, Unfit, checksum_of, mind_of
@@ -216,4 +217,4 @@ def _lost(log: RobotLog) -> Iterator[Lost]:
 
 def _damage(gap: Gap) -> str:
     what = "the file was cut" if gap.is_last and gap.length < 4096 else "the file is damaged"
-    return f"{what}: {gap.length} bytes from byte {gap.at} on"
+    return f"{what}: {counted(gap.length, 'byte')} from byte {gap.at} on"

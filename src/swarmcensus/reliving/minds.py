@@ -6,6 +6,7 @@ from binascii import crc32
 from collections.abc import Sequence
 from typing import Any
 
+from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import FORMATS, Format, Numbers, Precision, bytes_of, parts
 from swarmcensus.brains.single import rounded_to_single
@@ -109,9 +110,11 @@ def mind_of(brain: Brain, state: State, single: bool | None = None) -> Mind:
     brain = logged_brain(brain, state, single)
     mind = Mind(brain, state.b, state.w, state.number, _parameters(brain, state), state.period)
     if mind.messages.body != state.code_bytes:
-        raise Unfit(f"its messages have {mind.messages.body} bytes, and those of the log {state.code_bytes}")
+        raise Unfit(f"its messages have {counted(mind.messages.body, 'byte')}, and those of the log {state.code_bytes}")
     if len(mind.numbers()) != len(state.numbers) or len(mind.messages.owed) != len(state.owed):
-        raise Unfit(f"its memory has {len(mind.numbers())} numbers, and that of the log {len(state.numbers)}")
+        raise Unfit(
+            f"its memory has {counted(len(mind.numbers()), 'number')}, and that of the log {len(state.numbers)}"
+        )
     mind.become((*state.numbers, *state.owed), state.tick)
     return mind
 

@@ -53,7 +53,9 @@ def read_links(path: str | Path) -> np.ndarray:
         with Path(path).open(encoding="utf-8-sig") as file:
             return np.zeros((0, 3 if file.readline().count(",") == 2 else 2), np.int64)
     if rows.shape[1] not in (2, 3):
-        raise InputError(f"{path}: {rows.shape[1]} columns: should be two (robots) or three (step, sender, receiver)")
+        raise InputError(
+            f"{path}: {counted(rows.shape[1], 'column')}: should be two (robots) or three (step, sender, receiver)"
+        )
     return rows
 
 
@@ -88,7 +90,8 @@ def _accuracy_rows(path: Path) -> list[list[float]]:
                     ) from None
                 if len(row) > 2 or len(row) != len(rows[0]):
                     raise InputError(
-                        f"{path}, line {number}: {len(row)} columns: should be one (b = w) or two (b and w) in each row"
+                        f"{path}, line {number}: {counted(len(row), 'column')}: should be one (b = w) or two (b and w) "
+                        "in each row"
                     )
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: cannot be read as CSV: {error}") from error

@@ -151,7 +151,7 @@ def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:
         k = int(np.argmax(wrong))
         raise InputError(
             f"links[{k}] = {rows[k].tolist()} names a robot that is not there: "
-            f"{robots} robots are numbered 0 to {robots - 1}"
+            f"the robots are numbered 0 to {robots - 1}"
         )
     loops = rows[:, columns][:, 0] == rows[:, columns][:, 1]
     if loops.any():

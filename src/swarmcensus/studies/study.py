@@ -62,8 +62,9 @@ class Study:
         values = len(settings) * self.trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
         if values > MOST_VALUES:
             raise InputError(
-                f"{where}: {len(settings):,} settings of {self.trials:,} trials make {values:,} values to keep; "
-                f"{MOST_VALUES:,} is the most: fewer trials, settings{', checkpoints' * (kept > 1)} or robots"
+                f"{where}: {counted(len(settings), 'setting')} of {counted(self.trials, 'trial')} make "
+                f"{values:,} values to keep; {MOST_VALUES:,} is the most: fewer trials, "
+                f"settings{', checkpoints' * (kept > 1)} or robots"
             )
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
             if accuracy.is_blind:

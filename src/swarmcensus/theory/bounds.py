@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.theory.checks import Floats, count, fitting, from_zero, numbers, positive, sensors, shares
 
 MEDIAN = 0.6744897501960817  # standard deviations: half of a normal distribution lies within
@@ -62,7 +63,7 @@ def swarm_bound(
     if each.ndim == 0:
         total = each * count("robots", 1 if robots is None else robots)
     elif robots not in (None, each.shape[-1]):
-        raise InputError(f"robots = {robots}: b has {each.shape[-1]} numbers, one a robot: leave robots out")
+        raise InputError(f"robots = {robots}: b has {counted(each.shape[-1], 'number')}, one a robot: leave robots out")
     else:
         total = each.sum(axis=-1)
     return _outer(positive("readings", readings), total)

@@ -108,7 +108,7 @@ class Topology:
                 where = f"{self.source}: " if self.source else ""
                 raise ValueError(
                     f"{where}edge ({i}, {j}) of topology {self.name!r} leads to a robot that is not there: "
-                    f"{robots} robots are numbered 0 to {robots - 1}"
+                    f"the robots are numbered 0 to {robots - 1}"
                 )
         if self.generator:
             generators.check(*self.generator, robots)

@@ -105,7 +105,7 @@ function buildPage() {
   $("stages").replaceChildren();
   document.querySelector("main").classList.toggle("pair", scenes.length > 1);
   state.stages = scenes.map((scene, side) => {
-    const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${shown(scene.robots)} robots with ${scene.brain}` });
+    const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${shown(scene.robots)} ${scene.robots === 1 ? "robot" : "robots"} with ${scene.brain}` });
     const liars = scene.dishonest.length ? `, ${shown(scene.dishonest.length)} of ${shown(scene.robots)} lie (crossed out)` : "";
     $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} per message${liars}`), host));
     if (side === focused) host.focus({ preventScroll: true });
