@@ -19,6 +19,8 @@ from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 from nbclient import NotebookClient
 
+from swarmcensus.basics.readers import AS_TERMINAL, MOST
+
 FOLDER = "tutorials/"
 SECONDS = 300  # that a cell may take: the first on a machine compiles
 HEAD = """---
@@ -56,7 +58,7 @@ def executed(markdown: str) -> Any:
     """The notebook with its outputs, run in an empty folder."""
     notebook = jupytext.reads(HEAD + markdown, "md")
     scripts = str(Path(sys.executable).parent)
-    environment = os.environ | {"PATH": os.pathsep.join([scripts, os.environ["PATH"]])}
+    environment = os.environ | {"PATH": os.pathsep.join([scripts, os.environ["PATH"]]), AS_TERMINAL: str(MOST)}
     with tempfile.TemporaryDirectory() as folder:
         client = NotebookClient(
             notebook,

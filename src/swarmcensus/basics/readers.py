@@ -6,7 +6,7 @@ import sys
 from swarmcensus.basics.errors import InputError
 
 AS_TERMINAL = "SWARMCENSUS_TERMINAL"  # environment: columns of the terminal that a file or a pipe is treated as
-MOST = 1_000_000
+MOST = 1_000_000  # columns
 
 
 def is_terminal() -> bool:

@@ -8,9 +8,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from swarmcensus.basics.readers import asked_columns
+from swarmcensus.basics.readers import MOST, asked_columns
 
-UNFOLDED = 1_000_000  # columns: a file or a pipe has no width
+UNFOLDED = MOST  # columns: a file or a pipe has no width
 INTERVAL = "[95 %]"  # the head of a column of intervals
 INTERVALS = "intervals"  # their name among what is left out
 FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out before anything else, and of numbers

@@ -87,7 +87,7 @@ def add_output_options(sub: argparse.ArgumentParser, json: bool, table: bool) ->
     `table` is whether the answer is a table, which is tab-separated in a file or a pipe.
     """
     sub.set_defaults(json=False, table=table)
-    text = "in a file or a pipe the table is tab-separated columns with all digits; see docs/data-format.md"
+    text = "in a file or a pipe the table is tab-separated columns with all digits"
     group = sub.add_argument_group("output", text if table else None)
     if json:
         group.add_argument("--json", action="store_true", help="print one JSON document on stdout, and nothing else")
