@@ -98,7 +98,7 @@ def test_costs():
 @AVR
 def test_a_shell_measures_brains(capsys, monkeypatch):
     """The shipped ones with the longest name and the longest words, and a file; the table has room in 100 columns."""
-    monkeypatch.setattr("swarmcensus.basics.terminal.UNFOLDED", 100)
+    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "100")
     own = str(Path(__file__).parents[1] / "studies" / "example" / "my_brain.py")
     assert main(["brains", "--cost", "covariance-intersection", "bayes-bots"]) == 0
     lines = capsys.readouterr().out.splitlines()

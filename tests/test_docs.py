@@ -30,6 +30,8 @@ BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN = {"python", "toml", "console", "sh"}
 SHOWN = {"text", "csv", "r", "matlab", "c"}
 OTHER_PROGRAMS = {
+    "cut",
+    "less",
     "npm",
     "export",
     "make",
@@ -200,8 +202,9 @@ def commands(text):
     for line in lines:
         words = shlex.split(line, comments=True)
         while words:
-            end = words.index("&&") if "&&" in words else len(words)
-            yield words[:end]
+            end = next((k for k, word in enumerate(words) if word in ("&&", "|")), len(words))
+            command = words[:end]
+            yield command[: command.index(">")] if ">" in command else command
             words = words[end + 1 :]
 
 
@@ -301,7 +304,7 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
 @pytest.mark.long
 def test_the_brain_page_shows_what_brains_prints_in_a_narrow_terminal(monkeypatch, capsys):
     """Each part that it shows; dots stand for the rest."""
-    monkeypatch.setattr("swarmcensus.basics.terminal.UNFOLDED", 80)
+    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "80")
     assert main(["brains"]) == 0
     printed = re.sub(" +$", "", capsys.readouterr().out, flags=re.MULTILINE)
     [shown] = (
