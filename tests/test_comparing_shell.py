@@ -11,6 +11,7 @@ import swarmcensus as sc
 from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
+from swarmcensus.comparing.table_text import table_text
 from swarmcensus.comparing.verdicts import findings
 from swarmcensus.figures.kinds.pareto import draw_pareto, front
 from swarmcensus.figures.kinds.ranks import draw_ranks
@@ -141,6 +142,19 @@ def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch)
     out = capsys.readouterr().out
     assert "left out, as they do not fit into 80 columns: intervals; --json has all" in out
     assert sum(line.startswith("world") for line in out.splitlines()) == 1
+
+
+@pytest.mark.parametrize("width", [60, 80, 200])
+def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, monkeypatch):
+    monkeypatch.setenv(AS_TERMINAL, str(width))
+    assert main(["compare", str(two), "--limit", "4"]) == 0
+    printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    lines = table_text(sc.compare(two), width, limit=4).splitlines()
+    assert all(len(line) <= width for line in lines)
+    rows = [line for line in lines if "minimalistic" in line or "legacy" in line]
+    assert len(rows) == (3 if width == 60 else 1) * 4 + 2  # of worlds, and of costs
+    assert {*rows} <= {*printed}
+    assert ("the property `table` has all" in " ".join(lines)) == (width < 200)
 
 
 @pytest.mark.parametrize(
