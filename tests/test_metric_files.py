@@ -185,7 +185,7 @@ def test_the_terminal_shows_metrics_and_json_says_what_never_came(fixed, tmp_pat
     sc.save(fixed, "a.nc")
     main(["show", "a.nc", "--sort", "time_right"])
     shown = capsys.readouterr().out
-    assert "swarm_right" in shown.splitlines()[1]
+    assert "swarm_right" in shown.splitlines()[2]
     assert " inf" in shown
     assert "time_right: share of rounds in the correct bin (1)" in shown
     main(["show", "a.nc", "--json"])

@@ -26,7 +26,7 @@ def test_the_search_prints_and_writes_what_the_page_shows(ran, monkeypatch, caps
     [shown] = blocks(PAGE, "console")
     [command] = commands(shown)
     assert main(command[1:]) == 0
-    printed, told = (re.sub(r"\d+\.\d s\n", "s\n", text) for text in (capsys.readouterr().out, shown))
+    printed, told = (re.sub(r"\d+\.\d s of", "s of", text) for text in (capsys.readouterr().out, shown))
     assert told.endswith("trust=0:1\n" + printed)
     [fragment] = blocks(PAGE, "toml")
     assert (ran / "shy-tuned.toml").read_text(encoding="utf-8") == fragment
