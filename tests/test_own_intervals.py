@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -274,10 +275,10 @@ def test_what_is_shown(here, capsys):
     assert main(["show", "r.nc", "--sort", "coverage", "--where", "topology == 'ring'"]) == 0
     shown = capsys.readouterr().out
     lines = shown.splitlines()
-    assert "coverage % [95 %]" in lines[1]
+    assert re.search(r"coverage %\s+\[95 %\]", lines[2])
     ours = (data["brain"] == "wald.py").values & (data["topology"] == "ring").values
     for k in np.flatnonzero(ours):
-        assert f" {100 * data['coverage'].values[k, 1].mean():.1f} [" in shown
+        assert f" {100 * data['coverage'].values[k, 1].mean():.1f}  [" in shown
     assert "coverage: robots whose interval holds f, interval width: their mean (median over trials)" in shown
     assert main(["show", "r.nc", "--json"]) == 0
     one = json.loads(capsys.readouterr().out)["settings"][-1]
