@@ -150,7 +150,7 @@ def main() -> None:
     work = folder / "files"  # what the commands write
     work.mkdir()
     os.chdir(work)
-    os.environ |= {"COLUMNS": "160", "TERM": "dumb", "NO_COLOR": "1"}
+    os.environ |= {"SWARMCENSUS_TERMINAL": "160", "TERM": "dumb", "NO_COLOR": "1"}
     sys.path.insert(0, str(ROOT / "src"))
     for name, trials in STUDIES.items():
         write(folder, name.replace("/", "-"), of_study(name, trials))
