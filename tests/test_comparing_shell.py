@@ -149,6 +149,7 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
     monkeypatch.setenv(AS_TERMINAL, str(width))
     assert main(["compare", str(two), "--limit", "4"]) == 0
     printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
     lines = table_text(sc.compare(two), width, limit=4).splitlines()
     assert all(len(line) <= width for line in lines)
     rows = [line for line in lines if "minimalistic" in line or "legacy" in line]

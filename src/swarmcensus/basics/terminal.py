@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterable, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 from rich.console import Console
@@ -58,18 +59,15 @@ def fitted(columns: Sequence[Column], out: Console) -> tuple[Table, list[str]]:
 
     Heads are put into two lines before anything is left out.
     """
-    for most in sorted({column.spare for column in columns} | {0}, reverse=True):
+    for most, narrow in product(sorted({column.spare for column in columns} | {0}, reverse=True), (False, True)):
         kept = [column for column in columns if column.spare <= most]
-        for heads in ([column.head for column in kept], [_in_lines(column.head) for column in kept]):
-            rows = table(
-                zip(heads, (column.number for column in kept), strict=True),
-                zip(*(column.cells for column in kept), strict=True),
-            )
-            if fits(rows, out):
-                break
-        else:
-            continue
-        break
+        heads = [_in_lines(column.head) if narrow else column.head for column in kept]
+        rows = table(
+            zip(heads, (column.number for column in kept), strict=True),
+            zip(*(column.cells for column in kept), strict=True),
+        )
+        if fits(rows, out):
+            break
     heads = [column.head for column in columns if column.spare > most]
     return rows, [INTERVALS] * any(map(_of_interval, heads)) + [head for head in heads if not _of_interval(head)]
 

@@ -23,7 +23,7 @@ def table_text(standings: Standings, width: int = WIDTH, limit: int = MOST_ROWS)
     Above it is what all worlds share, below it what was left out to fit into `width` columns, and the costs.
     """
     text = io.StringIO()
-    out = console(file=text, width=width)
+    out = console(file=text, width=width, force_jupyter=False, force_terminal=False)  # a kernel claims to be both
     worlds = fitting(standings, limit)
     for line in same(standings):
         out.print(line)
