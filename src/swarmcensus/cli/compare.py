@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.output import present, say, wrote
-from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
+from swarmcensus.cli.source import MOST_ROWS, add_label_option, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
     from swarmcensus.comparing.comparison import Comparison
@@ -33,6 +33,7 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
         help="count wins by topology, robots or another coordinate of the worlds; may be repeated",
     )
     sub.add_argument("--pairs", action="store_true", help="also show each pair of brains: difference, effect, p-values")
+    add_label_option(sub)
     add_limit_option(sub, "; in a pipe: all")
     sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, one row each")
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
@@ -64,7 +65,7 @@ def compare(options: argparse.Namespace) -> int:
     stored = read(options).stored
     comparison = compare_results(stored, options.metric, options.where, options.against)
     limit = MOST_ROWS if options.limit is None else options.limit
-    title, line = head(stored, options.results), again(options, "compare", ("against", "metric", "by"))
+    title, line = head(stored, options.results), again(options, "compare", ("against", "metric", "by", "label"))
     axes = list(dict.fromkeys(options.by))
     frame = comparison.by(*axes) if axes else comparison.pairs if options.pairs else comparison.table
     present(

@@ -106,6 +106,24 @@ def add_run_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--fresh", action="store_true", help="start over instead of continuing what --out holds")
 
 
+def width(text: str) -> float | str:
+    """A number, or the name of a width. Raises ArgumentTypeError."""
+    try:
+        return float(text)
+    except ValueError:
+        if text.isalpha() and text not in ("nan", "inf"):
+            return text
+        raise argparse.ArgumentTypeError("should be a number of inches, or column, double or slide") from None
+
+
+def label(text: str) -> tuple[str, str]:
+    """A brain's name and its label, as OLD=NEW. Raises ArgumentTypeError."""
+    old, equals, new = text.rpartition("=")
+    if not (old and equals and new.strip()):
+        raise argparse.ArgumentTypeError("should be such as mine.py='My brain'")
+    return old, new.strip()
+
+
 def name_list(text: str) -> list[str]:
     """Names separated by commas."""
     return [name.strip() for name in text.split(",") if name.strip()]

@@ -10,9 +10,9 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.cli.options import from_zero, name_list, positive, round_or_time
+from swarmcensus.cli.options import from_zero, name_list, positive, round_or_time, width
 from swarmcensus.cli.output import LOG, wrote
-from swarmcensus.cli.source import add_source_options, read
+from swarmcensus.cli.source import add_label_option, add_source_options, read
 
 KIND_OPTIONS = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
@@ -62,7 +62,20 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--last", type=round_or_time, help="last tick of a film, or a time (default: 600 ticks)")
     sub.add_argument("--every", type=positive, help="ticks from one frame of a film to the next (default: 2)")
     sub.add_argument("--fps", type=positive, help="frames per second of a film (default: 20)")
-    sub.add_argument(
+    page = sub.add_argument_group("page")
+    page.add_argument(
+        "--width", type=width, metavar="INCHES", help="width in inches, or column (3.5), double (7.2), slide (10)"
+    )
+    page.add_argument("--height", type=float, metavar="INCHES", help="height in inches (default: what panels need)")
+    page.add_argument("--dpi", type=int, metavar="DOTS", help="dots per inch of a PNG (default: 150)")
+    page.add_argument("--font-size", type=float, metavar="POINTS", help="size of ticks and keys (default: 7.5)")
+    page.add_argument(
+        "--style",
+        metavar="NAME_OR_FILE",
+        help="a matplotlib style, such as ggplot or my.mplstyle; also in matplotlibrc",
+    )
+    add_label_option(page)
+    page.add_argument(
         "--out",
         type=Path,
         metavar="FILE",
@@ -87,13 +100,35 @@ def plot(options: argparse.Namespace) -> int:
     say_partial(stored, options.results)
     if options.setting in stored["setting"].values and options.setting not in data["setting"].values:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
-    with _failures(options.kind), _showing_progress(given, data):
-        drawn = draw(data, **given)
-    if "out" in given:
-        wrote(f"{out}: {counted(drawn, 'frame')}" if isinstance(drawn, int) else out)
-    else:
-        save_figure(_as_figure(drawn, options.kind), out)
+    page = {name: getattr(options, name) for name in ("width", "height", "font_size")}
+    with _styled(options.style), _failures(options.kind), _showing_progress(given, data):
+        drawn = draw(data, **given, **page)
+        if "out" in given:
+            wrote(f"{out}: {counted(drawn, 'frame')}" if isinstance(drawn, int) else out)
+        else:
+            save_figure(_as_figure(drawn, options.kind), out, dpi=options.dpi)
     return 0
+
+
+@contextlib.contextmanager
+def _styled(style: str | None) -> Iterator[None]:
+    """Draw in a matplotlib style. Raises InputError if there is none of this name, and no such file."""
+    if style is None:
+        yield
+        return
+    import matplotlib.style
+
+    from swarmcensus.basics.hints import did_you_mean
+
+    with contextlib.ExitStack() as stack:
+        try:
+            stack.enter_context(matplotlib.style.context(style))
+        except (OSError, ValueError) as error:
+            known = [name for name in matplotlib.style.available if not name.startswith("_")]
+            what = "cannot be read" if Path(style).is_file() else "is neither a style nor a file"
+            hint = did_you_mean(style, known) or f"there are {', '.join(known)}"
+            raise InputError(f"--style {style}: {what}: {hint.strip()}") from error
+        yield
 
 
 def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, Any]:
@@ -194,11 +229,11 @@ def brain_of(data: Any, setting: int | None = None) -> str:
     return "the brain" if len({*names}) > 1 else "".join(names[:1].tolist())
 
 
-def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg")) -> None:
+def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"), dpi: int | None = None) -> None:
     """Write a figure in the format of its suffix, or without a suffix in all of `default`, and print the paths."""
     from swarmcensus.figures.files import save
 
-    for path in save(figure, *figure_files(out, default)):
+    for path in save(figure, *figure_files(out, default), dpi=dpi):
         wrote(path)
 
 

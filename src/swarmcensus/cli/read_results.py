@@ -8,12 +8,20 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import from_zero, positive, round_or_time
 from swarmcensus.cli.output import answer, present, reporting, wrote
-from swarmcensus.cli.source import MOST_ROWS, RESULTS_HELP, add_limit_option, add_source_options, again, read
+from swarmcensus.cli.source import (
+    MOST_ROWS,
+    RESULTS_HELP,
+    add_label_option,
+    add_limit_option,
+    add_source_options,
+    again,
+    read,
+)
 
 if TYPE_CHECKING:
     from swarmcensus.runs.verifying import Verification
 
-SHOW_OPTIONS = ("checkpoint", "sort", "reverse")  # options of `show` in addition to the source options
+SHOW_OPTIONS = ("checkpoint", "sort", "reverse", "label")  # options of `show` in addition to the source options
 DIFFER = 1  # exit code of `verify` where results differ
 
 
@@ -30,6 +38,7 @@ def add_show_options(sub: argparse.ArgumentParser) -> None:
         "--sort", metavar="COLUMN", help="sort by a column, such as error, right, K or fill_ratio (default: as stored)"
     )
     sub.add_argument("--reverse", action="store_true", help="reverse the order of --sort")
+    add_label_option(sub)
     add_limit_option(sub, "; with --json and in a pipe: all")
 
 

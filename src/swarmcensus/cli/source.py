@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import xarray as xr
 
-from swarmcensus.cli.options import from_zero
+from swarmcensus.cli.options import from_zero, label
 from swarmcensus.cli.output import say
 
 RESULTS_HELP = "a results file, as 'run' writes it"
@@ -41,6 +41,18 @@ def add_source_options(
     )
 
 
+def add_label_option(sub: "argparse.ArgumentParser | argparse._ArgumentGroup") -> None:
+    """Add the option of commands that name brains."""
+    sub.add_argument(
+        "--label",
+        action="append",
+        type=label,
+        default=[],
+        metavar="OLD=NEW",
+        help="what to call a brain, such as mine.py='My brain'; may be repeated",
+    )
+
+
 def add_limit_option(sub: argparse.ArgumentParser, more: str = "") -> None:
     """Add the option of all commands that print one row per setting, or per world."""
     text = f"maximum number of rows, 0 for all (default: {MOST_ROWS}{more})"
@@ -49,6 +61,7 @@ def add_limit_option(sub: argparse.ArgumentParser, more: str = "") -> None:
 
 def read(options: argparse.Namespace) -> Source:
     """Read the results file. Raises InputError."""
+    from swarmcensus.results.labels import with_labels
     from swarmcensus.results.partial import opened
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.selecting import where
@@ -58,6 +71,8 @@ def read(options: argparse.Namespace) -> Source:
     if changed := asked_anew(stored):
         values = " and ".join(f"{key} = {stored.attrs[key]:g}" for key in changed)
         say(f"{options.results}: measured again from its estimates, with {values}")
+    if given := getattr(options, "label", []):
+        stored = with_labels(stored, dict(given))
     return Source(stored, where(stored, options.where))
 
 
@@ -69,6 +84,7 @@ def again(options: argparse.Namespace, command: str, more: Iterable[str] = ()) -
         if values is True:
             words.append(f"--{name}")
         for value in values if isinstance(values, list) else [values]:
+            value = "=".join(value) if isinstance(value, tuple) else value
             if value is not None and not isinstance(value, bool):
                 words += [f"--{name}", str(value)]
     return shlex.join(words)

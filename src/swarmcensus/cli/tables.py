@@ -16,6 +16,7 @@ from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounde
 from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, NUMBER, Column, console, fitted, left_out, table
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
+from swarmcensus.results.labels import labels_in
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in
@@ -100,6 +101,8 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     """The coordinates of settings as text, without those that another one implies and links that lose nothing."""
     values_of = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
     columns = {name: np.array([grouped(value) for value in values]) for name, values in values_of.items()}
+    labels = labels_in(data)
+    columns["brain"] = np.array([labels.get(name, name) for name in columns["brain"].tolist()])
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
     if (data["link_success"] == 1.0).all():

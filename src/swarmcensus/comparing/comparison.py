@@ -19,6 +19,7 @@ from swarmcensus.comparing.standings import Standings
 from swarmcensus.comparing.verdicts import verdict
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import settled_at_start
+from swarmcensus.results.labels import labels_in, renamed
 from swarmcensus.results.measures import COSTS, SIZES, Measure
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import asked_anew, done, failed_trials
@@ -111,7 +112,7 @@ def compare_dataset(
     grid, cautions = grid_of(data, whole, shown)
     if not isinstance(against, str | None):
         raise InputError(f"{option('against', against)}: should be the name of a contender")
-    reference = None if against is None else _contender_index(against, grid.contenders)
+    reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
     measured, notes_on_measures = measures.chosen(data, metric)
     numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
@@ -135,8 +136,10 @@ def compare_dataset(
     return Comparison(title, grid, measured, all_contests, costs, sizes, settings, cautions, reference)
 
 
-def _contender_index(name: str, contenders: list[str]) -> int:
-    """The place of the contender with this name, or of the only contender of the brain with this name."""
+def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]) -> int:
+    """The place of the contender with this name or label, or of the only contender of the brain with it."""
+    if name not in contenders:
+        name = renamed(name, labels)
     if name in contenders:
         return contenders.index(name)
     matches = [contender for contender in contenders if contender.startswith(f"{name} ")]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted, distinct_texts
 from swarmcensus.basics.options import option
+from swarmcensus.results.labels import labels_in
 from swarmcensus.results.summaries import restated
 from swarmcensus.results.values import parameters_in
 
@@ -103,7 +104,8 @@ def _contender_names(
 ) -> list[str]:
     """The name of each setting's contender: its brain, and its parameters that vary or are to be shown."""
     brains = data["brain"].values.tolist()
-    names = list(map(str, brains))
+    labels = labels_in(data)
+    names = [labels.get(str(name), str(name)) for name in brains]
     for brain, several in parameters.items():
         rows = [k for k, name in enumerate(brains) if name == brain]
         for name in several:

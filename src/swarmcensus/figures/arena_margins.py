@@ -15,9 +15,10 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation, Transform
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.looks import LIES
-from swarmcensus.figures.sheets import SMALL
+from swarmcensus.figures.page import letters, page, scale, title_letters
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
 LEFT, BOTTOM, ARENA = 0.25, 0.5, 5.1  # inches
@@ -32,11 +33,51 @@ NARROW = 2.8  # inches: the headline of a narrower arena takes two lines
 COLUMN = 1.25  # inches: a column of the key under an arena
 
 
+KEY_UNDER = 1.0  # inches: scale and key under an arena, if the key is there
+NARROWEST = 1.2  # inches: the smallest arena
+TIGHT = 1.25  # inches: the colour bar beside an arena whose key is under it
+OVER = 0.85  # inches: the titles over an arena
+
+
 class ArenaSize(NamedTuple):
-    """The side of an arena in inches, and whether it is in the caller's own axes, with the key under it."""
+    """The side of an arena in inches, and whether its key is under it: in the caller's axes and on narrow pages.
+
+    `beside` are the inches to its right that titles and key may take.
+    """
 
     side: float = ARENA
     own: bool = False
+    beside: float = 0.0
+
+
+def arena_on_page() -> tuple[tuple[float, float], tuple[float, float], ArenaSize]:
+    """The size of an arena's figure, the place of the arena's lower left corner, and its size, in inches.
+
+    Raises InputError for a page that is too narrow or too low.
+    """
+    times, (width, height, *_) = scale(), page()
+    beside, around = (SIZE[0] - LEFT - ARENA) * times, SIZE[1] - ARENA
+    if width is None:
+        width = SIZE[0] * times if height is None else height - around * times + LEFT * times + beside
+    side = width - LEFT * times - beside
+    own = side < WIDE_ENOUGH * times
+    under = KEY_UNDER if own else BOTTOM
+    if own:
+        side = width - (LEFT + TIGHT) * times
+    top = OVER if own else around - BOTTOM
+    if height is not None:
+        side = min(side, height - (under + top) * times)
+    if side < NARROWEST * times:
+        raise InputError(
+            f"an arena with its key needs {(NARROWEST + LEFT + TIGHT) * times:.1f} inches of width at least, and "
+            f"{(NARROWEST + KEY_UNDER + OVER) * times:.1f} of height"
+        )
+    high = side + (under + top) * times
+    return (
+        (width, high if height is None else height),
+        (LEFT * times, high - top * times - side),
+        ArenaSize(side, own, width - LEFT * times - side - 0.1),
+    )
 
 
 def size_in(axes: Axes) -> ArenaSize:
@@ -65,44 +106,47 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
         vmax=true_fill_ratio + far,
     )
     colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad="0.6"))
-    foot, tall = (0.0, 0.88 * size.side) if size.own else (2.15, 2.6)
-    axes = arena.inset_axes((1 + 0.2 / size.side, foot / size.side, 0.16 / size.side, tall / size.side))
+    times = scale()
+    foot, tall = (0.0, size.side - 0.27 * times) if size.own else (2.15 * times, size.side - 2.5 * times)
+    axes = arena.inset_axes((1 + 0.2 * times / size.side, foot / size.side, 0.16 * times / size.side, tall / size.side))
     low, truth, high = (float(norm(x)) for x in (0.0, true_fill_ratio, 1.0))
     edges = np.linspace(low, high, 257)
     strip = colours.to_rgba(norm.inverse((edges[1:] + edges[:-1]) / 2.0))
     axes.imshow(strip[:, np.newaxis], origin="lower", aspect="auto", extent=(0.0, 1.0, low, high))
     ticks = {float(norm(x)): f"{x:g}" for x in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)}
+    near = max(0.07, 1.4 * letters() / 72 / tall)
     ticks = {
-        y: text for y, text in ticks.items() if abs(y - truth) > 0.07 * (high - low)
+        y: text for y, text in ticks.items() if abs(y - truth) > near * (high - low)
     }  # room for the label of the truth
     axes.yaxis.tick_right()
     axes.set_xticks([])
-    axes.set_yticks(list(ticks), list(ticks.values()), fontsize=SMALL)
+    axes.set_yticks(list(ticks), list(ticks.values()), fontsize=letters())
     axes.axhline(truth, color="black", linewidth=1.2)
     axes.annotate(
         f"true f = {true_fill_ratio:.4g}", (1.0, truth), (5, 0), textcoords="offset points", va="center",
-        fontsize=SMALL, fontweight="bold", annotation_clip=False,
+        fontsize=letters(), fontweight="bold", annotation_clip=False,
     )  # fmt: skip
-    axes.set_title("estimated\nfill ratio", loc="left", fontsize=SMALL)
+    axes.set_title("estimated\nfill ratio", loc="left", fontsize=letters())
     return colours, axes
 
 
 def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple[Text, Text]:
     """Write the title over the arena, in at most two lines. Returns the two texts of the headline that change."""
-    letters = SMALL + 3 if size.side > WIDE_ENOUGH else SMALL
-    lines = wrapped(title, 72 * (size.side + (0.0 if size.own else SIZE[0] - LEFT - ARENA - 0.1)), SMALL, LINES)
-    y = 0.19 + 0.13 * len(lines)
-    over = y if size.side > NARROW else y + 0.15  # the headline takes two lines
+    large = title_letters() if size.side > WIDE_ENOUGH * scale() else letters()
+    times = scale()
+    lines = wrapped(title, 72 * (size.side + size.beside), letters(), LINES)
+    y = times * (0.19 + 0.13 * len(lines))
+    over = y if size.side > NARROW * times else y + 0.15 * times  # the headline takes two lines
 
-    def write(x: float, right: float, up: float, text: str, points: float = letters, **more: Any) -> Text:
+    def write(x: float, right: float, up: float, text: str, points: float = large, **more: Any) -> Text:
         # Names of studies are plain text, even with dollar signs.
         place: dict[str, Any] = {"transform": _moved(arena, right, up), "va": "baseline"}
         return arena.text(x, 1.0, text, fontsize=points, parse_math=False, **place | more)
 
-    write(0.0, 0.0, 0.12, "\n".join(lines), SMALL, va="bottom")
+    write(0.0, 0.0, 0.12 * times, "\n".join(lines), letters(), va="bottom")
     when = write(0.0, 0.0, over, "")
     # Text is the slowest part of a film, so the text that stays is not drawn again in each frame.
-    start = -0.08 * len(f"{robots:,} of {robots:,}") * letters / (SMALL + 3)
+    start = -0.08 * times * len(f"{robots:,} of {robots:,}") * large / title_letters()
     write(1.0, start - 0.05, y, "robots in the right bin:", ha="right")
     return when, write(1.0, start, y, "")
 
@@ -110,14 +154,14 @@ def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple
 def draw_scale(axes: Axes, size: ArenaSize, half: float, note: str) -> None:
     """Draw a scale bar of a round length and write a note under the arena; `half` is half its side in metres."""
     length = max(m * 10.0**e for m in (1, 2, 5) for e in range(-3, 6) if m * 10.0**e <= 0.6 * half)
-    y = -half * (1.0 + 2.0 * 0.14 / size.side)
+    y = -half * (1.0 + 2.0 * 0.14 * scale() / size.side)
     x = -half, -half + length
     axes.plot(x, [y, y], "|-", color="black", linewidth=1.2, markersize=6, clip_on=False)
     axes.text(
         x[1] + 0.03 * half, y, f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm", va="center",
-        fontsize=SMALL,
+        fontsize=letters(),
     )  # fmt: skip
-    axes.text(half, y, note, ha="right", va="center", fontsize=SMALL)
+    axes.text(half, y, note, ha="right", va="center", fontsize=letters())
 
 
 def draw_key(
@@ -143,10 +187,20 @@ def draw_key(
         entries["black tile"] = Patch(facecolor=str(BLACK_TILE), edgecolor="0.5", linewidth=0.5)
         entries["white tile"] = Patch(facecolor=str(WHITE_TILE), edgecolor="0.5", linewidth=0.5)
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (1.0, 0.0), "labelspacing": 0.7}
-    place["bbox_transform"] = _moved(arena, 0.14, 0.0)
+    place["bbox_transform"] = _moved(arena, 0.14 * scale(), 0.0)
     if size.own:
-        place |= {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": _moved(arena, 0.0, -0.25)}
-        place |= {"ncols": max(1, int(size.side / COLUMN)), "columnspacing": 1.0}
+        place |= {
+            "loc": "upper left",
+            "bbox_to_anchor": (0.0, 0.0),
+            "bbox_transform": _moved(arena, 0.0, -0.25 * scale()),
+        }
+        place |= {"ncols": max(1, int((size.side + size.beside) / COLUMN / scale())), "columnspacing": 1.0}
     arena.legend(
-        list(entries.values()), list(entries), frameon=False, fontsize=SMALL, borderaxespad=0, handlelength=1.5, **place
+        list(entries.values()),
+        list(entries),
+        frameon=False,
+        fontsize=letters(),
+        borderaxespad=0,
+        handlelength=1.5,
+        **place,
     )

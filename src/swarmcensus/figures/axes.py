@@ -12,9 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from swarmcensus.figures.clouds import unit_of
-from swarmcensus.figures.lettering import SPACING, shortened, width_of, wrapped
+from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wrapped
 from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
-from swarmcensus.figures.sheets import SMALL, show_range
+from swarmcensus.figures.page import letters
+from swarmcensus.figures.sheets import show_range
 from swarmcensus.results.values import metric_of, metrics_in
 from swarmcensus.vocabulary.coordinates import OF_FIGURES
 from swarmcensus.vocabulary.quantities import QUANTITIES
@@ -51,11 +52,11 @@ def names_of(looks: dict[str, Look], width: float) -> Lettering:
     texts, room = [look.name for look in looks.values()], width / len(looks) - 4
     if places_of(looks)[1]:
         return Lettering(texts, False, 0.0)
-    if all(width_of(word, SMALL) <= room for text in texts for word in text.split()):
-        texts = ["\n".join(wrapped(text, room, SMALL, 2)) for text in texts]
-        return Lettering(texts, False, max(text.count("\n") for text in texts) * SPACING * SMALL / 72)
-    texts = [shortened(text, LONGEST, SMALL) for text in texts]
-    return Lettering(texts, True, (0.64 * max(width_of(text, SMALL) for text in texts) + 2) / 72)
+    if all(width_of(word, letters()) <= room for text in texts for word in text.split()):
+        texts = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
+        return Lettering(texts, False, max(text.count("\n") for text in texts) * SPACING * letters() / 72)
+    texts = shortened_apart(texts, LONGEST, letters())
+    return Lettering(texts, True, (0.64 * max(width_of(text, letters()) for text in texts) + 2) / 72)
 
 
 def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Lettering, aside: float) -> None:
@@ -81,7 +82,7 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     low, high = scaled.min() - margin, scaled.max() + margin
     show_range(axes, "x", *(np.exp([low, high]) if log else (low, high)))
     at = width * (scaled - low) / (high - low)
-    half = np.array([width_of(text, SMALL) / 2 for text in texts])
+    half = np.array([width_of(text, letters()) / 2 for text in texts])
     kept: list[int] = []
     for k in sorted(range(x.size), key=lambda k: (k not in (x.argmin(), x.argmax()), x[k])):  # both ends first
         if all(abs(at[k] - at[other]) > half[k] + half[other] + 4 for other in kept):
@@ -138,5 +139,5 @@ def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> 
     name = known or (label or variable.replace("_", " ")).replace("$", r"\$")
     text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
     if known:  # a formula is no wider than its letters
-        return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), SMALL + 1) > room else text
-    return "\n".join(wrapped(text, room, SMALL + 1, 2))
+        return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), letters() + 1) > room else text
+    return "\n".join(wrapped(text, room, letters() + 1, 2))

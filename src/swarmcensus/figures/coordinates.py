@@ -23,10 +23,15 @@ NONE = "none"  # the text of a missing value
 def caption_of(world: Mapping[str, Any]) -> str:
     """The caption of a world of a comparison: the coordinates in which it differs from others."""
     return ", ".join(
-        idle_caption(name) if is_idle(value) else caption_form(name).format(value)
+        idle_caption(name) if is_idle(value) else caption_form(name).format(_plain(name, value))
         for name, value in world.items()
         if idle_caption(name) or not is_idle(value)
     )
+
+
+def _plain(name: str, value: Any) -> Any:
+    """A value as captions write it: 1.0 as 1."""
+    return f"{value:.12g}" if isinstance(value, float) and ":" not in caption_form(name) else value
 
 
 def coordinates_of(results: xr.Dataset) -> list[str]:

@@ -11,20 +11,29 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
+from swarmcensus.basics.options import option
 
 # matplotlib's settings are global: threads that save at the same time take turns.
 _settings = threading.Lock()
+DPI = 150  # unless a style says otherwise
+TEXT = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}  # text stays text, which editors can alter
 
 
-def save(figure: Figure, path: str | Path, formats: Sequence[str] = ()) -> list[Path]:
+def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: float | None = None) -> list[Path]:
     """Write a figure in the format of the path's suffix, and return the paths written.
 
     Without a suffix, `path`.png and `path`.svg are written; with `formats`, one file for each. A file appears whole or
-    not at all. PNGs have 150 dots per inch, as do the layers of single dots inside an SVG or PDF, where everything else
-    is lines and text. The same figure gives the same bytes.
+    not at all. PNGs have `dpi` dots per inch, as do the layers of single dots inside an SVG or PDF, where everything
+    else is lines and text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure
+    gives the same bytes.
 
-    Raises InputError for a format that matplotlib cannot write, and for a path that cannot be written.
+    Raises InputError for a format that matplotlib cannot write, for another `dpi` than 10 to 2,400, and for a path that
+    cannot be written.
     """
+    usual = mpl.rcParams["savefig.dpi"]
+    dots = dpi if dpi is not None else DPI if isinstance(usual, str) else float(usual)
+    if not isinstance(dots, int | float) or not 10 <= dots <= 2400:
+        raise InputError(f"{option('dpi', dpi)}: should be 10 to 2400 dots per inch")
     path, known = Path(path), figure.canvas.get_supported_filetypes()
     suffix = path.suffix.lower().lstrip(".")
     if not formats and suffix.isalpha():
@@ -35,6 +44,6 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = ()) -> list[
     paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
-        with atomic_write(place) as temporary, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"}):
-            figure.savefig(temporary, format=extension, dpi=150, metadata=undated)
+        with atomic_write(place) as temporary, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"} | TEXT):
+            figure.savefig(temporary, format=extension, dpi=dots, metadata=undated)
     return list(paths)

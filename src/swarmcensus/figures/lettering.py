@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -35,6 +36,15 @@ def shortened(text: str, width: float, size: float) -> str:
 
 def _kept(text: str, letters: int) -> str:
     return text[: letters - letters // 2] + "…" + (text[-(letters // 2) :] if letters > 1 else "")
+
+
+def shortened_apart(texts: Sequence[str], width: float, size: float) -> list[str]:
+    """Different texts, each `shortened`, and still different: where two would be alike, both are numbered."""
+    short = [shortened(text, width, size) for text in texts]
+    alike = {text for text in short if short.count(text) > 1}
+    numbers = {text: itertools.count(1) for text in alike}
+    return [f"{shortened(text, 0.8 * width, size)} {next(numbers[s])}" if s in alike else s
+            for text, s in zip(texts, short, strict=True)]  # fmt: skip
 
 
 def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:

@@ -13,7 +13,9 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
 from swarmcensus.basics.formatting import distinct_texts
-from swarmcensus.figures.lettering import shortened
+from swarmcensus.brains.library import TITLES
+from swarmcensus.figures.lettering import shortened_apart
+from swarmcensus.results.labels import renamed
 from swarmcensus.vocabulary.coordinates import title_of
 
 LIES = "#cc79a7"  # colour of robots that are not honest
@@ -48,12 +50,15 @@ def palette(count: int) -> list[str]:
     return [to_hex(colour) for colour in mpl.colormaps["viridis"](np.linspace(0.06, 0.9, count))]
 
 
-def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[str, Look]:
+def looks_of(
+    values: Iterable[str], marker: str, of: str = "accuracy", titles: Mapping[str, str] = TITLES
+) -> dict[str, Look]:
     """Return the look of every distinct value of a coordinate, in drawing order: numbers from the lowest, then others.
 
     Numbers share `marker` and have colours by rank, the lowest darkest. The first accuracy that is not a number (spread
     over the swarm, or different for black and white) is black, as in the paper; further ones differ in colour and
     shape. Names of brains, topologies and the like differ in colour and shape too, in the order in which they come.
+    `titles` are what brains are called, with or without parameters behind their names.
     """
     distinct = list(dict.fromkeys(values))
     numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=number_of)
@@ -61,6 +66,9 @@ def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[s
     if of.endswith("accuracy"):
         others.sort()
     names = dict(zip([*numbers, *others], map(_grouped, distinct_texts([*numbers, *others])), strict=True))
+    if of == "brain":
+        names = {text: renamed(name, titles) for text, name in names.items()}
+    shorter = dict(zip(others, shortened_apart([names[text] for text in others], WIDEST, SMALLEST), strict=True))
     looks = {
         text: Look(names[text], names[text].removeprefix(OFF).removeprefix("0") or "0", colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
@@ -68,7 +76,7 @@ def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[s
     for i, text in enumerate(others):
         shape = f"{marker}{MARKERS}"[i % 8]
         if not of.endswith("accuracy"):
-            looks[text] = Look(names[text], shortened(names[text], WIDEST, SMALLEST), NAMED[i % len(NAMED)], shape)
+            looks[text] = Look(names[text], shorter[text], NAMED[i % len(NAMED)], shape)
             continue
         name = re.sub(r",\s*", ", ", names[text].replace("black=", "b = ").replace(" white=", ", w = "))
         short = "b≠w" if "w = " in name else "drifts" if " drift=" in name else name.split("(")[0]

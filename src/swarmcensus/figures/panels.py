@@ -9,6 +9,7 @@ import xarray as xr
 
 from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.figures.coordinates import varies
+from swarmcensus.results.labels import renamed, titles_in
 from swarmcensus.results.selecting import TooMuch, require
 from swarmcensus.vocabulary.coordinates import caption_form, idle_caption
 
@@ -54,6 +55,9 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
     ):
         varying["floor"] = results["floor"].values.tolist()
     written = {name: _written(name, values) for name, values in varying.items()}
+    if "brain" in written:
+        titles = titles_in(results)
+        written["brain"] = {name: renamed(text, titles) for name, text in written["brain"].items()}
     combinations = list(zip(*varying.values(), strict=True)) or [()] * results.sizes["setting"]
     members: dict[tuple[Any, ...], list[int]] = {}
     for setting, combination in enumerate(combinations):

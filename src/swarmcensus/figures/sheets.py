@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
+import re
 import string
-from collections.abc import Sequence
-from typing import Any, Literal
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,12 +14,16 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.transforms import ScaledTranslation
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
-from swarmcensus.figures.lettering import SPACING, wrapped
+from swarmcensus.figures.lettering import SPACING, width_of, wrapped
+from swarmcensus.figures.page import KEY_BELOW, SHEET, caption_letters, letters, page, scale, title_letters
 from swarmcensus.figures.panels import MOST_PANELS
 
 LOG = logging.getLogger(__name__)
@@ -27,13 +32,65 @@ Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the
 Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
 Drawn = Any  # a Figure, or the caller's axes, depending on an argument
 
-SMALL = 7.5  # points: ticks and keys; axis labels and captions are larger
-CAPTION, TITLE = SMALL + 1.5, SMALL + 3
 HALF_A_DECADE = 10**0.5
-LEFT = 0.65  # inches: the room for the y axis and its name
+# Inches, with letters of the usual size:
+LEFT = 0.65  # the room for the y axis and its name
+KEY = 1.6  # the room for a key on the right
+EDGE = 0.15  # the room on the right if the key is below
+GAP = 0.42  # from panel to panel
+LEAST = 1.75  # the width of a panel that a page of given width may have
+NARROWEST = 0.8  # the same if there is a single column
+NOTES = ("lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
 INNER = "inner"  # label of a panel with a left neighbour, which has the name of the y axis
 POOLED = "select some of the settings, draw all into one with panels=[]"  # advice on how to get fewer panels
 NOTHING = "nothing to draw: no trial of these settings has been run"
+
+
+class Layout(NamedTuple):
+    """Columns and rows of panels, the size of a panel and margins in inches, and whether the key is below."""
+
+    columns: int
+    rows: int
+    wide: float
+    high: float
+    left: float
+    right: float
+    key_below: bool
+
+
+def layout(
+    count: int, *, size: tuple[float, float] | None = None, left: float | None = None, key: bool = True
+) -> Layout:
+    """The layout of equal panels. All lengths are in inches.
+
+    `size` is a panel's width and height (the default depends on the number of panels), `left` the margin there, and
+    `key` tells whether there is one.
+    On a page of given width, panels have the width that is left for them: there are fewer columns, and the key is
+    below, if they would be too narrow. Raises InputError for no panel, for more than 24, and for a page too narrow.
+    """
+    if not 1 <= count <= MOST_PANELS:
+        raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {count}")
+    columns = count if count <= 3 else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
+    usual = (4.4, 3.2) if count == 1 else (3.1, 2.4) if columns <= 3 else (2.5, 1.9)
+    times, width = scale(), page().width
+    wide, high = (size or usual) if size else (times * usual[0], times * usual[1])
+    left, right = times * LEFT if left is None else left, times * (KEY if key else EDGE)
+    below = False
+    if width is not None:
+        fits = [
+            (columns, (width - left - margin - (columns - 1) * times * GAP) / columns, margin)
+            for columns in range(columns, 0, -1)
+            for margin in ((right, times * EDGE) if key else (right,))
+        ]
+        columns, wide, right = next((fit for fit in fits if fit[1] >= times * LEAST), fits[-1])
+        if wide < times * NARROWEST:
+            needed = width + times * NARROWEST - wide
+            raise InputError(f"{option('width', width)}: this figure needs {needed + 0.05:.1f} inches at least")
+        below = key and right < times * KEY
+        high = size[1] if size else wide * usual[1] / usual[0]
+    if page().high is not None:
+        high = float(page().high or high)
+    return Layout(columns, -(-count // columns), wide, high, left, right, below)
 
 
 def new_sheet(
@@ -41,37 +98,31 @@ def new_sheet(
     title: str | None = None,
     *,
     size: tuple[float, float] | None = None,
-    left: float = LEFT,
-    right: float = 1.6,
+    left: float | None = None,
+    key: bool = True,
     above: float = 0.0,
     below: float = 0.0,
 ) -> list[Axes]:
-    """Return equal panels with these captions on a new figure, in at most 4 columns, with room for a key on the right.
+    """Return equal panels with these captions on a new figure, with room for a key on the right or below.
 
-    All lengths are in inches: `size` is a panel's width and height (the default depends on the number of panels),
-    `left` and `right` are margins, `above` and `below` are extra room over and under each panel. Captions take as many
-    lines as they need.
-
-    Raises InputError for no panel and for more than 24.
+    Lengths are those of `layout`. `above` and `below` are extra inches over and under each panel. Captions take as many
+    lines as they need. Raises InputError as `layout` does.
     """
-    count = len(captions)
-    if not 1 <= count <= MOST_PANELS:
-        raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {count}")
-    columns = count if count <= 3 else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
-    rows = -(-count // columns)
-    wide, high = size or ((4.4, 3.2) if count == 1 else (3.1, 2.4) if columns <= 3 else (2.5, 1.9))
+    columns, rows, wide, high, left, right, key_below = layout(len(captions), size=size, left=left, key=key)
+    count, times = len(captions), scale()
     # Margins and gaps are in inches, as text takes the same room for any number of panels.
-    gap_x, line = 0.42, SPACING / 72
-    room = wide + (gap_x - 0.06 if count > 1 else right - 0.1)
+    gap_x, line = times * GAP, SPACING / 72
+    room = wide + (gap_x - 0.06 if columns > 1 else right - 0.1)
     lines = [max(1, len(text.splitlines())) for text in _lettered(captions, room)]
-    over = [above + line * CAPTION * (max(lines[k : k + columns]) - 1) for k in range(0, count, columns)]
+    over = [above + line * caption_letters() * (max(lines[k : k + columns]) - 1) for k in range(0, count, columns)]
     width = left + columns * wide + (columns - 1) * gap_x + right
-    titles = wrapped(title or "", 72 * (width - left - 0.1), TITLE, 3)
-    top = 0.35 + over[0] + line * TITLE * len(titles) + (0.1 if titles else 0.0)
-    bottom, gaps = 0.55 + below, [0.72 + below + more for more in over[1:]]
+    titles = wrapped(title or "", 72 * (width - left - 0.1), title_letters(), 3)
+    top = 0.35 * times + over[0] + line * title_letters() * len(titles) + (0.1 if titles else 0.0)
+    bottom, gaps = 0.55 * times + below, [0.72 * times + below + more for more in over[1:]]
     height = bottom + rows * high + sum(gaps) + top
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
+    figure.set_gid(KEY_BELOW if key_below else SHEET)
     grid = figure.add_gridspec(  # every second row is a gap
         2 * rows - 1, columns, left=left / width, right=1 - right / width, bottom=bottom / height,
         top=1 - top / height, wspace=gap_x / wide, hspace=0.0,
@@ -79,8 +130,9 @@ def new_sheet(
     )  # fmt: skip
     if titles:
         figure.suptitle(
-            "\n".join(titles), x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=TITLE, parse_math=False
-        )
+            "\n".join(titles), x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=title_letters(),
+            parse_math=False,
+        )  # fmt: skip
     axes = [
         figure.add_subplot(grid[2 * (i // columns), i % columns], label=INNER if i % columns else "")
         for i in range(count)
@@ -95,8 +147,8 @@ def sheet(
     title: str | None,
     *,
     size: tuple[float, float] | None = None,
-    left: float = LEFT,
-    right: float = 1.6,
+    left: float | None = None,
+    key: bool = True,
     above: float = 0.0,
     below: float = 0.0,
     fewer: str = "select some of the settings",
@@ -107,10 +159,10 @@ def sheet(
     does, and if there are not as many axes as panels; the message says how to get `fewer` panels.
     """
     if ax is None:
-        return new_sheet(captions, title, size=size, left=left, right=right, above=above, below=below)
+        return new_sheet(captions, title, size=size, left=left, key=key, above=above, below=below)
     own = own_axes(ax, len(captions), fewer)
     if title and len(own) > 1:
-        own[0].figure.suptitle(title, fontsize=TITLE, parse_math=False)
+        own[0].figure.suptitle(title, fontsize=title_letters(), parse_math=False)
     caption_panels(own, [title] if title and len(own) == 1 else captions, above)
     return own
 
@@ -155,13 +207,13 @@ def caption_panels(
     if room is None:
         room = axes[0].bbox.width / axes[0].figure.dpi
     for ax, text in zip(axes, _lettered(captions, np.inf if math else room), strict=True):
-        ax.set_title(text, loc="left", fontsize=CAPTION, pad=6 + 72 * above, parse_math=math)
+        ax.set_title(text, loc="left", fontsize=caption_letters(), pad=6 + 72 * above, parse_math=math)
 
 
 def _lettered(captions: Sequence[str], room: float) -> list[str]:
     letters = [""] if len(captions) == 1 else [f"({letter}) " for letter in string.ascii_lowercase]
     pairs = zip(letters, captions, strict=False)
-    return ["\n".join(wrapped(letter + caption, 72 * room, CAPTION)) for letter, caption in pairs]
+    return ["\n".join(wrapped(letter + caption, 72 * room, caption_letters())) for letter, caption in pairs]
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
@@ -173,50 +225,115 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
     beside = place and not place.is_first_col() and axes.get_shared_y_axes().get_siblings(axes)[1:]
     above = place and not place.is_last_row() and axes.get_shared_x_axes().get_siblings(axes)[1:]
     if not above:
-        axes.set_xlabel(x, fontsize=SMALL + 1)
+        axes.set_xlabel(_name_of_axis(axes, x) if figure_is_ours(axes) else x, fontsize=letters() + 1)
     if axes.get_label() != INNER and not beside:
-        axes.set_ylabel(y, fontsize=SMALL + 1)
-    axes.tick_params(labelsize=SMALL)
+        axes.set_ylabel(y, fontsize=letters() + 1)
+    axes.tick_params(labelsize=letters())
     axes.spines[["top", "right"]].set_visible(False)
+
+
+def figure_is_ours(axes: Axes) -> bool:
+    """Whether axes are on a sheet that was made here, and not on the caller's figure."""
+    return axes.figure.canvas.figure.get_gid() in (SHEET, KEY_BELOW)
+
+
+def _name_of_axis(axes: Axes, name: str) -> str:
+    """The name of an x axis, with its unit on a second line if it is wider than the panel."""
+    plain = re.sub(r"[$\\{},]", "", name)  # a formula is no wider than its letters
+    room = 72 * axes.bbox.width / axes.figure.dpi + 20
+    return name.replace(" (", "\n(", 1) if "\n" not in plain and width_of(plain, letters() + 1) > room else name
 
 
 def say_empty(axes: Axes, why: str = "no trial has been run") -> None:
     """Write into an empty panel why it is empty."""
-    axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=SMALL + 1)
+    axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=letters() + 1)
     axes.set_axis_off()
 
 
 def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
-    """Put one key for all panels to the right of the first row, where it hides no data.
+    """Put one key for all panels to the right of the first row, or below all panels, where it hides no data.
 
-    Long names are wrapped, and letters get smaller until all lines fit.
+    Long names are wrapped, and on the right letters get smaller until all lines fit.
     """
+    figure = axes[0].figure.canvas.figure
+    if not entries:
+        return
+    if figure.get_gid() == KEY_BELOW:
+        _key_below(axes, title, entries)
+        return
     places = [ax.get_subplotspec() for ax in axes]
     last = [ax for ax, place in zip(axes, places, strict=True) if place and place.is_last_col()]
     corner = last[0] if last else axes[-1]
     points = 72 / corner.figure.dpi
-    wide = max((corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * SMALL, 60.0)
-    names = ["\n".join("\n".join(wrapped(line, wide, SMALL)) for line in name.split("\n")) for name in entries]
+    wide = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * letters()
+    names = _wrapped_names(entries, max(wide, 60.0))
     lines = sum(1 + name.count("\n") for name in (title, *names))
     room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
     legend = corner.legend(
         list(entries.values()), names, title=title, loc="upper left", bbox_to_anchor=(1.02, 1.01),
-        borderaxespad=0, frameon=False, title_fontsize=SMALL, alignment="left", handlelength=1.2,
-        fontsize=float(np.clip(room / lines / 1.6, 3.0, SMALL)),
+        borderaxespad=0, frameon=False, title_fontsize=letters(), alignment="left", handlelength=1.2,
+        fontsize=float(np.clip(room / lines / 1.6, 3.0, letters())),
     )  # fmt: skip
     for text in legend.get_texts():
         text.set_parse_math(False)
 
 
+def _wrapped_names(entries: Iterable[str], wide: float) -> list[str]:
+    return ["\n".join("\n".join(wrapped(line, wide, letters())) for line in name.split("\n")) for name in entries]
+
+
+def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
+    """Put the key under the lowest panels, short names side by side, and make the figure higher by as much."""
+    figure: Any = axes[0].figure.canvas.figure
+    lowest, width, handle = axes[-1], 72 * figure.get_figwidth() - 12, 3.0 * letters()
+    shown = {name.replace("\n", " "): artist for name, artist in entries.items()}
+    short = {name for name in shown if width_of(name, letters()) + handle <= width / 2}
+    heading = title.replace("\n", " ")
+    across = 6 / 72 - lowest.bbox.x0 / figure.dpi
+    down = 0.1 * scale() - lowest.bbox.y0 / figure.dpi  # from the panel, past the names of axes
+    added = 0.0
+    for group in ([name for name in shown if name in short], [name for name in shown if name not in short]):
+        if not group:
+            continue
+        names = _wrapped_names(group, width - handle)
+        widest = max(width_of(line, letters()) for name in names for line in name.split("\n"))
+        place = lowest.transAxes + ScaledTranslation(across, down - added, figure.dpi_scale_trans)
+        columns = max(1, min(len(names), int((width + letters()) / (widest + handle + letters()))))
+        legend = Legend(
+            lowest, [shown[name] for name in group], names, title=heading or None, loc="upper left",
+            bbox_to_anchor=(0, 0), bbox_transform=place, borderaxespad=0, frameon=False, title_fontsize=letters(),
+            alignment="left", handlelength=1.2, fontsize=letters(), columnspacing=1.0, ncols=columns,
+        )  # fmt: skip
+        lowest.add_artist(legend)
+        for text in legend.get_texts():
+            text.set_parse_math(False)
+        added += legend.get_window_extent(figure.canvas.get_renderer()).height / figure.dpi
+        heading = ""
+    make_room(figure, added)
+
+
+def make_room(figure: Any, inches: float) -> None:
+    """Make a sheet higher by so many inches at its foot; all that is on it stays as it is."""
+    width, height = figure.get_size_inches()
+    new = height + inches
+    figure.set_size_inches(width, new)
+    grids = {id(place.get_gridspec()): place.get_gridspec() for ax in figure.axes if (place := ax.get_subplotspec())}
+    for grid in grids.values():
+        grid.bottom, grid.top = (grid.bottom * height + inches) / new, (grid.top * height + inches) / new
+    for ax in figure.axes:
+        if place := ax.get_subplotspec():
+            ax.set_subplotspec(place)
+        else:
+            x, y, wide, high = ax.get_position().bounds
+            ax.set_position((x, (y * height + inches) / new, wide, high * height / new))
+    for text in figure.texts:
+        text.set_y((text.get_y() * height + inches) / new)
+
+
 def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
     """Write at the foot of the figure how many trials it shows, if the run is not complete."""
     if parts and (note := lacking(parts)):
-        figure = axes[0].figure.canvas.figure
-        before = sum(text.get_gid() == "lacking" for text in figure.texts)  # by earlier calls on this figure
-        figure.text(
-            1 - 6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()), f"drawn: {note}",
-            ha="right", va="bottom", fontsize=SMALL, color="#a03000", gid="lacking",
-        )  # fmt: skip
+        say_at_foot(axes, f"drawn: {note}", "lacking", ha="right")
 
 
 def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[str]) -> None:
@@ -225,14 +342,34 @@ def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[s
     `parts` are the panels, and `by` the coordinates that a panel distinguishes.
     """
     if what := pooled(parts, by):
-        figure = axes[0].figure.canvas.figure
-        before = sum(text.get_gid() == "pooled" for text in figure.texts)  # by earlier calls on this figure
-        figure.text(
-            6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()),
-            f"pooled over {what}", ha="left", va="bottom", fontsize=SMALL, color="#a03000", gid="pooled",
-            parse_math=False,
-        )  # fmt: skip
-        LOG.info("settings that are drawn as one are pooled over %s", what)
+        say_at_foot(axes, f"pooled over {what}", "pooled")
+        if page().height is None or page().high is not None:  # else the figure is drawn again
+            LOG.info("settings that are drawn as one are pooled over %s", what)
+
+
+def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", "right"] = "left") -> None:
+    """Write a note at the foot of the figure, in a free place beside or under earlier notes."""
+    figure: Any = axes[0].figure.canvas.figure
+    width, row = 72 * figure.get_figwidth() - 12, 10 / 72 * scale()
+    lines = wrapped(note, width, letters(), 4)
+    before = [text for text in figure.texts if text.get_gid() in NOTES]
+    last = [text for text in before if text.get_y() * figure.get_figheight() < row]
+    used = sum(width_of(text.get_text().split("\n")[-1], letters()) + 12 for text in last)
+    fits = (
+        bool(last)
+        and len(lines) == 1
+        and used + width_of(note, letters()) <= width
+        and all(t.get_ha() != ha for t in last)
+    )
+    ours = figure.get_gid() in (SHEET, KEY_BELOW)
+    if ours:
+        make_room(figure, row * (len(lines) - (fits or (not before and figure.get_gid() == SHEET))))
+    up = 0 if ours else sum(text.get_gid() == kind for text in before)  # by earlier calls on the caller's figure
+    x = 6 / (72 * figure.get_figwidth())
+    figure.text(
+        x if ha == "left" else 1 - x, 4 / (72 * figure.get_figheight()) + up * row / figure.get_figheight(),
+        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color="#a03000", gid=kind, parse_math=False,
+    )  # fmt: skip
 
 
 def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:

@@ -1,10 +1,12 @@
 """Checks of a study's values against each other, which no table alone can do."""
 
-from collections.abc import Iterable, Iterator, Sequence
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Brain
 from swarmcensus.metrics.metric import PREFIXES, RESERVED, SUFFIXES
 from swarmcensus.studies import members
@@ -32,6 +34,7 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
                 raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
     lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
     _one_name("swarm.brain", "brains", (brain.as_written for brains in lists for brain in brains))
+    _check_labels(tables.labels, list(dict.fromkeys(brain.name for brains in lists for brain in brains)))
     _check_parameters(tables, grids)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
@@ -63,6 +66,18 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     for picture in pictures:
         if sources.setdefault(picture.name, picture.source) != picture.source:
             raise ValueError(f"two images of world.floor have one name: {picture.name}")
+
+
+def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:
+    """Raise ValueError for a label of no brain, and for brains that would have one name."""
+    for name in labels:
+        if name not in brains:
+            known = ", ".join(brains)
+            raise ValueError(f"labels: no brain is called {name!r}: {did_you_mean(name, brains)}there are {known}")
+    called = [labels.get(name, name) for name in brains]
+    for first, second in itertools.combinations(range(len(brains)), 2):
+        if called[first] == called[second]:
+            raise ValueError(f"labels: {brains[first]} and {brains[second]} would both be called {called[first]!r}")
 
 
 def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:

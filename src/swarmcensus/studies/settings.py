@@ -348,8 +348,8 @@ def _parameters(setting: Setting) -> list[tuple[str, Value]]:
 
 def _arena(setting: Setting) -> str:
     """The density or side of the arena: the study gave the one with fewer digits."""
-    density, side = float(f"{setting.density:.12g}"), setting.side
-    return f"L = {side} m" if len(str(side)) < len(str(density)) else f"D = {density}"
+    density, side = f"{setting.density:.12g}", f"{setting.side:.12g}"
+    return f"L = {side} m" if len(side) < len(density) else f"D = {density}"
 
 
 def _coordinates(setting: Setting) -> dict[str, object]:

@@ -157,6 +157,8 @@ class Tables(Table):
     """Values that go together, beside the full grid."""
     members: Annotated[tuple[Members, ...], SeveralTables] = ()
     """Robots that differ from the others."""
+    labels: dict[str, Name] = Field(default={})
+    """What tables and figures call brains, as "mine.py" = "My brain"; this changes no numbers."""
 
     @model_validator(mode="after")
     def _times_in_ticks(self) -> Self:

@@ -2,7 +2,8 @@
 
 A kind is a function with the file's name. Its only positional argument is a study's results. Its keyword-only
 parameters are its options, also on the command line, where `--set` gives those without a flag. It returns a matplotlib
-Figure. A kind with the option `out` writes that file itself and returns the number of its frames.
+Figure. A kind with the option `out` writes that file itself and returns the number of its frames. Every kind also takes
+the options of `PageOptions`.
 """
 
 import inspect
@@ -27,10 +28,14 @@ def find(name: str) -> Callable[..., Any]:
     function: Callable[..., Any] | None = loaded
     if isinstance(loaded, ModuleType):
         function = getattr(loaded, name.replace("-", "_"), None)
+    if name in PLUGINS.shipped and function is not None:
+        return function
     if not callable(function) or not _is_kind(function):
         where = PLUGINS.outside[name].value
         raise InputError(f"figure {name!r}, {where}: should be a function of results and keyword-only options")
-    return function
+    from swarmcensus.figures.page import on_page  # imports matplotlib
+
+    return on_page(function)
 
 
 def _is_kind(function: Callable[..., Any]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -19,16 +19,13 @@ from swarmcensus.basics.bins import right_bin
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures import scenes
 from swarmcensus.figures.arena_margins import (
-    ARENA,
     BLACK_TILE,
-    BOTTOM,
-    LEFT,
     LINK,
     RANGE,
-    SIZE,
     STROKES,
     WHITE_TILE,
     ArenaSize,
+    arena_on_page,
     draw_colours,
     draw_key,
     draw_scale,
@@ -37,6 +34,7 @@ from swarmcensus.figures.arena_margins import (
 )
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, halo
+from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import ChangingFloor, Tiles, check_robot, scene_of
 from swarmcensus.figures.sheets import Drawn, Own, drawn_on, own_axes
 from swarmcensus.results.replaying import honest_in
@@ -49,6 +47,7 @@ LEAST = 0.004  # the smallest drawn radius of a robot, as a share of the arena's
 FINE = 1500  # the most tiles from wall to wall that are drawn one by one; larger floors show means of several tiles
 
 
+@on_page
 def arena(
     results: xr.Dataset,
     *,
@@ -59,6 +58,7 @@ def arena(
     robot: int = 0,
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw the arena with its moving robots at the end of a tick, as the paper's Fig. 1 does.
 
@@ -73,6 +73,7 @@ def arena(
     - `robot`: the robot whose radio range is drawn.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
     - `ax`: axes of your own. They become square, and the key stands under them.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError if there is no such setting, trial, tick or robot, and if robots do not move.
     """
@@ -105,12 +106,12 @@ def snapshot(
     return drawn_on([arena.axes], ax)
 
 
-def _new_axes() -> Axes:
-    """The axes of an arena on a new figure, with margins for the titles, colours and key."""
-    figure = Figure(figsize=SIZE)
+def _new_axes() -> tuple[Axes, ArenaSize]:
+    """The axes of an arena on a new figure, with margins for the titles, colours and key, and its size."""
+    (width, height), (left, bottom), size = arena_on_page()
+    figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
-    width, height = SIZE
-    return figure.add_axes((LEFT / width, BOTTOM / height, ARENA / width, ARENA / height))
+    return figure.add_axes((left / width, bottom / height, size.side / width, size.side / height)), size
 
 
 class Arena:
@@ -131,10 +132,14 @@ class Arena:
     ) -> None:
         """Draw everything that does not move, with a `note` under the arena. Raises InputError as `snapshot` does."""
         self._read(trace, robot)
-        self.axes = _new_axes() if ax is None else own_axes(ax, 1, "an arena is one panel")[0]
+        if ax is None:
+            self.axes, self.size = _new_axes()
+        else:
+            [self.axes] = own_axes(ax, 1, "an arena is one panel")
         self.axes.set(xlim=(-self.half, self.half), ylim=(-self.half, self.half), xticks=[], yticks=[], aspect="equal")
         self.figure: Any = self.axes.figure.canvas.figure
-        self.size = ArenaSize() if ax is None else size_in(self.axes)
+        if ax is not None:
+            self.size = size_in(self.axes)
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
         self.floor = floor
         self._draw_floor()

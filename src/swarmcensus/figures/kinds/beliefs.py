@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from swarmcensus.basics.errors import InputError
 from swarmcensus.explaining.wrong_beliefs import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
@@ -38,7 +39,8 @@ FINE = 401  # points of a dashed line
 BESIDE = 0.3  # distance of the columns of random beliefs, as a share of the range of x
 
 
-def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None) -> Drawn:
+@on_page
+def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **more: Unpack[PageOptions]) -> Drawn:
     """Draw the error of final estimates against the error of the robots' belief in their sensors.
 
     x is the assumed minus the true accuracy. y is the median of |x - f| over robots and trials, with its 95 % interval
@@ -49,6 +51,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None) ->
 
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError if all robots know their sensors, if a belief is off by different amounts for black and white, for
     results without a finished trial, and for more than 24 panels.
@@ -89,7 +92,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None) ->
         names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
         place.set_xticks([*shown, *places.values()], names)
         place.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        name_axes(place, "belief: assumed less true accuracy", r"final error $|x - f\,|$, median")
+        name_axes(place, "belief: assumed minus true accuracy", r"final error $|x - f\,|$, median")
     heading, named = keyed(looks)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 5, 0.6) for look in named.values()}
     if any(np.isfinite(cost.low) for cost in every):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.brains.library import TITLES
 from swarmcensus.comparing import comparison
 from swarmcensus.comparing.effects import Effect, effects
 from swarmcensus.comparing.standings import Standings
@@ -22,9 +23,9 @@ from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import width_of, wrapped
 from swarmcensus.figures.looks import Look, looks_of, palette, solid_dot
+from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import (
-    SMALL,
     Drawn,
     Own,
     add_key,
@@ -35,16 +36,19 @@ from swarmcensus.figures.sheets import (
     sheet,
     show_range,
 )
+from swarmcensus.results.labels import renamed
 
 MOST_ROWS = 40
 SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
 NAME = 150.0  # points: the width of a row's name, which may take two lines
+NAME_SHARE = 0.33  # of a page's width, the most that names take
 SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
 
 Floats = NDArray[np.float64]
 
 
+@on_page
 def compare(
     results: xr.Dataset,
     *,
@@ -53,6 +57,7 @@ def compare(
     by: Names = None,
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw the differences that `sc.compare` finds between brains, paired trial by trial, with their 95 % intervals.
 
@@ -66,6 +71,7 @@ def compare(
       median of its differences in these worlds, or the mean of shares. An empty list pools all worlds.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each measure. Leave room for the names of rows on their left.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, for more than 40 rows and for coordinates in which worlds do not differ.
     """
@@ -108,14 +114,16 @@ def draw_effects(
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
     if single:  # contenders are the rows, and all look alike
-        texts, looks = names, [Look("", "", palette(11)[3], "o")]
-    labels = ["\n".join(wrapped(text, NAME, SMALL, 2)) for text in texts]
-    longest = max(width_of(line, SMALL) for text in labels for line in text.split("\n"))
-    row = max(LINE * len(looks) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2)
+        texts, looks = [renamed(name, TITLES) for name in names], [Look("", "", palette(11)[3], "o")]
+    width = page().width
+    name = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)
+    labels = ["\n".join(wrapped(text, name, letters(), 2)) for text in texts]
+    longest = max(width_of(line, letters()) for text in labels for line in text.split("\n"))
+    row = scale() * max(LINE * len(looks) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2)
     captions = [effect.measure.label + caption for effect in effects]
     axes = sheet(
-        ax, captions, title, size=(WIDE, row * len(labels) + 0.1), left=0.25 + longest / 72, below=0.05,
-        fewer="name one metric",
+        ax, captions, title, size=(scale() * WIDE, row * len(labels) + 0.1), left=scale() * 0.25 + longest / 72,
+        below=0.05, fewer="name one metric",
     )  # fmt: skip
     for place, effect in zip(axes, effects, strict=True):
         times = 100.0 if effect.measure.share else 1.0
@@ -139,10 +147,15 @@ def draw_effects(
         unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
         better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
         measure = effect.measure.label + f" ({unit})" * bool(unit)
-        name_axes(place, f"{better}    Δ {measure}    {worse}", "")
+        name = f"{better}    Δ {measure}    {worse}"
+        if width_of(name, letters() + 1) > 72 * place.bbox.width / place.figure.dpi:
+            name = f"Δ {measure}\n{better}    {worse}"
+        name_axes(place, name, "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
-    add_key(axes, f"less {standings.contenders[reference]}", _entries(looks, effects, others))
+    add_key(
+        axes, f"difference from {renamed(standings.contenders[reference], TITLES)}", _entries(looks, effects, others)
+    )
     say_lacking(axes, results)
     return drawn_on(axes, ax)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -18,6 +18,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.explaining.expectations import ALONE, SWARM, Expectation, expect
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
+from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Drawn, Own, Scale, add_key, count_axis, drawn_on, name_axes, sheet, show_range
 from swarmcensus.figures.theory_lines import STYLES, THIN, caption_without_theory, sample
@@ -30,6 +31,7 @@ MOST_LINES = 100  # robots that are all drawn as lines; a larger swarm is drawn 
 FEW_LINES = 30
 
 
+@on_page
 def curves(
     results: xr.Dataset,
     *,
@@ -40,6 +42,7 @@ def curves(
     theory: bool = False,
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw each robot's estimate in one trial against the communication round or tick.
 
@@ -56,6 +59,7 @@ def curves(
       for the bound of the whole swarm. This needs a study's results, not a trace.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
     - `ax`: axes of your own. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError if the trace has no estimates, and as `sc.replay` does.
     """

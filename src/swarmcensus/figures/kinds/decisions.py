@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -20,11 +20,11 @@ from swarmcensus.explaining.expectations import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
     POOLED,
-    SMALL,
     Drawn,
     Own,
     add_key,
@@ -39,11 +39,13 @@ from swarmcensus.figures.sheets import (
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries
 from swarmcensus.results.cautions import warn_of_edges
+from swarmcensus.results.labels import titles_in
 
 MOST_CHECKPOINTS = 12  # of a panel
 GAP = 1.5  # points between a diamond and the dash over it
 
 
+@on_page
 def decisions(
     results: xr.Dataset,
     *,
@@ -52,6 +54,7 @@ def decisions(
     theory: bool = False,
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw the share of robots that choose the right bin at each checkpoint, as the paper's Fig. 4 does.
 
@@ -66,6 +69,7 @@ def decisions(
     - `theory`: add the expected shares: dotted for robots alone, dashed for the bound of all readings of the swarm.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Warns if a fill ratio lies on the edge between two bins. Raises InputError for an unknown coordinate, for results
     that lack a variable or a finished trial, and for more than 24 panels.
@@ -99,7 +103,12 @@ def decisions_grid(
             drawn[k] = say_no_theory(panel, why)
     axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
     shares = [shares_of(panel.results, color) for panel in drawn]
-    looks = looks_of((value for panel_shares in shares for value in panel_shares), "d", color)
+    looks = looks_of(
+        (value for panel_shares in shares for value in panel_shares),
+        "d",
+        color,
+        titles_in(*(panel.results for panel in drawn)),
+    )
     if not looks:
         raise InputError(NOTHING)
     for panel, panel_shares, curves, place in zip(drawn, shares, expected, axes, strict=True):
@@ -124,7 +133,7 @@ def _draw_shares(
 ) -> None:
     known = np.flatnonzero(np.any([np.isfinite(share.right) for share in shares.values()], axis=0))
     width = axes.bbox.width * 72 / axes.figure.dpi
-    widest = max(2 * len(looks), 0.7 * SMALL * len(f"{checkpoints.max():,}"))  # of markers and of tick labels
+    widest = max(2 * len(looks), 0.7 * letters() * len(f"{checkpoints.max():,}"))  # of markers and of tick labels
     columns = min(known.size, MOST_CHECKPOINTS, max(1, int(width / widest)))
     kept = known[np.linspace(known.size - 1, 0, columns).round().astype(int)[::-1]]
     size = float(np.clip(width / columns / len(looks), 2, 7))  # the thin diamond is 0.85 times as wide

@@ -7,7 +7,7 @@ import importlib
 import itertools
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -22,6 +22,7 @@ from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.figures import scenes
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
 from swarmcensus.figures.kinds.arena import Arena
+from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import Tiles, check_tick
 from swarmcensus.figures.sheets import Own
 
@@ -34,6 +35,7 @@ MOST_GIF_FPS = 50  # viewers slow down faster films
 Frame = NDArray[np.uint8]  # (row, column, RGBA); overwritten by the next frame
 
 
+@on_page
 def film(
     results: xr.Dataset,
     *,
@@ -49,6 +51,7 @@ def film(
     title: str | None = None,
     progress: Callable[[int, int], None] | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Any:
     """Write a film of moving robots to a file, and return the number of frames.
 
@@ -63,6 +66,7 @@ def film(
     - `progress`: a function called after each frame with the numbers of finished and of all frames.
     - `ax`: axes of your own. No file is written then, and the film is returned as a matplotlib `FuncAnimation`. A
       notebook shows it by `HTML(film.to_jshtml())`. Keep a reference to it as long as it should run.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `arena` does, for impossible ticks or speeds, another suffix, a missing imageio-ffmpeg, and a
     file that cannot be written. It is raised before the trial is replayed.

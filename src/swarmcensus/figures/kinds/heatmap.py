@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Unpack, get_args
 
 import matplotlib as mpl
 import numpy as np
@@ -15,32 +15,36 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import names_of, places_of
 from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
-from swarmcensus.figures.lettering import shortened, width_of, write_numbers
+from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import (
     INNER,
     NOTHING,
-    SMALL,
     Drawn,
     Own,
     caption_panels,
     drawn_on,
+    layout,
     name_axes,
     say_lacking,
     sheet,
 )
+from swarmcensus.results.labels import titles_in
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.vocabulary.coordinates import title_of
 
 Z = Literal["convergence_error", "convergence_round"]
 LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers
 LINE = 0.16  # inches: the height of a row that has a name or a number
+NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
 ABOVE = 0.3  # inches over a panel for the colour bar
 MOST_NAMED = 8  # values of a coordinate in a message
 
 
+@on_page
 def heatmap(
     results: xr.Dataset,
     *,
@@ -49,6 +53,7 @@ def heatmap(
     z: Z | None = None,
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw medians over robots and trials in a grid of two coordinates.
 
@@ -60,6 +65,7 @@ def heatmap(
     - `z`: draw one panel only, "convergence_error" or "convergence_round".
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown coordinate, if another coordinate varies too, and for results without a finished
     trial.
@@ -72,9 +78,9 @@ def heatmap(
         vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
         raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
     texts = texts_of(results, x)
-    across = looks_of(texts.tolist(), "o", x)
+    across = looks_of(texts.tolist(), "o", x, titles_in(results))
     clouds = [cloud_of(results.isel(setting=texts == text), False, y) for text in across]
-    looks = looks_of((value for cloud in clouds for value in cloud), "o", y)
+    looks = looks_of((value for cloud in clouds for value in cloud), "o", y, titles_in(results))
     if not looks:
         raise InputError(NOTHING)
     medians = np.full((2, len(looks), len(across)), np.nan)
@@ -83,27 +89,33 @@ def heatmap(
             if value in cloud:
                 when, error = cloud[value]
                 medians[:, row, column] = np.median(error), np.median(when)
-    names = [shortened(look.name, 200, SMALL) for look in looks.values()]
+    names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
     drawn = [k for k, name in enumerate(get_args(Z)) if z in (None, name)]
     if not drawn:
         raise InputError(f"z {z!r}: should be one of {', '.join(get_args(Z))}")
-    widest = max(width_of(look.name, SMALL) for look in across.values())
-    cell = max(0.4, ((widest if places_of(across)[1] else min(widest, NAME_WIDTH)) + SMALL) / 72)  # inches
-    size = (max(cell * len(across), 2.4), max(0.25 * len(looks), 0.75))
+    widest = max(width_of(look.name, letters()) for look in across.values())
+    cell = max(
+        0.4 * scale(), ((widest if places_of(across)[1] else min(widest, NAME_WIDTH)) + letters()) / 72
+    )  # inches
+    size = (max(cell * len(across), 2.4), max(0.25 * scale() * len(looks), 0.75))
     numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
-    left = max(1.25, 0.55 + max(width_of(name, SMALL) for name in names) / 72)
-    under = names_of(across, 72 * size[0])
+    left = scale() * 0.55 + max(width_of(name, letters()) for name in names) / 72
+    left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
+    room = layout(len(drawn), size=size, left=left, key=False)
+    under = names_of(across, 72 * room.wide)
+    numbered = numbered and room.wide >= cell * len(across) and room.high >= LINE * scale() * len(looks)
+    size = room.wide, room.high
     axes = sheet(
-        ax, [""] * len(drawn), title, size=size, left=left, right=0.15, above=ABOVE, below=under.room,
+        ax, [""] * len(drawn), title, size=size, left=left, key=False, above=ABOVE * scale(), below=under.room,
         fewer="choose z, convergence_error or convergence_round",
     )  # fmt: skip
     if ax is not None:
         size = axes[0].bbox.width / axes[0].figure.dpi, axes[0].bbox.height / axes[0].figure.dpi
-        numbered = size[0] >= cell * len(across) and size[1] >= LINE * len(looks)
+        numbered = size[0] >= cell * len(across) and size[1] >= LINE * scale() * len(looks)
         under = names_of(across, 72 * size[0])
     styles = ".3f" if np.nanmax(medians[0]) >= 0.1 else ".4f", ",.0f"
-    columns, rows = _labelled(len(across), size[0] / cell), _labelled(len(names), size[1] / LINE)
+    columns, rows = _labelled(len(across), size[0] / cell), _labelled(len(names), size[1] / (LINE * scale()))
     for k, place in zip(drawn, axes, strict=True):
         _draw_cells(place, medians[k], (0.01, 1.0)[k], styles[k], numbered)
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
@@ -114,7 +126,7 @@ def heatmap(
         place.spines[:].set_visible(False)
     captions = [r"median error $|x^K - f\,|$", f"median convergence $K$ ({unit_of(results).split()[-1]})"]
     if ax is None or not title or len(axes) > 1:
-        caption_panels(axes, [captions[k] for k in drawn], ABOVE, math=True)
+        caption_panels(axes, [captions[k] for k in drawn], ABOVE * scale(), math=True)
     say_lacking(axes, [results])
     return drawn_on(axes, ax)
 
@@ -136,12 +148,7 @@ def _draw_cells(axes: Axes, values: NDArray[np.float64], linear: float, style: s
     image = axes.imshow(values, cmap=colours, norm=norm, aspect="auto", origin="lower")
     _draw_scale(axes, norm, colours, style)
     if numbered:
-        write_numbers(axes, image, values, lambda value: _number(value, style), SMALL - 1)
-
-
-def _number(value: float, style: str) -> str:
-    text = f"{value:{style}}"
-    return text.removeprefix("0") if "." in text else text
+        write_numbers(axes, image, values, lambda value: f"{value:{style}}", letters() - 1)
 
 
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str) -> None:
@@ -150,8 +157,14 @@ def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str) -> N
     bar = axes.inset_axes((0, 1 + 6 / high, min(1.0, 170 / wide), 5 / high))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
     bar.set_axis_off()
-    ends = {0.0: f"best {_number(float(norm.vmin or 0), style)}", 1.0: f"{_number(float(norm.vmax or 0), style)} worst"}
+    ends = {0.0: f"best {float(norm.vmin or 0):{style}}", 1.0: f"{float(norm.vmax or 0):{style}} worst"}
     for place, text in ends.items():
         bar.text(
-            place, 1.4, text, ha="right" if place else "left", va="bottom", fontsize=SMALL - 1, transform=bar.transAxes
+            place,
+            1.4,
+            text,
+            ha="right" if place else "left",
+            va="bottom",
+            fontsize=letters() - 1,
+            transform=bar.transAxes,
         )

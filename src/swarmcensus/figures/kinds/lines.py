@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple, Unpack, get_args
 
 import numpy as np
 import xarray as xr
@@ -20,6 +20,7 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, na
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
     LEFT,
@@ -29,12 +30,14 @@ from swarmcensus.figures.sheets import (
     Own,
     add_key,
     drawn_on,
+    layout,
     name_axes,
     say_empty,
     say_lacking,
     say_pooled,
     sheet,
 )
+from swarmcensus.results.labels import titles_in
 from swarmcensus.results.measures import is_share, statistic_of, with_measure
 from swarmcensus.results.selecting import require
 from swarmcensus.results.values import bounds_in, robots_in
@@ -51,8 +54,6 @@ DASH = 6.0
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
 ROOM = 60.0  # the most that all dots with the same x span, if the values of x are names
 NEAR = 9.0  # the same if they are numbers
-WIDE, HIGH = 310.0, 230.0  # a single panel
-NARROW, LOW = 180.0, 137.0  # the smallest of several panels
 
 Statistic = Literal["median", "mean"]
 Piece = tuple[float, float, float, float]  # x and y of a point, then x and y of the next point
@@ -78,6 +79,7 @@ class Stretch(NamedTuple):
     style: Any
 
 
+@on_page
 def lines(
     results: xr.Dataset,
     *,
@@ -88,6 +90,7 @@ def lines(
     statistic: Statistic | None = None,
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
 
@@ -106,6 +109,7 @@ def lines(
     - `statistic`: "median" or "mean". By default it is the mean for shares and for what is sent, else the median.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown variable or coordinate, for results without a finished trial, and for more than 24
     panels.
@@ -126,13 +130,13 @@ def lines(
     every = [point for panel_series in series for points in panel_series.values() for point in points]
     if all(np.isnan(point.value) for point in every):
         raise InputError(NOTHING)
-    across = looks_of((point.x for point in every), "o", x)
+    across = looks_of((point.x for point in every), "o", x, titles_in(results))
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
-        looks = looks_of((value for panel_series in series for value in panel_series), "o", color)
-    under = names_of(across, NARROW if len(parts) > 1 else WIDE)
-    beside = name_of(results, y, statistic, LOW if len(parts) > 1 else HIGH)
-    left = LEFT + 0.17 * beside.count("\n")
+        looks = looks_of((value for panel_series in series for value in panel_series), "o", color, titles_in(results))
+    beside = name_of(results, y, statistic, 72 * layout(len(parts)).high)
+    left = scale() * (LEFT + 0.17 * beside.count("\n"))
+    under = names_of(across, 72 * layout(len(parts), left=left).wide)
     axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
     middle = (len(looks) - 1) / 2

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
-from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
@@ -21,19 +20,20 @@ from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
+from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, say_lacking, sheet, show_range
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 SIZE = 6.0  # points: a dot
-NEAR = 0.01  # costs closer than this share of the axis count as one cost,
-BESIDE = 5.0  # and their dots are drawn so many points apart
+ALIKE = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
 SPREAD = 8.0  # ratio of the costs from which on their axis is logarithmic
 COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
 
 Floats = NDArray[np.float64]
 
 
+@on_page
 def pareto(
     results: xr.Dataset,
     *,
@@ -41,16 +41,18 @@ def pareto(
     cost: str = "bytes_sent",
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw a measure of `sc.compare` against a cost, one panel for each world, with the Pareto front.
 
     Full dots are on the front: no other brain is both better and cheaper. A stepped line joins them. Vertical lines are
-    95 % intervals over trials. An arrow at the top is an infinite value. Dots at the same cost stand side by side.
+    95 % intervals over trials. An arrow at the top is an infinite value. Costs that agree to three digits share one x.
 
     - `metric`: a measure.
     - `cost`: "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes".
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each world. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, for an unknown cost and for more than 24 worlds.
     """
@@ -63,13 +65,18 @@ def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
     A contender is on the front if no other is at least as cheap and as good, and cheaper or better. Costs that agree to
     three digits count as equal, since means over trials differ by chance.
     """
-    cost = np.array([float(f"{each:.3g}") for each in cost.tolist()])
+    cost = _rounded(cost)
     worse = value if low else -value
     cheaper = cost[:, np.newaxis] <= cost
     better = worse[:, np.newaxis] <= worse
     strictly = (cost[:, np.newaxis] < cost) | (worse[:, np.newaxis] < worse)
     beaten = (cheaper & better & strictly).any(axis=0)
     return np.asarray(~beaten & ~np.isnan(cost) & ~np.isnan(value))
+
+
+def _rounded(costs: Floats) -> Floats:
+    """Costs with so many digits that equal ones are equal."""
+    return np.array([float(f"{each:.{ALIKE}g}") for each in costs.ravel().tolist()]).reshape(costs.shape)
 
 
 def draw_pareto(
@@ -96,7 +103,7 @@ def draw_pareto(
     measure, contest = standings.measures[0], standings.contests[0]
     times = 100.0 if measure.share else 1.0
     values, low, high = (times * part for part in (contest.values, *contest.value_ends))
-    costs = known[cost]
+    costs = _rounded(known[cost])
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
     looks = looks_of(standings.contenders, "o", "brain")
@@ -113,8 +120,6 @@ def draw_pareto(
     entries: dict[str, Any] = {look.name: solid_dot(look, SIZE, 0.6) for look in looks.values()}
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), False)
-    if any(_beside(place, cost).any() for place, cost in zip(axes, costs, strict=True)):
-        entries["side by side: at the same cost"] = Line2D([], [], linestyle="")
     add_key(axes, "", entries)
     say_lacking(axes, results)
     return drawn_on(axes, ax)
@@ -142,16 +147,6 @@ def _cost_axis(axes: Axes, costs: Floats) -> None:
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 
 
-def _beside(axes: Axes, cost: Floats) -> Floats:
-    """How many points each contender is moved sideways, so that dots at the same cost do not hide each other."""
-    across = axes.transAxes.inverted().transform(axes.transData.transform(np.column_stack([cost, 0.0 * cost + 1.0])))
-    out, order = np.zeros(len(cost)), np.argsort(across[:, 0], kind="stable")
-    order = order[np.isfinite(across[order, 0])]
-    for group in np.split(order, np.flatnonzero(np.diff(across[order, 0]) > NEAR) + 1):
-        out[np.sort(group)] = BESIDE * (np.arange(len(group)) - (len(group) - 1) / 2.0)
-    return out
-
-
 def _draw(
     axes: Axes, cost: Floats, value: Floats, low: Floats, high: Floats, on_front: NDArray[np.bool_], looks: list[Look]
 ) -> None:
@@ -160,22 +155,17 @@ def _draw(
     joined = np.flatnonzero(on_front & np.isfinite(value))
     order = joined[np.argsort(cost[joined], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
-    points = axes.figure.dpi_scale_trans
-    for k, (look, beside) in enumerate(zip(looks, _beside(axes, cost), strict=True)):
-        shifted = axes.transData + ScaledTranslation(beside / 72.0, 0.0, points)
+    for k, look in enumerate(looks):
         if np.isnan(cost[k]) or np.isnan(value[k]):
             continue
         if np.isinf(value[k]):
-            axes.annotate("", (cost[k], top), (cost[k], top - 0.1 * (top - bottom)), xycoords=shifted,
-                          textcoords=shifted, arrowprops={"arrowstyle": "->", "color": look.colour})  # fmt: skip
+            ends = (cost[k], top), (cost[k], top - 0.1 * (top - bottom))
+            axes.annotate("", *ends, arrowprops={"arrowstyle": "->", "color": look.colour})
             continue
         if not np.isnan(low[k]):
-            axes.plot(
-                [cost[k]] * 2, [max(low[k], bottom), min(high[k], top)], color=look.colour, linewidth=0.9, zorder=3,
-                transform=shifted,
-            )  # fmt: skip
+            ends_of_line = [max(low[k], bottom), min(high[k], top)]
+            axes.plot([cost[k]] * 2, ends_of_line, color=look.colour, linewidth=0.9, zorder=3)
         dot = _dot(look, bool(on_front[k]))
         dot.set_data([cost[k]], [value[k]])
         dot.set_zorder(4)
         axes.add_line(dot)
-        dot.set_transform(shifted)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -13,37 +13,34 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.brains.library import TITLES
 from swarmcensus.comparing.cells import p_equals
 from swarmcensus.comparing.comparison import compare
 from swarmcensus.comparing.pair_tests import Contest
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.lettering import wrapped
+from swarmcensus.figures.page import SHEET, PageOptions, caption_letters, letters, on_page, page, scale, title_letters
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import (
-    CAPTION,
-    SMALL,
-    TITLE,
-    Drawn,
-    Own,
-    caption_panels,
-    drawn_on,
-    own_axes,
-    say_lacking,
-)
+from swarmcensus.figures.sheets import Drawn, Own, caption_panels, drawn_on, own_axes, say_lacking
+from swarmcensus.results.labels import renamed
 from swarmcensus.statistics.significance import groups
 
-WIDE = 6.4  # inches: the figure
-NAMES = 1.75  # inches on either side for the names
-NUMBER = 0.36  # inches of these for a rank
+# Inches, with letters of the usual size:
+WIDE = 6.4  # the figure
+NAMES, SHARE = 1.75, 0.35  # on either side for the names, and the largest share of the figure's width
+NUMBER = 0.36  # of these for a rank
 MOST_LINES = 3  # of a name
-LINE, BAR = 0.17, 0.09  # inches from name to name, and from bar to bar
-OVER, UNDER = 0.62, 0.12  # inches for the caption and the numbers, and under the last name
-FOOT = 0.25  # inches under all panels
+LINE, BAR = 0.17, 0.09  # from name to name, and from bar to bar
+OVER, UNDER = 0.62, 0.12  # for the caption and the numbers, and under the last name
+FOOT = 0.25  # under all panels
 MOST = 40  # contenders
 GREY = "0.35"  # of the lines to the names
 
 
-def ranks(results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None) -> Drawn:
+@on_page
+def ranks(
+    results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None, **more: Unpack[PageOptions]
+) -> Drawn:
     """Draw the critical-difference diagram of `sc.compare`: the average ranks of brains, one line for each measure.
 
     The best brain is on the left. Ranks are means over the trials and worlds in which all contenders have run. A bar
@@ -53,6 +50,7 @@ def ranks(results: xr.Dataset, *, metric: Names = None, title: str | None = None
       corrected for all of them together.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each measure.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, if there is no world in which all contenders have run, and for more than 40
     contenders.
@@ -76,24 +74,36 @@ def draw_ranks(
             f"ranks: a line has room for {MOST:,} contenders, not {len(standings.contenders)}: select some settings"
         )
     joined = [_joined(standings, standings.contests[k]) for k in drawn]
-    names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in standings.contenders]
-    tall = LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
+    times, wide = scale(), _width()
+    side = min(NAMES * times, SHARE * wide)  # for the names
+    names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in _called(standings)]
+    tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
     captions = [_caption(standings, k, bars) for k, bars in zip(drawn, joined, strict=True)]
-    over = [OVER + LINE * (len(wrapped(caption, 72 * (WIDE - 0.4), CAPTION)) - 1) for caption in captions]
+    lines_of = [len(wrapped(caption, 72 * (wide - 0.4), caption_letters())) for caption in captions]
+    over = [times * (OVER + LINE * (lines - 1)) for lines in lines_of]
     high = [
-        above + UNDER + BAR * (len(bars) + 1) + tall * ((len(names) + 1) // 2)
+        above + times * (UNDER + BAR * (len(bars) + 1)) + tall * ((len(names) + 1) // 2)
         for above, bars in zip(over, joined, strict=True)
     ]
-    lines = wrapped(title or "", 72 * (WIDE - 0.4), TITLE, 3)
-    room = 0.22 * len(lines) + 0.1 * bool(lines)
+    lines = wrapped(title or "", 72 * (wide - 0.4), title_letters(), 3)
+    room = times * (0.22 * len(lines) + 0.1 * bool(lines))
     panels = _panels(high, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
     if ax is not None and title:
         captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
-    caption_panels(panels, captions, 0.3, WIDE - 0.3)
+    caption_panels(panels, captions, 0.3 * times, wide - 0.3)
     for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
-        _draw(panel, names, standings.contests[k].average_ranks, bars, inches - above, tall)
+        _draw(panel, names, standings.contests[k].average_ranks, bars, inches - above, tall, side)
     say_lacking(panels[-1:], results)
     return drawn_on(panels, ax)
+
+
+def _called(standings: Standings) -> list[str]:
+    return [renamed(name, TITLES) for name in standings.contenders]
+
+
+def _width() -> float:
+    """The width of the figure in inches."""
+    return page().width or WIDE * scale()
 
 
 def _joined(standings: Standings, contest: Contest) -> list[list[int]]:
@@ -120,37 +130,50 @@ def _over(contest: Contest) -> str:
 
 def _panels(high: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
     """Panels on a new figure, `high` inches each with `over` of these for the caption; `room` inches for the title."""
-    total = sum(high) + room + FOOT
-    figure = Figure(figsize=(WIDE, total))
+    wide, total = _width(), sum(high) + room + FOOT * scale()
+    figure = Figure(figsize=(wide, total))
     FigureCanvasAgg(figure)
-    figure.text(0.2 / WIDE, 0.1 / total, "1 is best; a bar joins those that are not told apart", fontsize=SMALL)
+    figure.set_gid(SHEET)
+    figure.text(0.2 / wide, 0.1 / total, "1 is best; a bar joins those that are not told apart", fontsize=letters())
     if title:
-        figure.suptitle("\n".join(title), x=0.2 / WIDE, y=1 - 0.1 / total, ha="left", va="top", fontsize=TITLE,
-                        parse_math=False)  # fmt: skip
+        figure.suptitle(
+            "\n".join(title), x=0.2 / wide, y=1 - 0.1 / total, ha="left", va="top", fontsize=title_letters(),
+            parse_math=False,
+        )  # fmt: skip
     tops = total - room - np.cumsum([0.0, *high[:-1]])
     return [
-        figure.add_axes((0.2 / WIDE, (top - inches) / total, 1 - 0.4 / WIDE, (inches - above) / total))
+        figure.add_axes((0.2 / wide, (top - inches) / total, 1 - 0.4 / wide, (inches - above) / total))
         for top, inches, above in zip(tops.tolist(), high, over, strict=True)
     ]
 
 
 def _draw(
-    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], inches: float, tall: float
+    axes: Axes,
+    names: list[list[str]],
+    ranks: np.ndarray,
+    bars: list[list[int]],
+    inches: float,
+    tall: float,
+    side: float,
 ) -> None:
-    """Draw one panel: x are ranks, y inches below the line of ranks. `tall` is the height of a name, given as lines."""
-    count = len(names)
-    wide = (axes.bbox.width / axes.figure.dpi - 2 * NAMES) / max(count - 1, 1)  # inches from rank to rank
-    left, right = 1 - NAMES / wide, count + NAMES / wide
+    """Draw one panel: x are ranks, y inches below the line of ranks.
+
+    `tall` is the height of a name, given as lines, and `side` the width on either side for names.
+    """  # fmt: skip
+    count, times = len(names), scale()
+    bar_step = BAR * times
+    wide = (axes.bbox.width / axes.figure.dpi - 2 * side) / max(count - 1, 1)  # inches from rank to rank
+    left, right = 1 - side / wide, count + side / wide
     axes.set_xlim(left, right)
     axes.set_ylim(inches, 0)
     axes.set_axis_off()
     axes.plot([1, count], [0, 0], color="black", linewidth=1, clip_on=False)
-    step = max(1, count // 12)
+    step = max(1, count // 12, int(np.ceil(1.6 * letters() / 72 / wide)))
     for rank in range(1, count + 1, step):
         axes.plot([rank, rank], [0, -0.05], color="black", linewidth=1, clip_on=False)
-        axes.text(rank, -0.07, str(rank), ha="center", va="bottom", fontsize=SMALL)
+        axes.text(rank, -0.07, str(rank), ha="center", va="bottom", fontsize=letters())
     for level, bar in enumerate(bars):
-        y, ends = BAR * (level + 0.9), ranks[bar]
+        y, ends = bar_step * (level + 0.9), ranks[bar]
         axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color="black", linewidth=3,
                   solid_capstyle="butt")  # fmt: skip
     order = np.argsort(ranks, kind="stable").tolist()
@@ -160,10 +183,12 @@ def _draw(
         (order[len(better) :][::-1], float(count), right, "left"),
     ):
         for k, contender in enumerate(side):
-            y = BAR * (len(bars) + 1) + tall * (k + 0.5)
+            y = bar_step * (len(bars) + 1) + tall * (k + 0.5)
             end = edge + 0.05 / wide * (-1 if far < edge else 1)
             axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=GREY, linewidth=0.7)
             away = -1 if far < edge else 1
-            style: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": SMALL, "parse_math": False}
+            style: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": letters(), "parse_math": False}
             axes.text(end + 0.04 / wide * away, y, f"{ranks[contender]:.2f}", **style)
-            axes.text(end + (0.04 + NUMBER) / wide * away, y, "\n".join(names[contender]), linespacing=0.95, **style)
+            axes.text(
+                end + (0.04 + NUMBER * times) / wide * away, y, "\n".join(names[contender]), linespacing=0.95, **style
+            )

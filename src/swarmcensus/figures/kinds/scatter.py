@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -20,11 +20,11 @@ from swarmcensus.figures.clouds import Cloud, Cross, cloud_of, crosses_of, unit_
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
+from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
     POOLED,
-    SMALL,
     Drawn,
     Own,
     Scale,
@@ -40,14 +40,15 @@ from swarmcensus.figures.sheets import (
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries
+from swarmcensus.results.labels import titles_in
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
-NAME_SIZE = SMALL - 1.5  # points: names of medians over a panel
 MOST_NAMED = 24  # medians of a panel
 TURNS = 6  # in which the dots are drawn
 EARLY = 0.05  # share of the dots that may lie further left: x is linear if the others span less than half a decade
 
 
+@on_page
 def scatter(
     results: xr.Dataset,
     *,
@@ -59,6 +60,7 @@ def scatter(
     theory: bool = False,
     title: str | None = None,
     ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Drawn:
     """Draw how fast and how well robots estimate: one dot per robot and trial, and the medians.
 
@@ -80,6 +82,7 @@ def scatter(
       readings of the swarm (not with `local`).
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
     24 panels.
@@ -108,7 +111,9 @@ def scatter_grid(
     drawn = [Panel(*panel) for panel in panels]
     clouds = [cloud_of(panel.results, panel.local, color) for panel in drawn]
     units = [unit_of(panel.results, panel.local) for panel in drawn]
-    looks = looks_of((value for cloud in clouds for value in cloud), "o", color)
+    looks = looks_of(
+        (value for cloud in clouds for value in cloud), "o", color, titles_in(*(panel.results for panel in drawn))
+    )
     if drawn and not looks:
         raise InputError(NOTHING)
     expected: list[Curves] = [{} for _ in drawn]
@@ -118,7 +123,7 @@ def scatter_grid(
             expected[k], why = curves_of(panel.results, color, None, names)
             drawn[k] = say_no_theory(panel, why)
     captions = [panel.caption for panel in drawn]
-    above = max([LABELS, *((width_of(look.short, NAME_SIZE) + 5) / 72 for look in looks.values())])
+    above = max([LABELS, *((width_of(look.short, _name_letters()) + 5) / 72 for look in looks.values())])
     axes = sheet(ax, captions, title, above=above, fewer=POOLED)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
@@ -154,6 +159,11 @@ def scatter_grid(
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
     return drawn_on(axes, ax)
+
+
+def _name_letters() -> float:
+    """The size in points of names of medians over a panel."""
+    return letters() - 1.5
 
 
 def _horizon(panel: Panel) -> float:
@@ -209,7 +219,7 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, Cross], looks: dict
     if beyond:
         axes.text(
             0.02, 0.98, f"{beyond:,} of {total:,} dots\nlie above", va="top", transform=axes.transAxes,
-            fontsize=SMALL - 1, color="0.3", path_effects=halo(2), zorder=6,
+            fontsize=letters() - 1, color="0.3", path_effects=halo(2), zorder=6,
         )  # fmt: skip
     return all_named
 
@@ -248,13 +258,13 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     ends = _ends_of(axes, dots)
     order = np.argsort(ends[:, 0], kind="stable")
-    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * NAME_SIZE)):
-        few = int(1 + width / (4 * NAME_SIZE))
+    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * _name_letters())):
+        few = int(1 + width / (4 * _name_letters()))
         order = order[np.linspace(0, len(order) - 1, few).round().astype(int)]
     ends, texts = ends[order], [texts[i] for i in order]
     # Neighbours must stand at least a line apart. Pushing all to the right achieves this, and so does pushing all to
     # the left; the mean of both does too, and is closest to the dots.
-    steps = np.arange(len(ends)) * 1.2 * NAME_SIZE / width
+    steps = np.arange(len(ends)) * 1.2 * _name_letters() / width
     wanted = ends[:, 0] - steps
     right, left = np.maximum.accumulate(wanted), np.minimum.accumulate(wanted[::-1])[::-1]
     places = np.clip((right + left) / 2, 0, max(0, 1 - steps[-1])) + steps
@@ -262,7 +272,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     axes.add_collection(_Leaders(axes, starts, np.array(dots)[order]), autolim=False)
     for place, text in zip(places, texts, strict=True):
         axes.text(
-            place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=NAME_SIZE,
+            place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=_name_letters(),
             transform=axes.transAxes,
         )  # fmt: skip
     return len(order) == len(dots)

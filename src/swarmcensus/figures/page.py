@@ -1,0 +1,160 @@
+"""The page that a figure is made for: its width and height, the size of its letters, and the names of brains.
+
+Every kind of figure takes the options of `PageOptions`, and draws with what `page()` says.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping
+from contextvars import ContextVar
+from typing import Any, Literal, NamedTuple, TypedDict, TypeVar
+
+import matplotlib as mpl
+import xarray as xr
+from matplotlib.figure import Figure
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
+from swarmcensus.results.labels import with_labels
+
+WIDTHS = {"column": 3.5, "double": 7.2, "slide": 10.0}  # inches
+SLIDE_LETTERS = 13.0  # points, which the last row of a room can read
+LETTERS = 7.5  # points: ticks and keys, unless a style or an option says otherwise
+SHEET, KEY_BELOW = "sheet", "sheet-key-below"  # labels of figures made here
+SIZES, FONTS = (2.0, 60.0), (4.0, 40.0)  # inches, and points
+
+Width = float | Literal["column", "double", "slide"]
+
+
+class PageOptions(TypedDict, total=False):
+    """The options that every kind of figure takes in addition to its own.
+
+    - `width`: inches, or "column" (3.5), "double" (7.2) or "slide" (10, with larger letters).
+    - `height`: inches; by default as high as the panels need.
+    - `font_size`: points of ticks and keys; captions are larger. By default matplotlib's `font.size` if a style sets
+      it, else 7.5.
+    - `labels`: names of brains in the figure, by their names in the results.
+    """
+
+    width: Width | None
+    height: float | None
+    font_size: float | None
+    labels: Mapping[str, str] | None
+
+
+class Page(NamedTuple):
+    """Width and height in inches, the size of letters in points; `high` are the inches of a panel that fit `height`."""
+
+    width: float | None = None
+    height: float | None = None
+    letters: float | None = None
+    high: float | None = None
+
+
+USUAL = Page()
+_PAGE: ContextVar[Page] = ContextVar("page", default=USUAL)
+Kind = TypeVar("Kind", bound=Callable[..., Any])
+
+
+def page() -> Page:
+    """The page of the figure that is being drawn."""
+    return _PAGE.get()
+
+
+def letters() -> float:
+    """The size in points of ticks and keys."""
+    if (chosen := page().letters) is not None:
+        return chosen
+    size = float(mpl.rcParams["font.size"])
+    return LETTERS if size == mpl.rcParamsDefault["font.size"] else size
+
+
+def caption_letters() -> float:
+    """The size in points of captions of panels."""
+    return letters() + 1.5
+
+
+def title_letters() -> float:
+    """The size in points of a figure's title."""
+    return letters() + 3.0
+
+
+def scale() -> float:
+    """By how much letters, and the room that they need, are larger than usual."""
+    return letters() / LETTERS
+
+
+def on_page(draw: Kind) -> Kind:
+    """Let a kind of figure take the options of `PageOptions`. Raises InputError for impossible ones."""
+
+    @functools.wraps(draw)
+    def drawn(results: xr.Dataset, **options: Any) -> Any:
+        given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
+        labels, own_axes = given.pop("labels"), options.get("ax") is not None
+        if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
+            raise InputError(f"{option(size)}: axes of your own have the size of their figure")
+        if labels:
+            results = with_labels(results, labels)
+        wanted = _page_of(**given)
+        if wanted == USUAL:
+            return draw(results, **options)
+        with _Turned(wanted):
+            figure = draw(results, **options)
+        if not isinstance(figure, Figure) or own_axes:
+            return figure
+        if wanted.height is not None and (panel := _panel_height(figure, wanted.height)) is not None:
+            with _Turned(wanted._replace(high=panel)):
+                figure = draw(results, **options)
+        wide, high = figure.get_size_inches()
+        figure.set_size_inches(wanted.width or wide, wanted.height or high)  # kinds of other packages know no page
+        return figure
+
+    return drawn  # type: ignore[return-value]
+
+
+class _Turned:
+    """Turns to another page for a block."""
+
+    def __init__(self, wanted: Page) -> None:
+        self.wanted = wanted
+
+    def __enter__(self) -> None:
+        self.token = _PAGE.set(self.wanted)
+
+    def __exit__(self, *_: object) -> None:
+        _PAGE.reset(self.token)
+
+
+def _page_of(width: Width | None, height: float | None, font_size: float | None) -> Page:
+    inches = WIDTHS.get(width, width) if isinstance(width, str) else width
+    for name, value, (least, most) in (
+        ("width", inches, SIZES),
+        ("height", height, SIZES),
+        ("font_size", font_size, FONTS),
+    ):
+        if value is None:
+            continue
+        if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
+            unit = "points" if name == "font_size" else "inches"
+            names = f", or one of {', '.join(WIDTHS)}" if name == "width" else ""
+            raise InputError(f"{option(name, value)}: should be {least:g} to {most:g} {unit}{names}")
+    letters = SLIDE_LETTERS if width == "slide" and font_size is None else font_size
+    return Page(inches, height, letters)
+
+
+def _panel_height(figure: Figure, height: float) -> float | None:
+    """How high each row of panels must be for a figure of this height; None if the rows have no common height."""
+    places = [place for ax in figure.axes if (place := ax.get_subplotspec()) is not None]
+    if not places and figure.get_gid() == SHEET:
+        raise InputError(f"{option('height', height)}: the height of this figure follows from the names in it")
+    if not places:
+        return None
+    rows = len({place.rowspan.start for place in places})
+    inches = next(ax for ax in figure.axes if ax.get_subplotspec() is not None).bbox.height / figure.dpi
+    panel = inches - (figure.get_figheight() - height) / rows
+    least = 0.5 * scale()
+    if panel < least:
+        needed = height + (least - panel) * rows
+        raise InputError(f"{option('height', height)}: this figure needs {needed + 0.05:.1f} inches at least")
+    return float(panel)
