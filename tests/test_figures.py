@@ -313,14 +313,19 @@ def test_the_axis_of_convergence_begins_where_the_data_do():
     assert ax.get_xlim()[0] == 20
 
 
-def test_an_empty_panel_says_so_and_leaves_the_others():
+def test_an_empty_panel_is_left_out_with_a_sentence_and_told_on_axes_of_the_caller():
     full = study(["0.6"])
     empty = forget(full, trial=slice(None))
     for grid in (scatter_grid, decisions_grid):
         figure = grid([("run", full), ("not run", empty)])
+        assert "left out, no trial has been run: not run" in texts(figure)
+        [axes] = figure.axes
+        assert axes.lines
+        figure = Figure(figsize=(8, 3))
+        FigureCanvasAgg(figure)
+        _, right = grid([("run", full), ("not run", empty)], ax=figure.subplots(1, 2))
+        assert not right.lines
         assert "no trial has been run" in texts(figure)
-        assert not figure.axes[1].lines
-        assert figure.axes[0].lines
 
 
 def test_figures_draw_into_axes_of_the_caller():
@@ -492,7 +497,7 @@ def test_heatmap_writes_the_median_of_each_cell_and_leaves_out_what_was_not_run(
     cells = {tuple(np.round(t.get_position()).astype(int)): t for t in error.texts}
     assert set(cells) == {(x, y) for x in range(2) for y in range(3)} - {(1, 1)}
     median = float(results.convergence_error[0].median())
-    assert cells[0, 0].get_text() == f"{median:.4f}".removeprefix("0")
+    assert cells[0, 0].get_text() == f"{median:.4f}"
     image = np.asarray(rounds.images[0].get_array().filled(np.nan))
     np.testing.assert_allclose(image[2], [results.convergence_round[i].median() for i in (2, 5)])
     assert [t.get_text() for t in error.get_yticklabels()] == ["0.6", "0.9", "U(0.5, 0.9)"]

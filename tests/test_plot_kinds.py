@@ -256,7 +256,10 @@ def test_the_page_s_table_has_every_kind_and_all_its_options():
     text = (ROOT / "docs" / "plotting.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \|.*\| ([^|]*) \|$", text, re.MULTILINE)
     told = {kind: re.findall(r"`(\w+)`", options) for kind, options in rows}
-    takes = {name: [p.name for p in inspect.signature(find(name)).parameters.values()][1:] for name in OURS}
+    takes = {
+        name: [p.name for p in inspect.signature(find(name)).parameters.values() if p.kind is p.KEYWORD_ONLY]
+        for name in OURS
+    }
     assert {kind: sorted(options) for kind, options in told.items()} == {k: sorted(v) for k, v in takes.items()}
 
 
@@ -388,8 +391,10 @@ def test_a_heatmap_has_any_two_coordinates():
     shown = np.asarray(error.images[0].get_array())
     np.testing.assert_allclose(shown.T.ravel(), results.convergence_error.median(("trial", "robot")))
     assert_fits(sc.plot.heatmap(results, x="topology", y="robots"))
+    chosen, _ = sc.plot.heatmap(results).axes  # the two that vary, in the order of captions
+    np.testing.assert_array_equal(chosen.images[0].get_array(), shown.T)
     with pytest.raises(TooMuch, match=r"a heatmap shows accuracy and topology, but robots \(4, 1200\) varies too"):
-        sc.plot.heatmap(results, x="topology")
+        sc.plot.heatmap(results, x="topology", y="accuracy")
 
 
 def test_axes_of_one_s_own_hold_one_panel(small_results):
@@ -499,13 +504,13 @@ def test_what_never_happens_is_marked_and_not_drawn():
     results["stop_round"] = (("setting", "trial", "robot"), when, {"units": "rounds", "long_name": "when it stops"})
     figure = sc.plot.lines(results, y="stop_round", color="brain")
     (ax,) = figure.axes
-    (mark,) = (line for line in ax.lines if line.get_label() == "infinite minimalistic")
+    (mark,) = (line for line in ax.lines if line.get_label() == "infinite Minimalistic (paper)")
     assert mark.get_xdata().tolist() == [10, 100]
     assert set(mark.get_ydata()) == {1.0}  # of the panel's height
-    (line,) = (line for line in ax.lines if line.get_label() == "line minimalistic")
+    (line,) = (line for line in ax.lines if line.get_label() == "line Minimalistic (paper)")
     assert np.isnan(line.get_ydata()[:2]).all()
     assert line.get_ydata()[2] == pytest.approx(np.median(when[2]))
-    ends = intervals(ax, "minimalistic")
+    ends = intervals(ax, "Minimalistic (paper)")
     assert np.isfinite(ends[-1]).all()
     assert ax.get_ylim()[1] < 100
     assert "the median is infinite" in texts(figure)

@@ -35,9 +35,15 @@ def decimals_for(width: float, digits: int = 2) -> int:
     return min(max(digits - 1 - math.floor(math.log10(width)), 0), 9) if 0 < width < math.inf else 3
 
 
-def rounded(value: float, low: float, high: float, decimals: int) -> tuple[str, str]:
-    """A number and its interval as text."""
-    return f"{value:,.{decimals}f}", f"[{low:,.{decimals}f}, {high:,.{decimals}f}]"
+def rounded(value: float, low: float, high: float, decimals: int, most: float = math.inf) -> tuple[str, str]:
+    """A number and its interval as text; one with the value `most`, which nothing exceeds, has a lower end only."""
+    text = f"{value:,.{decimals}f}"
+    if value >= most:
+        return text, f"[>= {low:,.{decimals}f}]"
+    return text, f"[{low:,.{decimals}f}, {high:,.{decimals}f}]"
+
+
+ONE_SIDED = "the same in all trials, so a lower end only (95 %), which counts trials and not robots"
 
 
 def counted(count: int, noun: str) -> str:

@@ -23,6 +23,7 @@ def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--only", nargs="+", metavar="PART", help="only these parts, such as fig2, fig3, fig4, fig5 or claims"
     )
+    sub.add_argument("--pdf", action="store_true", help="also write the figures as PDF")
     add_run_options(sub)
 
 
@@ -39,6 +40,7 @@ def reproduce(options: argparse.Namespace) -> int:
         jobs=options.jobs,
         only=options.only,
         fresh=options.fresh,
+        pdf=options.pdf,
         reporting=reporting,
         say=wrote,
     )

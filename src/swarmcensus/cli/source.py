@@ -66,8 +66,11 @@ def read(options: argparse.Namespace) -> Source:
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.selecting import where
     from swarmcensus.results.summaries import asked_anew
+    from swarmcensus.studies.tables import UNNAMED
 
     stored = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
+    if stored.attrs["title"] == UNNAMED:
+        stored = stored.assign_attrs(title=options.results.stem)
     if changed := asked_anew(stored):
         values = " and ".join(f"{key} = {stored.attrs[key]:g}" for key in changed)
         say(f"{options.results}: measured again from its estimates, with {values}")

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounded
+from swarmcensus.basics.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
 from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, NUMBER, Column, console, fitted, left_out, table
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
-from swarmcensus.results.values import metrics_in, parameters_in
+from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.statistics.intervals import FEWEST
 from swarmcensus.vocabulary.quantities import QUANTITIES
 from swarmcensus.worlds.networks import MOVING
@@ -164,7 +164,7 @@ def _values(frame: Any, name: str, column: str, spare: int) -> list[Column]:
             texts.append(("-" if np.isnan(value) else f"{value:{form}}", ""))
         else:
             finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
-            texts.append(rounded(value, low, high, max(usual, finest)))
+            texts.append(rounded(value, low, high, max(usual, finest), 100.0 if times > 1.0 else np.inf))
     values, intervals = map(list, zip(*texts, strict=True))
     head = f"{name} %" if times > 1.0 else name
     columns = [Column(head, values, spare=spare), Column(INTERVAL, intervals, spare=FIRST_OUT)]
@@ -179,9 +179,10 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool) -> list[str]:
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
         f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} "
-        f"(medians over robots and trials){floor}",
+        f"(medians, {pooled_in_rows(data)}){floor}",
         f"right: robots in the correct bin {when}"
         + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
+        *([f"[>= ...]: {ONE_SIDED}"] if intervals and _one_sided(frame) else []),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
             if "coverage" in frame
@@ -204,6 +205,25 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool) -> list[str]:
             else []
         ),
     ]
+
+
+def pooled_in_rows(data: xr.Dataset) -> str:
+    """What each row of `show` is pooled over."""
+    trials, robots = done(data).sum(axis=1), robots_in(data).values
+    spans = [
+        f"{low:,} to {counted(high, noun)}" if low < high else counted(high, noun)
+        for low, high, noun in (
+            (int(trials.min()), int(trials.max()), "trial"),
+            (int(robots.min()), int(robots.max()), "robot"),
+        )
+    ]
+    return f"pooled over {' of '.join(spans)}"
+
+
+def _one_sided(frame: Any) -> bool:
+    """Whether a share is 1 in all trials of a setting, and has an interval."""
+    shares = [COLUMNS[name].name for name, times in TIMES.items() if times > 1.0 and COLUMNS[name].name in frame]
+    return any(((frame[name] == 1.0) & frame[f"{name}_low"].notna()).any() for name in shares)
 
 
 def _clipped(data: xr.Dataset) -> list[str]:

@@ -14,7 +14,14 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.comparing import groups, tables
 from swarmcensus.comparing.contenders import NONE, Grid, grid_of
-from swarmcensus.comparing.pair_tests import ALPHA, Contest, ContestInput, contests, pairs_of, test_count
+from swarmcensus.comparing.pair_tests import (
+    Contest,
+    ContestInput,
+    contests,
+    in_worlds_too_few,
+    overall_too_few,
+    pairs_of,
+)
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.comparing.verdicts import verdict
 from swarmcensus.results import measures, selecting
@@ -24,7 +31,6 @@ from swarmcensus.results.measures import COSTS, SIZES, Measure
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import asked_anew, done, failed_trials
 from swarmcensus.statistics.bootstrap import centres
-from swarmcensus.statistics.significance import fewest_trials
 
 Floats = NDArray[np.float64]
 
@@ -177,13 +183,7 @@ def _cautions(
             cautions.append(
                 f"{measure.label}: there are no numbers of {', '.join(names)} in {_worlds(lacking.any(axis=1))}"
             )
-    tests = test_count(all_contests)
-    least, most = fewest_trials(tests, ALPHA), max(int((~np.isnan(n)).sum(axis=2).max()) for n in numbers_of)
-    if most < least:
-        cautions.append(
-            f"{counted(most, 'trial')} cannot tell anything apart among {counted(tests, 'test')}: run {least} or more, "
-            "or compare fewer measures or worlds"
-        )
+    cautions += filter(None, (in_worlds_too_few(all_contests), overall_too_few(all_contests)))
     pairs = [(grid.contenders[i], grid.contenders[j]) for i, j in pairs_of(len(grid.contenders))]
     cautions += [
         f"{measure.label}: {first} and {second} are the same in every trial that both have"

@@ -1,6 +1,6 @@
 """The statistics of a comparison: paired tests of every two contenders in every world, corrected for their number."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import NamedTuple
@@ -8,9 +8,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.basics.formatting import counted
 from swarmcensus.statistics.bootstrap import Statistic, centres, intervals
 from swarmcensus.statistics.intervals import LEVEL
-from swarmcensus.statistics.significance import SignedRanks, differences, friedman, holm, midranks, signed_ranks
+from swarmcensus.statistics.significance import (
+    SignedRanks,
+    differences,
+    fewest_trials,
+    friedman,
+    holm,
+    midranks,
+    signed_ranks,
+)
 
 ALPHA = 1 - LEVEL
 BLOCK = 2**22  # numbers that are compared at once, to bound memory
@@ -38,8 +47,9 @@ class Contest:
     A pair's `difference` is its first contender minus its second. `ranks` (trial, contender) are centred, and summed
     over the worlds that all contenders have met. `duels` (pair,) are tests over all these worlds: their number for a
     trial is the share of worlds in which the first contender is ahead, minus the share in which it is behind.
-    `corrected` and `duels_corrected` are p-values after Holm's correction for all tests of all measures of a
-    comparison; `friedman_corrected` is the p-value of Friedman's test, corrected for the measures alone.
+    `corrected` are p-values after Holm's correction for all tests in single worlds, of all measures of a comparison,
+    and `duels_corrected` for all tests over all worlds; `friedman_corrected` is the p-value of Friedman's test,
+    corrected for the measures alone.
     """
 
     low: bool  # whether low values are better
@@ -102,23 +112,49 @@ def pairs_of(contenders: int) -> list[tuple[int, int]]:
 
 
 def test_count(all_contests: Iterable[Contest]) -> int:
-    """The number of pair tests of all measures, for which each is corrected."""
-    return sum(int((~np.isnan(part)).sum()) for c in all_contests for part in (c.corrected, c.duels_corrected))
+    """The number of pair tests in single worlds of all measures, for which each is corrected."""
+    return sum(int((~np.isnan(contest.corrected)).sum()) for contest in all_contests)
+
+
+def overall_count(all_contests: Iterable[Contest]) -> int:
+    """The number of pair tests over all worlds of all measures, for which each is corrected."""
+    return sum(int((~np.isnan(contest.duels_corrected)).sum()) for contest in all_contests)
+
+
+def in_worlds_too_few(all_contests: Sequence[Contest]) -> str:
+    """What the trials are too few for in single worlds, as a sentence; empty if they are enough for some."""
+    trials = max(int(contest.trials.max()) for contest in all_contests)
+    return too_few(trials, test_count(all_contests), "compare fewer measures or worlds")
+
+
+def overall_too_few(all_contests: Sequence[Contest]) -> str:
+    """What the trials are too few for over all worlds, as a sentence; empty if they are enough for some."""
+    trials = max(len(contest.ranks) for contest in all_contests)
+    return too_few(trials, overall_count(all_contests), "compare fewer measures", " over all worlds")
+
+
+def too_few(trials: int, tests: int, advice: str, where: str = "") -> str:
+    """That no test can reach the level after correction for `tests` tests, as a sentence; empty if one can."""
+    least = fewest_trials(tests, ALPHA)
+    if not tests or trials >= least:
+        return ""
+    return (
+        f"{counted(trials, 'trial')} cannot tell anything apart{where} among {counted(tests, 'test')}: run {least} or "
+        f"more, or {advice}"
+    )
 
 
 def contests(measures: list[ContestInput], with_intervals: bool = True, against: int | None = None) -> list[Contest]:
     """The contest of each measure. Without intervals, they and Friedman's test, which take most of the time, are NaN.
 
-    With `against` only pairs with that contender are tested. The pair tests of all measures are one family: if no
-    contenders differ, any pair is told apart in at most 5 % of comparisons. Friedman's tests, one for each measure, are
-    a family of their own: they find whether any contenders differ, but not which.
+    With `against` only pairs with that contender are tested. The pair tests in single worlds, of all measures, are one
+    family: if no contenders differ, any pair is told apart in at most 5 % of comparisons. So are the pair tests over
+    all worlds, and Friedman's tests, one for each measure, which find whether any contenders differ, but not which.
     """
     untested = [_contest(contest, with_intervals, against) for contest in measures]
-    p_values = [part.ravel() for contest in untested for part in (contest.corrected, contest.duels_corrected)]
-    corrected = holm(np.concatenate(p_values)) if p_values else np.zeros(0)
-    at = 0
-    for contest in untested:
-        for part in (contest.corrected, contest.duels_corrected):
+    for family in ([contest.corrected for contest in untested], [contest.duels_corrected for contest in untested]):
+        corrected, at = holm(np.concatenate([part.ravel() for part in family])) if family else np.zeros(0), 0
+        for part in family:
             part[...] = corrected[at : at + part.size].reshape(part.shape)
             at += part.size
     overall = holm(np.array([contest.friedman[1] for contest in untested]))

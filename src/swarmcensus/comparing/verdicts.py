@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.formatting import counted
 from swarmcensus.comparing.cells import p_equals, range_text
-from swarmcensus.comparing.pair_tests import Contest, pairs_of, test_count
+from swarmcensus.comparing.pair_tests import Contest, overall_count, pairs_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.statistics.significance import groups
 from swarmcensus.vocabulary.quantities import QUANTITIES
@@ -89,7 +89,7 @@ def _overall(standings: Standings, contest: Contest) -> str:
     elif len(level[0]) == len(order) and contest.differ:
         outcome = (
             f"they differ ({test}), but with {counted(len(contest.ranks), 'trial')} no two can be told apart, "
-            f"corrected for {counted(test_count(standings.contests), 'test')}"
+            f"corrected for {counted(overall_count(standings.contests), 'test')}"
         )
     elif len(level[0]) == len(order):
         outcome = f"none is told apart from another ({test})"

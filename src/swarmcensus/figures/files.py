@@ -19,6 +19,13 @@ DPI = 150  # unless a style says otherwise
 TEXT = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}  # text stays text, which editors can alter
 
 
+def checked_dpi(dpi: float) -> float:
+    """The dots per inch. Raises InputError for impossible ones."""
+    if not isinstance(dpi, int | float) or not 10 <= dpi <= 2400:
+        raise InputError(f"{option('dpi', dpi)}: should be 10 to 2400 dots per inch")
+    return dpi
+
+
 def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: float | None = None) -> list[Path]:
     """Write a figure in the format of the path's suffix, and return the paths written.
 
@@ -31,9 +38,7 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     cannot be written.
     """
     usual = mpl.rcParams["savefig.dpi"]
-    dots = dpi if dpi is not None else DPI if isinstance(usual, str) else float(usual)
-    if not isinstance(dots, int | float) or not 10 <= dots <= 2400:
-        raise InputError(f"{option('dpi', dpi)}: should be 10 to 2400 dots per inch")
+    dots = checked_dpi(DPI if isinstance(usual, str) else float(usual)) if dpi is None else checked_dpi(dpi)
     path, known = Path(path), figure.canvas.get_supported_filetypes()
     suffix = path.suffix.lower().lstrip(".")
     if not formats and suffix.isalpha():

@@ -43,6 +43,7 @@ NARROWEST = 0.8  # the same if there is a single column
 NOTES = ("lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
 INNER = "inner"  # label of a panel with a left neighbour, which has the name of the y axis
 POOLED = "select some of the settings, draw all into one with panels=[]"  # advice on how to get fewer panels
+UNRUN = "no trial has been run"
 NOTHING = "nothing to draw: no trial of these settings has been run"
 
 
@@ -244,8 +245,8 @@ def _name_of_axis(axes: Axes, name: str) -> str:
     return name.replace(" (", "\n(", 1) if "\n" not in plain and width_of(plain, letters() + 1) > room else name
 
 
-def say_empty(axes: Axes, why: str = "no trial has been run") -> None:
-    """Write into an empty panel why it is empty."""
+def say_empty(axes: Axes, why: str = UNRUN) -> None:
+    """Write into an empty panel of the caller's why it is empty."""
     axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=letters() + 1)
     axes.set_axis_off()
 
@@ -327,7 +328,7 @@ def make_room(figure: Any, inches: float) -> None:
             x, y, wide, high = ax.get_position().bounds
             ax.set_position((x, (y * height + inches) / new, wide, high * height / new))
     for text in figure.texts:
-        text.set_y((text.get_y() * height + inches) / new)
+        text.set_y((text.get_position()[1] * height + inches) / new)
 
 
 def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
@@ -347,13 +348,32 @@ def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[s
             LOG.info("settings that are drawn as one are pooled over %s", what)
 
 
+def say_few(axes: Sequence[Axes], why: str) -> None:
+    """Write at the foot of the figure what its trials are too few for, if anything."""
+    if why:
+        say_at_foot(axes, why, "few-trials")
+
+
+def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[int]:
+    """The panels to draw: those that have numbers. On the caller's axes, or if none has any, these are all."""
+    kept = [k for k, there in enumerate(has) if there]
+    return kept if kept and ax is None else list(range(len(captions)))
+
+
+def say_left_out(axes: Sequence[Axes], captions: Sequence[str], kept: Sequence[int], why: str) -> None:
+    """Write at the foot of the figure which panels are left out, and why."""
+    left_out = [caption for k, caption in enumerate(captions) if k not in kept]
+    if left_out:
+        say_at_foot(axes, f"left out, {why}: {'; '.join(left_out)}", "left-out")
+
+
 def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", "right"] = "left") -> None:
     """Write a note at the foot of the figure, in a free place beside or under earlier notes."""
     figure: Any = axes[0].figure.canvas.figure
     width, row = 72 * figure.get_figwidth() - 12, 10 / 72 * scale()
     lines = wrapped(note, width, letters(), 4)
     before = [text for text in figure.texts if text.get_gid() in NOTES]
-    last = [text for text in before if text.get_y() * figure.get_figheight() < row]
+    last = [text for text in before if text.get_position()[1] * figure.get_figheight() < row]
     used = sum(width_of(text.get_text().split("\n")[-1], letters()) + 12 for text in last)
     fits = (
         bool(last)

@@ -40,6 +40,7 @@ def reproduce(
     jobs: int | None = None,
     only: str | Iterable[str] | None = None,
     fresh: bool = False,
+    pdf: bool = False,
     reporting: Reporting | None = None,
     say: Callable[[str], None] = print,
 ) -> Reproduction:
@@ -47,8 +48,8 @@ def reproduce(
 
     `of` is "paper", or "rivals" for published results on other algorithms; by default `out` is "reproduction" or
     "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
-    "claims", and runs only the studies that they need. `reporting(label)` is a context that gives the callback for
-    the progress of all studies together; `say` gets one line per stage.
+    "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `reporting(label)`
+    is a context that gives the callback for the progress of all studies together; `say` gets one line per stage.
 
     Raises InputError for unknown names and, before anything is run, for a folder that cannot be written. Ctrl-C
     raises Interrupted; finished work is kept in `out`, and the same call continues from there, unless `fresh`.
@@ -64,7 +65,8 @@ def reproduce(
     stems = [out / "figures" / figure.name for figure in figures]
     check_own(out / "index.html", lambda text: f"<title>{this.title}</title>" in text, "reproduce")
     check_writable(out / "claims.json")
-    for path in [data_path(out, name) for name in studies] + [stem.with_suffix(".png") for stem in stems]:
+    formats = ("png", "svg", *(["pdf"] if pdf else []))
+    for path in [data_path(out, name) for name in studies] + [s.with_suffix(f".{f}") for s in stems for f in formats]:
         check_writable(path)
 
     seconds: dict[str, float] = {}
@@ -88,7 +90,7 @@ def reproduce(
     drawn, outcomes = [], []
     if figures:
         with stage("figures"):
-            drawn = list(zip(figures, _drawn(figures, datasets, stems), strict=True))
+            drawn = list(zip(figures, _drawn(figures, datasets, stems, formats), strict=True))
     if checks:
         with stage("claims"):
             outcomes = claims.check(datasets, checks)
@@ -151,7 +153,10 @@ def _simulate(
 
 
 def _drawn(
-    figures: Sequence[PaperFigure], datasets: Mapping[str, xr.Dataset], stems: Sequence[Path]
+    figures: Sequence[PaperFigure],
+    datasets: Mapping[str, xr.Dataset],
+    stems: Sequence[Path],
+    formats: Sequence[str],
 ) -> list[list[Path]]:
     """Draw all figures, every second one in a copy of this process. Returns the files of each."""
     from swarmcensus.figures.files import save  # imports matplotlib: half a second, which not every part needs
@@ -162,7 +167,7 @@ def _drawn(
         panels = [view.panel(datasets) for view in figure.views]
         scatter = figure.kind == "scatter"
         drawn = scatter_grid(panels, scale=figure.scale) if scatter else decisions_grid(panels)
-        return save(drawn, stem)
+        return save(drawn, stem, formats)
 
     tasks = list(zip(figures, stems, strict=True))
     others = in_background(lambda: [draw(*task) for task in tasks[1::2]])

@@ -19,6 +19,7 @@ from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
+    UNRUN,
     Drawn,
     Own,
     add_key,
@@ -26,8 +27,10 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_left_out,
     sheet,
     show_range,
+    with_numbers,
 )
 from swarmcensus.worlds.sensors import Accuracy
 
@@ -59,6 +62,9 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     costs(results)
     panels = panels_of(results, ON_AXES)
     drawn = [[cost for cost in costs_of(panel.results) if np.isfinite(cost.median)] for panel in panels]
+    captions = [panel.caption for panel in panels]
+    kept = with_numbers(ax, captions, [bool(group) for group in drawn])
+    panels, drawn = [panels[k] for k in kept], [drawn[k] for k in kept]
     every = [cost for group in drawn for cost in group]
     if not every:
         raise InputError(NOTHING)
@@ -100,6 +106,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     if any(np.isfinite(cost.predicted) for cost in every):
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
     add_key(axes, heading, entries)
+    say_left_out(axes, captions, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in panels])
     return drawn_on(axes, ax)
 

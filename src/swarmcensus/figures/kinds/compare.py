@@ -18,6 +18,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.brains.library import TITLES
 from swarmcensus.comparing import comparison
 from swarmcensus.comparing.effects import Effect, effects
+from swarmcensus.comparing.pair_tests import in_worlds_too_few, too_few
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
@@ -32,13 +33,17 @@ from swarmcensus.figures.sheets import (
     drawn_on,
     name_axes,
     say_empty,
+    say_few,
     say_lacking,
+    say_left_out,
     sheet,
     show_range,
+    with_numbers,
 )
 from swarmcensus.results.labels import renamed
 
 MOST_ROWS = 40
+NUMBERLESS = "no pair of trials has numbers"
 SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
 NAME = 150.0  # points: the width of a row's name, which may take two lines
@@ -86,7 +91,11 @@ def compare(
         )
     reference = standings.against or 0
     rows, drawn = effects(results, standings, reference, by)
-    return draw_effects(standings, reference, rows, drawn, title, ax, [results])
+    few = in_worlds_too_few(standings.contests)
+    if by is not None:  # these tests are others, one for each row, contender and measure
+        tests = sum(int((~np.isnan(effect.value)).sum()) for effect in drawn)
+        few = too_few(int(standings.contests[0].trials.max()), tests, "compare fewer measures or rows")
+    return draw_effects(standings, reference, rows, drawn, title, ax, [results], few)
 
 
 def draw_effects(
@@ -97,11 +106,12 @@ def draw_effects(
     title: str | None,
     ax: Own,
     results: Sequence[xr.Dataset],
+    few: str = "",
 ) -> Drawn:
     """Draw the effects of a comparison, one panel for each measure; see `compare`. Raises InputError for too many rows.
 
     `reference` is the contender that others are compared with. `rows` are the worlds that each row stands for, as
-    their common coordinates and their number.
+    their common coordinates and their number. `few` says what the trials are too few for.
     """
     if len(rows) > MOST_ROWS:
         raise InputError(
@@ -120,6 +130,9 @@ def draw_effects(
     labels = ["\n".join(wrapped(text, name, letters(), 2)) for text in texts]
     longest = max(width_of(line, letters()) for text in labels for line in text.split("\n"))
     row = scale() * max(LINE * len(looks) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2)
+    has = [not np.isnan(effect.value[:, others]).all() for effect in effects]
+    kept = with_numbers(ax, [effect.measure.label for effect in effects], has)
+    every, effects = [effect.measure.label for effect in effects], [effects[k] for k in kept]
     captions = [effect.measure.label + caption for effect in effects]
     axes = sheet(
         ax, captions, title, size=(scale() * WIDE, row * len(labels) + 0.1), left=scale() * 0.25 + longest / 72,
@@ -132,7 +145,7 @@ def draw_effects(
         if single:
             value, low, high, apart = value.T, low.T, high.T, apart.T
         if np.isnan(value).all():
-            say_empty(place, "no pair of trials has numbers")
+            say_empty(place, NUMBERLESS)
             continue
         _difference_axis(place, value, low, high)
         for k, look in enumerate(looks):
@@ -156,7 +169,9 @@ def draw_effects(
     add_key(
         axes, f"difference from {renamed(standings.contenders[reference], TITLES)}", _entries(looks, effects, others)
     )
+    say_left_out(axes, every, kept, NUMBERLESS)
     say_lacking(axes, results)
+    say_few(axes, few)
     return drawn_on(axes, ax)
 
 

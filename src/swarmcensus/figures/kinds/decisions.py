@@ -25,6 +25,7 @@ from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
     POOLED,
+    UNRUN,
     Drawn,
     Own,
     add_key,
@@ -32,9 +33,11 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_left_out,
     say_pooled,
     sheet,
     show_range,
+    with_numbers,
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries
@@ -42,6 +45,7 @@ from swarmcensus.results.cautions import warn_of_edges
 from swarmcensus.results.labels import titles_in
 
 MOST_CHECKPOINTS = 12  # of a panel
+ONE_SIDED: Any = (0, (1, 2))  # the line of an interval with a lower end only
 GAP = 1.5  # points between a diamond and the dash over it
 
 
@@ -62,7 +66,9 @@ def decisions(
     spaced. A panel shows at most 12 checkpoints; if there are more, the axis says how many are shown. A column has one
     diamond for each value of `color`, side by side in the order of the key. y is the percentage of right robots over
     all trials. A thin line through a diamond is its 95 % interval over trials; it needs at least 6 trials and swarms of
-    one size. A dash over a diamond means that all robots of all trials are right.
+    one size. A dash over a diamond means that all robots of all trials are right. Its interval is dotted and has a
+    lower end only. It counts trials, because robots that are always right do not show how much they depend on each
+    other. So it may be wider than that of 99.9 %.
 
     - `color`: the coordinate shown by colour.
     - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
@@ -101,16 +107,19 @@ def decisions_grid(
             checkpoints = panel.results["checkpoint"].values.tolist()
             expected[k], why = curves_of(panel.results, color, checkpoints, (ALONE, SWARM))
             drawn[k] = say_no_theory(panel, why)
-    axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
     shares = [shares_of(panel.results, color) for panel in drawn]
+    captions = [panel.caption for panel in drawn]
+    kept = with_numbers(ax, captions, [bool(panel_shares) for panel_shares in shares])
+    drawn, shares, expected = ([part[k] for k in kept] for part in (drawn, shares, expected))
     looks = looks_of(
         (value for panel_shares in shares for value in panel_shares),
         "d",
         color,
         titles_in(*(panel.results for panel in drawn)),
     )
-    if not looks:
+    if drawn and not looks:
         raise InputError(NOTHING)
+    axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
     for panel, panel_shares, curves, place in zip(drawn, shares, expected, axes, strict=True):
         if panel_shares:
             _draw_shares(place, panel.results["checkpoint"].values, panel_shares, looks, unit_of(panel.results), curves)
@@ -120,9 +129,15 @@ def decisions_grid(
     entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.4) for look in named.values()}
     if any(share.all_right.any() for panel_shares in shares for share in panel_shares.values()):
         entries["dash over it: all\nrobots of all trials\nare right"] = _dash(0.0, 7.0, "0.3", 1.6)
-    if any(np.isfinite(share.low).any() for panel_shares in shares for share in panel_shares.values()):
+    known = [(np.isfinite(s.low), s.all_right) for panel_shares in shares for s in panel_shares.values()]
+    if any((finite & ~right).any() for finite, right in known):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
+    if any((finite & right).any() for finite, right in known):
+        entries["dotted: all right, so with\na lower end only; it counts\ntrials, not robots"] = Line2D(
+            [], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3"
+        )
     add_key(axes, heading, entries | theory_entries(expected))
+    say_left_out(axes, captions, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
     return drawn_on(axes, ax)
@@ -154,11 +169,12 @@ def _draw_shares(
         dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
         dashes.set_in_layout(bool(all_right.any()))  # layouts must skip an artist without data
         axes.add_line(dashes)
-        axes.vlines(
-            x[present], 100 * low[present], 100 * high[present], colors=look.colour, alpha=0.7,
-            linewidths=np.clip(0.12 * size, 0.4, 0.7),
-            label=f"interval {text}", zorder=2,
-        )  # fmt: skip
+        for those, style, name in ((present & ~all_right, "-", "interval"), (all_right, ONE_SIDED, "one-sided")):
+            if those.any():
+                axes.vlines(
+                    x[those], 100 * low[those], 100 * high[those], colors=look.colour, alpha=0.7, linestyles=[style],
+                    linewidths=np.clip(0.12 * size, 0.4, 0.7), label=f"{name} {text}", zorder=2,
+                )  # fmt: skip
         diamonds = solid_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
         diamonds.set(xdata=x[present], ydata=100 * right[present], label=f"right {text}", zorder=4, clip_on=False)
         diamonds.set_in_layout(bool(present.any()))

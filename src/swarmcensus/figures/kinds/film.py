@@ -14,6 +14,7 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.artist import Artist
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -21,6 +22,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.figures import scenes
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
+from swarmcensus.figures.files import checked_dpi
 from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import Tiles, check_tick
@@ -47,6 +49,7 @@ def film(
     last: int | str | None = None,
     every: int = 2,
     fps: int = 20,
+    dpi: int | None = None,
     robot: int = 0,
     title: str | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -62,6 +65,7 @@ def film(
     - `setting`, `trial`, `brain`, `robot`, `title`: as in `arena`.
     - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
     - `every`: the number of ticks from one frame to the next.
+    - `dpi`: dots per inch, by default 128 for an .mp4 and 80 for a .gif.
     - `fps`: frames per second. A GIF rounds the time of a frame to hundredths of a second.
     - `progress`: a function called after each frame with the numbers of finished and of all frames.
     - `ax`: axes of your own. No file is written then, and the film is returned as a matplotlib `FuncAnimation`. A
@@ -86,8 +90,9 @@ def film(
             trace, floor, ax, first=begin, last=end, every=every, fps=fps, robot=robot, title=title, progress=progress
         )
     return write_film(
-        trace, floor, out, first=begin, last=end, every=every, fps=fps, robot=robot, title=title, progress=progress
-    )
+        trace, floor, out, first=begin, last=end, every=every, fps=fps, dpi=dpi, robot=robot, title=title,
+        progress=progress,
+    )  # fmt: skip
 
 
 def write_film(
@@ -99,6 +104,7 @@ def write_film(
     last: int | None = None,
     every: int = 2,
     fps: int = 20,
+    dpi: int | None = None,
     robot: int = 0,
     title: str | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -116,7 +122,10 @@ def write_film(
     known = int(arena.ticks[0]), int(arena.ticks[-1])
     ticks = film_ticks(path, known, first=first, last=last, every=every, fps=fps)
     ffmpeg = ffmpeg_for(path)
-    frames = _drawn(arena, ticks, MP4_DPI if ffmpeg else GIF_DPI, progress)
+    dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
+    if ffmpeg:
+        _make_even(arena.figure, dots)
+    frames = _drawn(arena, ticks, dots, progress)
     with atomic_write(path) as temporary, contextlib.closing(frames):
         if ffmpeg:
             _write_mp4(ffmpeg, temporary, frames, len(ticks), fps)
@@ -208,6 +217,12 @@ def _pace(trace: xr.Dataset, ticks: int) -> str:
         return f"{ticks} ticks a second"
     pace = ticks * trace.attrs["tick_seconds"]
     return "as fast as life" if pace == 1.0 else f"{pace:.3g} times as fast as life"
+
+
+def _make_even(figure: Figure, dpi: int) -> None:
+    """Make a figure at most one dot smaller on each side, so that both sides have an even number of dots."""
+    inches = [2 * int(dpi * side / 2 + 1e-6) / dpi for side in figure.get_size_inches()]
+    figure.set_size_inches(*inches)
 
 
 def _drawn(

@@ -40,6 +40,7 @@ LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, the
 LINE = 0.16  # inches: the height of a row that has a name or a number
 NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
+USUAL = "accuracy", "fill_ratio"  # in rows and in columns
 ABOVE = 0.3  # inches over a panel for the colour bar
 MOST_NAMED = 8  # values of a coordinate in a message
 
@@ -48,8 +49,8 @@ MOST_NAMED = 8  # values of a coordinate in a message
 def heatmap(
     results: xr.Dataset,
     *,
-    x: str = "fill_ratio",
-    y: str = "accuracy",
+    x: str | None = None,
+    y: str | None = None,
     z: Z | None = None,
     title: str | None = None,
     ax: Own = None,
@@ -61,7 +62,8 @@ def heatmap(
     if robots move. The colour bar over a panel says which colours are best. Cells contain their numbers if these fit.
     Grey cells have no finished trial. A heatmap extends the paper's Figs. 2 to 5 to all fill ratios f.
 
-    - `x`, `y`: the coordinates in columns and in rows.
+    - `x`, `y`: the coordinates in columns and in rows; by default the two that vary. If fewer do, they are the fill
+      ratio and the accuracy; if more do, these two if they vary.
     - `z`: draw one panel only, "convergence_error" or "convergence_round".
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel.
@@ -71,6 +73,7 @@ def heatmap(
     trial.
     """
     check_coordinates(results, x=x, y=y)
+    x, y = _axes_of(results, x, y)
     if x == y:
         raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates")
     if varying := varies(results, apart_from={x, y}):
@@ -129,6 +132,16 @@ def heatmap(
         caption_panels(axes, [captions[k] for k in drawn], ABOVE * scale(), math=True)
     say_lacking(axes, [results])
     return drawn_on(axes, ax)
+
+
+def _axes_of(results: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
+    """The coordinates of the columns and the rows: the given ones, or the defaults that `heatmap` documents."""
+    given = {name for name in (x, y) if name}
+    varying = [name for name in varies(results, given) if name not in given]
+    usual = [name for name in USUAL if name not in given]
+    free = list(dict.fromkeys([*(name for name in usual if name in varying), *varying, *usual]))
+    y = y or free.pop(0)
+    return x or free.pop(0), y
 
 
 def _first_values(values: list[Any]) -> str:

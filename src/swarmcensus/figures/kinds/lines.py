@@ -34,8 +34,10 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_left_out,
     say_pooled,
     sheet,
+    with_numbers,
 )
 from swarmcensus.results.labels import titles_in
 from swarmcensus.results.measures import is_share, statistic_of, with_measure
@@ -46,6 +48,7 @@ from swarmcensus.vocabulary.coordinates import title_of
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
 ENDLESS = r"$\infty$"  # the marker of an infinite statistic
+NUMBERLESS = "no trial has numbers of"
 SOLID = "-"
 # All lengths are in points.
 SIZE = 5.0  # of a dot
@@ -127,6 +130,10 @@ def lines(
         raise InputError(f"statistic {statistic!r}: should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
+    has = [any(not np.isnan(p.value) for points in panel.values() for p in points) for panel in series]
+    captions = [part.caption for part in parts]
+    kept = with_numbers(ax, captions, has)
+    parts, series = [parts[k] for k in kept], [series[k] for k in kept]
     every = [point for panel_series in series for points in panel_series.values() for point in points]
     if all(np.isnan(point.value) for point in every):
         raise InputError(NOTHING)
@@ -146,7 +153,7 @@ def lines(
     step = min(apart, NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
     for panel_series, place in zip(series, axes, strict=True):
         if all(np.isnan(point.value) for points in panel_series.values() for point in points):
-            say_empty(place, f"no trial has numbers of {y}")
+            say_empty(place, f"{NUMBERLESS} {y}")
             continue
         coordinate_axis(place, x, across, under, step * middle)
         numbers = {value: _numbers(panel_series.get(value, []), across) for value in looks}
@@ -170,6 +177,7 @@ def lines(
         entries |= {look.name: _dot(look) for look in named.values()}
     _say_marks(entries, every, statistic)
     add_key(axes, heading, entries)
+    say_left_out(axes, captions, kept, f"{NUMBERLESS} {y}")
     say_lacking(axes, [results])
     say_pooled(axes, [part.results for part in parts], [x, *([color] if color else [])])
     return drawn_on(axes, ax)

@@ -22,7 +22,18 @@ from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS
-from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, say_lacking, sheet, show_range
+from swarmcensus.figures.sheets import (
+    Drawn,
+    Own,
+    add_key,
+    drawn_on,
+    name_axes,
+    say_lacking,
+    say_left_out,
+    sheet,
+    show_range,
+    with_numbers,
+)
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 SIZE = 6.0  # points: a dot
@@ -108,9 +119,10 @@ def draw_pareto(
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
     looks = looks_of(standings.contenders, "o", "brain")
     captions = [caption_of(world) for world in worlds]
-    axes = sheet(ax, captions, title)
+    kept = with_numbers(ax, captions, (~np.isnan(values) & np.isfinite(costs)).any(axis=1).tolist())
+    axes = sheet(ax, [captions[k] for k in kept], title)
     measured_axis(axes, values.ravel().tolist(), [*low.ravel().tolist(), *high.ravel().tolist()])
-    for k, place in enumerate(axes):
+    for k, place in zip(kept, axes, strict=True):
         _cost_axis(place, costs[np.isfinite(costs)])
         _draw(
             place, costs[k], values[k], low[k], high[k], front(costs[k], values[k], contest.low), list(looks.values())
@@ -121,6 +133,7 @@ def draw_pareto(
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), False)
     add_key(axes, "", entries)
+    say_left_out(axes, captions, kept, f"no contender has both {measure.name} and {cost}")
     say_lacking(axes, results)
     return drawn_on(axes, ax)
 

@@ -16,12 +16,21 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.brains.library import TITLES
 from swarmcensus.comparing.cells import p_equals
 from swarmcensus.comparing.comparison import compare
-from swarmcensus.comparing.pair_tests import Contest
+from swarmcensus.comparing.pair_tests import Contest, in_worlds_too_few, overall_too_few
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.page import SHEET, PageOptions, caption_letters, letters, on_page, page, scale, title_letters
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Drawn, Own, caption_panels, drawn_on, own_axes, say_lacking
+from swarmcensus.figures.sheets import (
+    Drawn,
+    Own,
+    caption_panels,
+    drawn_on,
+    own_axes,
+    say_few,
+    say_lacking,
+    say_left_out,
+)
 from swarmcensus.results.labels import renamed
 from swarmcensus.statistics.significance import groups
 
@@ -94,6 +103,9 @@ def draw_ranks(
     for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
         _draw(panel, names, standings.contests[k].average_ranks, bars, inches - above, tall, side)
     say_lacking(panels[-1:], results)
+    every = [measure.label for measure in standings.measures]
+    say_left_out(panels[-1:], every, drawn, "no world in which all contenders have numbers")
+    say_few(panels[-1:], overall_too_few(standings.contests) or in_worlds_too_few(standings.contests))
     return drawn_on(panels, ax)
 
 

@@ -25,6 +25,7 @@ from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
     POOLED,
+    UNRUN,
     Drawn,
     Own,
     Scale,
@@ -35,8 +36,10 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_left_out,
     say_pooled,
     sheet,
+    with_numbers,
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries
@@ -110,6 +113,9 @@ def scatter_grid(
     """
     drawn = [Panel(*panel) for panel in panels]
     clouds = [cloud_of(panel.results, panel.local, color) for panel in drawn]
+    every_caption = [panel.caption for panel in drawn]
+    kept = with_numbers(ax, every_caption, [bool(cloud) for cloud in clouds])
+    drawn, clouds = [drawn[k] for k in kept], [clouds[k] for k in kept]
     units = [unit_of(panel.results, panel.local) for panel in drawn]
     looks = looks_of(
         (value for cloud in clouds for value in cloud), "o", color, titles_in(*(panel.results for panel in drawn))
@@ -156,6 +162,7 @@ def scatter_grid(
         linear_part = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
         entries[f"{linear_part}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
+    say_left_out(axes, every_caption, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
     return drawn_on(axes, ax)
