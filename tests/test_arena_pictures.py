@@ -256,7 +256,7 @@ def test_what_cannot_be_drawn_is_an_input_error(results, scene):
 def test_the_title_names_brain_setting_and_trial_and_fits(results, scene, name):
     number = moving(results, 9)
     trace, floor = scene
-    assert f"setting {number}, trial 1: minimalistic, moving, N = 9, D = 5.0" in texts(snapshot(trace, 3, floor))
+    assert f"setting {number}, trial 1: minimalistic, moving, N = 9, D = 5" in texts(snapshot(trace, 3, floor))
     title = trace.attrs["title"].replace("pictures for $2 or $3", name)
     figure = snapshot(trace.assign_attrs(title=title), 3, floor)
     figure.draw_without_rendering()

@@ -207,4 +207,4 @@ def test_a_setting_names_all_that_tells_it_from_others():
     assert all(", L = " in text and "D = " not in text for text in moving)
     world = {"fill_ratio": 0.5, "topology": "moving", "density": 5}
     (setting,) = sc.Study(trials=1, swarm={"robots": 5, "accuracy": 0.8}, world=world, schedule={"ticks": 9}).settings()
-    assert str(setting) == "moving, N = 5, D = 5.0, accuracy 0.8, f = 0.5, 9 ticks"
+    assert str(setting) == "moving, N = 5, D = 5, accuracy 0.8, f = 0.5, 9 ticks"

@@ -3,6 +3,7 @@
 import io
 import json
 import shlex
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -125,14 +126,17 @@ def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
     assert main(["show", file, "--limit", "0"]) == 0
     first, same, heads, *lines = capsys.readouterr().out.splitlines()
-    assert first == f"{file}: study (seed 0, swarmcensus {sc.__version__}): 48 settings, 288 of 288 trials done"
+    assert (
+        first
+        == f"{file}: {Path(file).stem} (seed 0, swarmcensus {sc.__version__}): 48 settings, 288 of 288 trials done"
+    )
     assert heads.split()[:5] == ["setting", "topology", "robots", "accuracy", "rounds"]
     for k, (line, row) in enumerate(zip(lines, sc.summary(file).to_dict("records"), strict=False)):
         shown = [str(k), row["topology"], str(row["robots"]), *row["accuracy"].split()]
         assert line.split()[: len(shown)] == shown
         assert line.count("[") == line.count("]") == 4
     assert not any("…" in line or "..." in line for line in lines)
-    assert len(lines) == 48 + 2
+    assert len(lines) == 48 + 3
     assert same == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
 
 
@@ -151,7 +155,7 @@ def test_the_hint_to_the_others_is_a_command(file, capsys):
     out = capsys.readouterr().out
     last = out.splitlines()[-1]
     assert last == "40 of 48 settings; show all: swarmcensus show many.nc --limit 0"
-    assert len(out.splitlines()) == 2 + 40 + 3 + 1
+    assert len(out.splitlines()) == 2 + 40 + 4 + 1
     assert (
         main(["show", file, "--where", "robots > 1", "--checkpoint", "5", "--sort", "K", "--reverse", "--limit", "3"])
         == 0

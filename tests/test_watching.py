@@ -64,7 +64,7 @@ def parsed(message):
 
 def test_a_small_swarm_is_offered_where_no_study_is():
     found = wanted(offer_of(None), {})
-    assert str(found.settings[0]) == "moving, N = 25, D = 1.0, accuracy 0.75, f = 0.75, 10,000 ticks"
+    assert str(found.settings[0]) == "moving, N = 25, D = 1, accuracy 0.75, f = 0.75, 10,000 ticks"
 
 
 def test_settings_are_those_of_the_study(offer):
@@ -86,9 +86,9 @@ def test_results_are_watched_too(offer, tmp_path):
         ({"brain": "commons"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"robots": "50"}, "ring, N = 50, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"accuracy": "0.8"}, "ring, N = 6, accuracy 0.8, f = 0.6, C = 60, R = 10"),
-        ({"topology": "moving"}, "moving, N = 6, D = 1.0, accuracy U(0.6,0.9), f = 0.6, 10,000 ticks"),
+        ({"topology": "moving"}, "moving, N = 6, D = 1, accuracy U(0.6,0.9), f = 0.6, 10,000 ticks"),
         ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1,000, R = 10"),
-        ({"setting": "2", "floor": "half", "density": "2"}, "D = 2.0, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
+        ({"setting": "2", "floor": "half", "density": "2"}, "D = 2, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
         ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
         ({"liars": "0.5"}, "of them 0.5 always-black, not honest"),
         ({"liars": "0.5", "adversary": "jammer"}, "of them 0.5 jammer, not honest"),

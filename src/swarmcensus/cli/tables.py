@@ -182,7 +182,7 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool) -> list[str]:
         f"(medians, {pooled_in_rows(data)}){floor}",
         f"right: robots in the correct bin {when}"
         + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
-        *([f"[>= ...]: {ONE_SIDED}"] if intervals and _one_sided(frame) else []),
+        *([f"[>= x]: {ONE_SIDED}"] if intervals and _one_sided(frame) else []),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
             if "coverage" in frame

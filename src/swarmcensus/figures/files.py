@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,9 +11,8 @@ from matplotlib.figure import Figure
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.options import option
+from swarmcensus.figures.page import RENDERING
 
-# matplotlib's settings are global: threads that save at the same time take turns.
-_settings = threading.Lock()
 DPI = 150  # unless a style says otherwise
 TEXT = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}  # text stays text, which editors can alter
 
@@ -49,6 +47,6 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
-        with atomic_write(place) as temporary, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"} | TEXT):
+        with atomic_write(place) as temporary, RENDERING, mpl.rc_context({"svg.hashsalt": "swarmcensus"} | TEXT):
             figure.savefig(temporary, format=extension, dpi=dots, metadata=undated)
     return list(paths)

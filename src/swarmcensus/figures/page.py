@@ -6,6 +6,7 @@ Every kind of figure takes the options of `PageOptions`, and draws with what `pa
 from __future__ import annotations
 
 import functools
+import threading
 from collections.abc import Callable, Mapping
 from contextvars import ContextVar
 from typing import Any, Literal, NamedTuple, TypedDict, TypeVar
@@ -53,6 +54,8 @@ class Page(NamedTuple):
 
 
 USUAL = Page()
+# matplotlib's settings and its reader of formulas are global: threads that draw texts or save take turns.
+RENDERING = threading.RLock()
 _PAGE: ContextVar[Page] = ContextVar("page", default=USUAL)
 Kind = TypeVar("Kind", bound=Callable[..., Any])
 

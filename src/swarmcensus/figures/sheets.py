@@ -23,7 +23,7 @@ from swarmcensus.basics.options import option
 from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
-from swarmcensus.figures.page import KEY_BELOW, SHEET, caption_letters, letters, page, scale, title_letters
+from swarmcensus.figures.page import KEY_BELOW, RENDERING, SHEET, caption_letters, letters, page, scale, title_letters
 from swarmcensus.figures.panels import MOST_PANELS
 
 LOG = logging.getLogger(__name__)
@@ -40,7 +40,7 @@ EDGE = 0.15  # the room on the right if the key is below
 GAP = 0.42  # from panel to panel
 LEAST = 1.75  # the width of a panel that a page of given width may have
 NARROWEST = 0.8  # the same if there is a single column
-NOTES = ("lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
+NOTES = ("key", "lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
 INNER = "inner"  # label of a panel with a left neighbour, which has the name of the y axis
 POOLED = "select some of the settings, draw all into one with panels=[]"  # advice on how to get fewer panels
 UNRUN = "no trial has been run"
@@ -226,7 +226,8 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
     beside = place and not place.is_first_col() and axes.get_shared_y_axes().get_siblings(axes)[1:]
     above = place and not place.is_last_row() and axes.get_shared_x_axes().get_siblings(axes)[1:]
     if not above:
-        axes.set_xlabel(_name_of_axis(axes, x) if figure_is_ours(axes) else x, fontsize=letters() + 1)
+        wide = axes.bbox.width / axes.figure.dpi
+        axes.set_xlabel(name_in_lines(x, wide) if figure_is_ours(axes) else x, fontsize=letters() + 1)
     if axes.get_label() != INNER and not beside:
         axes.set_ylabel(y, fontsize=letters() + 1)
     axes.tick_params(labelsize=letters())
@@ -238,11 +239,16 @@ def figure_is_ours(axes: Axes) -> bool:
     return axes.figure.canvas.figure.get_gid() in (SHEET, KEY_BELOW)
 
 
-def _name_of_axis(axes: Axes, name: str) -> str:
-    """The name of an x axis, with its unit on a second line if it is wider than the panel."""
+def name_in_lines(name: str, wide: float) -> str:
+    """The name of an x axis under a panel of `wide` inches, with its unit on a second line if it is wider."""
     plain = re.sub(r"[$\\{},]", "", name)  # a formula is no wider than its letters
-    room = 72 * axes.bbox.width / axes.figure.dpi + 20
-    return name.replace(" (", "\n(", 1) if "\n" not in plain and width_of(plain, letters() + 1) > room else name
+    too_wide = "\n" not in plain and width_of(plain, letters() + 1) > 72 * wide + 20
+    return name.replace(" (", "\n(", 1) if too_wide else name
+
+
+def second_line(names: Iterable[str], wide: float) -> float:
+    """The inches that a second line of these names takes under panels of `wide` inches; 0 if there is none."""
+    return SPACING * (letters() + 1) / 72 * any("\n" in name_in_lines(name, wide) for name in names)
 
 
 def say_empty(axes: Axes, why: str = UNRUN) -> None:
@@ -256,7 +262,9 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
 
     Long names are wrapped, and on the right letters get smaller until all lines fit.
     """
-    figure = axes[0].figure.canvas.figure
+    figure: Any = axes[0].figure.canvas.figure
+    if figure_is_ours(axes[0]) and any("\n" in ax.get_xlabel() for ax in axes):
+        make_room(figure, max(0.0, 0.03 - _lowest(axes)))
     if not entries:
         return
     if figure.get_gid() == KEY_BELOW:
@@ -268,6 +276,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
     points = 72 / corner.figure.dpi
     wide = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * letters()
     names = _wrapped_names(entries, max(wide, 60.0))
+    title = "\n".join(_wrapped_names([title], max(wide, 60.0) + 2 * letters())) if "$" not in title else title
     lines = sum(1 + name.count("\n") for name in (title, *names))
     room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
     legend = corner.legend(
@@ -291,7 +300,8 @@ def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> 
     short = {name for name in shown if width_of(name, letters()) + handle <= width / 2}
     heading = title.replace("\n", " ")
     across = 6 / 72 - lowest.bbox.x0 / figure.dpi
-    down = 0.1 * scale() - lowest.bbox.y0 / figure.dpi  # from the panel, past the names of axes
+    foot = _lowest(axes)
+    down = foot - 0.08 * scale() - lowest.bbox.y0 / figure.dpi  # from the panel, past the names of axes
     added = 0.0
     for group in ([name for name in shown if name in short], [name for name in shown if name not in short]):
         if not group:
@@ -308,9 +318,18 @@ def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> 
         lowest.add_artist(legend)
         for text in legend.get_texts():
             text.set_parse_math(False)
-        added += legend.get_window_extent(figure.canvas.get_renderer()).height / figure.dpi
+        with RENDERING:
+            added += legend.get_window_extent(figure.canvas.get_renderer()).height / figure.dpi
         heading = ""
-    make_room(figure, added)
+    make_room(figure, added + 0.13 * scale() - foot)
+
+
+def _lowest(axes: Sequence[Axes]) -> float:
+    """How many inches above the foot of the figure the names of axes end."""
+    figure: Any = axes[0].figure.canvas.figure
+    with RENDERING:
+        boxes = [ax.get_tightbbox(figure.canvas.get_renderer(), for_layout_only=True) for ax in axes if ax.axison]
+    return min(float(box.y0) for box in boxes if box is not None) / figure.dpi
 
 
 def make_room(figure: Any, inches: float) -> None:
@@ -383,7 +402,8 @@ def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", 
     )
     ours = figure.get_gid() in (SHEET, KEY_BELOW)
     if ours:
-        make_room(figure, row * (len(lines) - (fits or (not before and figure.get_gid() == SHEET))))
+        free = not before and figure.get_gid() == SHEET and not any("\n" in ax.get_xlabel() for ax in figure.axes)
+        make_room(figure, row * (len(lines) - (fits or free)))
     up = 0 if ours else sum(text.get_gid() == kind for text in before)  # by earlier calls on the caller's figure
     x = 6 / (72 * figure.get_figwidth())
     figure.text(

@@ -22,7 +22,7 @@ from swarmcensus.comparing.pair_tests import in_worlds_too_few, too_few
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
-from swarmcensus.figures.lettering import width_of, wrapped
+from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.looks import Look, looks_of, palette, solid_dot
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
@@ -31,6 +31,7 @@ from swarmcensus.figures.sheets import (
     Own,
     add_key,
     drawn_on,
+    layout,
     name_axes,
     say_empty,
     say_few,
@@ -134,11 +135,15 @@ def draw_effects(
     kept = with_numbers(ax, [effect.measure.label for effect in effects], has)
     every, effects = [effect.measure.label for effect in effects], [effects[k] for k in kept]
     captions = [effect.measure.label + caption for effect in effects]
+    left, size = scale() * 0.25 + longest / 72, (scale() * WIDE, row * len(labels) + 0.1)
+    wide = layout(len(effects), size=size, left=left).wide
+    names = [_axis_name(effect, wide) for effect in effects]
+    lines = max(name.count("\n") for name in names) if ax is None else 0
     axes = sheet(
-        ax, captions, title, size=(scale() * WIDE, row * len(labels) + 0.1), left=scale() * 0.25 + longest / 72,
-        below=0.05, fewer="name one metric",
+        ax, captions, title, size=size, left=left, below=0.05 + lines * SPACING * (letters() + 1) / 72,
+        fewer="name one metric",
     )  # fmt: skip
-    for place, effect in zip(axes, effects, strict=True):
+    for place, effect, name in zip(axes, effects, names, strict=True):
         times = 100.0 if effect.measure.share else 1.0
         value, low, high = (times * part[:, others] for part in (effect.value, effect.low, effect.high))
         apart = effect.apart[:, others]
@@ -157,12 +162,6 @@ def draw_effects(
         place.set_ylim(len(labels) - 0.5, -0.5)
         leftmost = not place.get_label()  # panels with a left neighbour have the label INNER
         place.set_yticks(range(len(labels)), labels if leftmost else [""] * len(labels), parse_math=False)
-        unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
-        better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
-        measure = effect.measure.label + f" ({unit})" * bool(unit)
-        name = f"{better}    Δ {measure}    {worse}"
-        if width_of(name, letters() + 1) > 72 * place.bbox.width / place.figure.dpi:
-            name = f"Δ {measure}\n{better}    {worse}"
         name_axes(place, name, "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
@@ -173,6 +172,15 @@ def draw_effects(
     say_lacking(axes, results)
     say_few(axes, few)
     return drawn_on(axes, ax)
+
+
+def _axis_name(effect: Effect, wide: float) -> str:
+    """The name of a measure's axis of `wide` inches: what it is, and which way is better."""
+    unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
+    better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
+    measure = effect.measure.label + f" ({unit})" * bool(unit)
+    name = f"{better}    Δ {measure}    {worse}"
+    return name if width_of(name, letters() + 1) <= 72 * wide else f"Δ {measure}\n{better}    {worse}"
 
 
 def _row_name(world: dict[str, Any], count: int, worlds: int) -> str:

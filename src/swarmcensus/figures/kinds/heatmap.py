@@ -17,7 +17,7 @@ from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
+from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import (
     INNER,
@@ -127,7 +127,10 @@ def heatmap(
         name_axes(place, title_of(x), title_of(y))
         place.tick_params(length=0)
         place.spines[:].set_visible(False)
-    captions = [r"median error $|x^K - f\,|$", f"median convergence $K$ ({unit_of(results).split()[-1]})"]
+    longest = width_of(f"(b) median convergence K ({unit_of(results).split()[-1]})", caption_letters())
+    narrow = longest > 72 * axes[0].bbox.width / axes[0].figure.dpi
+    convergence = "$K$" if narrow else "convergence $K$"
+    captions = [r"median error $|x^K - f\,|$", f"median {convergence} ({unit_of(results).split()[-1]})"]
     if ax is None or not title or len(axes) > 1:
         caption_panels(axes, [captions[k] for k in drawn], ABOVE * scale(), math=True)
     say_lacking(axes, [results])

@@ -146,7 +146,8 @@ def _panels(high: list[float], over: list[float], room: float, title: list[str])
     figure = Figure(figsize=(wide, total))
     FigureCanvasAgg(figure)
     figure.set_gid(SHEET)
-    figure.text(0.2 / wide, 0.1 / total, "1 is best; a bar joins those that are not told apart", fontsize=letters())
+    foot = "1 is best; a bar joins those that are not told apart"
+    figure.text(0.2 / wide, 0.1 / total, foot, fontsize=letters(), gid="key")
     if title:
         figure.suptitle(
             "\n".join(title), x=0.2 / wide, y=1 - 0.1 / total, ha="left", va="top", fontsize=title_letters(),

@@ -33,11 +33,13 @@ from swarmcensus.figures.sheets import (
     count_axis,
     drawn_on,
     error_axis,
+    layout,
     name_axes,
     say_empty,
     say_lacking,
     say_left_out,
     say_pooled,
+    second_line,
     sheet,
     with_numbers,
 )
@@ -130,11 +132,13 @@ def scatter_grid(
             drawn[k] = say_no_theory(panel, why)
     captions = [panel.caption for panel in drawn]
     above = max([LABELS, *((width_of(look.short, _name_letters()) + 5) / 72 for look in looks.values())])
-    axes = sheet(ax, captions, title, above=above, fewer=POOLED)
+    names = [f"convergence $K$ ({unit})" for unit in units]
+    below = second_line(names, layout(len(drawn)).wide) if ax is None and drawn else 0.0
+    axes = sheet(ax, captions, title, above=above, below=below, fewer=POOLED)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     crossed, all_named = False, True
-    for panel, cloud, unit, curves, place in zip(drawn, clouds, units, expected, axes, strict=True):
+    for panel, cloud, unit, name, curves, place in zip(drawn, clouds, units, names, expected, axes, strict=True):
         if not cloud:
             say_empty(place)
             continue
@@ -144,7 +148,7 @@ def scatter_grid(
         count_axis(place, low, max(_horizon(drawn[i]) for i in alike), scale, early)
         error_axis(place, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
         symbol = r"\hat{x}" if panel.local else "x"
-        name_axes(place, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
+        name_axes(place, name, rf"error $|{symbol}^K - f\,|$")
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or bool(crosses)
         all_named &= _draw_cloud(place, cloud, crosses, looks)
