@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from pathlib import Path
 
 import matplotlib as mpl
 import matplotlib.style
@@ -248,6 +249,26 @@ def test_long_names_are_shortened_once_and_stay_different(draw):
         assert_readable(figure)
     labels = [t.get_text() for t in sc.plot.lines(data, y="final_error", x="brain").axes[0].get_xticklabels()]
     assert len(set(labels)) == 3
+
+
+def test_a_study_without_a_name_is_called_by_its_file(draw, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    study = sc.Study.parse(MOVING.replace('name   = "moving"', ""))
+    sc.save(sc.run(study, jobs=1), "meadow.nc")
+    assert main(["show", "meadow.nc"]) == 0
+    assert capsys.readouterr().out.startswith("meadow.nc: meadow (seed 0")
+    assert main(["plot", "meadow.nc", "--kind", "curves", "--label", "minimalistic=Ours", "--out", "c.svg"]) == 0
+    assert ">meadow, setting 0, trial 0: Ours, moving, N = 6, D = 2, " in Path("c.svg").read_text()
+
+
+def test_films_have_the_size_and_dots_that_are_asked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sc.save(sc.run(sc.Study.parse(MOVING), jobs=1), "m.nc")
+    film = ["plot", "m.nc", "--kind", "film", "--last", "2", "--out", "f.gif"]
+    assert main([*film, "--width", "4", "--height", "5", "--dpi", "50"]) == 0
+    with Image.open("f.gif") as picture:
+        assert picture.size == (200, 250)
+    assert main([*film, "--dpi", "5"]) == 2
 
 
 # ---- what figures say

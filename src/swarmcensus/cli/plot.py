@@ -102,7 +102,7 @@ def plot(options: argparse.Namespace) -> int:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
     page = {name: getattr(options, name) for name in ("width", "height", "font_size")}
     if "out" in given and options.dpi is not None:
-        page["dpi"] = options.dpi
+        given["dpi"] = options.dpi
     with _styled(options.style), _failures(options.kind), _showing_progress(given, data):
         drawn = draw(data, **given, **page)
         if "out" in given:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
+from swarmcensus.results.labels import labels_in
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
 from swarmcensus.simulation.inferring import trace_of
@@ -16,6 +17,7 @@ from swarmcensus.simulation.swarming import ended, free
 from swarmcensus.simulation.trials import record_estimates, record_readings, record_trial
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.studies.tables import UNNAMED
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.faults import NAMES, outages
 
@@ -67,9 +69,13 @@ def _labelled(
         says = {"long_name": "black share of the floor, as it changes"}
         trace[free("fill_ratio", trace)] = ("round", chosen.fill_ratios(trace["round"].values), says)
     honest = _name_members(trace, chosen, study.seed, trial) if chosen.members else np.ones(chosen.robots, np.bool_)
-    _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace, honest)
+    data = results if isinstance(results, xr.Dataset) else load(results)
+    _check_same(data, setting, trial, trace, honest)
+    name = data.attrs["title"] if isinstance(results, xr.Dataset) else Path(results).stem
+    name = name if study.name == UNNAMED else study.name
+    brain = labels_in(data).get(chosen.brain.name, chosen.brain.name)
     trace.attrs |= {
-        "title": f"{study.name}, setting {setting}, trial {trial}: {chosen.brain.name}, {chosen}",
+        "title": f"{name}, setting {setting}, trial {trial}: {brain}, {chosen}",
         "setting": setting,
         "trial": trial,
         "seed": study.seed,
