@@ -23,7 +23,7 @@ from swarmcensus.vocabulary.quantities import QUANTITIES
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
 WIDE = 30.0  # the same for measured values
-LONGEST = 80.0  # points: length of a slanted name under an axis
+LONGEST = 95.0  # points: length of a slanted name under an axis
 
 
 def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
@@ -53,8 +53,9 @@ def names_of(looks: dict[str, Look], width: float) -> Lettering:
     if places_of(looks)[1]:
         return Lettering(texts, False, 0.0)
     if all(width_of(word, letters()) <= room for text in texts for word in text.split()):
-        texts = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
-        return Lettering(texts, False, max(text.count("\n") for text in texts) * SPACING * letters() / 72)
+        lines = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
+        if not any("…" in text for text in lines):
+            return Lettering(lines, False, max(text.count("\n") for text in lines) * SPACING * letters() / 72)
     texts = shortened_apart(texts, LONGEST, letters())
     return Lettering(texts, True, (0.64 * max(width_of(text, letters()) for text in texts) + 2) / 72)
 

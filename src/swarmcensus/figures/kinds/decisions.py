@@ -19,7 +19,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.explaining.expectations import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
-from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.looks import ONE_END, ONE_SIDED, Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -45,7 +45,6 @@ from swarmcensus.results.cautions import warn_of_edges
 from swarmcensus.results.labels import titles_in
 
 MOST_CHECKPOINTS = 12  # of a panel
-ONE_SIDED: Any = (0, (1, 2))  # the line of an interval with a lower end only
 GAP = 1.5  # points between a diamond and the dash over it
 
 
@@ -66,9 +65,9 @@ def decisions(
     spaced. A panel shows at most 12 checkpoints; if there are more, the axis says how many are shown. A column has one
     diamond for each value of `color`, side by side in the order of the key. y is the percentage of right robots over
     all trials. A thin line through a diamond is its 95 % interval over trials; it needs at least 6 trials and swarms of
-    one size. A dash over a diamond means that all robots of all trials are right. Its interval is dotted and has a
-    lower end only. It counts trials, because robots that are always right do not show how much they depend on each
-    other. So it may be wider than that of 99.9 %.
+    one size. A dash over a diamond means that all robots of all trials are right. Its interval is dash-dotted and
+    has a lower end only. It counts trials, because robots that are always right do not show how much they depend on
+    each other. So it may be wider than that of 99.9 %.
 
     - `color`: the coordinate shown by colour.
     - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
@@ -133,9 +132,7 @@ def decisions_grid(
     if any((finite & ~right).any() for finite, right in known):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     if any((finite & right).any() for finite, right in known):
-        entries["dotted: all right, so with\na lower end only; it counts\ntrials, not robots"] = Line2D(
-            [], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3"
-        )
+        entries[f"dash-dotted: all right, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=0.9, color="0.3")
     add_key(axes, heading, entries | theory_entries(expected))
     say_left_out(axes, captions, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in drawn])

@@ -19,7 +19,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
-from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.looks import ONE_END, ONE_SIDED, Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -168,6 +168,7 @@ def lines(
                 look,
                 step * aside,
                 min(2 * apart, room) * aside,
+                is_share(y),
             )
         name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), beside)
     heading = ""
@@ -175,7 +176,7 @@ def lines(
     if color:
         heading, named = keyed(looks, color)
         entries |= {look.name: _dot(look) for look in named.values()}
-    _say_marks(entries, every, statistic)
+    _say_marks(entries, every, statistic, is_share(y))
     add_key(axes, heading, entries)
     say_left_out(axes, captions, kept, f"{NUMBERLESS} {y}")
     say_lacking(axes, [results])
@@ -229,10 +230,20 @@ def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
 
 
 def _draw(
-    axes: Axes, numbers: NDArray[np.float64], joined: Sequence[Stretch], look: Look, aside: float, apart: float
+    axes: Axes,
+    numbers: NDArray[np.float64],
+    joined: Sequence[Stretch],
+    look: Look,
+    aside: float,
+    apart: float,
+    share: bool,
 ) -> None:
-    """Draw one line, moved sideways so that it hides no other: by `aside` points, infinite values by `apart` points."""
+    """Draw one line, moved sideways so that it hides no other: by `aside` points, infinite values by `apart` points.
+
+    Intervals of a `share` of 1 have a lower end only.
+    """
     x, value, low, high = numbers
+    whole = np.asarray(share & (value == 1.0))
     shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
     upright, label = axes.transData + shift, look.name
     for part in joined:
@@ -241,10 +252,12 @@ def _draw(
             label=f"line {label}", zorder=2,
         )  # fmt: skip
     top = axes.get_ylim()[1]
-    axes.vlines(
-        x, low, np.minimum(high, top), colors=look.colour, linewidths=1.0, alpha=0.8, transform=upright,
-        label=f"interval {label}", zorder=2.5,
-    )  # fmt: skip
+    for those, style, name in ((~whole, "-", "interval"), (whole, ONE_SIDED, "one-sided")):
+        if those.any():
+            axes.vlines(
+                x[those], low[those], np.minimum(high, top)[those], colors=look.colour, linewidths=1.0, alpha=0.8,
+                linestyles=[style], transform=upright, label=f"{name} {label}", zorder=2.5,
+            )  # fmt: skip
     dots = _dot(look)
     dots.set(xdata=x, ydata=_finite(value), label=f"{label}", transform=upright, zorder=3)
     axes.add_line(dots)
@@ -262,9 +275,12 @@ def _dot(look: Look) -> Line2D:
     return solid_dot(look, SIZE, 0.4)
 
 
-def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: Statistic) -> None:
-    if any(np.isfinite(point.low) for point in points):
+def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: Statistic, share: bool) -> None:
+    whole = [share and point.value == 1.0 for point in points if np.isfinite(point.low)]
+    if not all(whole):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
+    if any(whole):
+        entries[f"dash-dotted: all, {ONE_END}"] = Line2D([], [], linestyle=ONE_SIDED, linewidth=1.0, color="0.3")
     if any(np.isposinf(point.value) for point in points):
         entries[f"the {statistic} is infinite"] = Line2D(
             [], [], linestyle="", marker=ENDLESS, markersize=SIZE + 3, color="0.3", markeredgewidth=0.4

@@ -36,7 +36,7 @@ from swarmcensus.figures.sheets import (
 )
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
-SIZE = 6.0  # points: a dot
+LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
 ALIKE = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
 SPREAD = 8.0  # ratio of the costs from which on their axis is logarithmic
 COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
@@ -57,7 +57,8 @@ def pareto(
     """Draw a measure of `sc.compare` against a cost, one panel for each world, with the Pareto front.
 
     Full dots are on the front: no other brain is both better and cheaper. A stepped line joins them. Vertical lines are
-    95 % intervals over trials. An arrow at the top is an infinite value. Costs that agree to three digits share one x.
+    95 % intervals over trials. An arrow at the top is an infinite value. Costs that agree to three digits share one
+    x; later brains have smaller dots, so that none hides another.
 
     - `metric`: a measure.
     - `cost`: "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes".
@@ -129,17 +130,20 @@ def draw_pareto(
         )
         better = "lower" if contest.low else "higher"
         name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better)")
-    entries: dict[str, Any] = {look.name: solid_dot(look, SIZE, 0.6) for look in looks.values()}
+    sizes = np.linspace(LARGE, SMALL, len(looks)).tolist()
+    entries: dict[str, Any] = {
+        look.name: solid_dot(look, size, 0.6) for look, size in zip(looks.values(), sizes, strict=True)
+    }
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
-    entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), False)
+    entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), LARGE, False)
     add_key(axes, "", entries)
     say_left_out(axes, captions, kept, f"no contender has both {measure.name} and {cost}")
     say_lacking(axes, results)
     return drawn_on(axes, ax)
 
 
-def _dot(look: Look, on_front: bool) -> Line2D:
-    dot = solid_dot(look, SIZE, 0.6)
+def _dot(look: Look, size: float, on_front: bool) -> Line2D:
+    dot = solid_dot(look, size, 0.6)
     if not on_front:
         dot.set(markerfacecolor="white", markeredgecolor=look.colour if look.name else "0.4", markeredgewidth=1.3)
     return dot
@@ -168,7 +172,7 @@ def _draw(
     joined = np.flatnonzero(on_front & np.isfinite(value))
     order = joined[np.argsort(cost[joined], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
-    for k, look in enumerate(looks):
+    for k, (look, size) in enumerate(zip(looks, np.linspace(LARGE, SMALL, len(looks)).tolist(), strict=True)):
         if np.isnan(cost[k]) or np.isnan(value[k]):
             continue
         if np.isinf(value[k]):
@@ -178,7 +182,7 @@ def _draw(
         if not np.isnan(low[k]):
             ends_of_line = [max(low[k], bottom), min(high[k], top)]
             axes.plot([cost[k]] * 2, ends_of_line, color=look.colour, linewidth=0.9, zorder=3)
-        dot = _dot(look, bool(on_front[k]))
+        dot = _dot(look, size, bool(on_front[k]))
         dot.set_data([cost[k]], [value[k]])
         dot.set_zorder(4)
         axes.add_line(dot)
