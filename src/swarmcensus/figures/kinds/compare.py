@@ -45,6 +45,7 @@ from swarmcensus.results.labels import renamed
 
 MOST_ROWS = 40
 NUMBERLESS = "no pair of trials has numbers"
+APART = "\u2003"  # a wide space, which SVG does not shorten
 SIZE = 5.0  # points: a dot
 WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
 NAME = 150.0  # points: the width of a row's name, which may take two lines
@@ -179,8 +180,8 @@ def _axis_name(effect: Effect, wide: float) -> str:
     unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
     better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
     measure = effect.measure.label + f" ({unit})" * bool(unit)
-    name = f"{better}    Δ {measure}    {worse}"
-    return name if width_of(name, letters() + 1) <= 72 * wide else f"Δ {measure}\n{better}    {worse}"
+    name = f"{better}{APART}Δ {measure}{APART}{worse}"
+    return name if width_of(name, letters() + 1) <= 72 * wide else f"Δ {measure}\n{better}{APART}{worse}"
 
 
 def _row_name(world: dict[str, Any], count: int, worlds: int) -> str:
