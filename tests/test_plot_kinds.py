@@ -122,8 +122,9 @@ def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:
 
 def intervals(axes, label):
     """The ends of the intervals of a line, in the order of x."""
-    (found,) = (c for c in axes.collections if c.get_label() == f"interval {label}")
-    return np.array([segment[:, 1] for segment in found.get_segments() if len(segment)])
+    found = [c for c in axes.collections if c.get_label() in (f"interval {label}", f"one-sided {label}")]
+    segments = [segment for lines in found for segment in lines.get_segments() if len(segment)]
+    return np.array([segment[:, 1] for segment in sorted(segments, key=lambda segment: segment[0, 0])])
 
 
 # ---- finding a kind

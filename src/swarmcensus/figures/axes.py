@@ -23,7 +23,7 @@ from swarmcensus.vocabulary.quantities import QUANTITIES
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
 WIDE = 30.0  # the same for measured values
-LONGEST = 95.0  # points: length of a slanted name under an axis
+LONGEST = 87.0  # points: length of a slanted name under an axis
 
 
 def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
