@@ -102,7 +102,10 @@ def test_settings_that_differ_in_the_swarms_brain_are_pairs(data):
 def test_lines_are_drawn_against_the_number_of_liars(here, tmp_path, data):
     assert main(["plot", "s.nc", "--kind", "lines", "--x", "liars", "--out", str(tmp_path / "l.png")]) == 0
     figure = sc.plot.lines(data, x="liars", color="adversary", panels="brain")
-    assert [panel.caption for panel in panels_of(data, ("liars", "adversary"))] == ["Minimalistic (paper)", "Legacy (paper)"]
+    assert [panel.caption for panel in panels_of(data, ("liars", "adversary"))] == [
+        "Minimalistic (paper)",
+        "Legacy (paper)",
+    ]
     lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
     black = next(line for label, line in lines.items() if label == "line always-black")
     assert black.get_xdata().tolist() == [0.0, 1.0, 3.0]

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import logging
 import re
 import string
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,13 +18,9 @@ from matplotlib.transforms import ScaledTranslation
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
-from swarmcensus.figures.clouds import lacking
-from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.page import KEY_BELOW, RENDERING, SHEET, caption_letters, letters, page, scale, title_letters
 from swarmcensus.figures.panels import MOST_PANELS
-
-LOG = logging.getLogger(__name__)
 
 Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the y axis, neither
 Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
@@ -40,7 +34,6 @@ EDGE = 0.15  # the room on the right if the key is below
 GAP = 0.42  # from panel to panel
 LEAST = 1.75  # the width of a panel that a page of given width may have
 NARROWEST = 0.8  # the same if there is a single column
-NOTES = ("key", "lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
 INNER = "inner"  # label of a panel with a left neighbour, which has the name of the y axis
 POOLED = "select some of the settings, draw all into one with panels=[]"  # advice on how to get fewer panels
 UNRUN = "no trial has been run"
@@ -348,68 +341,6 @@ def make_room(figure: Any, inches: float) -> None:
             ax.set_position((x, (y * height + inches) / new, wide, high * height / new))
     for text in figure.texts:
         text.set_y((text.get_position()[1] * height + inches) / new)
-
-
-def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
-    """Write at the foot of the figure how many trials it shows, if the run is not complete."""
-    if parts and (note := lacking(parts)):
-        say_at_foot(axes, f"drawn: {note}", "lacking", ha="right")
-
-
-def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[str]) -> None:
-    """Write at the foot of the figure, and in the log, which coordinates are pooled.
-
-    `parts` are the panels, and `by` the coordinates that a panel distinguishes.
-    """
-    if what := pooled(parts, by):
-        say_at_foot(axes, f"pooled over {what}", "pooled")
-        if page().height is None or page().high is not None:  # else the figure is drawn again
-            LOG.info("settings that are drawn as one are pooled over %s", what)
-
-
-def say_few(axes: Sequence[Axes], why: str) -> None:
-    """Write at the foot of the figure what its trials are too few for, if anything."""
-    if why:
-        say_at_foot(axes, why, "few-trials")
-
-
-def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[int]:
-    """The panels to draw: those that have numbers. On the caller's axes, or if none has any, these are all."""
-    kept = [k for k, there in enumerate(has) if there]
-    return kept if kept and ax is None else list(range(len(captions)))
-
-
-def say_left_out(axes: Sequence[Axes], captions: Sequence[str], kept: Sequence[int], why: str) -> None:
-    """Write at the foot of the figure which panels are left out, and why."""
-    left_out = [caption for k, caption in enumerate(captions) if k not in kept]
-    if left_out:
-        say_at_foot(axes, f"left out, {why}: {'; '.join(left_out)}", "left-out")
-
-
-def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", "right"] = "left") -> None:
-    """Write a note at the foot of the figure, in a free place beside or under earlier notes."""
-    figure: Any = axes[0].figure.canvas.figure
-    width, row = 72 * figure.get_figwidth() - 12, 10 / 72 * scale()
-    lines = wrapped(note, width, letters(), 4)
-    before = [text for text in figure.texts if text.get_gid() in NOTES]
-    last = [text for text in before if text.get_position()[1] * figure.get_figheight() < row]
-    used = sum(width_of(text.get_text().split("\n")[-1], letters()) + 12 for text in last)
-    fits = (
-        bool(last)
-        and len(lines) == 1
-        and used + width_of(note, letters()) <= width
-        and all(t.get_ha() != ha for t in last)
-    )
-    ours = figure.get_gid() in (SHEET, KEY_BELOW)
-    if ours:
-        free = not before and figure.get_gid() == SHEET and not any("\n" in ax.get_xlabel() for ax in figure.axes)
-        make_room(figure, row * (len(lines) - (fits or free)))
-    up = 0 if ours else sum(text.get_gid() == kind for text in before)  # by earlier calls on the caller's figure
-    x = 6 / (72 * figure.get_figwidth())
-    figure.text(
-        x if ha == "left" else 1 - x, 4 / (72 * figure.get_figheight()) + up * row / figure.get_figheight(),
-        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color="#a03000", gid=kind, parse_math=False,
-    )  # fmt: skip
 
 
 def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:

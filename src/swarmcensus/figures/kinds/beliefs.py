@@ -15,6 +15,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from swarmcensus.basics.errors import InputError
 from swarmcensus.explaining.wrong_beliefs import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import (
@@ -26,11 +27,8 @@ from swarmcensus.figures.sheets import (
     drawn_on,
     name_axes,
     say_empty,
-    say_lacking,
-    say_left_out,
     sheet,
     show_range,
-    with_numbers,
 )
 from swarmcensus.worlds.sensors import Accuracy
 

@@ -24,23 +24,10 @@ from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.looks import Look, looks_of, palette, solid_dot
+from swarmcensus.figures.notes import say_few, say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import (
-    Drawn,
-    Own,
-    add_key,
-    drawn_on,
-    layout,
-    name_axes,
-    say_empty,
-    say_few,
-    say_lacking,
-    say_left_out,
-    sheet,
-    show_range,
-    with_numbers,
-)
+from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, layout, name_axes, say_empty, sheet, show_range
 from swarmcensus.results.labels import renamed
 
 MOST_ROWS = 40

@@ -20,6 +20,7 @@ from swarmcensus.explaining.expectations import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -32,12 +33,8 @@ from swarmcensus.figures.sheets import (
     drawn_on,
     name_axes,
     say_empty,
-    say_lacking,
-    say_left_out,
-    say_pooled,
     sheet,
     show_range,
-    with_numbers,
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries

@@ -17,20 +17,10 @@ from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.notes import say_lacking
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import (
-    INNER,
-    NOTHING,
-    Drawn,
-    Own,
-    caption_panels,
-    drawn_on,
-    layout,
-    name_axes,
-    say_lacking,
-    sheet,
-)
+from swarmcensus.figures.sheets import INNER, NOTHING, Drawn, Own, caption_panels, drawn_on, layout, name_axes, sheet
 from swarmcensus.results.labels import titles_in
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.vocabulary.coordinates import title_of

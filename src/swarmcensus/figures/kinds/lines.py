@@ -20,6 +20,7 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, na
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -33,11 +34,7 @@ from swarmcensus.figures.sheets import (
     layout,
     name_axes,
     say_empty,
-    say_lacking,
-    say_left_out,
-    say_pooled,
     sheet,
-    with_numbers,
 )
 from swarmcensus.results.labels import titles_in
 from swarmcensus.results.measures import is_share, statistic_of, with_measure

@@ -20,20 +20,10 @@ from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
+from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS
-from swarmcensus.figures.sheets import (
-    Drawn,
-    Own,
-    add_key,
-    drawn_on,
-    name_axes,
-    say_lacking,
-    say_left_out,
-    sheet,
-    show_range,
-    with_numbers,
-)
+from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, sheet, show_range
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place

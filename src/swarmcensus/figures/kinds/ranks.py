@@ -19,18 +19,10 @@ from swarmcensus.comparing.comparison import compare
 from swarmcensus.comparing.pair_tests import Contest, in_worlds_too_few, overall_too_few
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.lettering import wrapped
+from swarmcensus.figures.notes import say_few, say_lacking, say_left_out
 from swarmcensus.figures.page import SHEET, PageOptions, caption_letters, letters, on_page, page, scale, title_letters
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import (
-    Drawn,
-    Own,
-    caption_panels,
-    drawn_on,
-    own_axes,
-    say_few,
-    say_lacking,
-    say_left_out,
-)
+from swarmcensus.figures.sheets import Drawn, Own, caption_panels, drawn_on, own_axes
 from swarmcensus.results.labels import renamed
 from swarmcensus.statistics.significance import groups
 

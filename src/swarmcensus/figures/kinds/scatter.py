@@ -20,6 +20,7 @@ from swarmcensus.figures.clouds import Cloud, Cross, cloud_of, crosses_of, unit_
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
+from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -36,12 +37,8 @@ from swarmcensus.figures.sheets import (
     layout,
     name_axes,
     say_empty,
-    say_lacking,
-    say_left_out,
-    say_pooled,
     second_line,
     sheet,
-    with_numbers,
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries

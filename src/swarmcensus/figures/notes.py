@@ -1,0 +1,82 @@
+"""Notes at the foot of a figure: what it lacks, pools and leaves out, and what its trials are too few for."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import xarray as xr
+from matplotlib.axes import Axes
+
+from swarmcensus.figures.clouds import lacking
+from swarmcensus.figures.coordinates import pooled
+from swarmcensus.figures.lettering import width_of, wrapped
+from swarmcensus.figures.page import KEY_BELOW, SHEET, letters, page, scale
+from swarmcensus.figures.sheets import Own, make_room
+
+LOG = logging.getLogger(__name__)
+
+NOTES = ("key", "lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
+
+
+def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
+    """Write at the foot of the figure how many trials it shows, if the run is not complete."""
+    if parts and (note := lacking(parts)):
+        say_at_foot(axes, f"drawn: {note}", "lacking", ha="right")
+
+
+def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[str]) -> None:
+    """Write at the foot of the figure, and in the log, which coordinates are pooled.
+
+    `parts` are the panels, and `by` the coordinates that a panel distinguishes.
+    """
+    if what := pooled(parts, by):
+        say_at_foot(axes, f"pooled over {what}", "pooled")
+        if page().height is None or page().high is not None:  # else the figure is drawn again
+            LOG.info("settings that are drawn as one are pooled over %s", what)
+
+
+def say_few(axes: Sequence[Axes], why: str) -> None:
+    """Write at the foot of the figure what its trials are too few for, if anything."""
+    if why:
+        say_at_foot(axes, why, "few-trials")
+
+
+def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[int]:
+    """The panels to draw: those that have numbers. On the caller's axes, or if none has any, these are all."""
+    kept = [k for k, there in enumerate(has) if there]
+    return kept if kept and ax is None else list(range(len(captions)))
+
+
+def say_left_out(axes: Sequence[Axes], captions: Sequence[str], kept: Sequence[int], why: str) -> None:
+    """Write at the foot of the figure which panels are left out, and why."""
+    left_out = [caption for k, caption in enumerate(captions) if k not in kept]
+    if left_out:
+        say_at_foot(axes, f"left out, {why}: {'; '.join(left_out)}", "left-out")
+
+
+def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", "right"] = "left") -> None:
+    """Write a note at the foot of the figure, in a free place beside or under earlier notes."""
+    figure: Any = axes[0].figure.canvas.figure
+    width, row = 72 * figure.get_figwidth() - 12, 10 / 72 * scale()
+    lines = wrapped(note, width, letters(), 4)
+    before = [text for text in figure.texts if text.get_gid() in NOTES]
+    last = [text for text in before if text.get_position()[1] * figure.get_figheight() < row]
+    used = sum(width_of(text.get_text().split("\n")[-1], letters()) + 12 for text in last)
+    fits = (
+        bool(last)
+        and len(lines) == 1
+        and used + width_of(note, letters()) <= width
+        and all(t.get_ha() != ha for t in last)
+    )
+    ours = figure.get_gid() in (SHEET, KEY_BELOW)
+    if ours:
+        free = not before and figure.get_gid() == SHEET and not any("\n" in ax.get_xlabel() for ax in figure.axes)
+        make_room(figure, row * (len(lines) - (fits or free)))
+    up = 0 if ours else sum(text.get_gid() == kind for text in before)  # by earlier calls on the caller's figure
+    x = 6 / (72 * figure.get_figwidth())
+    figure.text(
+        x if ha == "left" else 1 - x, 4 / (72 * figure.get_figheight()) + up * row / figure.get_figheight(),
+        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color="#a03000", gid=kind, parse_math=False,
+    )  # fmt: skip
