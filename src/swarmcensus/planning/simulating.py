@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -20,6 +20,9 @@ from swarmcensus.simulation.trials import NOT_FINITE
 from swarmcensus.statistics.intervals import estimate, expected_share
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+
+if TYPE_CHECKING:
+    from swarmcensus.studies.typed import ScheduleTable
 
 STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
 LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory
@@ -73,20 +76,20 @@ def study_of(
     """The study that measures the share of right robots at these times, in every case. Raises InputError."""
     known, topology = mission.known, mission.free.topology[0]
     fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
-    world = {
+    world: Any = {
         "topology": topology,
         "fill_ratio": fill_ratios,
         "link_success": known.link_success,
         "message": known.message,
     }
-    schedule = {"ticks": times[-1]}
+    schedule: ScheduleTable = {"ticks": times[-1]}
     if mission.moves:
         wide = {"side": mission.side} if mission.density is None else {"density": mission.density}
         world |= {**wide, "body": mission.body}
         world |= {"floor": mission.area.floor[0]} if mission.area.floor else {}
     else:
         schedule = {"rounds": times[-1], "observations_per_round": mission.readings_per_round}
-    stop = ["moving"] * mission.moves + ["sensing", "talking"]
+    stop: Any = ["moving"] * mission.moves + ["sensing", "talking"]
     fails, liars = mission.failing(robots), mission.lying(robots)
     return Study(
         name=mission.name,

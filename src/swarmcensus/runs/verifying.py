@@ -187,7 +187,7 @@ def _measuring_all_stored(data: xr.Dataset, study: Study, watched: list[Metric])
     """The study, measuring all that a dataset stores: merged results have the measurements of all their studies."""
     longest = max(setting.rounds for setting in study.settings())
     checkpoints = [c for c in data.variables["checkpoint"].values.tolist() if c <= longest] or [longest]
-    own = {k: v for k, v in study.measure if v is not None}
+    own: Any = {k: v for k, v in study.measure if v is not None}
     all_of_it = {"checkpoints": checkpoints, "estimates": "estimates" in data, "metrics": watched}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # they were shown when the study was read

@@ -5,7 +5,7 @@ import itertools
 import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self, Unpack
 
 from pydantic import ValidationError
 
@@ -26,6 +26,9 @@ from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.pictures import Picture
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 
+if TYPE_CHECKING:
+    from swarmcensus.studies.typed import StudyChanges, StudyTables
+
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 1_000_000
 
@@ -33,7 +36,7 @@ MOST_SETTINGS = 1_000_000
 class Study:
     """A grid of settings, and those of its cases, each run for several trials."""
 
-    def __init__(self, **tables: Any) -> None:
+    def __init__(self, **tables: "Unpack[StudyTables]") -> None:
         """Build a study from the study file's tables as keywords. Raises InputError, naming key and value."""
         self._fill(plain(tables), None, "study", {})
 
@@ -111,13 +114,13 @@ class Study:
         study._fill(read_toml(text, where), text, where, context)
         return study
 
-    def with_(self, **changes: Any) -> Self:
+    def with_(self, **changes: "Unpack[StudyChanges]") -> Self:
         """This study with other values of keys such as seed or trials; None keeps a value."""
-        changes = {k: plain(v) for k, v in changes.items() if v is not None}
-        if not changes:
+        given = {k: plain(v) for k, v in changes.items() if v is not None}
+        if not given:
             return self
         study = type(self).__new__(type(self))
-        study._fill({**read_toml(self.text, "study"), **changes}, None, "study", self.context)
+        study._fill({**read_toml(self.text, "study"), **given}, None, "study", self.context)
         return study
 
     @property

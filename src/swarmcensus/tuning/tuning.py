@@ -165,7 +165,7 @@ def evaluation_of(study: Study, tuned: Brain, label: str) -> Study:
         else table
         for table, case in zip(tables.get("case", []), study.case, strict=True)
     ]  # fmt: skip
-    return study.with_(**changes, **({"case": cases} if cases else {}))
+    return study.with_(**changes, case=cases or None)
 
 
 def _has(brains: list[Brain], original: Brain) -> bool:

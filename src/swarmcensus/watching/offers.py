@@ -37,7 +37,7 @@ if TYPE_CHECKING:  # imported late: without it the page of a study appears half 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
 MOST_TILES = 1_000_000  # along a side of the arena
 MOST_PAIRS = 4_000_000  # of robots in a fully connected network
-SHOWN = {
+SHOWN: dict[str, Any] = {
     "swarm": {"brain": "minimalistic", "robots": 25, "accuracy": 0.75},
     "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.75},
     "schedule": {"ticks": 10_000},
