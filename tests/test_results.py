@@ -11,7 +11,10 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results import measures
 from swarmcensus.results import store as results
+from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.selecting import where
+from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.worlds import sensors
 
 
 def test_schema(small_results):
@@ -34,7 +37,7 @@ def test_schema(small_results):
     for name in ("convergence_round", "convergence_error", "final_estimate"):
         assert small_results[name].dims == ("setting", "trial", "robot")
     assert small_results["correct"].dims == ("setting", "checkpoint", "trial")
-    assert small_results["convergence_round"].dtype == np.int32
+    assert packed(small_results)["convergence_round"].dtype == np.int32
 
 
 def test_provenance(small_results, small_study):
@@ -50,7 +53,52 @@ def test_provenance(small_results, small_study):
 def test_file_and_back(small_results, small_file):
     assert sc.load(small_file).identical(small_results)
     with xr.open_dataset(small_file, engine="h5netcdf") as plain:
-        assert plain["final_estimate"].equals(small_results["final_estimate"])
+        for name in ("final_estimate", "convergence_round"):
+            assert plain[name].variable.equals(small_results[name].variable)
+        assert not {*NUMERIC} & {*plain.variables}
+
+
+def test_a_time_that_is_missing_is_nan_in_python_and_a_whole_number_in_the_file(small_results, small_file, tmp_path):
+    times = small_results["convergence_round"]
+    exists = xr.DataArray(np.arange(12), dims="robot") < small_results["robots"]
+    assert (times.notnull() == exists).all()
+    assert times.min() >= 0
+    kept = results.stored(small_file)
+    assert kept["convergence_round"].dtype == np.int32
+    assert kept["convergence_round"].values.min() == -1
+    assert packed(small_results).identical(kept)
+    assert packed(kept).identical(kept)
+    sc.save(sc.load(small_file), tmp_path / "again.nc")
+    assert (tmp_path / "again.nc").read_bytes() == small_file.read_bytes()
+
+
+ACCURACIES = {  # mean b, mean w, standard deviation
+    "0.675": (0.675, 0.675, 0.0),
+    "U(0.525,0.975)": (0.75, 0.75, 0.45 / 12**0.5),
+    "black=0.9 white=0.6": (0.9, 0.6, 0.0),
+    "black=U(0.6,0.9) white=0.7": (0.75, 0.7, 0.3 / 12**0.5),
+    "0.9 drift=-1e-05 least=0.6": (0.9, 0.9, 0.0),
+    "elsewhere(1.0)": (np.nan, np.nan, np.nan),
+}
+
+
+def test_accuracies_are_numbers_too(small_results):
+    few = packed(small_results).isel(setting=range(len(ACCURACIES)))
+    few = readable(few.assign_coords(accuracy=("setting", np.array([*ACCURACIES], object))))
+    found = np.stack([few[name].values for name in NUMERIC], axis=1)
+    np.testing.assert_allclose(found, [*ACCURACIES.values()], rtol=1e-12)
+    assert few.sel(setting=few.accuracy_black > 0.8)["accuracy"].values.tolist() == [
+        "black=0.9 white=0.6", "0.9 drift=-1e-05 least=0.6",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["N(0.75,0.1)", "N(0.95,0.3)", "N(0.0,0.2)"])
+def test_the_moments_of_normal_accuracies_are_those_of_many_robots(text):
+    mean, same, sd = sensors.start_of(text).moments
+    drawn, _ = sensors.parse_accuracy(text).draw(1, "moments", 0, 1, 200_000)
+    assert mean == same
+    assert abs(drawn.mean() - mean) < 4 * sd / drawn.size**0.5
+    assert abs(drawn.std() - sd) < 4 * sd / drawn.size**0.5
 
 
 @pytest.mark.parametrize("damage", ["cut", "text", "empty", "other", "missing", "folder"])

@@ -10,7 +10,7 @@ import swarmcensus as sc
 
 ROOT = Path(__file__).parent.parent
 
-PROGRAM = '''
+PROGRAM = """
 import networkx as nx
 import numpy as np
 import swarmcensus as sc
@@ -30,7 +30,7 @@ sc.Study(trials=3, swarm=dict(robots="2", accuracy=0.8), world=dict(topology="ri
 sc.Study(trials=3, swarm={"robots": 2, "accuracy": 1}, world={"topology": "ring", "fil_ratio": 0.5})  # E: "fil_ratio"
 sc.Study.load("study.toml").with_(trails=4)  # E: "trials"
 
-'''
+"""
 
 
 def test_a_study_s_typed_tables_are_those_of_its_models():

@@ -91,13 +91,14 @@ def run(options: argparse.Namespace) -> int:
     study = study.with_(trials=options.trials, seed=options.seed)
     from swarmcensus.cli.tables import failures, settings  # after the checks above, since these imports are slow
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
+    from swarmcensus.results.reading import packed
     from swarmcensus.results.summaries import as_dict, records
     from swarmcensus.runs.running import run as run_study
 
     begun = time.monotonic()
     try:
         with reporting(study.name) as progress:
-            data = run_study(
+            results = run_study(
                 study,
                 options.jobs,
                 progress,
@@ -110,6 +111,7 @@ def run(options: argparse.Namespace) -> int:
     except Interrupted as stopped:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")
         raise
+    data = packed(results)
     if options.json or not options.quiet:  # the answer is the file, so that --quiet prints nothing
         present(options, "summary", lambda: as_dict(data, data), lambda: records(data), lambda: settings(data, out))
     warn_of_start(data)

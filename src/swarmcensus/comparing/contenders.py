@@ -18,6 +18,7 @@ from swarmcensus.basics.options import option
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.summaries import restated
 from swarmcensus.results.values import parameters_in
+from swarmcensus.vocabulary.coordinates import NUMERIC
 
 NONE = -1
 
@@ -57,7 +58,7 @@ def grid_of(
             "of a brain's parameter"
         )
     left_out = {"setting", "brain", *(name for several in parameters.values() for name in several)}
-    left_out |= restated(data)
+    left_out |= restated(data) | NUMERIC.keys()
     coordinates = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
     columns = {name: data[name].values.tolist() for name in coordinates}
     keys = list(zip(*(map(repr, values) for values in columns.values()), strict=True)) or [()] * len(names)

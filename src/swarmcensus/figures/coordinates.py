@@ -14,7 +14,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import derived_size, is_idle
 from swarmcensus.results.values import parameters_in
-from swarmcensus.vocabulary.coordinates import IN_CAPTIONS, caption_form, idle_caption, plural_of
+from swarmcensus.vocabulary.coordinates import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
 
 LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they are equivalent to `members`
 NONE = "none"  # the text of a missing value
@@ -70,7 +70,7 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
     an arena; `liars` and `adversary` if there are `members`; a floor that all arenas share; a parameter with a single
     value; and, if `apart_from` are the two or more axes of a figure, everything that follows from them.
     """
-    left_out = {*apart_from}
+    left_out = {*apart_from, *NUMERIC}
     if not twice:
         given = {*apart_from}
         left_out |= {"density", "side"} if given & {"density", "side"} else {derived_size(results)}

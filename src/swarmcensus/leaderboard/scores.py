@@ -12,6 +12,7 @@ from swarmcensus.comparing.contenders import NONE, Grid, grid_of
 from swarmcensus.comparing.pair_tests import ContestInput, contests
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import Statistic, centres
+from swarmcensus.vocabulary.coordinates import NUMERIC
 from swarmcensus.worlds.networks import MOVING
 
 Floats = NDArray[np.float64]
@@ -162,7 +163,11 @@ def scores_of(
     The estimates of brains in `opinions` have no error; those in `oracles` are bounds.
     """
     division, (grid, _) = DIVISIONS[board], grid_of(data, data)
-    columns = {str(name): values.values.tolist() for name, values in data.coords.items() if values.dims == ("setting",)}
+    columns = {
+        str(name): values.values.tolist()
+        for name, values in data.coords.items()
+        if values.dims == ("setting",) and name not in NUMERIC
+    }
     firsts = [next(place for place in row if place != NONE) for row in grid.place]
     worlds = [{name: values[k] for name, values in columns.items()} for k in firsts]
     own = np.array([division.holds(world) for world in worlds])

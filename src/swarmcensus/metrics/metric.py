@@ -12,7 +12,7 @@ from typing import Any
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.plugins import Plugins
-from swarmcensus.vocabulary.coordinates import COORDINATES
+from swarmcensus.vocabulary.coordinates import COORDINATES, NUMERIC
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 PLUGINS = Plugins("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
@@ -20,7 +20,7 @@ FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
 MAY_HAVE = {"after": 2}  # only in metrics of a swarm
 GIVEN = ("low", "high", "delta", "rounds", "robots")  # fields that each record has before `begin`
 RESERVED = {  # names of the dataset, and of its summary
-    *QUANTITIES, *COORDINATES, "setting", "trial", "robot", "checkpoint", "end", "parameters",
+    *QUANTITIES, *COORDINATES, *NUMERIC, "setting", "trial", "robot", "checkpoint", "end", "parameters",
     "trials", "failed", "K", "error", "right",
 }  # fmt: skip
 BETTER = {"low": True, "high": False}

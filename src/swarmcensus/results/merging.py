@@ -15,9 +15,10 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.results import structure
 from swarmcensus.results.check_against_study import MAKERS, most_trials, outline, unlike
+from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.source_study import studies_of
-from swarmcensus.results.store import load, save
+from swarmcensus.results.store import save, stored
 from swarmcensus.results.values import EVERY, blank, is_missing, kinds_in, metrics_in, metrics_label, same_bits
 from swarmcensus.studies.study import Study
 
@@ -34,7 +35,7 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
     and if the results cannot go together.
     """
     names = [str(given) if isinstance(given, str | Path) else f"results {k + 1}" for k, given in enumerate(results)]
-    datasets = [given if isinstance(given, xr.Dataset) else load(given) for given in results]
+    datasets = [packed(given) if isinstance(given, xr.Dataset) else stored(given) for given in results]
     if not datasets:
         raise InputError("nothing to merge")
     studies: dict[object, Study] = {}  # each once
@@ -55,7 +56,7 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             "%s: %s settings, %s trials done", name, f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
         )
         planned.append(_planned(data, own))
-    return _together(names, datasets, outline(list(studies.values()), True), planned)
+    return readable(_together(names, datasets, outline(list(studies.values()), True), planned))
 
 
 def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
@@ -84,7 +85,7 @@ def _check_kept(out: Path, data: xr.Dataset) -> None:
     elsewhere, fresh = option("out"), option("fresh", True)
     hint = f"merge it too into another file, write elsewhere with {elsewhere}, or replace it with {fresh}"
     try:
-        old = load(out)
+        old = stored(out)
     except InputError as error:
         raise InputError(f"{error}: it is in the way, {hint}") from None
     lost = len(_trials(old) - _trials(data))

@@ -13,27 +13,27 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.results import structure
-from swarmcensus.results.store import checked, load, read
+from swarmcensus.results.store import checked, read, stored
 from swarmcensus.results.values import Values, blank
 
 LOG = logging.getLogger(__name__)
 
 
 def opened(path: str | Path) -> xr.Dataset:
-    """Open a results file, or what its run has finished so far. Raises InputError if there is neither."""
+    """Open a results file, or what its run has finished so far, as files keep it. Raises InputError."""
     path = Path(path)
     if path.exists():
-        return load(path)
+        return stored(path)
     from swarmcensus.results import shards
 
     sketch = shards.folder_of(path) / shards.SKETCH
     if not sketch.is_file():
-        return load(path)  # raises the right error
+        return stored(path)  # raises the right error
     try:
         data = _filled(_widened(read(sketch), sketch), shards.listed(sketch.parent))
     except InputError:
         if path.exists():  # the run has just ended
-            return load(path)
+            return stored(path)
         raise
     done = int(Values.of(data).done().sum())  # local estimates may still be missing
     has = f"this is what its run has so far, {done:,} of {counted(data.attrs['trials_total'], 'trial')}"

@@ -19,6 +19,7 @@ from swarmcensus.basics.files import atomic_write, reason
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
 from swarmcensus.results.presence import check_there
+from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -42,7 +43,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     for name, array in values.arrays.items():
         dims, _, units, meaning = values.kinds[name]
         whole_numbers = array.dtype.kind == "i"
-        comment = {"comment": f"{MISSING}: no such robot, or not run"} if whole_numbers else {}
+        comment = {"comment": NOT_RUN.format(MISSING)} if whole_numbers else {}
         fill = {"_FillValue": MISSING} if whole_numbers else {}  # other readers then show missing values as such
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
     variables |= {name: ("setting", np.array(column), says) for name, (column, says) in _costs(settings).items()}
@@ -156,13 +157,13 @@ def _processor() -> str:
 def save(data: xr.Dataset, path: str | Path) -> None:
     """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
     if data.attrs.get("format") == structure.FORMAT:
-        data = data.drop_attrs(deep=False).assign_attrs(structure.selected(data))
-    packed = {"zlib": True, "complevel": 1, "shuffle": True}
+        data = packed(data).drop_attrs(deep=False).assign_attrs(structure.selected(data))
+    small = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
     fills = {n: {"_FillValue": data[n].encoding["_FillValue"]} for n in integers if "_FillValue" in data[n].encoding}
     # as an attribute: otherwise xarray copies the array to look for missing values
     data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
-    encoding = dict.fromkeys(integers, packed)
+    encoding = dict.fromkeys(integers, small)
     try:
         with (
             atomic_write(path) as temporary,
@@ -177,7 +178,17 @@ def save(data: xr.Dataset, path: str | Path) -> None:
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """Read a results file. Raises InputError if it is missing, damaged, changed, or not of swarmcensus."""
+    """Read a results file, as the dataset that its run returned.
+
+    Times that are missing are NaN, and the coordinates `accuracy_black`, `accuracy_white` and `accuracy_spread` have
+    the sensors as numbers (docs/data-format.md). Raises InputError if it is missing, damaged, changed, or not of
+    swarmcensus.
+    """
+    return readable(stored(path))
+
+
+def stored(path: str | Path) -> xr.Dataset:
+    """Read a results file as it is kept. Raises InputError as `load` does."""
     return checked(read(path), path)
 
 

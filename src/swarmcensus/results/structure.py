@@ -184,7 +184,7 @@ def finished(data: xr.Dataset) -> NDArray[np.bool_]:
     names = ["convergence_round"]
     if "local_convergence_step" in data and "merged" not in data.attrs:
         names += ["local_convergence_step"]
-    return np.asarray(np.all([data.variables[name].values[:, :, 0] != MISSING for name in names], axis=0))
+    return np.asarray(np.all([~is_missing(data.variables[name].values[:, :, 0]) for name in names], axis=0))
 
 
 def failures(data: xr.Dataset) -> set[tuple[int, int]]:

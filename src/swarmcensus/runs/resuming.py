@@ -241,7 +241,7 @@ def hold_output(
         old: xr.Dataset | None = None
         if out.exists() and not parts.replaces:
             try:
-                old = store.load(out)
+                old = store.stored(out)
             except InputError as error:
                 raise InputError(f"{error}. {hint()}") from None
         output = HeldOutput(out, study, settings, parts, say, old)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.basics.formatting import counted
 from swarmcensus.results import store
+from swarmcensus.results.reading import readable
 from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Progress, State, run_bundles
@@ -120,8 +121,8 @@ def run(
         if state.output is not None:
             state.output.finish(data)
     if interrupted:
-        raise Interrupted(data, data.attrs["trials_done"], data.attrs["trials_total"])
-    return data
+        raise Interrupted(readable(data, arrays), data.attrs["trials_done"], data.attrs["trials_total"])
+    return readable(data, arrays)
 
 
 def _no_report(_: Progress) -> None:

@@ -12,7 +12,7 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.results import shards
-from swarmcensus.results.store import load
+from swarmcensus.results.store import stored
 from swarmcensus.results.structure import failures, finished
 from swarmcensus.runs.progress import clock
 
@@ -76,7 +76,7 @@ def status(out: str | Path) -> Status:
         return _status_of_run(out, folder)
     if not out.is_file():
         raise InputError(f"{out}: there is no such file, and no run that writes it")
-    data = load(out)
+    data = stored(out)
     done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failures(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""
     share, how_to_continue = "", HOW_TO_CONTINUE if done < total else ""

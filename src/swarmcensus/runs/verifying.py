@@ -17,8 +17,9 @@ from swarmcensus.basics.version import __version__
 from swarmcensus.metrics import Metric
 from swarmcensus.results import structure
 from swarmcensus.results.check_against_study import settings_of, unchecked, unlike
+from swarmcensus.results.reading import packed
 from swarmcensus.results.source_study import Brains, metrics_may_run, must_be_read, studies_of
-from swarmcensus.results.store import load, provenance
+from swarmcensus.results.store import provenance, stored
 from swarmcensus.results.values import (
     ESTIMATES,
     EVERY,
@@ -91,7 +92,7 @@ def verify(
     """
     if not 0.0 < sample <= 1.0:
         raise InputError(f"sample = {sample:g}: should be a share above 0, and at most 1")
-    data = results if isinstance(results, xr.Dataset) else load(results)
+    data = packed(results) if isinstance(results, xr.Dataset) else stored(results)
     if wrong := structure.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)

@@ -121,6 +121,23 @@ ALL = (
     ),
 )  # fmt: skip
 COORDINATES = {coordinate.name: coordinate for coordinate in ALL}
+NUMERIC = {  # worked out from `accuracy`, a text, when Python opens results
+    coordinate.name: coordinate
+    for coordinate in (
+        Coordinate(
+            "accuracy_black", "number", "b, how likely black is read as black: the mean over robots, in round 1",
+            title="sensor accuracy $b$", always=False,
+        ),
+        Coordinate(
+            "accuracy_white", "number", "w, how likely white is read as white: the mean over robots, in round 1",
+            title="sensor accuracy $w$", always=False,
+        ),
+        Coordinate(
+            "accuracy_spread", "number", "how far robots differ: the standard deviation of b or w, the larger one",
+            title="spread of sensor accuracies", always=False,
+        ),
+    )
+}  # fmt: skip
 IN_CAPTIONS = (  # in this order
     "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change", "floor", "rounds",
     "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy", "accuracy",
@@ -129,7 +146,7 @@ IN_CAPTIONS = (  # in this order
 ROUNDS = Coordinate(  # of quantities that are measured at checkpoints
     "checkpoint", "whole number", "a round after which decisions were recorded", caption="after {:,.0f}", counts=True
 )
-OF_FIGURES = COORDINATES | {ROUNDS.name: ROUNDS}
+OF_FIGURES = COORDINATES | NUMERIC | {ROUNDS.name: ROUNDS}
 
 
 def caption_form(name: str) -> str:

@@ -6,6 +6,7 @@ homogeneous swarm all robots have one accuracy, b = w; in a heterogeneous one ea
 
 import functools
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Self
@@ -89,6 +90,12 @@ class Accuracy:
         white = self.white or self.black
         fixed = self.black.is_number and white.is_number
         return fixed and math.isclose(self.black.numbers[0] + white.numbers[0], 1.0)
+
+    @property
+    def moments(self) -> tuple[float, float, float]:
+        """The means of b and w over robots, and the larger standard deviation; of round 1. Raises InputError."""
+        (black, sd_black), (white, sd_white) = self.black.moments(), (self.white or self.black).moments()
+        return black, white, max(sd_black, sd_white)
 
     @property
     def spreads(self) -> tuple[Spread, ...]:
@@ -188,6 +195,14 @@ def parse_accuracy(value: object) -> Accuracy:
     right, keys = "an accuracy table has the keys black and white, or start and drift", ("black", "white", *KEYS)
     sides = read(SidesTable, value, lambda: right, keys)
     return Accuracy(sides.black, sides.white)
+
+
+def start_of(text: str) -> Accuracy:
+    """The accuracies of round 1 from their text in a dataset. Raises ValueError."""
+    sides = re.fullmatch("black=(.*) white=(.*)", text)
+    if sides:
+        return Accuracy(parse_spread(sides[1]), parse_spread(sides[2]))
+    return Accuracy(parse_spread(text.partition(" drift=")[0]))
 
 
 def parse_assumed(value: object) -> Accuracy | Misjudgement:

@@ -21,6 +21,8 @@ PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
 ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # where quantiles are tried: the least, a middle and the largest u
 
+MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm whose quantiles give a mean
+
 
 @dataclass(frozen=True)
 class Spread:
@@ -93,6 +95,15 @@ class Spread:
             return middle, middle
         values = self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), 0.0)
         return float(values.min()), float(values.max())
+
+    def moments(self) -> tuple[float, float]:
+        """The mean and the standard deviation of accuracies. Raises InputError."""
+        if self.is_number:
+            return self.numbers[0], 0.0
+        if not self.edition:
+            return PLUGINS.module(self.kind).moments(*self.numbers)  # type: ignore[no-any-return]
+        values = self._quantile(MIDDLES, 0.0)
+        return float(values.mean()), float(values.std())
 
     def _quantile(self, uniform: np.ndarray, least: float) -> np.ndarray:
         quantile = PLUGINS.module(self.kind).quantile

@@ -1,5 +1,7 @@
 """Normal, "N(mean, sd)": accuracies are truncated to [0, 1], errors are not."""
 
+import math
+
 import numpy as np
 
 from swarmcensus.engine.compiler import compile_world
@@ -16,6 +18,16 @@ def check(mean: float, sd: float) -> None:
 def centre(mean: float, sd: float) -> float:
     """The mean, which must be in bounds."""
     return mean
+
+
+def moments(mean: float, sd: float) -> tuple[float, float]:
+    """The mean and the standard deviation of accuracies, which are truncated to [0, 1]."""
+    low, high = -mean / sd, (1.0 - mean) / sd
+    density = [math.exp(-end * end / 2.0) / math.sqrt(2.0 * math.pi) for end in (low, high)]
+    inside = (math.erf(high / math.sqrt(2.0)) - math.erf(low / math.sqrt(2.0))) / 2.0
+    shift = (density[0] - density[1]) / inside
+    variance = 1.0 + (low * density[0] - high * density[1]) / inside - shift * shift
+    return mean + sd * shift, sd * math.sqrt(variance)
 
 
 def draw(key: np.ndarray, first_trial: int, out: np.ndarray, mean: float, sd: float) -> None:

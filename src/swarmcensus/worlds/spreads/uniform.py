@@ -1,5 +1,7 @@
 """Uniform, "U(lo, hi)", between two bounds, as in the paper's heterogeneous swarms."""
 
+import math
+
 import numpy as np
 
 from swarmcensus.engine.compiler import compile_world
@@ -16,6 +18,11 @@ def check(lo: float, hi: float) -> None:
 def quantile(u: np.ndarray, lo: float, hi: float) -> np.ndarray:
     """The value below which a share u lies."""
     return lo + (hi - lo) * u
+
+
+def moments(lo: float, hi: float) -> tuple[float, float]:
+    """The mean and the standard deviation."""
+    return (lo + hi) / 2.0, (hi - lo) / math.sqrt(12.0)
 
 
 def draw(key: np.ndarray, first_trial: int, out: np.ndarray, lo: float, hi: float) -> None:

@@ -1,0 +1,66 @@
+"""Results as Python reads them: a time that is missing is NaN, and accuracies are numbers, too.
+
+Files, and runs while they are at work, keep such times as whole numbers, in which -1 means missing, and accuracies as
+texts alone.
+"""
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.results.values import EVERY, MISSING, ArrayStore
+from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.worlds.sensors import start_of
+
+NOT_RUN = "{}: no such robot, or not run"  # the attribute `comment` of times
+WHOLE = tuple(name for name, (_, kind, *_) in EVERY.items() if np.issubdtype(kind, np.integer))
+ORIGIN = "worked_out_from"  # an attribute
+
+
+def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
+    """A dataset as Python reads it, from one as files keep it; `store` allocates its arrays, by default in memory."""
+    variables: dict[str, Any] = {}
+    for name in WHOLE:
+        if name in data and data[name].dtype.kind == "i":
+            whole = data[name].values
+            times = (store or ArrayStore()).full(whole.shape, np.nan, np.float64)
+            np.copyto(times, whole, where=whole != MISSING)
+            about = data[name].attrs | {"comment": NOT_RUN.format("NaN")}
+            variables[name] = data[name].dims, times, about, data[name].encoding
+    data = data.assign(variables)
+    if "accuracy" not in data.coords or NUMERIC.keys() & {*data.variables}:
+        return data
+    columns = zip(NUMERIC.items(), _moments(data["accuracy"].values).T, strict=True)
+    return data.assign_coords(
+        {name: ("setting", values, {"long_name": kind.page, ORIGIN: "accuracy"}) for (name, kind), values in columns}
+    )
+
+
+def packed(data: xr.Dataset) -> xr.Dataset:
+    """A dataset as files keep it, from one as Python reads it. Times that are not whole numbers are left as they are."""
+    variables: dict[str, Any] = {}
+    for name in WHOLE:
+        if name in data and data[name].dtype.kind == "f":
+            times = data[name].values
+            whole = np.full(times.shape, MISSING, EVERY[name][1])
+            np.copyto(whole, times, where=np.abs(times) <= np.iinfo(whole.dtype).max, casting="unsafe")
+            if not ((whole == times) | np.isnan(times)).all():
+                continue
+            about = data[name].attrs | {"comment": NOT_RUN.format(MISSING)}
+            variables[name] = data[name].dims, whole, about, data[name].encoding | {"_FillValue": MISSING}
+    added = [name for name in NUMERIC if name in data.coords and ORIGIN in data[name].attrs]
+    return data.assign(variables).drop_vars(added)
+
+
+def _moments(accuracies: NDArray[Any]) -> NDArray[np.float64]:
+    """The numbers of each setting's accuracy, (setting, 3); NaN for a text that no installed spread can read."""
+    known: dict[str, tuple[float, float, float]] = {}
+    for text in dict.fromkeys(map(str, accuracies.tolist())):
+        try:
+            known[text] = start_of(text).moments
+        except (ValueError, InputError):
+            known[text] = np.nan, np.nan, np.nan
+    return np.array([known[str(text)] for text in accuracies.tolist()]).reshape(-1, len(NUMERIC))
