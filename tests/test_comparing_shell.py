@@ -304,7 +304,7 @@ def test_one_world_has_no_column_of_worlds_and_a_verdict_of_its_own(capsys):
 
 def test_axes_of_ones_own_hold_one_measure():
     mine = Figure(figsize=(7, 3)).subplots()
-    assert sc.plot.ranks(made_up(), metric="correct", title="mine", ax=mine) is mine
+    assert sc.plot.ranks(made_up(), metric="correct", title="mine", ax=mine) is mine.figure
     assert mine.get_title(loc="left") == "mine"
     with pytest.raises(sc.InputError, match="ax holds one panel, not 5: name one metric"):
         sc.plot.ranks(made_up(), ax=mine)

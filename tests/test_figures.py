@@ -332,8 +332,8 @@ def test_figures_draw_into_axes_of_the_caller():
     figure = Figure()
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
-    assert figures.scatter(study(), ax=left) is left
-    assert figures.decisions(study(), ax=right) is right
+    assert figures.scatter(study(), ax=left) is left.figure
+    assert figures.decisions(study(), ax=right) is right.figure
     assert len(drawn(left, "dots 0.525")) == 40
     assert len(drawn(right, "right 0.525")) == 2
 

@@ -1,4 +1,4 @@
-"""Figures in axes of one's own: one a panel, returned as they were given, and those that others share show both."""
+"""Figures in axes of one's own: one a panel, whose figure is returned, and those that others share show both."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def subplots(count, **options):
 @pytest.mark.parametrize("kind", ["scatter", "decisions", "lines"])
 def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
     axes = subplots(2, sharey=True)
-    assert getattr(sc.plot, kind)(two, panels="topology", title="both", ax=axes) is axes
+    assert getattr(sc.plot, kind)(two, panels="topology", title="both", ax=axes) is axes[0].figure
     assert [ax.get_title("left") for ax in axes] == ["(a) ring", "(b) full"]
     assert [ax.get_legend() is None for ax in axes] == [True, False]
     assert "both" in texts(axes[0].figure)
@@ -72,9 +72,9 @@ def test_lines_lead_from_names_to_dots_wherever_these_come_to_be(two):
 def test_a_heatmap_is_one_panel_or_two():
     results = xr.concat([study(["0.6"], topology=t, seed=k) for k, t in enumerate(("ring", "full"))], "setting")
     axes = subplots(2)
-    assert sc.plot.heatmap(results, x="topology", ax=axes) is axes
+    assert sc.plot.heatmap(results, x="topology", ax=axes) is axes[0].figure
     (ax,) = axes[:1]
-    assert sc.plot.heatmap(results, x="topology", z="convergence_round", ax=ax) is ax
+    assert sc.plot.heatmap(results, x="topology", z="convergence_round", ax=ax) is ax.figure
     shown = np.asarray(ax.images[-1].get_array()).ravel()
     np.testing.assert_allclose(shown, results["convergence_round"].median(("trial", "robot")))
     assert len(sc.plot.heatmap(results, x="topology", z="convergence_error").axes) == 1
@@ -88,7 +88,7 @@ def test_a_heatmap_is_one_panel_or_two():
 def test_an_arena_is_square_in_any_axes_with_its_key_below(inches, moving):
     figure = Figure(figsize=(inches + 2, inches + 2), layout="constrained")
     ax = figure.subplots()
-    assert sc.plot.arena(moving, tick=7, ax=ax) is ax
+    assert sc.plot.arena(moving, tick=7, ax=ax) is ax.figure
     figure.draw_without_rendering()
     assert ax.bbox.width == pytest.approx(ax.bbox.height)
     key, box = ax.get_legend().get_window_extent(), figure.bbox

@@ -403,7 +403,7 @@ def test_axes_of_one_s_own_hold_one_panel(small_results):
     figure = Figure(figsize=(18, 3))
     axes = figure.subplots(1, 3)
     for draw, ax in zip((sc.plot.scatter, sc.plot.decisions, sc.plot.lines), axes, strict=True):
-        assert draw(one, panels=[], title="mine", ax=ax) is ax
+        assert draw(one, panels=[], title="mine", ax=ax) is ax.figure
         assert ax.get_title("left") == "mine"
         assert ax.get_ylabel()
         with pytest.raises(InputError, match="ax holds one panel, not"):

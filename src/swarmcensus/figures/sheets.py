@@ -24,7 +24,6 @@ from swarmcensus.figures.panels import MOST_PANELS
 
 Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the y axis, neither
 Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
-Drawn = Any  # a Figure, or the caller's axes, depending on an argument
 
 HALF_A_DECADE = 10**0.5
 # Inches, with letters of the usual size:
@@ -174,10 +173,8 @@ def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
     return own
 
 
-def drawn_on(axes: Sequence[Axes], ax: Own) -> Drawn:
-    """Return what a kind of figure returns: the new figure, or the caller's axes as they were given."""
-    if ax is not None:
-        return ax
+def figure_of(axes: Sequence[Axes]) -> Figure:
+    """The figure that these axes are on, which a kind of figure returns: a new one, or the caller's."""
     return axes[0].figure.canvas.figure
 
 

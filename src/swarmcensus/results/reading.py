@@ -40,7 +40,7 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
 
 
 def packed(data: xr.Dataset) -> xr.Dataset:
-    """A dataset as files keep it, from one as Python reads it. Times that are not whole numbers are left as they are."""
+    """A dataset as files keep it, from one as Python reads it. Times that are not whole numbers stay as they are."""
     variables: dict[str, Any] = {}
     for name in WHOLE:
         if name in data and data[name].dtype.kind == "f":

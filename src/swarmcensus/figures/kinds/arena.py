@@ -36,7 +36,7 @@ from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, halo
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import ChangingFloor, Tiles, check_robot, scene_of
-from swarmcensus.figures.sheets import Drawn, Own, drawn_on, own_axes
+from swarmcensus.figures.sheets import Own, figure_of, own_axes
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
 
@@ -59,7 +59,7 @@ def arena(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw the arena with its moving robots at the end of a tick, as the paper's Fig. 1 does.
 
     Robots are discs to scale, coloured by their estimates, with their heading. Lines join robots that hear each other.
@@ -92,7 +92,7 @@ def snapshot(
     robot: int = 0,
     title: str | None = None,
     ax: Own = None,
-) -> Drawn:
+) -> Figure:
     """Draw the arena at the end of a tick from a trace and a floor; see `arena`.
 
     `trace` is the trace of a trial with moving robots, with links. `floor` holds the tiles (row, column), 1 black, as
@@ -103,7 +103,7 @@ def snapshot(
     """
     arena = Arena(trace, floor, robot=robot, title=title, ax=ax)
     arena.show(tick)
-    return drawn_on([arena.axes], ax)
+    return figure_of([arena.axes])
 
 
 def _new_axes() -> tuple[Axes, ArenaSize]:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
@@ -21,10 +22,9 @@ from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
     UNRUN,
-    Drawn,
     Own,
     add_key,
-    drawn_on,
+    figure_of,
     name_axes,
     say_empty,
     sheet,
@@ -41,7 +41,7 @@ BESIDE = 0.3  # distance of the columns of random beliefs, as a share of the ran
 
 
 @on_page
-def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **more: Unpack[PageOptions]) -> Drawn:
+def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **more: Unpack[PageOptions]) -> Figure:
     """Draw the error of final estimates against the error of the robots' belief in their sensors.
 
     x is the assumed minus the true accuracy. y is the median of |x - f| over robots and trials, with its 95 % interval
@@ -106,7 +106,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
     add_key(axes, heading, entries)
     say_left_out(axes, captions, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in panels])
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _column_name(belief: str) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ from swarmcensus.figures.looks import Look, looks_of, palette, solid_dot
 from swarmcensus.figures.notes import say_few, say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, layout, name_axes, say_empty, sheet, show_range
+from swarmcensus.figures.sheets import Own, add_key, figure_of, layout, name_axes, say_empty, sheet, show_range
 from swarmcensus.results.labels import renamed
 
 MOST_ROWS = 40
@@ -52,7 +53,7 @@ def compare(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw the differences that `sc.compare` finds between brains, paired trial by trial, with their 95 % intervals.
 
     Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
@@ -96,7 +97,7 @@ def draw_effects(
     ax: Own,
     results: Sequence[xr.Dataset],
     few: str = "",
-) -> Drawn:
+) -> Figure:
     """Draw the effects of a comparison, one panel for each measure; see `compare`. Raises InputError for too many rows.
 
     `reference` is the contender that others are compared with. `rows` are the worlds that each row stands for, as
@@ -159,7 +160,7 @@ def draw_effects(
     say_left_out(axes, every, kept, NUMBERLESS)
     say_lacking(axes, results)
     say_few(axes, few)
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _axis_name(effect: Effect, wide: float) -> str:

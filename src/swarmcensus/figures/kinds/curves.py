@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -20,7 +21,7 @@ from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import is_trace, trace_of
-from swarmcensus.figures.sheets import Drawn, Own, Scale, add_key, count_axis, drawn_on, name_axes, sheet, show_range
+from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, figure_of, name_axes, sheet, show_range
 from swarmcensus.figures.theory_lines import STYLES, THIN, caption_without_theory, sample
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
@@ -43,7 +44,7 @@ def curves(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw each robot's estimate in one trial against the communication round or tick.
 
     x is the round or tick, where 0 is before any observation. y is the estimated fill ratio. Thin lines are robots. In
@@ -116,7 +117,7 @@ def curves(
     unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
     name_axes(place, f"{unit}{note}", "estimated fill ratio $x$")
     add_key([place], "", entries)
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _expected(results: xr.Dataset, trace: xr.Dataset, last: int) -> Expectation:

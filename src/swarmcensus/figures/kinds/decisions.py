@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
@@ -27,10 +28,9 @@ from swarmcensus.figures.sheets import (
     NOTHING,
     POOLED,
     UNRUN,
-    Drawn,
     Own,
     add_key,
-    drawn_on,
+    figure_of,
     name_axes,
     say_empty,
     sheet,
@@ -55,7 +55,7 @@ def decisions(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw the share of robots that choose the right bin at each checkpoint, as the paper's Fig. 4 does.
 
     Each checkpoint is a column, counted in communication rounds, or in ticks if robots move. The columns are evenly
@@ -89,7 +89,7 @@ def decisions_grid(
     theory: bool = False,
     title: str | None = None,
     ax: Own = None,
-) -> Drawn:
+) -> Figure:
     """Draw `decisions` panels that the caller chooses, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so.
@@ -134,7 +134,7 @@ def decisions_grid(
     say_left_out(axes, captions, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _draw_shares(

@@ -55,7 +55,7 @@ def film(
     progress: Callable[[int, int], None] | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Any:
+) -> int | FuncAnimation:
     """Write a film of moving robots to a file, and return the number of frames.
 
     Each frame shows one tick, as `arena` draws it. The file is written whole or not at all, and replaces an older one.

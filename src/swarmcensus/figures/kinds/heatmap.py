@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import AsinhNorm, Colormap, Normalize
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
@@ -20,7 +21,7 @@ from swarmcensus.figures.looks import looks_of
 from swarmcensus.figures.notes import say_lacking
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import INNER, NOTHING, Drawn, Own, caption_panels, drawn_on, layout, name_axes, sheet
+from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figure_of, layout, name_axes, sheet
 from swarmcensus.results.labels import titles_in
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.vocabulary.coordinates import title_of
@@ -45,7 +46,7 @@ def heatmap(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw medians over robots and trials in a grid of two coordinates.
 
     The left panel shows the error |x^K - f|, and the right one the convergence K in communication rounds, or in ticks
@@ -124,7 +125,7 @@ def heatmap(
     if ax is None or not title or len(axes) > 1:
         caption_panels(axes, [captions[k] for k in drawn], ABOVE * scale(), math=True)
     say_lacking(axes, [results])
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _axes_of(results: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
 from numpy.typing import NDArray
@@ -27,10 +28,9 @@ from swarmcensus.figures.sheets import (
     LEFT,
     NOTHING,
     POOLED,
-    Drawn,
     Own,
     add_key,
-    drawn_on,
+    figure_of,
     layout,
     name_axes,
     say_empty,
@@ -91,7 +91,7 @@ def lines(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
 
     Each dot is the median or mean over robots and trials. A thin vertical line is its 95 % interval over trials; it
@@ -178,7 +178,7 @@ def lines(
     say_left_out(axes, captions, kept, f"{NUMBERLESS} {y}")
     say_lacking(axes, [results])
     say_pooled(axes, [part.results for part in parts], [x, *([color] if color else [])])
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequence[str]) -> tuple[str, str | None]:

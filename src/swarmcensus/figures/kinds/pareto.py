@@ -8,6 +8,7 @@ from typing import Any, Unpack
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS
-from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, sheet, show_range
+from swarmcensus.figures.sheets import Own, add_key, figure_of, name_axes, sheet, show_range
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
@@ -43,7 +44,7 @@ def pareto(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw a measure of `sc.compare` against a cost, one panel for each world, with the Pareto front.
 
     Full dots are on the front: no other brain is both better and cheaper. A stepped line joins them. Vertical lines are
@@ -87,7 +88,7 @@ def draw_pareto(
     title: str | None = None,
     ax: Own = None,
     results: Sequence[xr.Dataset] = (),
-) -> Drawn:
+) -> Figure:
     """Draw the first measure of a comparison against a cost; see `pareto`.
 
     The foot of the figure says how many trials `results` lack. Raises InputError for an unknown cost and
@@ -129,7 +130,7 @@ def draw_pareto(
     add_key(axes, "", entries)
     say_left_out(axes, captions, kept, f"no contender has both {measure.name} and {cost}")
     say_lacking(axes, results)
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _dot(look: Look, size: float, on_front: bool) -> Line2D:

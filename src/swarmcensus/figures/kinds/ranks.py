@@ -22,7 +22,7 @@ from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.notes import say_few, say_lacking, say_left_out
 from swarmcensus.figures.page import SHEET, PageOptions, caption_letters, letters, on_page, page, scale, title_letters
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.sheets import Drawn, Own, caption_panels, drawn_on, own_axes
+from swarmcensus.figures.sheets import Own, caption_panels, figure_of, own_axes
 from swarmcensus.results.labels import renamed
 from swarmcensus.statistics.significance import groups
 
@@ -41,7 +41,7 @@ GREY = "0.35"  # of the lines to the names
 @on_page
 def ranks(
     results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None, **more: Unpack[PageOptions]
-) -> Drawn:
+) -> Figure:
     """Draw the critical-difference diagram of `sc.compare`: the average ranks of brains, one line for each measure.
 
     The best brain is on the left. Ranks are means over the trials and worlds in which all contenders have run. A bar
@@ -61,7 +61,7 @@ def ranks(
 
 def draw_ranks(
     standings: Standings, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
-) -> Drawn:
+) -> Figure:
     """Draw a panel for each measure of a comparison; see `ranks`.
 
     The foot of the figure says how many trials `results` lack. Raises InputError if there is no world in which all
@@ -98,7 +98,7 @@ def draw_ranks(
     every = [measure.label for measure in standings.measures]
     say_left_out(panels[-1:], every, drawn, "no world in which all contenders have numbers")
     say_few(panels[-1:], overall_too_few(standings.contests) or in_worlds_too_few(standings.contests))
-    return drawn_on(panels, ax)
+    return figure_of(panels)
 
 
 def _called(standings: Standings) -> list[str]:

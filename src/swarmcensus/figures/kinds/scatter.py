@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
@@ -27,13 +28,12 @@ from swarmcensus.figures.sheets import (
     NOTHING,
     POOLED,
     UNRUN,
-    Drawn,
     Own,
     Scale,
     add_key,
     count_axis,
-    drawn_on,
     error_axis,
+    figure_of,
     layout,
     name_axes,
     say_empty,
@@ -63,7 +63,7 @@ def scatter(
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
-) -> Drawn:
+) -> Figure:
     """Draw how fast and how well robots estimate: one dot per robot and trial, and the medians.
 
     x is the convergence K in communication rounds, or in ticks if robots move. y is the error |x^K - f|. Outlined dots
@@ -102,7 +102,7 @@ def scatter_grid(
     theory: bool = False,
     title: str | None = None,
     ax: Own = None,
-) -> Drawn:
+) -> Figure:
     """Draw `scatter` panels that the caller chooses, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results[, local[, error_limit]]). Panels with the same unit have the same
@@ -166,7 +166,7 @@ def scatter_grid(
     say_left_out(axes, every_caption, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
-    return drawn_on(axes, ax)
+    return figure_of(axes)
 
 
 def _name_letters() -> float:
