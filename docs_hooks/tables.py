@@ -29,6 +29,12 @@ def of_coordinates() -> str:
     return "\n".join(["| coordinate | type | meaning |", "|---|---|---|", *rows])
 
 
+def of_numbers() -> str:
+    """The coordinates that Python adds when it opens results."""
+    rows = [f"| `{one.name}` | {one.page} |" for one in coordinates.NUMERIC.values()]
+    return "\n".join(["| coordinate | meaning |", "|---|---|", *rows])
+
+
 def of_quantities() -> str:
     """The variables that runs store."""
     stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
@@ -43,7 +49,7 @@ def of_metrics() -> str:
     return "\n".join(["| name | unit | better | meaning |", "|---|---|---|---|", *rows])
 
 
-TABLES = {"coordinates": of_coordinates, "quantities": of_quantities}
+TABLES = {"coordinates": of_coordinates, "numbers": of_numbers, "quantities": of_quantities}
 
 
 def filled(markdown: str) -> str:

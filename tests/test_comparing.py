@@ -10,6 +10,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import metrics
 from swarmcensus.basics.errors import InputError
+from swarmcensus.comparing import showing
 from swarmcensus.comparing.contenders import grid_of
 from swarmcensus.comparing.tables import escaped, latex
 from swarmcensus.results import measures
@@ -423,6 +424,22 @@ def test_medians_and_their_intervals_bear_infinity_and_what_is_missing():
 
 
 # ---- LaTeX
+
+
+def test_a_comparison_is_shown_as_its_table_and_its_verdict(monkeypatch):
+    comparison = sc.compare(made_up(brains=2, gap=3.0, worlds=("ring", "full <b>")), metric=["final_error", "correct"])
+    text, html = repr(comparison), comparison._repr_html_()
+    lines = text.splitlines()
+    assert lines[1].split() == ["topology", "contender", "final", "error", "right", "%", "messages", "bytes", "memory"]
+    assert lines[2].split()[:3] == ["ring", "minimalistic", "*"]
+    assert lines[3].split()[:2] == ["bayes-bots", f"{comparison.table['final_error'][1]:.3f}"]
+    assert text.endswith(str(comparison))
+    assert html.count("<tr") == 1 + 4
+    assert "full &lt;b&gt;" in html
+    assert all(f"<li>{sentence}</li>" in html for sentence in comparison.verdict)
+    monkeypatch.setattr(showing, "MOST_ROWS", 3)
+    assert "the first 1 of 2 worlds" in repr(comparison)
+    assert "full" not in repr(comparison).partition("\n\n")[0]
 
 
 def test_latex_escapes_names_and_marks_the_best():

@@ -11,10 +11,10 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.leaderboard import board as entries
-from swarmcensus.leaderboard.board import leaderboard
-from swarmcensus.leaderboard.page import cell
-from swarmcensus.leaderboard.scores import DIVISIONS, scores_of
+from swarmcensus.ranking import board as entries
+from swarmcensus.ranking.board import leaderboard
+from swarmcensus.ranking.page import cell
+from swarmcensus.ranking.scores import DIVISIONS, scores_of
 
 SMALL = """
 name = "leaderboard"

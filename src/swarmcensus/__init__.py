@@ -16,9 +16,12 @@ if TYPE_CHECKING:
     from swarmcensus import theory
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.comparing.comparison import compare
+    from swarmcensus.conformance.checking import check
     from swarmcensus.explaining.agreement import explain
     from swarmcensus.figures import plot
+    from swarmcensus.paper.reproducing import reproduce
     from swarmcensus.planning.planning import plan
+    from swarmcensus.ranking.board import leaderboard
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
@@ -35,16 +38,19 @@ _HOME = {
     "InputError": "basics.errors",
     "Interrupted": "basics.errors",
     "Study": "studies.study",
+    "check": "conformance.checking",
     "compare": "comparing.comparison",
     "explain": "explaining.agreement",
     "frame": "results.store",
     "infer": "simulation.inferring",
+    "leaderboard": "ranking.board",
     "load": "results.store",
     "merge": "results.merging",
     "plan": "planning.planning",
     "plot": "figures.plot",
     "remeasure": "results.remeasuring",
     "replay": "results.replaying",
+    "reproduce": "paper.reproducing",
     "run": "runs.running",
     "save": "results.store",
     "summary": "results.summaries",
@@ -57,16 +63,19 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Study",
+    "check",
     "compare",
     "explain",
     "frame",
     "infer",
+    "leaderboard",
     "load",
     "merge",
     "plan",
     "plot",
     "remeasure",
     "replay",
+    "reproduce",
     "run",
     "save",
     "summary",

@@ -12,8 +12,8 @@ from swarmcensus.cli.output import present, reporting, say, wrote
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from swarmcensus.leaderboard.board import Board
-    from swarmcensus.leaderboard.scores import Scores
+    from swarmcensus.ranking.board import Board
+    from swarmcensus.ranking.scores import Scores
 
 
 def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
@@ -31,7 +31,7 @@ def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
 
 def leaderboard(options: argparse.Namespace) -> int:
     """Run the leaderboard and print the ranking, and where your own brains lose most."""
-    from swarmcensus.leaderboard.board import leaderboard
+    from swarmcensus.ranking.board import leaderboard
 
     begun = time.monotonic()
     board = leaderboard(
@@ -94,7 +94,7 @@ def _placed(scores: "Scores") -> "Iterator[tuple[int | None, int]]":
 def _show(board: "Board") -> None:
     from swarmcensus.basics.formatting import counted
     from swarmcensus.basics.terminal import NUMBER, Column, console, fitted, left_out
-    from swarmcensus.leaderboard.page import cell
+    from swarmcensus.ranking.page import cell
 
     scores = board.scores
     names = [column.name for column in scores.division.columns]

@@ -63,7 +63,8 @@ def brains(options: argparse.Namespace) -> int:
         )
         return 0
     from swarmcensus.brains import find
-    from swarmcensus.conformance.suite import brain_to_check, check, notes, single_life
+    from swarmcensus.conformance.checking import check
+    from swarmcensus.conformance.suite import brain_to_check
 
     if options.wearing:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
@@ -73,10 +74,8 @@ def brains(options: argparse.Namespace) -> int:
         sys.stdout.write(brain_to_check(options.show, options.wearing).source)
         return 0
     say(f"checking {options.check}, which is compiled for it: up to a minute")
-    checks = check(options.check, wearing=options.wearing)
-    conforms = all(result.fault is None for result in checks)
-    said = notes(options.check, options.wearing)
-    lived = single_life(options.check, options.wearing) if options.single and conforms else None
+    found = check(options.check, wearing=options.wearing, single=options.single)
+    checks, conforms, said, lived = found.checks, found.conforms, [*found.notes], found.single
     if lived is not None:
         said.append(lived if isinstance(lived, str) else single_note(lived))
     if options.json:

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
-from swarmcensus.comparing import groups, tables
+from swarmcensus.comparing import groups, showing, tables
 from swarmcensus.comparing.contenders import NONE, Grid, grid_of
 from swarmcensus.comparing.pair_tests import (
     Contest,
@@ -32,6 +32,9 @@ from swarmcensus.results.store import load
 from swarmcensus.results.summaries import asked_anew, done, failed_trials
 from swarmcensus.statistics.bootstrap import centres
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 Floats = NDArray[np.float64]
 
 STILL = 0.5  # share of a contender's robots with K = 0 from which a caution is given
@@ -40,7 +43,8 @@ STILL = 0.5  # share of a contender's robots with K = 0 from which a caution is 
 class Comparison(Standings):
     """A comparison of contenders in worlds, with `table`, `pairs`, `ranks` and `duels` as pandas tables.
 
-    `verdict` states the results in sentences. Printing a comparison shows these sentences and the cautions.
+    `verdict` states the results in sentences. Printing a comparison shows these sentences and the cautions; its `repr`,
+    and a notebook, show the table of its worlds above them.
     """
 
     @property
@@ -49,7 +53,7 @@ class Comparison(Standings):
         return verdict(self)
 
     @property
-    def table(self) -> Any:
+    def table(self) -> "pd.DataFrame":
         """A pandas table with a row for each world and contender.
 
         Each measure has its value, the ends of its 95 % interval (`_low`, `_high`), its `_rank` in the world and its
@@ -60,21 +64,21 @@ class Comparison(Standings):
         return tables.table(self)
 
     @property
-    def pairs(self) -> Any:
+    def pairs(self) -> "pd.DataFrame":
         """A pandas table with a row for each measure, world and pair of contenders: the difference `one` - `other`."""
         return tables.pairs(self)
 
     @property
-    def ranks(self) -> Any:
+    def ranks(self) -> "pd.DataFrame":
         """A pandas table with a row for each measure and contender: its average rank, and where it is first."""
         return tables.ranks(self)
 
     @property
-    def duels(self) -> Any:
+    def duels(self) -> "pd.DataFrame":
         """A pandas table with a row for each measure and pair: the share of common worlds in which one is ahead."""
         return tables.duels(self)
 
-    def by(self, *axes: str) -> Any:
+    def by(self, *axes: str) -> "pd.DataFrame":
         """A pandas table: for each combination of these axes' values and contender, the number of each standing.
 
         With `against`, each measure also has the contender's value divided by the reference's (`_ratio`), or for shares
@@ -85,7 +89,15 @@ class Comparison(Standings):
 
     def __str__(self) -> str:
         """The verdict and the cautions, one sentence a line."""
-        return "\n".join([*self.verdict, *(f"caution: {caution}" for caution in self.cautions)])
+        return "\n".join(showing.said(self))
+
+    def __repr__(self) -> str:
+        """The table of its worlds with marks and intervals, the verdict and the cautions."""
+        return showing.as_text(self)
+
+    def _repr_html_(self) -> str:
+        """The same, as a notebook shows it."""
+        return showing.as_html(self)
 
 
 def compare(

@@ -1,7 +1,7 @@
 """A comparison of many worlds in few rows: standings counted over worlds that share the values of some axes."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,11 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.comparing.standings import AGAINST, RANKED, Standings
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-def groups(standings: Standings, axes: Sequence[str]) -> Any:
+
+def groups(standings: Standings, axes: Sequence[str]) -> "pd.DataFrame":
     """See `Comparison.by`."""
     import pandas as pd
 

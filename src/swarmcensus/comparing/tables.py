@@ -1,7 +1,7 @@
 """A comparison as pandas tables, as CSV, and as a LaTeX table (package booktabs)."""
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,8 +11,11 @@ from swarmcensus.comparing.pair_tests import pairs_of, world_ranks
 from swarmcensus.comparing.standings import AGAINST, RANKED, Standings
 from swarmcensus.results.summaries import is_idle
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-def table(standings: Standings) -> Any:
+
+def table(standings: Standings) -> "pd.DataFrame":
     """See `Comparison.table`."""
     import pandas as pd
 
@@ -32,7 +35,7 @@ def table(standings: Standings) -> Any:
     return pd.DataFrame(columns)
 
 
-def pairs(standings: Standings) -> Any:
+def pairs(standings: Standings) -> "pd.DataFrame":
     """See `Comparison.pairs`.
 
     `difference` is the median of the trials' differences, or their mean, in the measure's `unit`, with the ends of its
@@ -62,7 +65,7 @@ def pairs(standings: Standings) -> Any:
     return pd.concat(frames, ignore_index=True)
 
 
-def ranks(standings: Standings) -> Any:
+def ranks(standings: Standings) -> "pd.DataFrame":
     """See `Comparison.ranks`.
 
     `average_rank` is the mean over the trials and worlds that all have met. `best` counts the worlds in which a
@@ -85,7 +88,7 @@ def ranks(standings: Standings) -> Any:
     return pd.concat(frames, ignore_index=True)
 
 
-def duels(standings: Standings) -> Any:
+def duels(standings: Standings) -> "pd.DataFrame":
     """See `Comparison.duels`.
 
     `ahead` is the share of worlds in which `one` is better, minus the share in which it is worse, averaged over trials.

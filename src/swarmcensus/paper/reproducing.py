@@ -23,6 +23,7 @@ from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.page import Reproduction
 from swarmcensus.runs.collect import Progress, Reporting
 from swarmcensus.runs.pools import compile_for
+from swarmcensus.runs.progress import bar_or_nothing
 from swarmcensus.runs.running import predicted_seconds, run
 from swarmcensus.studies.study import Study
 
@@ -41,7 +42,7 @@ def reproduce(
     only: str | Iterable[str] | None = None,
     fresh: bool = False,
     pdf: bool = False,
-    reporting: Reporting | None = None,
+    reporting: Reporting = bar_or_nothing,
     say: Callable[[str], None] = print,
 ) -> Reproduction:
     """Run an evaluation, and write datasets, figures, claims.json and index.html to the folder `out`.
@@ -49,7 +50,8 @@ def reproduce(
     `of` is "paper", or "rivals" for published results on other algorithms; by default `out` is "reproduction" or
     "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
     "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `reporting(label)`
-    is a context that gives the callback for the progress of all studies together; `say` gets one line per stage.
+    is a context that gives the callback for the progress of all studies together, by default a bar on a terminal and
+    in a notebook; `say` gets one line per stage.
 
     Raises InputError for unknown names and, before anything is run, for a folder that cannot be written. Ctrl-C
     raises Interrupted; finished work is kept in `out`, and the same call continues from there, unless `fresh`.
@@ -122,7 +124,7 @@ def _simulate(
     studies: Mapping[str, Study],
     jobs: int | None,
     fresh: bool,
-    reporting: Reporting | None,
+    reporting: Reporting,
     say: Callable[[str], None],
 ) -> tuple[dict[str, xr.Dataset], float, float]:
     """The results of all studies, and the seconds that this call compiled and simulated."""
@@ -131,14 +133,13 @@ def _simulate(
     work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()
-    with reporting("reproduce") if reporting else contextlib.nullcontext() as progress:
+    with reporting("reproduce") as progress:
 
         def show(now: Progress) -> None:
-            if progress:
-                before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
-                total, work_total = sum(trials.values()), sum(work.values())
-                done, work_done = int(before) + now.done, work_before + now.work_done
-                progress(Progress(done, total, work_done, work_total, now.note, steps=now.steps))
+            before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
+            total, work_total = sum(trials.values()), sum(work.values())
+            done, work_done = int(before) + now.done, work_before + now.work_done
+            progress(Progress(done, total, work_done, work_total, now.note, steps=now.steps))
 
         def tell(note: str, steps: tuple[int, int]) -> None:
             show(Progress(0, 0, 0.0, 0.0, note, steps=steps))

@@ -5,7 +5,7 @@ import importlib.metadata
 import json
 import platform
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import h5netcdf
 import h5py
@@ -25,6 +25,9 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.vocabulary.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 BARE = b"This is a netCDF dimension but not a netCDF variable"  # marks a dimension without a coordinate
@@ -284,11 +287,12 @@ def _absent(path: Path) -> str:
     return f"not written yet, its run was cut off: the same swarmcensus run goes on (swarmcensus status {path})"
 
 
-def frame(data: xr.Dataset) -> Any:
+def frame(data: xr.Dataset) -> "pd.DataFrame":
     """Results in long form: a pandas table with one row per robot and trial, as `export` writes it.
 
     Missing robots and trials are left out. Columns are the coordinates of the setting, `trial`, `robot`, and the
-    variables of each trial or robot, such as `true_fill_ratio` and `final_estimate`.
+    variables of each trial or robot, such as `true_fill_ratio` and `final_estimate`; `export` leaves out accuracies as
+    numbers.
     """
     kinds = kinds_in(data)
     size = robots_in(data).values
@@ -302,7 +306,9 @@ def frame(data: xr.Dataset) -> Any:
     columns |= {str(k): c.values[setting] for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
     columns |= {"trial": data["trial"].values[trial], "robot": data["robot"].values[robot]}
     columns |= {n: data[n].values[setting, trial] for n, (dims, *_) in kinds.items() if dims == PER_TRIAL}
-    columns |= {n: data[n].values[mask] for n, (dims, *_) in kinds.items() if dims == PER_ROBOT}
+    for name in (name for name, (dims, *_) in kinds.items() if dims == PER_ROBOT):
+        values = data[name].values[mask]
+        columns[name] = values if np.isnan(values).any() else values.astype(kinds[name][1], copy=False)
     return pd.DataFrame(columns)
 
 

@@ -4,7 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -18,7 +18,11 @@ from swarmcensus.results import measures, selecting
 from swarmcensus.results.store import load
 from swarmcensus.results.values import INTERVALS, bounds_in, metrics_in, robots_in
 from swarmcensus.statistics.intervals import LEVEL, estimate
+from swarmcensus.vocabulary.coordinates import NUMERIC
 from swarmcensus.vocabulary.quantities import QUANTITIES
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SHORT = {  # names of columns on a terminal
     quantity.column: name for name, quantity in QUANTITIES.items() if quantity.column and quantity.group != "intervals"
@@ -30,7 +34,9 @@ BLOCK = 2**22  # values that are sorted at once
 Columns = dict[str, NDArray[Any]]
 
 
-def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoint: int | None = None) -> Any:
+def summary(
+    results: xr.Dataset | str | Path, where: str | None = None, checkpoint: int | None = None
+) -> "pd.DataFrame":
     """Summarise results as a pandas table with one row per setting, with 95 % intervals over trials.
 
     Columns are the setting's coordinates, `trials` (done) and `failed`, and for each measured quantity its value and
@@ -39,19 +45,19 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     consensus and `done` where they exist, and metric files. `correct` is the mean over trials after round `checkpoint`
     (default: the last one that the setting reaches); so are `coverage` (a mean) and `interval_width` (a median) if
     brains have intervals. `done` is the share of robots that were done. `where` selects settings, as in
-    `swarmcensus show`. Columns are ordered so that pandas shows what varies and the values. Raises InputError.
+    `swarmcensus show`. First come the coordinates that vary, then `trials`, all values, and their intervals; the rest
+    follows. Raises InputError.
     """
     import pandas as pd
 
     data = _ready(selecting.where(load(results) if isinstance(results, str | Path) else results, where))
     columns = _with_intervals(data, checkpoint)
-    varied = [
-        k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.astype(str).tolist())) > 1
-    ]
-    first = dict.fromkeys(["setting", *map(str, varied)])
-    last = [name for name in (*medians_in(data), "correct", *INTERVALS) if name in columns]
-    between = [name for name in columns if name not in first and name not in last]
-    return pd.DataFrame({name: columns[name] for name in (*first, *between, *last)})
+    along = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in NUMERIC]
+    varied = [name for name in along if len(set(data[name].values.astype(str).tolist())) > 1]
+    values = [name for name in (*medians_in(data), "correct", *INTERVALS, *MEANS) if name in columns]
+    ends = [name for value in values for name in (f"{value}_low", f"{value}_high") if name in columns]
+    names = dict.fromkeys(["setting", *varied, "trials", *values, *ends, *columns])
+    return pd.DataFrame({name: columns[name] for name in names})
 
 
 def medians_in(data: xr.Dataset) -> list[str]:

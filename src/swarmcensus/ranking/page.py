@@ -7,8 +7,8 @@ import numpy as np
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.comparing.cells import p_value
-from swarmcensus.leaderboard.losses import FEW, Behind, Losses
-from swarmcensus.leaderboard.scores import Score, Scores
+from swarmcensus.ranking.losses import FEW, Behind, Losses
+from swarmcensus.ranking.scores import Score, Scores
 
 TITLE = "# Leaderboard"
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.comparing.pair_tests import ALPHA, ContestInput, contests
-from swarmcensus.leaderboard.scores import Floats, Score, Scores, World
+from swarmcensus.ranking.scores import Floats, Score, Scores, World
 from swarmcensus.statistics.significance import holm
 
 FEW = 5  # number of worlds and rivals in the lists

@@ -1,6 +1,5 @@
 """`leaderboard`: run shipped brains and brains of your own in the same worlds, score them and write the page."""
 
-import contextlib
 import json
 import shlex
 from collections.abc import Callable, Sequence
@@ -13,12 +12,13 @@ import xarray as xr
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_own, check_writable, data_path, shipped_study
-from swarmcensus.leaderboard.losses import Losses, losses_of
-from swarmcensus.leaderboard.page import TITLE, page
-from swarmcensus.leaderboard.scores import DIVISIONS, Scores, scores_of
+from swarmcensus.ranking.losses import Losses, losses_of
+from swarmcensus.ranking.page import TITLE, page
+from swarmcensus.ranking.scores import DIVISIONS, Scores, scores_of
 from swarmcensus.results.merging import merge
 from swarmcensus.results.store import load
 from swarmcensus.runs.collect import Reporting
+from swarmcensus.runs.progress import bar_or_nothing
 from swarmcensus.runs.running import run
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import read_toml, to_toml
@@ -48,16 +48,17 @@ def leaderboard(
     seed: int | None = None,
     jobs: int | None = None,
     fresh: bool = False,
-    reporting: Reporting | None = None,
-    say: Callable[[str], None] = lambda _: None,
+    reporting: Reporting = bar_or_nothing,
+    say: Callable[[str], None] = print,
 ) -> Board:
     """Run all shipped brains and those of `files` in the worlds of the leaderboard; write page, figure and results.
 
     The page has all boards of `DIVISIONS`; the outcome has the scores of one `board`.
     Results in `out` are kept, unless `fresh` or a brain's file has changed. `trials` and `seed` replace those of
-    studies/leaderboard.toml. `reporting(label)` is a context that gives the callback for the progress of `run`; `say`
-    gets messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot be written.
-    Ctrl-C raises Interrupted, and the same call continues from there.
+    studies/leaderboard.toml. `reporting(label)` is a context that gives the callback for the progress of `run`, by
+    default a bar on a terminal and in a notebook; `say` gets messages. Raises InputError before anything is run if a
+    file is not a brain, or the folder cannot be written. Ctrl-C raises Interrupted, and the same call continues from
+    there.
     """
     out, own_files = Path(out), named([Path(file) for file in files])
     own_studies = {name: of_file(file) for name, file in own_files.items()}  # first: errors show soon
@@ -71,7 +72,7 @@ def leaderboard(
     for name in sorted(studies, key=lambda name: name == OFFICIAL):  # own brains first: failures show soon
         study, path = studies[name], data_path(out, name)
         restart = fresh or (name != OFFICIAL and _changed(path, study, say))
-        with reporting(f"leaderboard, {name}") if reporting else contextlib.nullcontext() as progress:
+        with reporting(f"leaderboard, {name}") as progress:
             parts[name] = run(study, jobs, progress, out=path, fresh=restart, say=say)
     data = merge([parts[name] for name in studies]) if own_files else parts[OFFICIAL]
     brains = [brain for study in studies.values() for brain in study.brains]
