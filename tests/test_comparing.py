@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from markupsafe import escape
 from scipy import stats
 
 import swarmcensus as sc
@@ -436,7 +437,7 @@ def test_a_comparison_is_shown_as_its_table_and_its_verdict(monkeypatch):
     assert text.endswith(str(comparison))
     assert html.count("<tr") == 1 + 4
     assert "full &lt;b&gt;" in html
-    assert all(f"<li>{sentence}</li>" in html for sentence in comparison.verdict)
+    assert all(f"<li>{escape(sentence)}</li>" in html for sentence in comparison.verdict)
     monkeypatch.setattr(showing, "MOST_ROWS", 3)
     assert "the first 1 of 2 worlds" in repr(comparison)
     assert "full" not in repr(comparison).partition("\n\n")[0]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli import list_brains
 from swarmcensus.conformance import machine_code, sample_minds
@@ -519,6 +520,25 @@ def test_a_file_that_breaks_the_contract(tmp_path):
     found = check(tmp_path / "bad.py")
     assert len(found) == 1
     assert "not Python" in found[0].fault
+
+
+def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("bad.py").write_text("def observe(:")
+    bad = sc.check("bad.py", single=True)
+    assert not bad.conforms
+    assert bad.single is None
+    assert str(bad).startswith("bad.py does not keep the contract\nkeeps the contract: brain file bad.py, line 1: ")
+    with pytest.raises(sc.InputError, match=r"brain 'minimalistc': did you mean 'minimalistic'\?"):
+        sc.check("minimalistc")
+    with pytest.raises(sc.InputError, match="did you mean 'legacy'"):
+        sc.check("bad.py", wearing="legcy")
+    monkeypatch.setattr(conformance, "check", lambda *_, wearing: [conformance.Check("keeps the contract", None)])
+    monkeypatch.setattr(conformance, "single_life", lambda *_: {"alone": None, "hearing": 7})
+    good = sc.check("three-state", single=True)
+    assert good.conforms
+    assert good.single == {"alone": None, "hearing": 7}
+    assert str(good).splitlines()[0] == "three-state keeps the contract"
 
 
 LOT = "    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n        me.kept = message[0]\n"

@@ -1,5 +1,7 @@
 """What editors and type checkers see: a study's tables, and what public functions return."""
 
+import importlib
+import inspect
 import re
 import runpy
 from pathlib import Path
@@ -30,6 +32,12 @@ sc.Study(trials=3, swarm=dict(robots="2", accuracy=0.8), world=dict(topology="ri
 sc.Study(trials=3, swarm={"robots": 2, "accuracy": 1}, world={"topology": "ring", "fil_ratio": 0.5})  # E: "fil_ratio"
 sc.Study.load("study.toml").with_(trails=4)  # E: "trials"
 
+results = sc.load("results.nc")
+sc.plot.save(sc.plot.lines(results, y="correct"), "lines.png")
+sc.plot.lines(results).axis  # E: "axis"
+sc.compare(results).verdicts  # E: "verdicts"
+print(sc.check("brain.py").notes[0].upper(), sc.leaderboard().scores.costs, sc.reproduce().page.name)
+sc.check("brain.py").faults  # E: "faults"
 """
 
 
@@ -38,6 +46,14 @@ def test_a_study_s_typed_tables_are_those_of_its_models():
     tool = runpy.run_path(str(ROOT / "tools" / "typed_tables.py"))
     assert tool["FILE"].read_text(encoding="utf-8") == tool["text"]()
     assert (Path(sc.__file__).parent / "py.typed").is_file()
+
+
+def test_public_names_are_what_they_name_whatever_is_imported_before():
+    for home in sc._HOME.values():
+        importlib.import_module(f"swarmcensus.{home}")
+    modules = {name for name in sc.__all__ if inspect.ismodule(getattr(sc, name))}
+    assert modules == {"plot", "theory"}
+    assert sc.__all__ == sorted(sc._HOME)
 
 
 @pytest.mark.long

@@ -1,18 +1,15 @@
 """A comparison as Python shows it: the table of its worlds with marks and intervals, then its verdict."""
 
-from html import escape
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import numpy as np
 
 from swarmcensus.basics.formatting import counted, grouped
+from swarmcensus.basics.templates import render
 from swarmcensus.comparing.cells import MARKS, columns, legend, rows_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.comparing.verdicts import verdict
 from swarmcensus.results.summaries import is_idle
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 MOST_ROWS = 60
 
@@ -20,20 +17,21 @@ MOST_ROWS = 60
 def as_text(standings: Standings) -> str:
     """The table, what its marks mean, the verdict and the cautions."""
     worlds = _fitting(standings)
-    shown = _table(standings, worlds).to_string(index=False, justify="left")
-    return "\n".join([standings.title, shown, *_below(standings, worlds), "", *said(standings)])
+    texts = _texts(standings, worlds)
+    widths = [max(map(len, (head, *column))) for head, column in texts.items()]
+    rows = [list(texts), *zip(*texts.values(), strict=True)]
+    shown = ("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+    return "\n".join([standings.title, *shown, *_below(standings, worlds), "", *said(standings)])
 
 
 def as_html(standings: Standings) -> str:
     """The same for notebooks."""
     worlds = _fitting(standings)
-    shown = _table(standings, worlds).to_html(index=False, border=0, justify="left")
-    below = "<br>".join(map(escape, _below(standings, worlds)))
-    sentences = "".join(f"<li>{escape(sentence)}</li>" for sentence in said(standings))
-    return (
-        f"<div><b>{escape(standings.title)}</b><div style='overflow-x: auto; white-space: nowrap'>{shown}</div>"
-        f"<small>{below}</small><ul>{sentences}</ul></div>"
-    )
+    texts = _texts(standings, worlds)
+    return render(
+        Path(__file__).with_name("comparison.html.jinja"), title=standings.title, heads=list(texts),
+        rows=list(zip(*texts.values(), strict=True)), below=_below(standings, worlds), said=said(standings),
+    )  # fmt: skip
 
 
 def said(standings: Standings) -> list[str]:
@@ -47,10 +45,8 @@ def _fitting(standings: Standings) -> int:
     return max(1, int(np.searchsorted(rows, MOST_ROWS, side="right")))
 
 
-def _table(standings: Standings, worlds: int) -> "pd.DataFrame":
-    """A row of texts for each world and contender; a world's coordinates stand in its first row alone."""
-    import pandas as pd
-
+def _texts(standings: Standings, worlds: int) -> dict[str, list[str]]:
+    """Columns with a text for each world and contender; a world's coordinates stand in its first row alone."""
     world, contender = rows_of(standings, worlds)
     first = np.append(True, world[1:] != world[:-1])
     texts: dict[str, list[str]] = {}
@@ -58,15 +54,14 @@ def _table(standings: Standings, worlds: int) -> "pd.DataFrame":
         values = [standings.grid.worlds[w][name] for w in world]
         shown = ["-" if is_idle(value) else grouped(value) for value in values]
         texts[name] = [text if new else "" for text, new in zip(shown, first, strict=True)]
-    widest = max(map(len, standings.contenders))
-    texts["contender"] = [standings.contenders[c].ljust(widest) for c in contender]
+    texts["contender"] = [standings.contenders[c] for c in contender]
     for head, cells in columns(standings, worlds).items():
         value, interval = (max(len(cell[part]) for cell in cells) for part in (0, 1))
         texts[head] = [
             f"{MARKS.get(cell.standing, ' ')} {cell.value:>{value}} {cell.interval:>{interval}}".rstrip()
             for cell in cells
         ]
-    return pd.DataFrame(texts)
+    return texts
 
 
 def _below(standings: Standings, worlds: int) -> list[str]:

@@ -45,8 +45,8 @@ def summary(
     consensus and `done` where they exist, and metric files. `correct` is the mean over trials after round `checkpoint`
     (default: the last one that the setting reaches); so are `coverage` (a mean) and `interval_width` (a median) if
     brains have intervals. `done` is the share of robots that were done. `where` selects settings, as in
-    `swarmcensus show`. First come the coordinates that vary, then `trials`, all values, and their intervals; the rest
-    follows. Raises InputError.
+    `swarmcensus show`. The coordinates that vary come first, and values, each before its interval, last: pandas shows
+    the first and last columns of a wide table. Raises InputError.
     """
     import pandas as pd
 
@@ -54,10 +54,11 @@ def summary(
     columns = _with_intervals(data, checkpoint)
     along = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in NUMERIC]
     varied = [name for name in along if len(set(data[name].values.astype(str).tolist())) > 1]
-    values = [name for name in (*medians_in(data), "correct", *INTERVALS, *MEANS) if name in columns]
-    ends = [name for value in values for name in (f"{value}_low", f"{value}_high") if name in columns]
-    names = dict.fromkeys(["setting", *varied, "trials", *values, *ends, *columns])
-    return pd.DataFrame({name: columns[name] for name in names})
+    first = dict.fromkeys(["setting", *varied])
+    values = [name for name in (*medians_in(data), "correct", *INTERVALS) if name in columns]
+    last = [f"{value}{end}" for value in values for end in ("", "_low", "_high")]
+    between = [name for name in columns if name not in first and name not in last]
+    return pd.DataFrame({name: columns[name] for name in (*first, *between, *last)})
 
 
 def medians_in(data: xr.Dataset) -> list[str]:
