@@ -15,6 +15,7 @@ from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.selecting import where
 from swarmcensus.vocabulary.coordinates import NUMERIC
 from swarmcensus.worlds import sensors
+from swarmcensus.worlds.spreads import uniform
 
 
 def test_schema(small_results):
@@ -90,6 +91,12 @@ def test_accuracies_are_numbers_too(small_results):
     assert few.sel(setting=few.accuracy_black > 0.8)["accuracy"].values.tolist() == [
         "black=0.9 white=0.6", "0.9 drift=-1e-05 least=0.6",
     ]  # fmt: skip
+
+
+def test_the_moments_of_a_spread_that_names_none_are_those_of_its_quantiles(monkeypatch):
+    exact = sensors.start_of("U(0.525,0.975)").moments
+    monkeypatch.delattr(uniform, "moments")
+    np.testing.assert_allclose(sensors.start_of("U(0.525,0.975)").moments, exact, rtol=1e-6)
 
 
 @pytest.mark.parametrize("text", ["N(0.75,0.1)", "N(0.95,0.3)", "N(0.0,0.2)"])

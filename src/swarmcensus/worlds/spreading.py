@@ -100,8 +100,9 @@ class Spread:
         """The mean and the standard deviation of accuracies. Raises InputError."""
         if self.is_number:
             return self.numbers[0], 0.0
-        if not self.edition:
-            return PLUGINS.module(self.kind).moments(*self.numbers)  # type: ignore[no-any-return]
+        module = PLUGINS.module(self.kind)
+        if hasattr(module, "moments") and not self.edition:
+            return module.moments(*self.numbers)  # type: ignore[no-any-return]
         values = self._quantile(MIDDLES, 0.0)
         return float(values.mean()), float(values.std())
 

@@ -9,7 +9,7 @@ Another package adds a spread by an entry point of the group `swarmcensus.spread
 folder also have:
 
 - `LETTER`: the name in study files and datasets, after the paper;
-- `moments(a, b)`: the mean and the standard deviation;
+- `moments(a, b)`, optional: the mean and the standard deviation, in place of those of many quantiles;
 - `draw(key, first_trial, out, a, b)`, optional: fills accuracies (trial, robot) at an address (two uint64);
 - `error(u, a, b)` and `centre(a, b)`, with `draw` and without `quantile`, if one uniform number is not enough for one
   value: `error` turns two of them, (2, trial, robot), into an error; `centre` is what must be in bounds.
