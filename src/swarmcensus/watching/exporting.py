@@ -14,6 +14,7 @@ from swarmcensus.watching.offers import Offer, wanted
 from swarmcensus.watching.pages import recorded_page
 from swarmcensus.watching.scenes import scene_of
 from swarmcensus.watching.sessions import form_of
+from swarmcensus.watching.settling import Settling
 from swarmcensus.watching.shows import Show
 
 BLOCK = 500  # frames that are compressed together
@@ -29,11 +30,23 @@ def export(
     played: Mapping[str, str] | None = None,
     report: Callable[[float], None] = lambda share: None,
 ) -> int:
-    """Write a trial as an HTML file that opens at the moment `played`. Returns its size in bytes.
+    """Write a trial as an HTML file, as `page_of` makes it. Returns its size in bytes. Raises InputError."""
+    text = page_of(offer, query, played, report)
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return len(text.encode())
+
+
+def page_of(
+    offer: Offer,
+    query: Mapping[str, str],
+    played: Mapping[str, str] | None = None,
+    report: Callable[[float], None] = lambda share: None,
+) -> str:
+    """The HTML of a trial, which opens as `played` says, and plays if that names no moment.
 
     Estimates, positions, readings and links are recorded in every round; memories in every round if they fit, else in
-    every 2nd, 5th, ... (see STEPS). `report` gets the share that is done. Raises InputError if the trial is too large,
-    or the file cannot be written.
+    every 2nd, 5th, ... (see STEPS). `report` gets the share that is done. Raises InputError if the trial is too large.
     """
     trial = wanted(offer, query)
     shows = [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
@@ -53,6 +66,10 @@ def export(
         frames.append(blocks)
         names.append(fields[0][0])
         minds.append(_packed(_shuffled(np.concatenate([values for _, values in fields], axis=2))))
+    settlings = [Settling(show, trial.study.measure.delta) for show in shows]
+    for one in settlings:
+        while not one.on():
+            pass
     recording = {
         "scenes": [scene_of(show) for show in shows],  # of logs that grow, as they are now
         "form": form_of(offer, trial),
@@ -60,12 +77,10 @@ def export(
         "minds": minds,
         "names": names,
         "step": step,
+        "settled": [one.median() for one in settlings],
         "played": dict(played or {}),
     }
-    text = recorded_page(recording)
-    with atomic_write(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    return len(text.encode())
+    return recorded_page(recording)
 
 
 def _blocks(rounds: int) -> Iterator[list[int]]:

@@ -156,6 +156,11 @@ class Logged:
             for sender, code in self._received(stretch.first + row, robot)
         ]
 
+    def hears(self, stretch: Stretch, row: int, robot: int) -> tuple[np.ndarray, np.ndarray]:
+        """The robots that a robot heard in a round, and 1 for each."""
+        senders = np.array([sender for sender, _ in self._received(stretch.first + row, robot)], np.int64)
+        return senders, np.ones(senders.size, np.uint8)
+
     def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
         """Whether a message was heard over each link in a round (link), 0 or 1."""
         robots = self.setting.robots

@@ -8,7 +8,7 @@ import os
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from swarmcensus.brains import Adversary, adversary
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.watching.brain_files import BrainFiles
 from swarmcensus.watching.simulated import Simulated
 from swarmcensus.worlds import arena, networks, patterns, sensors, wiring
 from swarmcensus.worlds.bodies import Body
@@ -49,8 +50,10 @@ KEYS = (
     "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
 ON_A_DAY = ("beside", "of")  # those of a logged day that may differ from what it was
-PLAYED = ("tick", "robot", "side", "colour")  # keys of an address that concern the view, not the trial
-COLOURINGS = ("belief", "off", "error")  # the estimate, its signed error, its absolute error
+BESIDE = "beside."  # before the name of a parameter: of the brain beside
+PLAYED = ("tick", "robot", "side", "colour", "zoom", "centre", "follow", "log", "full", "panels")  # what concerns the view
+COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
+MOST_ZOOM = 40
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,7 @@ class Offer:
     adversaries: dict[str, Adversary]
     live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
     logged: "LoggedDay | None" = None  # where robots lived the trial: only a brain beside it can be chosen
+    files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,7 @@ class Wanted:
 
     study: Study
     settings: tuple[Setting, ...]
+    chosen: tuple[str, ...]  # the label of each setting's brain, without the parameters that were asked for
     seed: int
     trial: int
     request: dict[str, str]  # the values that were given, by key
@@ -96,7 +101,8 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     more = {brain.label: brain for brain in map(brains.load, given)}
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = study.settings()
-    return _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
+    offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
+    return replace(offer, files=BrainFiles(offer.brains.values()))
 
 
 def _day(folder: Path, given: tuple[Path, ...]) -> Offer:
@@ -146,10 +152,6 @@ def _offer(
 
 def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     """The trial that a request describes, key by key; other values are those of the setting. Raises InputError."""
-    for key in request:
-        if key not in KEYS:
-            known = (*KEYS, *PLAYED)
-            raise InputError(f"{key[:40]}: {did_you_mean(key[:40], known)}known here: {', '.join(known)}")
     number = _whole(request, "setting", offer.numbers[0], 0, 2**31)
     if number not in offer.numbers:
         raise InputError(f"setting = {number}: there are {offer.numbers[0]} to {offer.numbers[-1]}")
@@ -162,22 +164,30 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     seed = _whole(request, "seed", began, 0, 2**63 - 1)
     if offer.logged:
         _check_day(request, {"setting": number, "trial": first, "seed": began})
-    changed = _changed(offer, setting, request)
+    brain = _brain(offer, "brain", request["brain"]) if request.get("brain") else offer.files.latest(setting.brain)
+    chosen = [brain.label]
+    brain = _with_parameters(brain, {k: v for k, v in request.items() if k not in KEYS and not k.startswith(BESIDE)})
+    changed = _changed(offer, replace(setting, brain=brain.with_numbers(setting.brain.numbers)), request)
     rounds = offer.logged.rounds if offer.logged else changed.rounds
     _check(changed, study, rounds)
     settings = [changed]
+    theirs = {key: value for key, value in request.items() if key.startswith(BESIDE)}
     if request.get("beside"):
         beside = _brain(offer, "beside", request["beside"])
+        chosen.append(beside.label)
+        beside = _with_parameters(beside, theirs, BESIDE)
         settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
         _check(settings[1], study, rounds)
+    elif theirs:
+        raise InputError(f"{next(iter(theirs))[:40]}: there is no brain beside: name one with beside")
     given = {key: value for key, value in request.items() if value != ""}
-    return Wanted(study, tuple(settings), seed, trial, given, rounds, mark)
+    return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
 
 
 def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
     """Raise InputError for a request that would change what robots have lived."""
     for key, value in request.items():
-        if value and key not in ON_A_DAY and value != str(was.get(key, "")):
+        if value and key not in ON_A_DAY and not key.startswith(BESIDE) and value != str(was.get(key, "")):
             raise InputError(f"{key} = {value[:40]}: this day is as its logs have it: only beside can be chosen")
 
 
@@ -189,13 +199,17 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     _whole(played, "side", 0, 0, len(found.settings) - 1)
     if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
         raise InputError(f"colour = {played['colour'][:40]}: should be one of {', '.join(COLOURINGS)}")
+    if "zoom" in played:
+        _number(played, "zoom", 1.0, MOST_ZOOM)
+    for key in ("follow", "log", "full", "panels"):
+        _whole(played, key, 0, 0, 1)
+    if "centre" in played and not re.fullmatch(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII):
+        raise InputError(f"centre = {played['centre'][:40]}: should be two numbers from 0 to 1, such as 0.25,0.5")
 
 
 def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Setting:
     request = {key: value for key, value in request.items() if value != ""}
     values: dict[str, Any] = {}
-    if "brain" in request:
-        values["brain"] = _brain(offer, "brain", request["brain"]).with_numbers(setting.brain.numbers)
     if "topology" in request:
         values["topology"] = _one_of(offer.topologies, "topology", request["topology"])
     moves = values.get("topology", setting.topology).moves
@@ -208,7 +222,7 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
     values["rounds"] = _whole(request, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
     if "accuracy" in request:
         try:
-            values["accuracy"] = sensors.parse_accuracy(_accuracy(request["accuracy"]))
+            values["accuracy"] = sensors.parse_accuracy(_toml(request["accuracy"]))
         except ValueError as error:
             raise InputError(f"accuracy = {request['accuracy'][:40]}: {str(error)[:200]}") from None
     if "fill_ratio" in request:
@@ -272,7 +286,24 @@ def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
             f"{key} = {name[:40]}: {meant}this is no brain of the study, nor an installed one; "
             f"{option('brain')} adds a file"
         )
-    return offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
+    found = offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
+    return offer.files.latest(found)
+
+
+def _with_parameters(brain: brains.Brain, request: Mapping[str, str], before: str = "") -> brains.Brain:
+    """A brain with the parameters that a request names, with `before` before each name. Raises InputError."""
+    for key, text in request.items():
+        name = key.removeprefix(before)
+        if name not in brain.parameters:
+            known = (*KEYS, *(before + one for one in brain.parameters), *PLAYED)
+            raise InputError(f"{key[:40]}: {did_you_mean(key[:40], known)}known here: {', '.join(known)}")
+        if text == "":
+            continue
+        try:
+            brain = brain.with_parameters({name: _toml(text)})
+        except ValueError as error:
+            raise InputError(f"{key[:40]} = {text[:40]}: {str(error)[:200]}") from None
+    return brain
 
 
 def names_of(offer: Offer) -> list[str]:
@@ -306,8 +337,8 @@ def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: i
     return int(text)
 
 
-def _accuracy(text: str) -> Any:
-    """An accuracy as in a study file: TOML's value, or else the text. Raises ValueError for several lines."""
+def _toml(text: str) -> Any:
+    """A value as in a study file: TOML's, or else the text. Raises ValueError for several lines."""
     if "\n" in text:
         raise ValueError("should be one value, on one line")
     try:

@@ -12,7 +12,7 @@ PAGE = Path(__file__).with_name("page")
 STYLES = ("uPlot.css", "watch.css")
 SCRIPTS = (
     "konva.js", "uPlot.js", "frames.js", "source.js", "colours.js", "view.js", "trail.js", "stage.js", "charts.js",
-    "panel.js", "trial.js", "player.js", "live.js", "main.js",
+    "panel.js", "trial.js", "player.js", "live.js", "save.js", "main.js",
 )  # fmt: skip
 
 

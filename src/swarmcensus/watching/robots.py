@@ -32,6 +32,9 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         "adds": show.life.adds,
         **last_heard(show, stretch, row, robot),
     }
+    if not show.draws_links(stretch, row):
+        senders, carried = show.life.hears(stretch, row, robot)
+        robot_data |= {"hears": senders.tolist(), "carried": carried.tolist()}
     ended = bool(show.ended(stretch)[row, robot])
     if show.moves:
         x, y, heading = map(float, stretch.poses[row, robot])

@@ -14,7 +14,8 @@ from urllib.parse import parse_qs, urlsplit
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.compilations import COMPILATIONS
-from swarmcensus.watching.offers import Offer
+from swarmcensus.watching.exporting import page_of
+from swarmcensus.watching.offers import PLAYED, Offer
 from swarmcensus.watching.pages import PAGE, live_page
 from swarmcensus.watching.sessions import MOST_TEXT, Session, Spoken, spoken
 
@@ -118,6 +119,18 @@ def app_of(served: Served) -> Any:
             return reply(404, "Not found.\n")
         return reply(200, *parts[name])
 
+    async def saved(request: Request) -> Response:
+        """The page with one trial, as a file to keep; what is wrong is told as text."""
+        if not _is_meant(served, request.headers.get("host", "")) or not _knows(served, request.url.query):
+            return reply(403, "This address lacks the token.\n")
+        ask = {key: value for key, value in request.query_params.items() if key != "token"}
+        play = {key: ask.pop(key) for key in PLAYED if key in ask}
+        try:
+            text = await anyio.to_thread.run_sync(lambda: page_of(served.offer, ask, play), limiter=limiter)
+        except InputError as error:
+            return reply(422, str(error))
+        return reply(200, text, KINDS[".html"])
+
     async def talk(page: WebSocket) -> None:
         host, origin = page.headers.get("host", ""), page.headers.get("origin")
         same = origin is not None and origin.partition("://")[2] == host
@@ -173,7 +186,7 @@ def app_of(served: Served) -> Any:
         return reply(404, "Not found.\n")
 
     app = Starlette(
-        routes=[Route("/", page), Route("/{name}", part), WebSocketRoute("/live", talk)],
+        routes=[Route("/", page), Route("/run.html", saved), Route("/{name}", part), WebSocketRoute("/live", talk)],
         exception_handlers={404: nothing, 405: nothing},
     )
     app.router.redirect_slashes = False  # a redirect would answer any host, and lack our headers

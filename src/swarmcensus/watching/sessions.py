@@ -10,17 +10,20 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.brains import adversary
+from swarmcensus.brains import Brain, Value, adversary, length
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.watching.compilations import COMPILATIONS
-from swarmcensus.watching.offers import KEYS, ON_A_DAY, Offer, Wanted, names_of, wanted
+from swarmcensus.watching.offers import BESIDE, KEYS, ON_A_DAY, PLAYED, Offer, Wanted, names_of, wanted
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.scenes import scene_of
+from swarmcensus.watching.settling import Settling
 from swarmcensus.watching.shows import Show
 
 MOST_FRAMES = 600  # in one answer
 MOST_BYTES = 3_000_000
 PATIENCE = 0.2  # seconds of computation before a page is told that it takes longer
+ASIDE = 0.05  # the same for what a page does not wait for
+LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
 Answer = bytes | dict[str, Any]
 Spoken = bytes | str  # an answer as a socket carries it
@@ -33,6 +36,8 @@ class Session:
         """Start without a trial."""
         self.offer = offer
         self.shows: tuple[Show, ...] = ()
+        self.trial: Wanted | None = None
+        self.settling: tuple[Settling, ...] | None = None
 
     def answer(self, text: str | bytes) -> list[Answer]:
         """Answer a request; errors are answers too."""
@@ -40,7 +45,10 @@ class Session:
         try:
             request = _read(text)
             number = request.get("id")
-            does = {"begin": self._begin, "frames": self._frames, "robot": self._robot, "news": self._news}
+            does = {
+                "begin": self._begin, "frames": self._frames, "robot": self._robot, "news": self._news,
+                "settled": self._settled, "saved": self._saved,
+            }  # fmt: skip
             do = request.get("do")
             if not isinstance(do, str) or do not in does:
                 raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
@@ -55,13 +63,16 @@ class Session:
         if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
             raise InputError("ask: should be names and texts")
         trial = wanted(self.offer, ask)
-        measure = trial.study.measure
+        self.shows = self._shows(trial)
+        self.trial, self.settling = trial, None
+        return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]
+
+    def _shows(self, trial: Wanted) -> tuple[Show, ...]:
         shows = []
         for setting in trial.settings:
             with COMPILATIONS.of(setting):
-                shows.append(Show(self.offer.live(setting, trial.seed, trial.trial), measure))
-        self.shows = tuple(shows)
-        return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]
+                shows.append(Show(self.offer.live(setting, trial.seed, trial.trial), trial.study.measure))
+        return tuple(shows)
 
     def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
         """Frames of all sides, or a note that they take longer."""
@@ -107,7 +118,7 @@ class Session:
         show = self.shows[side]
         robot = _whole(request, "robot", 0, show.setting.robots - 1)
         with COMPILATIONS.of(show.setting):
-            if not show.ready(tick):
+            if not self._reached(show, tick, time.monotonic()):
                 return [{"going": True, "to": tick}]
             return [{"told": robot_of(show, tick, robot), "side": side}]
 
@@ -118,6 +129,26 @@ class Session:
             raise InputError("do = 'news': only of a day in logs, without another brain beside it")
         news = day.news(_whole(request, "since", 0, 2**53))
         return [{**news, "fixed": fixed(self.offer)}]
+
+    def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
+        """K of each side, or a note that it takes longer."""
+        self._last()
+        assert self.trial is not None
+        if self.settling is None:  # trials of their own: what is shown is not wound to and fro
+            delta = self.trial.study.measure.delta
+            self.settling = tuple(Settling(show, delta) for show in self._shows(self.trial))
+        began = time.monotonic()
+        for one in self.settling:
+            while not one.on():
+                if time.monotonic() - began > ASIDE:
+                    return [{"going": True}]
+        return [{"settled": [one.median() for one in self.settling]}]
+
+    def _saved(self, request: Mapping[str, Any]) -> list[Answer]:
+        """Whether a brain file was saved: the version of all files, and what is wrong with one that is shown."""
+        shown = [show.setting.brain for show in self.shows]
+        wrong = self.offer.files.look(shown)
+        return [{"version": self.offer.files.version, "wrong": wrong}]
 
     def _last(self) -> int:
         if not self.shows:
@@ -133,8 +164,8 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "setting": trial.request.get("setting", str(offer.numbers[0])),
         "trial": str(trial.trial),
         "seed": str(trial.seed),
-        "brain": setting.brain.label,
-        "beside": trial.settings[1].brain.label if len(trial.settings) > 1 else "",
+        "brain": trial.chosen[0],
+        "beside": trial.chosen[1] if len(trial.chosen) > 1 else "",
         "robots": str(setting.robots),
         "accuracy": form if isinstance(form := setting.accuracy.form, str) else to_toml_value(form),
         "fill_ratio": f"{setting.fill_ratio:g}",
@@ -152,7 +183,9 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
         "unit": "round" if setting.body is None else "tick",
         "asked": trial.request,
         "mark": trial.mark,
-        "keys": KEYS,
+        "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
+        "version": offer.files.version,
+        "watched": any(offer.files.watches(part.brain) for part in trial.settings),
         "fixed": fixed(offer),
         "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
         "settings": [offer.numbers[0], offer.numbers[-1]],
@@ -165,6 +198,19 @@ def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
             "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])),
         },
     }
+
+
+def parameters(brain: Brain, side: int) -> list[dict[str, str]]:
+    """The parameters that a page's fields can change, each with its key and its value."""
+    return [
+        {"key": f"{BESIDE * side}{name}", "name": name, "brain": brain.name, "now": to_toml_value(_plain(value))}
+        for name, value in brain.parameters.items()
+        if name not in (*KEYS, *PLAYED) and length(value) <= LONGEST
+    ]
+
+
+def _plain(value: Value) -> Any:
+    return list(value) if isinstance(value, tuple) else value
 
 
 def fixed(offer: Offer) -> list[str]:

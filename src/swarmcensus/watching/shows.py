@@ -35,7 +35,7 @@ HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
 LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper four bits are its option + 1
 SCALE = 65_535
 NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
-MOST_LINKS = 20_000  # drawn by a page
+MOST_LINKS = 20_000  # in a frame
 KEPT = 4  # stretches whose frames are kept
 Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -138,28 +138,30 @@ class Show:
         flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
         flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
         honest = self.honest
+        read = rounds > 0  # before any reading nobody is right: an estimate is only the brain's first value
         own, there = x[:, honest], ~np.isnan(x[:, honest])
         values = {
             "truth": truths,
             "mean": (mean := mean_of(own, there)),
             "deviation": np.sqrt(mean_of((own - mean[:, np.newaxis]) ** 2, there)),
             **dict(zip(QUARTERS, quarters_of(own, there), strict=True)),
-            "right": right(own, there, truths, self.bins),
+            "right": np.where(read, right(own, there, truths, self.bins), np.nan),
             "sent": stretch.messages[:, 0],
             "heard": stretch.messages[:, 1],
             "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
             "interval_low": mean_of(low[:, honest], there),
             "interval_high": mean_of(high[:, honest], there),
             "decided": share(decided[:, honest], there, decided[:, honest] >= 0.0),
-            "decided_right": share(
-                decided[:, honest], there, decided[:, honest] == self.options_right(truths)[:, np.newaxis]
-            ),
+            "decided_right": np.where(read, self._decided_right(decided[:, honest], there, truths), np.nan),
             "done": share(done[:, honest], there, done[:, honest] == 1.0),
         }
         # single precision suffices for a picture, and compresses better; counts stay exact
         exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
         numbers = np.stack([np.broadcast_to(exact[name], truths.shape) for name in COLUMNS], axis=1)
         return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+
+    def _decided_right(self, decided: np.ndarray, there: np.ndarray, truths: np.ndarray) -> np.ndarray:
+        return share(decided, there, decided == self.options_right(truths)[:, np.newaxis])
 
     def ended(self, stretch: Stretch) -> np.ndarray:
         """Robots that were done before a round, and so make no reading in it (round, robot)."""
@@ -199,12 +201,19 @@ class Show:
             for name, values in fields.items()
         }
 
+    def draws_links(self, stretch: Stretch, row: int) -> bool:
+        """Whether the links of a round are in its frame; of more than MOST_LINKS only those of a chosen robot are."""
+        if not self.moves:
+            return bool(self.edges.size)
+        begin, end = np.searchsorted(stretch.links[:, 0], [stretch.first + row, stretch.first + row + 1])
+        return bool(end - begin <= MOST_LINKS)
+
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
         """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
         tick = stretch.first + row
         if self.moves:
             begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
-            return stretch.links[begin:end, 1:].ravel() if end - begin <= MOST_LINKS else np.zeros(0)
+            return stretch.links[begin:end, 1:].ravel() if self.draws_links(stretch, row) else np.zeros(0)
         return self.life.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
 
 

@@ -36,15 +36,19 @@ class Simulated(Life):
 
     def heard(self, stretch: Stretch, row: int, robot: int) -> list[dict[str, Any]]:
         """The messages that a robot heard in a round: the sender, and the contents or what they add to the sums."""
-        senders = self._neighbours(stretch, row, robot)
-        here = self.carried(stretch, row, np.full(senders.size, robot), senders) > 0
+        senders, carried = self.hears(stretch, row, robot)
         brain = self.setting.brain
         said = compiler.array_layout(brain, len(self.setting.brains) > 1).said(stretch.said[row])
         names = slots({name: brain.lengths[name] for name in brain.sums} if self.adds else brain.message)
         return [
             {"from": int(sender), "said": dict(zip(names, map(json_value, said[sender].tolist()), strict=False))}
-            for sender in senders[here]
+            for sender in senders[carried > 0]
         ]
+
+    def hears(self, stretch: Stretch, row: int, robot: int) -> tuple[np.ndarray, np.ndarray]:
+        """The robots that a robot can hear in a round, and whether each link carried a message, 0 or 1."""
+        senders = self._neighbours(stretch, row, robot)
+        return senders, self.carried(stretch, row, np.full(senders.size, robot), senders)
 
     def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
         """Whether each link carried a message in a round (link), 0 or 1; all links of each receiver are needed."""

@@ -4,8 +4,10 @@
 const MOST_POINTS = 2000;
 const FINE = 500; // first rounds, which have one point each
 const GAP = 12; // pixels from which on missing points interrupt a line
-const NEAR = 0.1; // half the height of the close-up around the fill ratio
+const LEAST = 0.05; // the height of the axis of estimates that follows them
+const HEIGHT = 138; // of a chart; the last one also has the name of the time axis
 const SIDES = ["--a", "--b"];
+const KINDS = { decided: ["--decided", [8, 4]], decided_right: ["--decided-right", [2, 3]], done: ["--done", [10, 3, 2, 3]] };
 const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
 
 // The points of curves: every round at first, later every n-th.
@@ -62,6 +64,11 @@ class History {
   }
 }
 
+function number(value) {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  return Math.abs(value) >= 1000 || Number.isInteger(value) ? Math.round(value).toLocaleString("en") : value.toFixed(4);
+}
+
 const dim = (name, part) => `color-mix(in srgb, ${tone(name)} ${part}%, transparent)`;
 
 class Charts {
@@ -71,9 +78,15 @@ class Charts {
     this.seek = seek;
     this.histories = scenes.map((scene) => new History(scene, grows ? Math.max(FINE + MOST_POINTS, scene.rounds) : scene.rounds));
     this.tick = 0;
-    [this.log, this.close] = [false, false];
+    this.frames = []; // those of the moment, which legends tell unless the mouse points at another one
+    this.settled = []; // K of each side
+    [this.log, this.full] = [false, false];
     this.due = 0;
     this.plots = [];
+  }
+
+  of() {
+    return this.scenes.some(({ dishonest }) => dishonest.length) ? " of honest robots" : "";
   }
 
   get several() {
@@ -84,8 +97,8 @@ class Charts {
     return this.several ? `${text}, ${this.scenes[side].brain}` : text;
   }
 
-  build(log = this.log, close = this.close) {
-    [this.log, this.close] = [log, close];
+  build(log = this.log, full = this.full) {
+    [this.log, this.full] = [log, full];
     this.destroy();
     this.plots = [this.estimates(), this.shares(), this.messages()];
     this.refresh();
@@ -100,7 +113,11 @@ class Charts {
     return this.histories[0].ticks.map((tick) => tick || (this.log ? Number.EPSILON : 0)); // 0 has no logarithm
   }
 
-  make(title, unit, series, values, bands = [], more = {}) {
+  make(title, unit, series, names, bands = [], more = {}) {
+    const values = () => names.map(([side, name]) => this.histories[side].of(name));
+    const height = HEIGHT + (more.last ? 18 : 0);
+    series.forEach((one, k) => (one.value = (u, value) => number(u.cursor.left >= 0 ? value : this.now(...names[k]))));
+    const moment = (u, tick) => (u.cursor.left >= 0 && tick !== null ? Math.round(tick) : this.tick).toLocaleString("en");
     const box = document.createElement("div");
     box.className = "chart";
     const head = document.createElement("h3");
@@ -110,15 +127,20 @@ class Charts {
     const axis = { stroke: tone("--soft"), grid: { stroke: tone("--line"), width: 1 }, ticks: { stroke: tone("--line") }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 20, labelGap: 0 };
     const plot = new uPlot(
       {
-        width: Math.max(260, this.host.clientWidth), height: 190, bands,
+        width: Math.max(260, this.host.clientWidth), height, bands, padding: [8, 12, 0, 0],
         scales: { x: { time: false, distr: this.log ? 3 : 1, range: () => [this.log ? 1 : 0, this.end()] }, y: { range: (_, low, high) => (more.range ? more.range() : [0, Math.max(high || 0, 1)]) } },
-        axes: [{ ...axis, label: this.scenes[0].unit, size: 36 }, { ...axis, label: unit, size: 62, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
-        series: [{ label: this.scenes[0].unit }, ...series],
+        axes: [{ ...axis, size: 28, ...(more.last ? { label: this.scenes[0].unit, labelSize: 18 } : {}) }, { ...axis, label: unit, size: 56, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
+        series: [{ label: this.scenes[0].unit, value: moment }, ...series],
         legend: { live: true, markers: { dash: (u, i) => (u.series[i].dash ? "dashed" : "solid") } },
         cursor: { drag: { setScale: false } },
         hooks: {
           draw: [(u) => this.mark(u)],
-          ready: [(u) => u.over.addEventListener("click", () => this.seek(Math.round(u.posToVal(u.cursor.left, "x"))))],
+          ready: [
+            (u) => {
+              u.over.addEventListener("click", () => this.seek(Math.round(u.posToVal(u.cursor.left, "x"))));
+              u.over.addEventListener("mouseleave", () => u.setLegend({ idx: null }));
+            },
+          ],
         },
       },
       [this.xs(), ...values()],
@@ -128,24 +150,46 @@ class Charts {
     return plot;
   }
 
+  now(side, name) {
+    return this.frames[side]?.numbers[this.scenes[side].columns.indexOf(name)];
+  }
+
+  // the moment, and K
   mark(u) {
-    const x = u.valToPos(this.tick, "x", true);
     const g = u.ctx;
+    const { left, top, width, height } = u.bbox;
+    const line = (x, colour, dash) => {
+      g.strokeStyle = tone(colour);
+      g.setLineDash(dash);
+      g.beginPath();
+      g.moveTo(x, top);
+      g.lineTo(x, top + height);
+      g.stroke();
+    };
     g.save();
-    g.strokeStyle = tone("--ink");
-    g.lineWidth = 1.5;
-    g.setLineDash([]);
-    g.beginPath();
-    g.moveTo(x, u.bbox.top);
-    g.lineTo(x, u.bbox.top + u.bbox.height);
-    g.stroke();
+    g.lineWidth = 1.5 * devicePixelRatio;
+    g.font = `bold ${12 * devicePixelRatio}px system-ui, sans-serif`;
+    g.textBaseline = "top";
+    this.settled.forEach((k, side) => {
+      const x = k === null ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
+      if (x < left || x > left + width) return;
+      line(x, SIDES[side], [3 * devicePixelRatio, 3 * devicePixelRatio]);
+      g.fillStyle = tone(SIDES[side]);
+      g.fillText("K", x + 4 * devicePixelRatio, top + (2 + 14 * side) * devicePixelRatio);
+    });
+    line(u.valToPos(this.tick, "x", true), "--ink", []);
     g.restore();
   }
 
   line(text, side, more = {}) {
     const gaps = (u, k, from, to, found) => (this.log ? [] : found.filter(([left, right]) => right - left > GAP * devicePixelRatio));
-    const value = (_, v) => (v === null || v === undefined ? "–" : Math.abs(v) >= 1000 ? Math.round(v).toLocaleString("en") : v.toPrecision(4).replace(/\.?0+$/, ""));
-    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: this.several && side === 0 ? 4 : 2, value, points: { show: false }, gaps, ...more };
+    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: this.several && side === 0 ? 4 : 2, points: { show: false }, gaps, ...more };
+  }
+
+  // of a pair the colour tells the side, otherwise what is counted
+  kind(text, side, name) {
+    const [colour, dash] = KINDS[name];
+    return this.line(text, side, { dash, ...(this.several ? {} : { stroke: tone(colour) }) });
   }
 
   estimates() {
@@ -167,13 +211,23 @@ class Charts {
         names.push([side, "interval_low"], [side, "interval_high"]);
       }
     });
-    return this.make("Estimates: median, middle half and range of the honest robots", "fill ratio", series, () => names.map(([side, name]) => this.histories[side].of(name)), bands, { range: () => this.closely() });
+    return this.make(`Estimates${this.of()}: median, middle half, range`, "fill ratio", series, names, bands, { range: () => (this.full ? [0, 1] : this.followed()) });
   }
 
-  // the range of the axis of estimates
-  closely() {
-    const truth = this.histories[0].of("truth").findLast((value) => value !== null) ?? 0.5;
-    return this.close ? [Math.max(0, truth - NEAR), Math.min(1, truth + NEAR)] : [0, 1];
+  // the range of the estimates and of the truth, without the first quarter of what is seen
+  followed() {
+    let [low, high] = [1, 0];
+    for (const history of this.histories) {
+      const last = history.seen.lastIndexOf(1);
+      const from = history.at(Math.floor(history.ticks[Math.max(last, 0)] / 4));
+      for (const name of ["truth", "lowest", "highest"]) {
+        const row = history.of(name);
+        for (let k = from; k <= last; k++) if (row[k] !== null) [low, high] = [Math.min(low, row[k]), Math.max(high, row[k])];
+      }
+    }
+    if (low > high) return [0, 1];
+    const room = Math.max(0.06 * (high - low), (LEAST - (high - low)) / 2);
+    return [Math.max(0, low - room), Math.min(1, high + room)];
   }
 
   shares() {
@@ -183,15 +237,15 @@ class Charts {
       series.push(this.line("in the right bin", side));
       names.push([side, "right"]);
       if (scene.options) {
-        series.push(this.line("decided", side, { dash: [8, 4] }), this.line("decided right", side, { dash: [2, 3] }));
+        series.push(this.kind("decided", side, "decided"), this.kind("decided right", side, "decided_right"));
         names.push([side, "decided"], [side, "decided_right"]);
       }
       if (scene.ends) {
-        series.push(this.line("done", side, { dash: [8, 3, 2, 3] }));
+        series.push(this.kind("done", side, "done"));
         names.push([side, "done"]);
       }
     });
-    return this.make("Shares of the honest robots", "share", series, () => names.map(([side, name]) => this.histories[side].of(name)), [], { range: () => [0, 1] });
+    return this.make(`Shares of ${this.of() ? "honest " : ""}robots`, "share", series, names, [], { range: () => [0, 1] });
   }
 
   messages() {
@@ -201,7 +255,7 @@ class Charts {
       series.push(this.line("sent", side, { dash: [6, 4] }), this.line("heard", side));
       names.push([side, "sent"], [side, "heard"]);
     });
-    return this.make("Messages of all robots so far", "messages", series, () => names.map(([side, name]) => this.histories[side].of(name)));
+    return this.make("Messages of all robots so far", "messages", series, names, [], { last: true });
   }
 
   put(side, frames) {
@@ -221,19 +275,21 @@ class Charts {
   }
 
   // at most five times a second, not with every frame
-  show(tick, now, force = false) {
-    this.tick = tick;
+  show(tick, frames, now, force = false) {
+    [this.tick, this.frames] = [tick, frames];
     if (!force && now < this.due) return;
     this.due = now + 200;
     this.refresh();
   }
 
+  // legends tell the moment, unless the mouse points at another one
+  tell() {
+    for (const plot of this.plots) if (!(plot.cursor.left >= 0)) plot.setLegend({ idx: null });
+  }
+
   refresh() {
-    const idx = this.histories[0].at(this.tick);
-    for (const plot of this.plots) {
-      plot.setData([this.xs(), ...plot.values()]);
-      plot.setLegend({ idx });
-    }
+    for (const plot of this.plots) plot.setData([this.xs(), ...plot.values()]);
+    this.tell();
   }
 
   // the end of the time axis, which grows with the frames seen
@@ -243,6 +299,6 @@ class Charts {
   }
 
   resize() {
-    for (const plot of this.plots) plot.setSize({ width: Math.max(260, this.host.clientWidth), height: 190 });
+    for (const plot of this.plots) plot.setSize({ width: Math.max(260, this.host.clientWidth), height: plot.height });
   }
 }

@@ -23,14 +23,30 @@ const pixels = (scale) => new Uint32Array(Uint8ClampedArray.from(scale.flatMap((
 const MIXED = { belief: [...scaleOf(BELIEF), NONE], off: [...scaleOf(OFF), NONE], error: [...scaleOf(WRONG), NONE] };
 const SCALES = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, named(scale)]));
 const WORDS = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, pixels(scale)]));
-const MOST = { off: 0.1, error: 0.5 };
-const TOLD = { belief: ["estimate 0", "1"], off: [`too low by ${MOST.off} or more`, `too high by ${MOST.off} or more`], error: ["error 0", `${MOST.error} or more`] };
+const SPANS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // errors at the end of a scale
+const CALM = 1.15; // a narrower span is taken when estimates fit into it with as much room
+
+const TOLD = {
+  belief: () => ["estimate 0", "1"],
+  off: (span) => [`too low by ${span} or more`, `too high by ${span} or more`],
+  error: (span) => ["error 0", `${span} or more`],
+};
+
+// the span that suits estimates: twice as far from the truth as three quarters of them are
+function spanOf(before, scenes, frames) {
+  const of = (frame, side, name) => frame.numbers[scenes[side].columns.indexOf(name)];
+  const far = frames.flatMap((frame, side) => ["low", "high"].map((name) => 2 * Math.abs(of(frame, side, name) - of(frame, side, "truth"))));
+  const most = Math.max(...far.filter((value) => !Number.isNaN(value)));
+  const fitting = (needed) => SPANS.find((span) => span >= needed) || 1;
+  if (!Number.isFinite(most)) return before;
+  return fitting(most) > before ? fitting(most) : Math.min(before, fitting(CALM * most));
+}
 
 // the step of a scale for an estimate; the last step means no estimate
-function stepOf(how, estimate, truth) {
+function stepOf(how, estimate, truth, span) {
   if (estimate === null) return STEPS;
   const wrong = estimate - truth;
-  const value = { belief: estimate, off: 0.5 + wrong / MOST.off / 2, error: Math.abs(wrong) / MOST.error }[how];
+  const value = { belief: estimate, off: 0.5 + wrong / span / 2, error: Math.abs(wrong) / span }[how];
   return Math.min(STEPS - 1, Math.max(0, Math.floor(value * STEPS)));
 }
 

@@ -42,13 +42,12 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
   state.grows = wait !== null;
   if (fixed.length !== state.form.fixed.length) {
     state.form.fixed = fixed;
-    buildControls($("controls"), state.form, change, false);
+    buildFields(state.form, change, false);
     noteDay();
   }
-  state.form.now.rounds = $("control-rounds").value = String(newest);
   if (state.live) [state.tick, state.place] = [newest, newest];
   if (changed <= state.tick) again();
-  else state.charts.show(state.tick, performance.now());
+  else state.charts.show(state.tick, state.charts.frames, performance.now());
   showLive();
 }
 

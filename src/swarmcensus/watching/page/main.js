@@ -13,7 +13,7 @@ const KEYS = {
   p: () => choose(state.chosen === null ? 0 : (state.chosen + state.scenes[0].robots - 1) % state.scenes[0].robots),
   f: () => $("follow").click(),
   l: () => $("log").click(),
-  c: () => $("close").click(),
+  c: () => $("full").click(),
   "+": () => zoom(1.4),
   "-": () => zoom(1 / 1.4),
   0: () => whole(),
@@ -26,7 +26,7 @@ const KEYS = {
 // moving the view ends following a robot
 function unfollow() {
   state.follow = $("follow").checked = false;
-  again();
+  viewed();
 }
 
 function move(right, down) {
@@ -41,7 +41,7 @@ function whole() {
 
 function zoom(by) {
   state.view.near(by);
-  again();
+  viewed();
 }
 
 document.addEventListener("keydown", (event) => {
@@ -89,10 +89,11 @@ $("follow").addEventListener("change", () => {
   state.follow = $("follow").checked;
   zoom(state.follow ? Math.max(1, 3 / state.view.zoom) : 0);
 });
-for (const id of ["log", "close"]) {
+for (const id of ["log", "full"]) {
   $(id).addEventListener("change", () => {
-    state.charts?.build($("log").checked, $("close").checked);
+    state.charts?.build($("log").checked, $("full").checked);
     again();
+    remember();
   });
 }
 $("nearer").addEventListener("click", () => zoom(1.4));
@@ -121,16 +122,19 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
 window.addEventListener("hashchange", () => {
   const wish = wishOf(location.hash);
   if (state.playing) pause();
-  state.side = wish.side;
-  paint(wish.colour);
-  begin(wish.ask, wish.tick, wish.robot);
+  look(wish);
+  begin(wish.ask, wish.tick, wish.robot).then(() => wish.tick === null && playUnasked());
 });
+
+// a page opens playing, unless its address names a moment or its reader wants little motion
+function playUnasked() {
+  if (state.form && !state.grows && !matchMedia("(prefers-reduced-motion: reduce)").matches) play();
+}
 
 async function start() {
   const played = recordedText ? new URLSearchParams(state.source.recording.played).toString() : "";
   const wish = wishOf(location.hash || played);
-  state.side = wish.side;
-  paint(wish.colour);
+  look(wish);
   try {
     state.source.closed = (error) => complain(error);
     state.source.found = () => {
@@ -139,6 +143,7 @@ async function start() {
     await state.source.open();
     requestAnimationFrame(tickOn);
     await begin(wish.ask, wish.tick, wish.robot);
+    if (wish.tick === null) playUnasked();
   } catch (error) {
     $("title").textContent = "";
     complain(error);

@@ -1,8 +1,9 @@
 "use strict";
 // The panels beside the swarm: controls of the world, numbers of the moment, and one robot in full.
 
-const CONTROLS = [
-  ["brain", "Brain"], ["beside", "Compare with"], ["robots", "Robots", { type: "number", min: 1, max: 20000, step: 1 }],
+const BRAINS = [["brain", "Brain"], ["beside", "Compare with"]];
+const WORLD = [
+  ["robots", "Robots", { type: "number", min: 1, max: 20000, step: 1 }],
   ["accuracy", "Sensor accuracy", { type: "text" }], ["fill_ratio", "Fill ratio", { type: "number", min: 0, max: 1, step: 0.05 }],
   ["topology", "Network"], ["density", "Swarm density", { type: "number", min: 0, step: 0.5 }], ["floor", "Floor"],
   ["link_success", "Link success", { type: "number", min: 0, max: 1, step: 0.05 }],
@@ -18,12 +19,24 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
+// the fields of the page: brains with their parameters, and the world
+function buildFields(form, change, fixed) {
+  buildControls($("brains"), form, BRAINS, change, fixed);
+  const several = new Set(form.parameters.map(({ key }) => key.startsWith("beside."))).size > 1;
+  const named = ({ key, name, brain }) => [key, several ? `${name} (${brain})` : name, { type: "text", inputmode: "decimal" }];
+  const values = Object.fromEntries(form.parameters.map(({ key, now }) => [key, now]));
+  $("parameters-title").hidden = !form.parameters.length;
+  buildControls($("parameters"), { ...form, now: { ...form.now, ...values } }, form.parameters.map(named), change, fixed);
+  buildControls($("controls"), form, WORLD, change, fixed);
+}
+
 // keeps the elements, so that typed text and focus survive
-function buildControls(host, form, change, fixed) {
+function buildControls(host, form, controls, change, fixed) {
   const rows = [];
-  for (const [key, text, attributes] of CONTROLS) {
+  for (const [key, text, attributes] of controls) {
     const choices = form.choices[key];
     if ((key === "floor" && !choices.length) || (key === "density" && form.now.density === "")) continue;
+    if (key === "rounds" && form.fixed.includes(key)) continue; // robots' logs have no length of their own
     if (key === "setting" && form.settings[0] === form.settings[1]) continue;
     const id = `control-${key}`;
     const there = $(id);
@@ -36,9 +49,9 @@ function buildControls(host, form, change, fixed) {
     }
     if (input !== document.activeElement || input.dataset.now !== form.now[key]) input.value = form.now[key];
     input.dataset.now = form.now[key];
-    input.disabled = fixed || form.fixed.includes(key);
+    input.disabled = fixed || form.fixed.includes(key) || (form.fixed.length > 0 && !(key in form.choices) && !key.startsWith("beside."));
     const more = { rounds: `, ${form.unit}s`, setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
-    rows.push(there ? host.querySelector(`[for=${id}]`) : element("label", { for: id }), input);
+    rows.push(there ? host.querySelector(`[for="${id}"]`) : element("label", { for: id }), input);
     rows.at(-2).textContent = text + more;
   }
   if (rows.length === host.children.length && rows.every((one, k) => one === host.children[k])) return;
@@ -91,16 +104,22 @@ function tellRobot(host, told, scene) {
 const NUMBERS = [
   ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "spread (standard deviation)"], ["right", "share in the right bin"],
   ["decided", "share decided"], ["decided_right", "share decided right"], ["done", "share done"],
-  ["interval_low", "mean interval from"], ["interval_high", "to"], ["sent", "messages sent"], ["heard", "messages heard"], ["bytes", "bytes sent"],
+  ["interval_low", "mean interval from"], ["interval_high", "mean interval to"], ["sent", "messages sent"], ["heard", "messages heard"], ["bytes", "bytes sent"],
 ];
 
-function tellNumbers(host, scenes, frames) {
+const COUNTED = ["sent", "heard", "bytes"];
+
+function tellNumbers(host, scenes, frames, settled) {
   const body = element("tbody");
   const column = (name) => scenes[0].columns.indexOf(name);
   for (const [name, text] of NUMBERS) {
     const values = frames.map((frame) => frame.numbers[column(name)]);
     if (values.every(Number.isNaN)) continue;
-    body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : Number.isInteger(value) ? value.toLocaleString("en") : value.toFixed(4)))));
+    body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
+  }
+  if (settled) {
+    const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates`;
+    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : k.toLocaleString("en")))));
   }
   const head = scenes.length > 1 ? [element("thead", {}, element("tr", {}, element("th"), ...scenes.map((scene) => element("td", {}, scene.brain))))] : [];
   host.replaceChildren(element("table", {}, ...head, body));

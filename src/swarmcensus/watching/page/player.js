@@ -29,24 +29,34 @@ async function fetchAt(from, run) {
   }
 }
 
-// complete a moment that is looked at for longer: recent readings of the chosen robot, and the whole curves
+// complete a moment that is looked at for longer: recent readings of the chosen robot
 async function settle(run, tick) {
   const stays = () => run === state.run && tick === state.tick && !state.playing && !state.halted;
   const lately = () => Array.from({ length: LATELY }, (_, k) => tick - k).filter((one) => one >= 0 && !state.frames.has(one));
-  const wanted = [];
   await new Promise((soon) => setTimeout(soon, PATIENCE));
-  if (!stays()) return;
-  if (state.scenes[0].moves && state.chosen !== null) wanted.push(() => (lately().length ? { from: Math.min(...lately()), by: 1, count: LATELY } : null));
-  wanted.push(() => state.charts.histories[0].missing(tick));
-  for (const next of wanted) {
-    for (let ask = next(); ask && stays(); ask = next()) {
-      const sides = await state.source.frames(ask.from, ask.by, Math.min(ask.count, AT_ONCE));
-      if (!stays() || !sides) continue;
-      if (ask.by === 1 && ask.from > tick - LATELY) keep(sides);
-      sides.forEach((frames, side) => state.charts.put(side, frames));
-    }
-    if (stays()) again();
+  if (!stays() || !state.scenes[0].moves || state.chosen === null) return;
+  while (lately().length && stays()) {
+    const sides = await state.source.frames(Math.min(...lately()), 1, Math.min(LATELY, AT_ONCE));
+    if (stays() && sides) keep(sides);
   }
+  if (stays()) again();
+}
+
+// what nobody waits for, a piece at a time: points of curves that were passed over, then K
+async function work(run) {
+  const missing = state.charts.histories[0].missing(state.tick);
+  const sides = missing && (await state.source.frames(missing.from, missing.by, Math.min(missing.count, AT_ONCE)));
+  if (run !== state.run) return;
+  sides?.forEach((frames, side) => state.charts.put(side, frames));
+  if (missing) {
+    if (sides && !state.playing) again();
+    return;
+  }
+  const settled = await state.source.settled();
+  if (run !== state.run || !settled) return;
+  state.settled = settled;
+  state.charts.settled = settled;
+  again();
 }
 
 // drop frames far from the current one, to limit memory; they are fetched again when needed
@@ -64,6 +74,11 @@ function waiting(by) {
   let tick = state.tick;
   while (state.frames.has(tick + by) && tick + by <= rounds()) tick += by;
   return tick;
+}
+
+function isIdle(now) {
+  if (state.working || state.halted || state.grows || now < state.workAt) return false;
+  return state.drawn >= 0 && (state.settled === null || state.charts.histories[0].missing(state.tick) !== null);
 }
 
 function tickOn(now) {
@@ -91,9 +106,14 @@ function tickOn(now) {
   }
   const frames = state.frames.get(state.tick);
   if (frames && frames.filter(Boolean).length === state.scenes.length && state.drawn !== state.tick) show(frames, now);
+  if (isIdle(now)) {
+    const run = state.run;
+    [state.working, state.workAt] = [true, now + PAUSE];
+    work(run).catch(() => (state.workAt = Infinity)).finally(() => run === state.run && (state.working = false));
+  }
   const here = [state.run, state.tick, state.chosen, state.side].join();
-  if (!state.playing && !state.halted && state.drawn === state.tick && state.settled !== here) {
-    state.settled = here;
+  if (!state.playing && !state.halted && state.drawn === state.tick && state.completed !== here) {
+    state.completed = here;
     settle(state.run, state.tick).catch(() => {});
   }
 }
@@ -107,8 +127,13 @@ function tellWhy() {
 
 function show(frames, now) {
   state.drawn = state.tick;
+  const span = spanOf(state.span, state.scenes, frames);
+  if (span !== state.span) {
+    state.span = span;
+    legend();
+  }
   state.stages.forEach((stage, side) => {
-    stage.colour = state.colour;
+    [stage.colour, stage.span] = [state.colour, span];
     stage.chosen = side === state.side || state.scenes.length > 1 ? state.chosen : null;
     stage.follow = state.follow;
     stage.before = state.chosen === null ? [] : [...state.frames].filter(([tick, sides]) => tick > state.tick - LATELY && tick <= state.tick && sides[side]).map(([, sides]) => sides[side]);
@@ -122,13 +147,15 @@ function show(frames, now) {
     sides.forEach((frame, side) => state.charts.put(side, [frame]));
     sides.charted = true;
   }
-  state.charts.show(state.tick, now, !state.playing && !state.live);
+  state.charts.show(state.tick, frames, now, !state.playing && !state.live);
+  state.film?.draw();
   state.pictures.push(now);
   while (state.pictures[0] < now - 1000) state.pictures.shift();
   if (!state.playing || now - state.told > 100) {
     state.told = now;
-    tellNumbers($("numbers"), state.scenes, frames);
-    $("rate").textContent = state.playing ? `${state.pictures.length} frames per second` : "";
+    tellNumbers($("numbers"), state.scenes, frames, state.settled);
+    state.charts.tell();
+    $("rate").textContent = state.playing ? `${state.pictures.length} fps` : "";
     tellChosen();
   }
 }
@@ -149,6 +176,14 @@ function clockOf(seconds) {
   return `${h ? `${h}:` : ""}${String(m).padStart(h ? 2 : 1, "0")}:${String(s).padStart(2, "0")}`;
 }
 
+// the links of the chosen robot, where a frame has none because there are too many
+function linkChosen(told, side) {
+  state.stages.forEach((stage, k) => {
+    stage.own = k === side && told?.hears ? told : null;
+    if (stage.frame) stage.draw(stage.frame);
+  });
+}
+
 async function tellChosen() {
   if (state.chosen === null || state.telling) return;
   state.telling = true;
@@ -159,6 +194,7 @@ async function tellChosen() {
       tellRobot($("told"), told, state.scenes[side]);
       $("told").dataset.tick = told.tick;
       $("told").dataset.robot = told.robot;
+      if (told.hears) linkChosen(told, side);
     }
   } catch (error) {
     if (run === state.run) complain(error);
@@ -173,12 +209,13 @@ function again() {
 }
 
 function play() {
-  state.halted = false;
+  [state.halted, state.workAt] = [false, 0];
   if (state.tick >= rounds()) seek(state.grows ? rounds() : 0);
   if (state.live) return;
   state.playing = true;
   state.place = state.tick;
   showPlay();
+  remember();
 }
 
 function pause() {
@@ -207,7 +244,7 @@ function showPlay() {
 }
 
 function seek(tick) {
-  state.halted = false;
+  [state.halted, state.workAt] = [false, 0];
   state.tick = state.place = Math.min(Math.max(Math.round(tick), 0), rounds());
   state.live = state.grows && !state.playing && state.tick >= rounds();
   if (state.grows) showLive();
@@ -224,6 +261,7 @@ function hop(by) {
 function choose(robot, side = state.side) {
   state.chosen = robot;
   state.side = side;
+  linkChosen(null, side);
   $("which").value = robot ?? "";
   $("to-robot").textContent = robot === null ? "Robot ↓" : `Robot ${robot} ↓`;
   if (robot !== null && $("told").dataset.robot !== String(robot)) $("told").replaceChildren(element("p", { class: "note" }, `Loading robot ${robot} …`));

@@ -129,6 +129,17 @@ class Live {
     return answer.going ? null : answer.parts.map((part) => part.frames);
   }
 
+  // K of each side; null if the server needs longer
+  async settled() {
+    const answer = await this.ask("settled");
+    return answer.going ? null : answer.settled;
+  }
+
+  // whether a brain file was saved, and what is wrong with it
+  saved() {
+    return this.ask("saved");
+  }
+
   // what is new of logs that grow
   news(since) {
     return this.ask("news", { since });
@@ -178,6 +189,10 @@ class Recorded {
       }
       return found;
     });
+  }
+
+  async settled() {
+    return this.recording.settled;
   }
 
   async robot(side, robot, tick) {

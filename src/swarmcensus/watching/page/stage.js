@@ -19,7 +19,7 @@ function circles(g, places, r) {
 
 class Stage {
   constructor(host, scene, view, { choose, changed, moved }) {
-    Object.assign(this, { host, scene, view, frame: null, before: [], colour: "belief", chosen: null, follow: false });
+    Object.assign(this, { host, scene, view, frame: null, before: [], colour: "off", span: 0.1, chosen: null, follow: false, own: null });
     this.konva = new Konva.Stage({ container: host, width: 1, height: 1 });
     this.ground = new Konva.Layer({ listening: false });
     this.swarm = new Konva.Layer({ listening: false });
@@ -60,6 +60,7 @@ class Stage {
     };
     if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 3.5 });
     this.path(this.swarm, inReach, { stroke: GREEN, strokeWidth: 1.5 });
+    this.layOwn();
   }
 
   layNetwork() {
@@ -76,7 +77,16 @@ class Stage {
     };
     if (crowd) this.path(this.swarm, lit, { stroke: "#ffffff", strokeWidth: 4.5 });
     const dense = !crowd && this.lines.length > DENSE;
+    this.layOwn();
     this.path(this.swarm, lit, { stroke: dense ? "rgb(0 158 115 / 0.25)" : GREEN, strokeWidth: dense ? 1 : 2 });
+  }
+
+  // the links of the chosen robot where all would be too many: grey, and green where they carried a message
+  layOwn() {
+    const links = (carried) => (g) => this.own?.hears.forEach((sender, k) => Boolean(this.own.carried[k]) === carried && this.trace(g, this.own.robot, sender));
+    this.path(this.swarm, links(false), { stroke: "#6b7278", strokeWidth: 1 });
+    this.path(this.swarm, links(true), { stroke: "#ffffff", strokeWidth: 3.5 });
+    this.path(this.swarm, links(true), { stroke: GREEN, strokeWidth: 1.5 });
   }
 
   layRobots() {
@@ -86,8 +96,8 @@ class Stage {
     this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
     this.wrong = this.path(this.swarm, (g) => circles(g, this.misread(), 1.35 * this.radius), { stroke: "#d55e00", visible: moves });
-    // liars are marked by a shape, not by colour alone
-    this.liars = this.path(this.swarm, (g) => this.traceCrosses(g), { stroke: "#cc79a7" });
+    // liars are marked by a shape, not by colour alone, which stands out from every colour of a robot
+    this.liars = ["#ffffff", "#000000"].map((stroke) => this.path(this.swarm, (g) => this.traceCrosses(g), { stroke }));
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
     this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, stroke: "#009e73", strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
     this.swarm.add(...this.rings, this.reach);
@@ -123,6 +133,39 @@ class Stage {
       this.view.near(evt.deltaY < 0 ? 1.2 : 1 / 1.2, this.pointed());
       changed();
     });
+    this.pinch(changed);
+  }
+
+  // two fingers go nearer or farther, around the place between them
+  pinch(changed) {
+    let before = null;
+    const found = ({ touches: [one, other] }) => {
+      const { left, top } = this.host.getBoundingClientRect();
+      const middle = [(one.clientX + other.clientX) / 2 - left, (one.clientY + other.clientY) / 2 - top];
+      return { apart: Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY), middle };
+    };
+    const two = (does) => (event) => {
+      if (event.touches.length !== 2) return void (before = null);
+      event.preventDefault(); // the browser does not zoom the whole page
+      does(found(event));
+    };
+    const begin = (now) => {
+      this.konva.stopDrag();
+      before = now;
+    };
+    const go = (now) => {
+      if (!before) return begin(now);
+      this.konva.stopDrag();
+      const scale = this.size * this.view.zoom;
+      const at = before.middle.map((place, k) => this.view.centre[k] + (place - this.size / 2) / scale);
+      this.view.near(now.apart / Math.max(before.apart, 1), at);
+      this.view.look(at.map((place, k) => place - (now.middle[k] - this.size / 2) / (this.size * this.view.zoom)));
+      before = now;
+      changed();
+    };
+    this.host.addEventListener("touchstart", two(begin), { passive: false });
+    this.host.addEventListener("touchmove", two(go), { passive: false });
+    for (const end of ["touchend", "touchcancel"]) this.host.addEventListener(end, () => (before = null));
   }
 
   pointed() {
@@ -217,7 +260,7 @@ class Stage {
 
   drawRobots() {
     const { robots, crowd, moves } = this.scene;
-    const steps = Array.from({ length: robots }, (_, i) => stepOf(this.colour, estimateOf(this.frame, i), this.frame.numbers[0]));
+    const steps = Array.from({ length: robots }, (_, i) => stepOf(this.colour, estimateOf(this.frame, i), this.frame.numbers[0], this.span));
     const shown = this.radius / this.pixel;
     const thick = (least, part, most) => Math.min(Math.max(least, shown / part), most);
     if (crowd) this.paintCrowd(steps);
@@ -230,7 +273,9 @@ class Stage {
     for (const part of [this.headings, this.wrong]) part.visible(moves && shown > 3);
     this.headings.strokeWidth(thick(1.2, 5, 3));
     this.wrong.strokeWidth(thick(1.5, 4, 3));
-    this.liars.strokeWidth(thick(1.5, 3.5, 5));
+    const line = crowd ? Math.max(1, shown / 3) : thick(1.8, 4, 4);
+    this.liars[0].strokeWidth(line + (crowd ? Math.min(2, shown / 2) : 2.5));
+    this.liars[1].strokeWidth(line);
   }
 
   paintCrowd(steps) {
@@ -258,7 +303,7 @@ class Stage {
   }
 
   traceCrosses(g) {
-    const r = this.radius;
+    const r = this.scene.crowd ? 0.8 * this.radius : Math.max(this.radius, 4.5 * this.pixel);
     for (const i of this.scene.dishonest) {
       const [x, y] = this.place(i);
       g.moveTo(x - r, y - r);

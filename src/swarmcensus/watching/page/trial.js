@@ -9,13 +9,17 @@ const MEMORIES = 30000; // robots in all stored frames together
 const LATELY = 300; // rounds for which the readings of the chosen robot are shown
 const AT_ONCE = 120; // frames per request, if many are missing
 const PATIENCE = 200; // milliseconds after which a moment counts as chosen, and not as passed through
+const PAUSE = 150; // milliseconds between pieces of work that nobody waits for
+const SOON = 150; // milliseconds after which the address holds what was changed
+const LOOK = 500; // milliseconds between looks at brain files
+const RESTARTS = ["setting", "topology"]; // changes after which a moment is another one
 const recordedText = $("recorded");
 
 const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
-  tick: 0, place: 0, playing: false, speed: 60, colour: "belief", chosen: null, side: 0, follow: false,
-  wish: null, preparing: false, asking: false, halted: false, settled: "", live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
+  tick: 0, place: 0, playing: false, speed: 60, colour: "off", span: 0.1, chosen: null, side: 0, follow: false,
+  wish: null, preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
 };
 
 function complain(error) {
@@ -29,24 +33,52 @@ const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds(
 
 function wishOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
-  const { tick, robot, side, colour, ...ask } = asked;
-  return { ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "belief" };
+  const { tick, robot, side, colour, zoom, centre, follow, log, full, panels, ...ask } = asked;
+  const [x, y] = (centre || "").split(",").map(Number);
+  return {
+    ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
+    side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "off", zoom: Number(zoom) || 1,
+    centre: x >= 0 && x <= 1 && y >= 0 && y <= 1 ? [x, y] : [0.5, 0.5],
+    follow: follow === "1", log: log === "1", full: full === "1", panels: panels !== "0",
+  };
 }
 
-function fragment(live = state.live) {
+function viewed() {
+  again();
+  remember();
+}
+
+// the view of an address: all but the trial and its moment
+function look({ side, colour, zoom, centre, follow, log, full, panels }) {
+  [state.side, state.follow] = [side, follow];
+  [$("follow").checked, $("log").checked, $("full").checked] = [follow, log, full];
+  document.body.classList.toggle("bare", !panels);
+  state.view.set(zoom, centre);
+  paint(colour);
+}
+
+function fragment(moving = state.live || state.playing) {
   const words = new URLSearchParams(state.ask);
   if (!words.has("trial") && state.form) words.set("trial", state.form.now.trial);
   if (!words.has("seed") && state.form) words.set("seed", state.form.now.seed);
   if (state.form) words.set("of", state.form.mark);
-  if (!live) words.set("tick", state.tick);
+  if (!moving) words.set("tick", state.tick);
   if (state.chosen !== null) words.set("robot", state.chosen);
   if (state.side) words.set("side", state.side);
-  if (state.colour !== "belief") words.set("colour", state.colour);
+  if (state.colour !== "off") words.set("colour", state.colour);
+  const { zoom, centre } = state.view;
+  if (zoom > 1) words.set("zoom", Number(zoom.toFixed(2)));
+  if (zoom > 1 && !state.follow) words.set("centre", centre.map((part) => Number(part.toFixed(3))).join());
+  if (state.follow) words.set("follow", 1);
+  for (const id of ["log", "full"]) if ($(id).checked) words.set(id, 1);
+  if (document.body.classList.contains("bare")) words.set("panels", 0);
   return `#${words}`;
 }
 
+// browsers refuse too many changes of an address in a short time
 function remember() {
-  history.replaceState(null, "", fragment());
+  clearTimeout(state.remembering);
+  state.remembering = setTimeout(() => history.replaceState(null, "", fragment()), SOON);
 }
 
 const titled = () => `${state.form.name}: ${state.scenes[0].title}; seed ${state.form.now.seed}, trial ${state.form.now.trial}`;
@@ -75,7 +107,7 @@ async function begin(ask, tick = null, robot = state.chosen) {
   state.preparing = false;
   complain(refused);
   $("title").textContent = state.form ? titled() : "";
-  if (refused && state.form) buildControls($("controls"), state.form, change, Boolean(recordedText));
+  if (refused && state.form) buildFields(state.form, change, Boolean(recordedText));
 }
 
 function arrive({ form, scenes }, { ask, tick, robot }) {
@@ -87,11 +119,35 @@ function arrive({ form, scenes }, { ask, tick, robot }) {
   state.grows = form.grows && Boolean(state.source.news);
   state.live = state.grows && tick === null;
   state.tick = state.place = state.live ? rounds() : Math.min(Math.max(tick ?? 0, 0), rounds());
-  [state.drawn, state.settled, state.asking, state.halted, state.shownAt] = [-1, "", false, false, performance.now()];
+  [state.drawn, state.completed, state.asking, state.halted, state.shownAt] = [-1, "", false, false, performance.now()];
+  [state.working, state.workAt, state.settled] = [false, 0, null];
   buildPage();
   remember();
   showLive();
   followLogs(state.run);
+  if (form.watched && state.source.saved) watchFiles(state.run);
+}
+
+// as long as this trial is shown: a brain file that is saved is shown at the same moment
+async function watchFiles(run) {
+  let known = state.form.version;
+  while (run === state.run) {
+    await new Promise((soon) => setTimeout(soon, LOOK));
+    if (run !== state.run) return;
+    const { version, wrong } = await state.source.saved();
+    if (run !== state.run) return;
+    tellBroken(wrong);
+    if (version !== known && !state.preparing) {
+      known = version;
+      begin(state.ask, state.tick);
+    }
+  }
+}
+
+function tellBroken(wrong) {
+  $("broken").hidden = !wrong;
+  const text = wrong ? `${wrong}. The page shows the brain as it was before.` : "";
+  if ($("broken").textContent !== text) $("broken").textContent = text;
 }
 
 function buildPage() {
@@ -100,8 +156,6 @@ function buildPage() {
   const focused = state.stages.findIndex((stage) => stage.host === document.activeElement);
   for (const stage of state.stages) stage.destroy();
   state.charts?.destroy();
-  state.view = new View();
-  if (state.follow) state.view.near(3);
   $("stages").replaceChildren();
   document.querySelector("main").classList.toggle("pair", scenes.length > 1);
   state.stages = scenes.map((scene, side) => {
@@ -109,7 +163,7 @@ function buildPage() {
     const liars = scene.dishonest.length ? `, ${shown(scene.dishonest.length)} of ${shown(scene.robots)} lie (crossed out)` : "";
     $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} per message${liars}`), host));
     if (side === focused) host.focus({ preventScroll: true });
-    return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: again, moved: unfollow });
+    return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: viewed, moved: unfollow });
   });
   $("moment").max = rounds();
   $("which").max = scenes[0].robots - 1;
@@ -118,9 +172,10 @@ function buildPage() {
   $("which-side").value = state.side;
   $("which-side").hidden = scenes.length < 2;
   if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see its memory, its reading and the messages that it hears."));
-  buildControls($("controls"), form, change, Boolean(recordedText));
+  buildFields(form, change, Boolean(recordedText));
+  tellBroken("");
   state.charts = new Charts($("curves"), scenes, seek, state.grows);
-  state.charts.build($("log").checked, $("close").checked);
+  state.charts.build($("log").checked, $("full").checked);
   if (form.fixed.length) noteDay();
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   legend();
@@ -137,18 +192,19 @@ function legend() {
     g.fillStyle = colour;
     g.fillRect((k * 256) / STEPS, 0, 256 / STEPS + 1, 10);
   });
-  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour];
+  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour](state.span);
   const { moves, crowd, dishonest, edges } = state.scenes[0] || {};
-  const carried = crowd ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
+  const carried = crowd || !edges ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
   $("legend-text").textContent = [
     ...(moves ? ["green: who hears whom", "orange ring: a wrong reading", "dots: recent readings of the chosen robot"] : []),
     ...(crowd ? ["each square a robot"] : []),
-    ...(moves ? [] : [edges ? carried : "too many links to draw"]),
+    ...(moves ? [] : [edges || !recordedText ? carried : "too many links to draw"]),
     ...(dishonest?.length ? ["crossed out: it lies"] : []),
     ...(state.form?.fixed.length ? ["pink: away"] : []),
   ].join(" · ");
 }
 
+// the moment stays, unless it would be another one
 function change(key, value) {
   const ask = { ...(state.wish || state).ask };
   if (value === "" && key !== "beside") delete ask[key];
@@ -157,5 +213,12 @@ function change(key, value) {
   if (key === "setting" || key === "seed") delete ask.of;
   if (key === "setting") for (const other of Object.keys(ask)) if (!["setting", "trial", "seed"].includes(other)) delete ask[other];
   if (key === "topology") for (const other of ["density", "floor", "rounds"]) delete ask[other];
-  begin(ask);
+  if (key === "brain" || key === "beside") dropParameters(ask, key === "beside" ? "beside." : "");
+  if (RESTARTS.includes(key)) state.view.set(1, [0.5, 0.5]);
+  begin(ask, RESTARTS.includes(key) ? 0 : (state.wish?.tick ?? state.tick));
+}
+
+// parameters of a brain that is no longer chosen
+function dropParameters(ask, before) {
+  for (const { key } of state.form.parameters) if (key.startsWith("beside.") === (before !== "")) delete ask[key];
 }

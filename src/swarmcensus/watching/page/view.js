@@ -14,6 +14,13 @@ class View {
     else this.look(centre);
   }
 
+  // as an address has it
+  set(zoom, centre) {
+    [this.zoom, this.centre] = [1, [0.5, 0.5]];
+    this.near(zoom);
+    this.look(centre);
+  }
+
   // the centre stays inside the arena
   look(centre) {
     if (this.zoom > 1) this.centre = centre.map((c) => Math.min(Math.max(c, 0), 1));
