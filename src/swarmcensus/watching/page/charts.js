@@ -72,9 +72,9 @@ function number(value) {
 const dim = (name, part) => `color-mix(in srgb, ${tone(name)} ${part}%, transparent)`;
 
 class Charts {
-  constructor(host, scenes, seek, grows) {
-    this.host = host;
-    this.scenes = scenes;
+  // `big` is the size of letters and lines, 1 on the page; a width is that of the host where none is given
+  constructor(host, scenes, seek, grows, { big = 1, width = 0, height = HEIGHT } = {}) {
+    Object.assign(this, { host, scenes, big, fixed: { width, height } });
     this.seek = seek;
     this.histories = scenes.map((scene) => new History(scene, grows ? Math.max(FINE + MOST_POINTS, scene.rounds) : scene.rounds));
     this.tick = 0;
@@ -87,6 +87,10 @@ class Charts {
 
   of() {
     return this.scenes.some(({ dishonest }) => dishonest.length) ? " of honest robots" : "";
+  }
+
+  get width() {
+    return this.fixed.width || Math.max(260, this.host.clientWidth);
   }
 
   get several() {
@@ -115,7 +119,8 @@ class Charts {
 
   make(title, unit, series, names, bands = [], more = {}) {
     const values = () => names.map(([side, name]) => this.histories[side].of(name));
-    const height = HEIGHT + (more.last ? 18 : 0);
+    const { big } = this;
+    const height = this.fixed.height + (more.last && !this.fixed.width ? 18 : 0);
     series.forEach((one, k) => (one.value = (u, value) => number(u.cursor.left >= 0 ? value : this.now(...names[k]))));
     const moment = (u, tick) => (u.cursor.left >= 0 && tick !== null ? Math.round(tick) : this.tick).toLocaleString("en");
     const box = document.createElement("div");
@@ -124,12 +129,12 @@ class Charts {
     head.textContent = title;
     box.append(head);
     this.host.append(box);
-    const axis = { stroke: tone("--soft"), grid: { stroke: tone("--line"), width: 1 }, ticks: { stroke: tone("--line") }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 20, labelGap: 0 };
+    const axis = { stroke: tone("--soft"), grid: { stroke: tone("--line"), width: 1 }, ticks: { stroke: tone("--line") }, font: `${12 * big}px system-ui, sans-serif`, labelFont: `${12 * big}px system-ui, sans-serif`, labelSize: 20 * big, labelGap: 0 };
     const plot = new uPlot(
       {
-        width: Math.max(260, this.host.clientWidth), height, bands, padding: [8, 12, 0, 0],
+        width: this.width, height, bands, padding: [8 * big, 12 * big, 0, 0],
         scales: { x: { time: false, distr: this.log ? 3 : 1, range: () => [this.log ? 1 : 0, this.end()] }, y: { range: (_, low, high) => (more.range ? more.range() : [0, Math.max(high || 0, 1)]) } },
-        axes: [{ ...axis, size: 28, ...(more.last ? { label: this.scenes[0].unit, labelSize: 18 } : {}) }, { ...axis, label: unit, size: 56, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
+        axes: [{ ...axis, size: 28 * big, ...(more.last ? { label: this.scenes[0].unit, labelSize: 18 * big } : {}) }, { ...axis, label: unit, size: 56 * big, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
         series: [{ label: this.scenes[0].unit, value: moment }, ...series],
         legend: { live: true, markers: { dash: (u, i) => (u.series[i].dash ? "dashed" : "solid") } },
         cursor: { drag: { setScale: false } },
@@ -167,15 +172,17 @@ class Charts {
       g.stroke();
     };
     g.save();
-    g.lineWidth = 1.5 * devicePixelRatio;
-    g.font = `bold ${12 * devicePixelRatio}px system-ui, sans-serif`;
+    const unit = this.big * devicePixelRatio;
+    g.lineWidth = 1.5 * unit;
+    g.font = `bold ${12 * unit}px system-ui, sans-serif`;
     g.textBaseline = "top";
     this.settled.forEach((k, side) => {
       const x = k === null ? -1 : u.valToPos(Math.max(k, this.log ? 1 : 0), "x", true);
       if (x < left || x > left + width) return;
-      line(x, SIDES[side], [3 * devicePixelRatio, 3 * devicePixelRatio]);
+      line(x, SIDES[side], [3 * unit, 3 * unit]);
       g.fillStyle = tone(SIDES[side]);
-      g.fillText("K", x + 4 * devicePixelRatio, top + (2 + 14 * side) * devicePixelRatio);
+      g.textAlign = x > left + width - 20 * unit ? "right" : "left"; // beside the line, within the chart
+      g.fillText("K", x + (g.textAlign === "left" ? 4 : -4) * unit, top + (2 + 14 * side) * unit);
     });
     line(u.valToPos(this.tick, "x", true), "--ink", []);
     g.restore();
@@ -183,7 +190,7 @@ class Charts {
 
   line(text, side, more = {}) {
     const gaps = (u, k, from, to, found) => (this.log ? [] : found.filter(([left, right]) => right - left > GAP * devicePixelRatio));
-    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: this.several && side === 0 ? 4 : 2, points: { show: false }, gaps, ...more };
+    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: (this.several && side === 0 ? 4 : 2) * this.big, points: { show: false }, gaps, ...more };
   }
 
   // of a pair the colour tells the side, otherwise what is counted
@@ -255,7 +262,7 @@ class Charts {
       series.push(this.line("sent", side, { dash: [6, 4] }), this.line("heard", side));
       names.push([side, "sent"], [side, "heard"]);
     });
-    return this.make("Messages of all robots so far", "messages", series, names, [], { last: true });
+    return this.make("Messages so far: sent (dashed), heard", "messages", series, names, [], { last: true });
   }
 
   put(side, frames) {
@@ -299,6 +306,6 @@ class Charts {
   }
 
   resize() {
-    for (const plot of this.plots) plot.setSize({ width: Math.max(260, this.host.clientWidth), height: plot.height });
+    for (const plot of this.plots) plot.setSize({ width: this.width, height: plot.height });
   }
 }

@@ -1,47 +1,80 @@
 "use strict";
 // What the page saves: a picture, a film of what it shows, and the page with its trial as one file.
 
-const [WIDE, HIGH] = [1280, 720]; // of a picture, in its own pixels; films have as many
+const [WIDE, HIGH] = [1280, 720]; // pixels of a film; a picture has twice as many
 const SMOOTH = 30; // pictures of a film per second
 const QUALITY = 8_000_000; // bits of a film per second
 const FILMS = ["video/mp4;codecs=avc1.640028", "video/mp4;codecs=avc1.42E01F", "video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
-// the swarms, the curves, the legend and the moment on one sheet
-function compose(canvas, scale = 1) {
-  [canvas.width, canvas.height] = [WIDE * scale, HIGH * scale];
-  const g = canvas.getContext("2d");
-  const text = (words, x, y, font, colour = "--ink", align = "left") => {
-    [g.font, g.fillStyle, g.textAlign] = [`${font} system-ui, sans-serif`, tone(colour), align];
-    g.fillText(words, x, y, WIDE - 48);
-  };
-  g.scale(scale, scale);
-  g.fillStyle = tone("--ground");
-  g.fillRect(0, 0, WIDE, HIGH);
-  const pair = state.scenes.length > 1;
-  const size = pair ? 402 : 576;
-  text(state.scenes.map(({ brain }) => brain).join(" and "), 24, 34, "bold 22px");
-  text(state.scenes[0].title, 24, 58, "15px", "--soft");
-  state.stages.forEach((stage, side) => {
-    const x = 24 + side * (size + 24);
-    if (pair) text(state.scenes[side].brain, x, 82, "bold 14px");
-    for (const layer of [stage.ground, stage.swarm]) g.drawImage(layer.getNativeCanvasElement(), x, pair ? 88 : 74, size, size);
-    g.strokeStyle = tone("--line");
-    g.strokeRect(x, pair ? 88 : 74, size, size);
-  });
-  const left = 24 + state.stages.length * (size + 24);
-  drawCurves(g, text, left, 74, WIDE - 24 - left, pair ? 596 : 596);
-  drawLegend(g, text, 24, pair ? 520 : 680);
-  text($("clock").textContent, WIDE - 24, 702, "bold 18px", "--ink", "right");
-}
+// The swarms, the curves, the legend and the moment on one sheet, with curves of its size.
+class Sheet {
+  constructor(scale) {
+    this.scale = scale;
+    this.canvas = element("canvas", { width: WIDE * scale, height: HIGH * scale });
+    this.size = state.scenes.length > 1 ? 402 : 576; // of a swarm
+    this.left = 24 + state.scenes.length * (this.size + 24); // of the curves
+    this.each = 196; // pixels for each of three curves and their titles
+    const [width, height, big] = [WIDE - 24 - this.left, this.each - 20, 1.15].map((length) => length * scale);
+    this.charts = new Charts(element("div"), state.scenes, () => {}, false, { big, width: Math.round(width), height: Math.round(height) });
+    this.charts.histories = state.charts.histories;
+    this.charts.build(state.charts.log, state.charts.full);
+  }
 
-function drawCurves(g, text, x, top, width, height) {
-  const each = height / state.charts.plots.length;
-  state.charts.plots.forEach((plot, k) => {
-    const { canvas } = plot.ctx;
-    const by = Math.min(width / canvas.width, (each - 24) / canvas.height);
-    text(plot.root.parentElement.querySelector("h3").textContent, x, top + k * each + 12, "bold 13px");
-    g.drawImage(canvas, x, top + k * each + 20, canvas.width * by, canvas.height * by);
-  });
+  draw(crisp = false) {
+    const g = this.canvas.getContext("2d");
+    const text = (words, x, y, font, colour = "--ink", align = "left") => {
+      [g.font, g.fillStyle, g.textAlign] = [`${font} system-ui, sans-serif`, tone(colour), align];
+      g.fillText(words, x, y, WIDE - 48);
+    };
+    g.setTransform(this.scale, 0, 0, this.scale, 0, 0);
+    g.fillStyle = tone("--ground");
+    g.fillRect(0, 0, WIDE, HIGH);
+    text(state.scenes.map(({ brain }) => brain).join(" and "), 24, 34, "bold 22px");
+    text(state.scenes[0].title, 24, 58, "15px", "--soft");
+    state.stages.forEach((stage, side) => this.drawSwarm(g, text, stage, side, crisp));
+    this.drawCurves(g, text);
+    drawLegend(g, text, 24, 90 + this.size + 18);
+    text($("clock").textContent, WIDE - 24, 702, "bold 18px", "--ink", "right");
+  }
+
+  drawSwarm(g, text, stage, side, crisp) {
+    const x = 24 + side * (this.size + 24);
+    const y = state.scenes.length > 1 ? 90 : 74;
+    if (state.scenes.length > 1) text(state.scenes[side].brain, x, 84, "bold 14px");
+    const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size })] : [stage.ground, stage.swarm].map((layer) => layer.getNativeCanvasElement());
+    for (const layer of layers) g.drawImage(layer, x, y, this.size, this.size);
+    g.strokeStyle = tone("--line");
+    g.strokeRect(x, y, this.size, this.size);
+  }
+
+  drawCurves(g, text) {
+    const now = performance.now();
+    this.charts.settled = state.charts.settled;
+    this.charts.show(state.tick, state.charts.frames, now);
+    this.charts.plots.forEach((plot, k) => {
+      const { canvas } = plot.ctx;
+      const title = plot.root.parentElement.querySelector("h3").textContent;
+      text(title, this.left, 84 + k * this.each, "bold 14px");
+      this.drawNames(g, plot, this.left + g.measureText(title).width + 18, 84 + k * this.each);
+      g.drawImage(canvas, this.left, 90 + k * this.each, plot.width / this.scale, plot.height / this.scale);
+    });
+  }
+
+  // the names of lines, in their colours, where there is room
+  drawNames(g, plot, left, y) {
+    let x = left;
+    g.font = "13px system-ui, sans-serif";
+    for (const { label, stroke, class: quiet } of plot.series.slice(1)) {
+      if (quiet || x + g.measureText(label).width > WIDE) continue;
+      g.fillStyle = stroke(plot);
+      g.fillText(label, x, y);
+      x += g.measureText(label).width + 14;
+    }
+  }
+
+  destroy() {
+    this.charts.destroy();
+  }
 }
 
 function drawLegend(g, text, x, y) {
@@ -59,12 +92,17 @@ function download(content, ending) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
-const nameOfFile = () => `${state.scenes.map(({ brain }) => brain).join("-")}-${state.scenes[0].unit}-${state.tick}`.replace(/[^\w.-]+/g, "-");
+// such as commons-tick-200; of a path only the file's name
+const nameOfFile = () => [...state.scenes.map(({ brain }) => brain.split(/[/\\]/).at(-1)), state.scenes[0].unit, state.tick].join("-").replace(/[^\w.=-]+/g, "-");
 
-function savePicture() {
-  const canvas = document.createElement("canvas");
-  compose(canvas, 2);
-  canvas.toBlob((content) => download(content, "png"));
+async function savePicture() {
+  while (state.drawn !== state.tick) await new Promise(requestAnimationFrame);
+  const sheet = new Sheet(2);
+  sheet.draw();
+  await new Promise(requestAnimationFrame); // curves are drawn a moment later
+  sheet.draw(true);
+  sheet.canvas.toBlob((content) => download(content, "png"));
+  sheet.destroy();
 }
 
 // Films what the page shows, as it plays; every current browser can record, in MP4 or WebM.
@@ -73,10 +111,11 @@ class Film {
     const kind = window.MediaRecorder && FILMS.find((one) => MediaRecorder.isTypeSupported(one));
     if (!kind) throw new Error("This browser records no films. Save a picture, or use another browser.");
     this.seconds = seconds;
-    this.canvas = document.createElement("canvas");
-    compose(this.canvas);
+    this.sheet = new Sheet(1);
+    this.run = state.run;
+    this.draw();
     this.parts = [];
-    this.recorder = new MediaRecorder(this.canvas.captureStream(SMOOTH), { mimeType: kind, videoBitsPerSecond: QUALITY });
+    this.recorder = new MediaRecorder(this.sheet.canvas.captureStream(SMOOTH), { mimeType: kind, videoBitsPerSecond: QUALITY });
     this.recorder.ondataavailable = ({ data }) => this.parts.push(data);
     this.recorder.onstop = () => download(new Blob(this.parts, { type: kind }), kind.slice(6).split(";")[0]);
     this.recorder.start(1000);
@@ -85,7 +124,12 @@ class Film {
   }
 
   draw() {
-    compose(this.canvas);
+    if (this.run !== state.run) {
+      // another trial, on the canvas that is recorded
+      this.sheet.destroy();
+      [this.sheet, this.run] = [Object.assign(new Sheet(1), { canvas: this.sheet.canvas }), state.run];
+    }
+    this.sheet.draw();
   }
 
   tell() {
@@ -97,6 +141,7 @@ class Film {
   end() {
     clearInterval(this.ticking);
     this.recorder.stop();
+    this.sheet.destroy();
     state.film = null;
     $("film").textContent = "Record";
   }
@@ -108,7 +153,7 @@ function saveFilm() {
   $("seconds").value = seconds;
   try {
     state.film = new Film(seconds);
-    if (!state.playing) play();
+    if (!state.playing && !state.live) play();
   } catch (error) {
     complain(error);
   }
