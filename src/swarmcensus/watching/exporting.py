@@ -19,7 +19,7 @@ from swarmcensus.watching.shows import Show
 
 BLOCK = 500  # frames that are compressed together
 MOST_FRAMES = 400_000_000  # bytes of frames, uncompressed
-MINDS = 1_200_000  # bytes of memories, compressed
+MINDS = 1_200_000  # bytes of memories, compressed, unless fewer are asked for
 STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # rounds from one recorded memory to the next
 
 
@@ -42,11 +42,12 @@ def page_of(
     query: Mapping[str, str],
     played: Mapping[str, str] | None = None,
     report: Callable[[float], None] = lambda share: None,
+    memories: int = MINDS,
 ) -> str:
     """The HTML of a trial, which opens as `played` says, and plays if that names no moment.
 
     Estimates, positions, readings and links are recorded in every round; memories in every round if they fit, else in
-    every 2nd, 5th, ... (see STEPS). `report` gets the share that is done. Raises InputError if the trial is too large.
+    every 2nd, 5th, ... (see STEPS), into so many bytes. `report` gets the share that is done. Raises InputError if the trial is too large.
     """
     trial = wanted(offer, query)
     shows = [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
@@ -55,7 +56,7 @@ def page_of(
         raise InputError(
             f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: take fewer"
         )
-    frames, minds, names, step = [], [], [], _step(shows[0])
+    frames, minds, names, step = [], [], [], _step(shows[0], memories)
     for side, show in enumerate(shows):
         blocks, fields = [], []
         for ticks in _blocks(rounds):
@@ -88,12 +89,12 @@ def _blocks(rounds: int) -> Iterator[list[int]]:
         yield list(range(first, min(first + BLOCK, rounds + 1)))
 
 
-def _step(show: Show) -> int:
-    """The step between recorded memories with which they fit, estimated from the first rounds."""
+def _step(show: Show, most: int) -> int:
+    """The step between recorded memories with which they fit into `most` bytes, estimated from the first rounds."""
     rounds = show.rounds
     sample = list(range(1, min(rounds, 200) + 1))
     size = len(zlib.compress(_shuffled(_minds(show, sample)[1]), 6)) / len(sample) * (rounds + 1)
-    return next((step for step in STEPS if size / step <= MINDS), STEPS[-1])
+    return next((step for step in STEPS if size / step <= most), STEPS[-1])
 
 
 def _minds(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:

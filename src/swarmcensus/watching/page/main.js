@@ -54,9 +54,9 @@ document.addEventListener("keydown", (event) => {
 });
 
 for (const speed of SPEEDS) $("speed").append(element("option", { value: String(speed) }, speed === Infinity ? "as fast as possible" : `${speed.toLocaleString("en")} per second`));
-$("speed").value = "60";
 $("speed").addEventListener("change", () => {
   state.speed = Number($("speed").value);
+  remember();
 });
 function paint(colour) {
   state.colour = $("colour").value = colour;
@@ -132,6 +132,7 @@ function playUnasked() {
 }
 
 async function start() {
+  document.body.classList.toggle("bare", Boolean(recordedText) && window.self !== window.top); // within another page
   const played = recordedText ? new URLSearchParams(state.source.recording.played).toString() : "";
   const wish = wishOf(location.hash || played);
   look(wish);

@@ -275,4 +275,5 @@ function pace(by) {
   const at = SPEEDS.indexOf(state.speed) + by;
   state.speed = SPEEDS[Math.min(Math.max(at, 0), SPEEDS.length - 1)];
   $("speed").value = String(state.speed);
+  remember();
 }

@@ -22,9 +22,9 @@ class Sheet {
 
   draw(crisp = false) {
     const g = this.canvas.getContext("2d");
-    const text = (words, x, y, font, colour = "--ink", align = "left") => {
+    const text = (words, x, y, font, colour = "--ink", align = "left", width = WIDE - 48) => {
       [g.font, g.fillStyle, g.textAlign] = [`${font} system-ui, sans-serif`, tone(colour), align];
-      g.fillText(words, x, y, WIDE - 48);
+      g.fillText(words, x, y, width);
     };
     g.setTransform(this.scale, 0, 0, this.scale, 0, 0);
     g.fillStyle = tone("--ground");
@@ -40,7 +40,7 @@ class Sheet {
   drawSwarm(g, text, stage, side, crisp) {
     const x = 24 + side * (this.size + 24);
     const y = state.scenes.length > 1 ? 90 : 74;
-    if (state.scenes.length > 1) text(state.scenes[side].brain, x, 84, "bold 14px");
+    if (state.scenes.length > 1) text(state.scenes[side].brain, x, 84, "bold 14px", SIDES[side]);
     const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size })] : [stage.ground, stage.swarm].map((layer) => layer.getNativeCanvasElement());
     for (const layer of layers) g.drawImage(layer, x, y, this.size, this.size);
     g.strokeStyle = tone("--line");
@@ -54,7 +54,7 @@ class Sheet {
     this.charts.plots.forEach((plot, k) => {
       const { canvas } = plot.ctx;
       const title = plot.root.parentElement.querySelector("h3").textContent;
-      text(title, this.left, 84 + k * this.each, "bold 14px");
+      text(title, this.left, 84 + k * this.each, "bold 14px", "--ink", "left", WIDE - 12 - this.left);
       this.drawNames(g, plot, this.left + g.measureText(title).width + 18, 84 + k * this.each);
       g.drawImage(canvas, this.left, 90 + k * this.each, plot.width / this.scale, plot.height / this.scale);
     });

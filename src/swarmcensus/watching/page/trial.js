@@ -3,6 +3,7 @@
 
 const $ = (id) => document.getElementById(id);
 const SPEEDS = [1, 2, 5, 10, 20, 30, 60, 120, 300, 1000, 3000, 10000, Infinity];
+const USUAL = 60; // ticks per second
 const PICTURES = 60; // frames drawn per second
 const AHEAD = 120; // frames that are fetched in advance
 const MEMORIES = 30000; // robots in all stored frames together
@@ -18,7 +19,7 @@ const recordedText = $("recorded");
 const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
-  tick: 0, place: 0, playing: false, speed: 60, colour: "off", span: 0.1, chosen: null, side: 0, follow: false,
+  tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", span: 0.1, chosen: null, side: 0, follow: false,
   wish: null, preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
 };
 
@@ -33,13 +34,13 @@ const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds(
 
 function wishOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
-  const { tick, robot, side, colour, zoom, centre, follow, log, full, panels, ...ask } = asked;
+  const { tick, robot, side, colour, zoom, centre, follow, log, full, speed, ...ask } = asked;
   const [x, y] = (centre || "").split(",").map(Number);
   return {
     ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
     side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "off", zoom: Number(zoom) || 1,
     centre: x >= 0 && x <= 1 && y >= 0 && y <= 1 ? [x, y] : [0.5, 0.5],
-    follow: follow === "1", log: log === "1", full: full === "1", panels: panels !== "0",
+    follow: follow === "1", log: log === "1", full: full === "1", speed: SPEEDS.includes(Number(speed)) ? Number(speed) : USUAL,
   };
 }
 
@@ -49,10 +50,10 @@ function viewed() {
 }
 
 // the view of an address: all but the trial and its moment
-function look({ side, colour, zoom, centre, follow, log, full, panels }) {
-  [state.side, state.follow] = [side, follow];
+function look({ side, colour, zoom, centre, follow, log, full, speed }) {
+  [state.side, state.follow, state.speed] = [side, follow, speed];
+  $("speed").value = String(speed);
   [$("follow").checked, $("log").checked, $("full").checked] = [follow, log, full];
-  document.body.classList.toggle("bare", !panels);
   state.view.set(zoom, centre);
   paint(colour);
 }
@@ -71,7 +72,7 @@ function fragment(moving = state.live || state.playing) {
   if (zoom > 1 && !state.follow) words.set("centre", centre.map((part) => Number(part.toFixed(3))).join());
   if (state.follow) words.set("follow", 1);
   for (const id of ["log", "full"]) if ($(id).checked) words.set(id, 1);
-  if (document.body.classList.contains("bare")) words.set("panels", 0);
+  if (state.speed !== USUAL) words.set("speed", state.speed);
   return `#${words}`;
 }
 
@@ -161,7 +162,8 @@ function buildPage() {
   state.stages = scenes.map((scene, side) => {
     const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${shown(scene.robots)} ${scene.robots === 1 ? "robot" : "robots"} with ${scene.brain}` });
     const liars = scene.dishonest.length ? `, ${shown(scene.dishonest.length)} of ${shown(scene.robots)} lie (crossed out)` : "";
-    $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} per message${liars}`), host));
+    const size = element("span", { class: "size" }, `: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} per message`);
+    $("stages").append(element("figure", {}, element("figcaption", {}, scene.brain, size, liars), host));
     if (side === focused) host.focus({ preventScroll: true });
     return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: viewed, moved: unfollow });
   });
@@ -193,7 +195,8 @@ function legend() {
     g.fillRect((k * 256) / STEPS, 0, 256 / STEPS + 1, 10);
   });
   [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour](state.span);
-  const { moves, crowd, dishonest, edges } = state.scenes[0] || {};
+  if (!state.scenes.length) return;
+  const { moves, crowd, dishonest, edges } = state.scenes[0];
   const carried = crowd || !edges ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
   $("legend-text").textContent = [
     ...(moves ? ["green: who hears whom", "orange ring: a wrong reading", "dots: recent readings of the chosen robot"] : []),
