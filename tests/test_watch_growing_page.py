@@ -92,5 +92,5 @@ def test_it_follows_is_wound_back_and_is_told_of_the_end(watched, size):
     playwright.expect(clock).to_have_text(f"round {last} of {last}")
     until(shown, "state.charts.histories[0].missing(rounds() + 1) === null", True)
     beside.select_option("voter")
-    until(shown, "state.scenes.length === 2 && state.drawn === 0", True)
+    until(shown, f"state.scenes.length === 2 && state.drawn === {last}", True)
     assert shown.evaluate("document.documentElement.scrollWidth <= innerWidth")
