@@ -80,8 +80,7 @@ def page(browser):
 
 
 def come(page, address, tick=None):
-    """Open the page at a moment, which an address without one would play on from."""
-    if tick is not None and "tick=" not in address:
+    if tick is not None and "tick=" not in address:  # it would open playing
         address = f"{address}{'&' if '#' in address else '#'}tick={tick}"
     page.goto("about:blank")
     page.goto(address)
@@ -129,9 +128,7 @@ def test_a_robot_is_what_replay_says(page, served, setting):
 @pytest.mark.long
 def test_what_a_robot_looked_at_is_where_its_sensor_was(page, served):
     trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(120 + 1))
-    come(
-        page, served.address("trial=2&tick=120&robot=5"), 120
-    )  # at once, and not on the way through all moments before
+    come(page, served.address("trial=2&tick=120&robot=5"), 120)  # at once, and not on the way through all before
     until(page, "state.stages[0].before.length", 121)
     page.evaluate("state.stages[0].before.sort((a, b) => a.tick - b.tick)")
     asked = "[look => !look.said, look => look.said, look => look.wrong]"

@@ -105,6 +105,16 @@ def test_without_the_token_there_is_nothing_to_see(served, path):
     assert b"<html" not in page
 
 
+def test_a_trial_is_saved_as_a_page_by_who_has_the_token(served):
+    asked = "topology=ring&robots=5&rounds=10&colour=belief"
+    status, page, _ = get(served, f"/run.html?token={served.token}&{asked}")
+    assert (status, b'id="recorded"' in page, b'"played": {"colour": "belief"}' in page) == (200, True, True)
+    status, told, _ = get(served, f"/run.html?token={served.token}&robots=many")
+    assert (status, told) == (422, b"robots = many: should be a whole number from 1 to 20,000")
+    assert get(served, f"/run.html?token=x&{asked}")[0] == 403
+    assert get(served, f"/run.html?token={served.token}", host="evil.example")[0] == 403
+
+
 @pytest.mark.parametrize(
     "path",
     [

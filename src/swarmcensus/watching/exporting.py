@@ -46,8 +46,9 @@ def page_of(
 ) -> str:
     """The HTML of a trial, which opens as `played` says, and plays if that names no moment.
 
-    Estimates, positions, readings and links are recorded in every round; memories in every round if they fit, else in
-    every 2nd, 5th, ... (see STEPS), into so many bytes. `report` gets the share that is done. Raises InputError if the trial is too large.
+    Estimates, positions, readings and links are recorded in every round; memories in every round if they fit into
+    `memories` bytes, else in every 2nd, 5th, ... (see STEPS). `report` gets the share that is done. Raises InputError
+    if the trial is too large.
     """
     trial = wanted(offer, query)
     shows = [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]

@@ -51,7 +51,18 @@ KEYS = (
 )  # fmt: skip
 ON_A_DAY = ("beside", "of")  # those of a logged day that may differ from what it was
 BESIDE = "beside."  # before the name of a parameter: of the brain beside
-PLAYED = ("tick", "robot", "side", "colour", "zoom", "centre", "follow", "log", "full", "speed")  # what concerns the view
+PLAYED = (
+    "tick",
+    "robot",
+    "side",
+    "colour",
+    "zoom",
+    "centre",
+    "follow",
+    "log",
+    "full",
+    "speed",
+)  # what concerns the view
 COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
 MOST_ZOOM = 40
 
@@ -205,7 +216,9 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
         _whole(played, key, 0, 0, 1)
     if "speed" in played:
         _number(played, "speed", 1, 10_000)
-    if "centre" in played and not re.fullmatch(r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII):
+    if "centre" in played and not re.fullmatch(
+        r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII
+    ):
         raise InputError(f"centre = {played['centre'][:40]}: should be two numbers from 0 to 1, such as 0.25,0.5")
 
 

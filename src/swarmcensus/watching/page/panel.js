@@ -102,7 +102,7 @@ function tellRobot(host, told, scene) {
 }
 
 const NUMBERS = [
-  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "spread (standard deviation)"], ["right", "share in the right bin"],
+  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "standard deviation"], ["right", "share in the right bin"],
   ["decided", "share decided"], ["decided_right", "share decided right"], ["done", "share done"],
   ["interval_low", "mean interval from"], ["interval_high", "mean interval to"], ["sent", "messages sent"], ["heard", "messages heard"], ["bytes", "bytes sent"],
 ];
@@ -119,7 +119,7 @@ function tellNumbers(host, scenes, frames, settled) {
   }
   if (settled) {
     const title = `From this ${scenes[0].unit} on half of the honest robots keep their estimates`;
-    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : k.toLocaleString("en")))));
+    body.append(element("tr", { title }, element("th", { scope: "row" }, `K, ${scenes[0].unit} of settling`), ...settled.map((k) => element("td", {}, k === null ? "not settled" : Math.round(k).toLocaleString("en")))));
   }
   const head = scenes.length > 1 ? [element("thead", {}, element("tr", {}, element("th"), ...scenes.map((scene) => element("td", {}, scene.brain))))] : [];
   host.replaceChildren(element("table", {}, ...head, body));

@@ -96,6 +96,7 @@ class Stage {
     this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
     this.wrong = this.path(this.swarm, (g) => circles(g, this.misread(), 1.35 * this.radius), { stroke: "#d55e00", visible: moves });
+    this.done = this.path(this.swarm, (g) => circles(g, this.finished(), 0.35 * this.radius), { fill: "#ffffff", stroke: "#101010", strokeWidth: 1, visible: this.scene.ends && !crowd });
     // liars are marked by a shape, not by colour alone, which stands out from every colour of a robot
     this.liars = ["#ffffff", "#000000"].map((stroke) => this.path(this.swarm, (g) => this.traceCrosses(g), { stroke }));
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
@@ -300,6 +301,10 @@ class Stage {
     const found = [];
     for (let i = 0; i < this.scene.robots; i++) if (lookOf(this.frame, i)?.wrong) found.push(this.place(i));
     return found;
+  }
+
+  finished() {
+    return Array.from({ length: this.scene.robots }, (_, i) => i).filter((i) => this.frame.flags[i] & FLAG.done).map((i) => this.place(i));
   }
 
   traceCrosses(g) {

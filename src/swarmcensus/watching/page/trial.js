@@ -196,13 +196,14 @@ function legend() {
   });
   [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour](state.span);
   if (!state.scenes.length) return;
-  const { moves, crowd, dishonest, edges } = state.scenes[0];
+  const { moves, crowd, dishonest, edges, ends } = state.scenes[0];
   const carried = crowd || !edges ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
   $("legend-text").textContent = [
     ...(moves ? ["green: who hears whom", "orange ring: a wrong reading", "dots: recent readings of the chosen robot"] : []),
     ...(crowd ? ["each square a robot"] : []),
     ...(moves ? [] : [edges || !recordedText ? carried : "too many links to draw"]),
-    ...(dishonest?.length ? ["crossed out: it lies"] : []),
+    ...(dishonest.length ? ["crossed out: it lies"] : []),
+    ...(ends && !crowd ? ["white dot: done"] : []),
     ...(state.form?.fixed.length ? ["pink: away"] : []),
   ].join(" · ");
 }
