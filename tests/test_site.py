@@ -117,6 +117,13 @@ def test_the_site_fetches_nothing_from_elsewhere(site):
 
 
 @pytest.mark.long
+def test_runs_that_play_are_small(site):
+    sizes = {path.name: path.stat().st_size for path in (site / "runs").iterdir()}
+    assert sizes.keys() == {"arena.html", "moving.html", "ring.html", "liars.html"}
+    assert max(sizes.values()) < 1_000_000
+
+
+@pytest.mark.long
 def test_every_command_and_option_is_on_its_page(site):
     page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
     assert {name for name in COMMANDS if f'id="{name}"' not in page} == set()

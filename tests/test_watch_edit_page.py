@@ -122,4 +122,4 @@ def test_pictures_films_and_the_page_are_saved(page, served, tmp_path):  # noqa:
     assert len(film) > 10_000
     page.goto("about:blank")
     page.goto(f"file://{found['page']}")
-    until(page, "[state.scenes.length, state.scenes[0].dishonest.length, state.settled?.length]", [2, 4, 2])
+    until(page, "[state.scenes.length, state.scenes[0]?.dishonest.length, state.settled?.length]", [2, 4, 2])

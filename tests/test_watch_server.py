@@ -311,7 +311,7 @@ def test_it_listens_on_loopback_alone(served):
         (["--at", "not a link"], "--at not a link: should be a copied link, or the part of it behind #"),
         (["--set", "tick=10001"], "tick = 10001: should be a whole number from 0 to 10,000"),
         (["--set", "robot=25"], "robot = 25: should be a whole number from 0 to 24"),
-        (["--set", "colour=red"], "colour = red: should be one of belief, off, error"),
+        (["--set", "colour=red"], "colour = red: should be one of off, belief, error"),
         (["mine.py"], "neither a shipped brain"),
         (["--export", "run.txt"], "--export run.txt: a page is written as .html"),
         (["none.toml"], "study file none.toml: cannot be read"),

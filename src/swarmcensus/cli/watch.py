@@ -31,7 +31,8 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="initial value of a control, such as robots=100, setting=3, trial=7, tick=500; may be repeated",
+        help="initial value of a control or of a parameter of the brain, such as robots=100, trial=7, momentum=0.8; "
+        "may be repeated",
     )
     sub.add_argument("--at", default="", metavar="ADDRESS", help="start at the moment of a copied link")
     sub.add_argument(

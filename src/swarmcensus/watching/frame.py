@@ -45,7 +45,8 @@ def watch(
     A notebook shows the returned object as a frame `height` pixels high; its `address` opens the page in a browser on
     this machine. `brain` is the name of a brain or a brain file; for results, the file that they were made with; for
     logs, what the same day is shown under beside it.
-    `asked` are initial values of controls, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4.
+    `asked` are initial values of controls, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4,
+    and of parameters of the brain, by their names.
     Port 0 takes a free port. Raises InputError.
     """
     if not isinstance(of, str | Path | Study | xr.Dataset | None):
