@@ -101,8 +101,13 @@ def test_a_saved_brain_file_is_read_again_and_a_broken_one_is_told(tmp_path):
     assert (broken["version"], "line" in broken["wrong"], "\n" in broken["wrong"]) == (0, True, False)
     assert ask(session, do="begin", ask=asked)["scenes"][0]["brain"] == str(mine)  # as it was before
 
+    save(mine, text.replace("def fuse(me):\n", "def fuse(me):\n    me.t *= (200.0 - me.t) / (200.0 - me.t)\n"), 250)
+    assert ask(session, do="saved")["wrong"] == ""
+    assert "division by zero" in ask(session, do="begin", ask=asked, tick=30)["error"]
+    assert ask(session, do="robot", robot=2, tick=30)["told"]["fields"]["t"] == 300  # as it was before
+
     save(mine, text.replace("    return me.x\n", "    return 0.25\n"), 300)
-    assert ask(session, do="saved") == {"id": None, "version": 1, "wrong": ""}
+    assert ask(session, do="saved") == {"id": None, "version": 2, "wrong": ""}
     ask(session, do="begin", ask=asked)
     assert ask(session, do="robot", robot=2, tick=0)["told"]["estimate"] == 0.25
 

@@ -13,7 +13,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Brain, Value, adversary, length
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.watching.compilations import COMPILATIONS
-from swarmcensus.watching.offers import BESIDE, KEYS, ON_A_DAY, PLAYED, Offer, Wanted, names_of, wanted
+from swarmcensus.watching.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_DAY, PLAYED, Offer, Wanted, names_of, wanted
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.scenes import scene_of
 from swarmcensus.watching.settling import Settling
@@ -22,6 +22,7 @@ from swarmcensus.watching.shows import Show
 MOST_FRAMES = 600  # in one answer
 MOST_BYTES = 3_000_000
 PATIENCE = 0.2  # seconds of computation before a page is told that it takes longer
+TRIED = 3.0  # the most seconds for which a new trial is tried before it is shown
 ASIDE = 0.05  # the same for what a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
@@ -63,8 +64,13 @@ class Session:
         if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
             raise InputError("ask: should be names and texts")
         trial = wanted(self.offer, ask)
-        self.shows = self._shows(trial)
-        self.trial, self.settling = trial, None
+        shows = self._shows(trial)
+        tick = _whole(request, "tick", 0, MOST_ROUNDS)
+        began = time.monotonic()
+        for show in shows:  # a brain that fails before this moment is refused, so that the page keeps what it shows
+            while time.monotonic() - began < TRIED and not self._reached(show, min(tick, show.rounds), time.monotonic()):
+                pass
+        self.shows, self.trial, self.settling = shows, trial, None
         return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]
 
     def _shows(self, trial: Wanted) -> tuple[Show, ...]:

@@ -132,7 +132,7 @@ class Charts {
     const axis = { stroke: tone("--soft"), grid: { stroke: tone("--line"), width: 1 }, ticks: { stroke: tone("--line") }, font: `${12 * big}px system-ui, sans-serif`, labelFont: `${12 * big}px system-ui, sans-serif`, labelSize: 20 * big, labelGap: 0 };
     const plot = new uPlot(
       {
-        width: this.width, height, bands, padding: [8 * big, 12 * big, 0, 0],
+        width: this.width, height, bands, padding: [8 * big, 20 * big, 0, 0],
         scales: { x: { time: false, distr: this.log ? 3 : 1, range: () => [this.log ? 1 : 0, this.end()] }, y: { range: (_, low, high) => (more.range ? more.range() : [0, Math.max(high || 0, 1)]) } },
         axes: [{ ...axis, size: 28 * big, ...(more.last ? { label: this.scenes[0].unit, labelSize: 18 * big } : {}) }, { ...axis, label: unit, size: 56 * big, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
         series: [{ label: this.scenes[0].unit, value: moment }, ...series],

@@ -22,7 +22,7 @@ function element(name, attributes = {}, ...children) {
 // the fields of the page: brains with their parameters, and the world
 function buildFields(form, change, fixed) {
   buildControls($("brains"), form, BRAINS, change, fixed);
-  const several = new Set(form.parameters.map(({ key }) => key.startsWith("beside."))).size > 1;
+  const several = form.parameters.some(({ key }) => key.startsWith("beside."));
   const named = ({ key, name, brain }) => [key, several ? `${name} (${brain})` : name, { type: "text", inputmode: "decimal" }];
   const values = Object.fromEntries(form.parameters.map(({ key, now }) => [key, now]));
   $("parameters-title").hidden = !form.parameters.length;

@@ -117,8 +117,8 @@ class Live {
     });
   }
 
-  async begin(ask) {
-    const answer = await this.ask("begin", { ask });
+  async begin(ask, tick) {
+    const answer = await this.ask("begin", { ask, tick });
     this.begun = ask;
     return answer;
   }

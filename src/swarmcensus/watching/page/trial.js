@@ -95,7 +95,7 @@ async function begin(ask, tick = null, robot = state.chosen) {
   while (state.wish) {
     const wish = state.wish;
     try {
-      const answer = await state.source.begin(wish.ask);
+      const answer = await state.source.begin(wish.ask, wish.tick ?? 0);
       arrive(answer, wish);
       if (!instead) refused = null;
     } catch (error) {
@@ -148,7 +148,9 @@ async function watchFiles(run) {
 function tellBroken(wrong) {
   $("broken").hidden = !wrong;
   const text = wrong ? `${wrong}. The page shows the brain as it was before.` : "";
-  if ($("broken").textContent !== text) $("broken").textContent = text;
+  if ($("broken").textContent === text) return;
+  $("broken").textContent = text;
+  if (wrong) complain(null); // what was said of an earlier version
 }
 
 function buildPage() {
