@@ -68,7 +68,9 @@ class Session:
         tick = _whole(request, "tick", 0, MOST_ROUNDS)
         began = time.monotonic()
         for show in shows:  # a brain that fails before this moment is refused, so that the page keeps what it shows
-            while time.monotonic() - began < TRIED and not self._reached(show, min(tick, show.rounds), time.monotonic()):
+            while time.monotonic() - began < TRIED and not self._reached(
+                show, min(tick, show.rounds), time.monotonic()
+            ):
                 pass
         self.shows, self.trial, self.settling = shows, trial, None
         return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]

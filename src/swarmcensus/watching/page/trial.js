@@ -135,8 +135,10 @@ async function watchFiles(run) {
   while (run === state.run) {
     await new Promise((soon) => setTimeout(soon, LOOK));
     if (run !== state.run) return;
-    const { version, wrong } = await state.source.saved();
+    const found = await state.source.saved().catch(() => null); // a connection that is lost is told elsewhere
     if (run !== state.run) return;
+    if (!found) continue;
+    const { version, wrong } = found;
     tellBroken(wrong);
     if (version !== known && !state.preparing) {
       known = version;
