@@ -1,6 +1,7 @@
 """The server of the page: on loopback, for browsers that have the token, and not for pages of other sites."""
 
 import contextlib
+import contextvars
 import errno
 import json
 import secrets
@@ -255,7 +256,8 @@ def serve(served: Served) -> None:
 def serving(served: Served) -> Iterator[threading.Thread]:
     """Serve in a thread while a block runs; computations that run when the block ends are abandoned."""
     server = server_of(served)
-    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)  # so are threads that it starts
+    run = contextvars.copy_context().run  # messages name options as where the server was started
+    thread = threading.Thread(target=run, args=(server.run, [served.socket]), daemon=True)  # so are threads it starts
     thread.start()
     while not server.started and thread.is_alive():
         time.sleep(0.01)
