@@ -246,6 +246,8 @@ class StudyTables(TypedDict, total=False):
     """Values that go together, beside the full grid."""
     members: Sequence[MembersTable]
     """Robots that differ from the others."""
+    labels: Mapping[str, Any]
+    """What tables and figures call brains, as "mine.py" = "My brain"; this changes no numbers."""
 
 
 class StudyChanges(TypedDict, total=False):
@@ -261,3 +263,4 @@ class StudyChanges(TypedDict, total=False):
     faults: Sequence[FaultTable] | None
     case: Sequence[CaseTable] | None
     members: Sequence[MembersTable] | None
+    labels: Mapping[str, Any] | None
