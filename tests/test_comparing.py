@@ -431,16 +431,19 @@ def test_a_comparison_is_shown_as_its_table_and_its_verdict(monkeypatch):
     comparison = sc.compare(made_up(brains=2, gap=3.0, worlds=("ring", "full <b>")), metric=["final_error", "correct"])
     text, html = repr(comparison), comparison._repr_html_()
     lines = text.splitlines()
-    assert lines[1].split() == ["topology", "contender", "final", "error", "right", "%", "messages", "bytes", "memory"]
-    assert lines[2].split()[:3] == ["ring", "minimalistic", "*"]
-    assert lines[3].split()[:2] == ["bayes-bots", f"{comparison.table['final_error'][1]:.3f}"]
-    assert text.endswith(str(comparison))
+    assert lines[0] == comparison.title
+    assert lines[1] == "all with robots 5, fill_ratio 0.55, accuracy 0.7, rounds 500"
+    assert lines[2].split()[:6] == ["world", "topology", "contender", "final", "error", "[95"]
+    assert lines[3].split()[:4] == ["0", "ring", "minimalistic", "*"]
+    assert lines[4].split()[:2] == ["bayes-bots", f"{comparison.table['final_error'][1]:.3f}"]
+    assert " ".join(text.split()).count(" ".join(comparison.verdict[0].split())) == 1
     assert html.count("<tr") == 1 + 4
     assert "full &lt;b&gt;" in html
     assert all(f"<li>{escape(sentence)}</li>" in html for sentence in comparison.verdict)
     monkeypatch.setattr(showing, "MOST_ROWS", 3)
-    assert "the first 1 of 2 worlds" in repr(comparison)
-    assert "full" not in repr(comparison).partition("\n\n")[0]
+    for shown in (repr(comparison), comparison._repr_html_()):
+        assert "1 of 2 worlds; the property `table` has all" in shown
+        assert "full" not in shown.partition("1 of 2 worlds")[0]
 
 
 def test_latex_escapes_names_and_marks_the_best():

@@ -12,7 +12,7 @@ from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
-from swarmcensus.comparing.table_text import table_text
+from swarmcensus.comparing.table_text import as_text
 from swarmcensus.comparing.verdicts import findings
 from swarmcensus.figures.kinds.pareto import draw_pareto, front
 from swarmcensus.figures.kinds.ranks import draw_ranks
@@ -152,7 +152,7 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
     assert main(["compare", str(two), "--limit", "4"]) == 0
     printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
-    lines = table_text(sc.compare(two), width, limit=4).splitlines()
+    lines = as_text(sc.compare(two), width, limit=4).splitlines()
     assert all(len(line) <= width for line in lines)
     rows = [line for line in lines if "minimalistic" in line or "legacy" in line]
     assert len(rows) == (3 if width == 60 else 1) * 4 + 2  # of worlds, and of costs

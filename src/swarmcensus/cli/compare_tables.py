@@ -6,15 +6,12 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.basics.formatting import counted, grouped
-from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fits, fitted, left_out
-from swarmcensus.comparing.cells import MARKS, PAIR_HEADS, column_head, legend, pair_rows
+from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, Column, console, fits, fitted, left_out
+from swarmcensus.comparing.cells import MARKS, PAIR_HEADS, legend, pair_rows
 from swarmcensus.comparing.comparison import Comparison
 from swarmcensus.comparing.groups import gap_name
-from swarmcensus.comparing.pair_tests import test_count
 from swarmcensus.comparing.standings import AGAINST, RANKED
-from swarmcensus.comparing.table_text import cost_table, fitting, same, world_tables
-from swarmcensus.comparing.verdicts import findings
-from swarmcensus.statistics.intervals import FEWEST
+from swarmcensus.comparing.table_text import fitting, print_verdict, print_worlds
 
 
 def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
@@ -23,27 +20,15 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
     `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
     out = console()
-    worlds = fitting(comparison, limit)
-    tables, lacking = world_tables(comparison, worlds, out)
     out.print(title)
-    for line in same(comparison):
-        out.print(line, style="dim")
-    for page in tables:
-        out.print(page)
-    for line in [*left_out(lacking, out), *_legend(comparison, INTERVALS not in lacking)]:
-        out.print(line, style="dim")
-    if worlds < len(comparison.grid.worlds):
-        out.print(
-            f"{worlds:,} of {counted(len(comparison.grid.worlds), 'world')}; show all: {again} --limit 0",
-            soft_wrap=True,
-        )
+    print_worlds(comparison, out, limit, "--json has all", f"show all: {again} --limit 0")
     if with_pairs:
         out.print()
-        page, lacking = fitted(_pairs(comparison, worlds), out)
+        page, lacking = fitted(_pairs(comparison, fitting(comparison, limit)), out)
         out.print(page)
         for line in [*left_out(lacking, out), *PAIRS]:
             out.print(line, style="dim")
-    _print_verdict(comparison)
+    print_verdict(comparison, out)
     if not with_pairs:
         count = sum(int((~np.isnan(contest.corrected)).sum()) for contest in comparison.contests)
         out.print(
@@ -54,25 +39,11 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         )
 
 
-def _print_verdict(comparison: Comparison) -> None:
-    """Print the verdict, with costs as a table, and its cautions."""
-    out = console()
-    out.print()
-    for sentence in findings(comparison):
-        out.print(sentence)
-    if costs := cost_table(comparison):
-        out.print()
-        out.print(costs)
-        out.print("messages and bytes: sent in a trial, means over robots and trials; memory: bytes", style="dim")
-    for caution in comparison.cautions:
-        out.print(f"caution: {caution}", style="yellow")
-
-
 PAIRS = (
     "one - other: median over trials of the difference (mean for shares and for messages and bytes); [95 %]: bootstrap "
     "over trials, for each pair separately",
     "effect: matched rank-biserial correlation, from -1 to 1, above 0 if the first is better",
-    "p: paired signed-rank test, exact up to 64 trials; corrected: by Holm's method over all tests of this comparison",
+    "p: paired signed-rank test, exact up to 64 trials; corrected: by Holm's method over all tests in single worlds",
 )
 
 
@@ -84,27 +55,6 @@ def _pairs(comparison: Comparison, worlds: int) -> list[Column]:
         Column(name, [row[k] for row in rows], name not in texts, spare.get(name, 0))
         for k, name in enumerate(PAIR_HEADS)
         if name != "world" or comparison.grid.worlds[0]
-    ]
-
-
-def _legend(comparison: Comparison, intervals: bool) -> list[str]:
-    """The meaning of columns and marks."""
-    trials = comparison.contests[0].trials[comparison.settings >= 0]
-    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
-        "; [95 %]: bootstrap over trials; always: in every trial" * intervals
-    )  # fmt: skip
-    several = bool(trials.min() < trials.max())
-    many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
-    meanings = [
-        f"{column_head(measure)}: {measure.meaning}"
-        + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
-        for measure in comparison.measures
-    ]
-    tests = test_count(comparison.contests)
-    return [
-        "; ".join(meanings),
-        f"values: median over {many} of the median robot (means for shares and for messages and bytes){few}",
-        f"{legend(comparison)}; {counted(tests, 'test')}, corrected by Holm's method",
     ]
 
 
@@ -134,7 +84,7 @@ def show_groups(comparison: Comparison, title: str, again: str, axes: Sequence[s
         )
     if len(rows) < len(everything):
         out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0", soft_wrap=True)
-    _print_verdict(comparison)
+    print_verdict(comparison, out)
 
 
 def _once(rows: Any, axes: Sequence[str]) -> list[str]:

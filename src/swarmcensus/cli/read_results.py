@@ -62,7 +62,7 @@ def show(options: argparse.Namespace) -> int:
         options,
         "summary",
         lambda: summaries.as_dict(stored, shown, checkpoint),
-        lambda: summaries.records(shown, checkpoint),
+        lambda: tables.as_rows(shown, checkpoint),
         lambda: tables.settings(data, options.results, limit, checkpoint, title, line),
     )
     if options.json:

@@ -89,10 +89,11 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--out {out}: results are written as .nc")
     check_writable(out, options.study)
     study = study.with_(trials=options.trials, seed=options.seed)
-    from swarmcensus.cli.tables import failures, settings  # after the checks above, since these imports are slow
+    # After the checks above, since these imports are slow:
+    from swarmcensus.cli.tables import as_rows, failures, settings
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
     from swarmcensus.results.reading import packed
-    from swarmcensus.results.summaries import as_dict, records
+    from swarmcensus.results.summaries import as_dict
     from swarmcensus.runs.running import run as run_study
 
     begun = time.monotonic()
@@ -113,7 +114,7 @@ def run(options: argparse.Namespace) -> int:
         raise
     data = packed(results)
     if options.json or not options.quiet:  # the answer is the file, so that --quiet prints nothing
-        present(options, "summary", lambda: as_dict(data, data), lambda: records(data), lambda: settings(data, out))
+        present(options, "summary", lambda: as_dict(data, data), lambda: as_rows(data), lambda: settings(data, out))
     warn_of_start(data)
     warn_of_edges(data)
     trials = "up to " * bool(study.until) + counted(study.trials, "trial")

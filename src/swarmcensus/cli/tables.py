@@ -18,7 +18,7 @@ from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
+from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, records, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.statistics.intervals import FEWEST
 from swarmcensus.vocabulary.quantities import QUANTITIES
@@ -79,6 +79,12 @@ def settings(
             f"{again or shlex.join(['swarmcensus', 'show', str(path)])} --limit 0",
             soft_wrap=True,  # to be copied
         )
+
+
+def as_rows(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:
+    """The same settings for programs: the columns of `summary`, with brains called as people see them."""
+    labels = labels_in(data)
+    return [row | {"brain": labels.get(row["brain"], row["brain"])} for row in records(data, checkpoint)]
 
 
 def varied_and_same(data: xr.Dataset) -> tuple[dict[str, list[str]], list[str]]:

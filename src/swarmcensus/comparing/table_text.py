@@ -1,4 +1,4 @@
-"""The table of a comparison as text: a row for each world and contender, and once what each contender costs."""
+"""A comparison as text: a table with a row for each world and contender, the verdict, and what each contender costs."""
 
 import io
 from itertools import pairwise
@@ -9,35 +9,54 @@ from rich.table import Table
 from swarmcensus.basics.formatting import counted, grouped
 from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fits, fitted, left_out
 from swarmcensus.basics.terminal import table as table_of
-from swarmcensus.comparing.cells import COSTS, MARKS, Cell, column_head, columns, range_text, rows_of
+from swarmcensus.comparing.cells import COSTS, MARKS, Cell, column_head, columns, legend, range_text, rows_of
+from swarmcensus.comparing.pair_tests import test_count
 from swarmcensus.comparing.standings import Standings
+from swarmcensus.comparing.verdicts import findings
 from swarmcensus.results.summaries import is_idle
+from swarmcensus.statistics.intervals import FEWEST
 
-MOST_ROWS = 40
 WIDTH = 120
+PROPERTY = "the property `table` has all"
 
 
-def table_text(standings: Standings, width: int = WIDTH, limit: int = MOST_ROWS) -> str:
-    """The table of a comparison as text, of as many worlds as fit into `limit` rows (0: all).
-
-    Above it is what all worlds share, below it what was left out to fit into `width` columns, and the costs.
-    """
+def as_text(standings: Standings, width: int = WIDTH, limit: int = 0) -> str:
+    """The worlds of a comparison and its verdict as text of `width` columns; `limit` as in `print_worlds`."""
     text = io.StringIO()
     out = console(file=text, width=width, force_jupyter=False, force_terminal=False)  # a kernel claims to be both
+    print_worlds(standings, out, limit, PROPERTY, PROPERTY)
+    print_verdict(standings, out)
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+
+
+def print_worlds(standings: Standings, out: Console, limit: int, all_columns: str, all_worlds: str) -> None:
+    """Print as many worlds as fit into `limit` rows, at least one (0: all), with what they share and what marks mean.
+
+    In a narrow console each measure has its own table. `all_columns` and `all_worlds` say where what is left out is.
+    """
     worlds = fitting(standings, limit)
-    for line in same(standings):
-        out.print(line)
     tables, lacking = world_tables(standings, worlds, out)
+    for line in same(standings):
+        out.print(line, style="dim")
     for page in tables:
         out.print(page)
-    for line in left_out(lacking, out, "the property `table` has all"):
-        out.print(line)
+    for line in [*left_out(lacking, out, all_columns), *meanings(standings, INTERVALS not in lacking)]:
+        out.print(line, style="dim")
     if worlds < len(standings.grid.worlds):
-        out.print(f"{worlds:,} of {counted(len(standings.grid.worlds), 'world')}")
+        out.print(f"{worlds:,} of {counted(len(standings.grid.worlds), 'world')}; {all_worlds}", soft_wrap=True)
+
+
+def print_verdict(standings: Standings, out: Console) -> None:
+    """Print the verdict, with costs as a table, and the cautions."""
+    out.print()
+    for sentence in findings(standings):
+        out.print(sentence)
     if costs := cost_table(standings):
         out.print()
         out.print(costs)
-    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+        out.print("messages and bytes: sent in a trial, means over robots and trials; memory: bytes", style="dim")
+    for caution in standings.cautions:
+        out.print(f"caution: {caution}", style="yellow")
 
 
 def fitting(standings: Standings, limit: int) -> int:
@@ -60,13 +79,42 @@ def world_tables(standings: Standings, worlds: int, out: Console) -> tuple[list[
 
     The names are of what was left out so that it fits.
     """
-    left, cells = _left(standings, worlds), columns(standings, worlds)
-    measured = [_values(name, cells[name]) for name in map(column_head, standings.measures)]
+    left, *measured = world_columns(standings, worlds)
     together, lacking = fitted([*left, *(column for columns in measured for column in columns)], out)
     if fits(together, out) and {*lacking} <= {INTERVALS}:
         return [together], lacking
     pages = [fitted([*left, *columns], out) for columns in measured]
     return [page for page, _ in pages], list(dict.fromkeys(name for _, names in pages for name in names))
+
+
+def world_columns(standings: Standings, worlds: int) -> list[list[Column]]:
+    """The columns that say which world and contender a row is of, and then those of each measure."""
+    cells = columns(standings, worlds)
+    return [
+        _left(standings, worlds),
+        *(_values(name, cells[name]) for name in map(column_head, standings.measures)),
+    ]
+
+
+def meanings(standings: Standings, intervals: bool = True) -> list[str]:
+    """What the columns and marks mean; `intervals` says whether they are shown."""
+    trials = standings.contests[0].trials[standings.settings >= 0]
+    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
+        "; [95 %]: bootstrap over trials; always: in every trial" * intervals
+    )  # fmt: skip
+    several = bool(trials.min() < trials.max())
+    many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
+    columns = [
+        f"{column_head(measure)}: {measure.meaning}"
+        + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
+        for measure in standings.measures
+    ]
+    tests = test_count(standings.contests)
+    return [
+        "; ".join(columns),
+        f"values: median over {many} of the median robot (means for shares and for messages and bytes){few}",
+        f"{legend(standings)}; {counted(tests, 'test')}, corrected by Holm's method",
+    ]
 
 
 def _left(standings: Standings, worlds: int) -> list[Column]:
