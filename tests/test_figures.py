@@ -323,7 +323,7 @@ def test_an_empty_panel_is_left_out_with_a_sentence_and_told_on_axes_of_the_call
         assert axes.lines
         figure = Figure(figsize=(8, 3))
         FigureCanvasAgg(figure)
-        _, right = grid([("run", full), ("not run", empty)], ax=figure.subplots(1, 2))
+        _, right = grid([("run", full), ("not run", empty)], ax=figure.subplots(1, 2)).axes[:2]
         assert not right.lines
         assert "no trial has been run" in texts(figure)
 

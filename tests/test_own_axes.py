@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
+from swarmcensus.brains.library import TITLES
+from swarmcensus.results.labels import renamed
 from tests.contending import made_up
 from tests.test_figures import drawn, study, texts
 
@@ -120,11 +122,11 @@ def test_differences_are_those_of_the_pairs_of_a_comparison():
     pairs = sc.compare(results, "final_error").pairs
     first = pairs["one"].iloc[0]
     for name in dict.fromkeys(pairs["other"]):
-        rows = pairs[(pairs["one"] == first) & (pairs["other"] == name)]
-        (lines,) = (c for c in ax.collections if c.get_label() == f"interval {name}")
+        rows, called = pairs[(pairs["one"] == first) & (pairs["other"] == name)], renamed(name, TITLES)
+        (lines,) = (c for c in ax.collections if c.get_label() == f"interval {called}")
         ends = np.array([segment[:, 0] for segment in lines.get_segments()])
         np.testing.assert_allclose(ends, -rows[["difference_high", "difference_low"]])
-        dots = [drawn(ax, f"{way} {name}") for way, there in (("apart", True), ("level", False))
+        dots = [drawn(ax, f"{way} {called}") for way, there in (("apart", True), ("level", False))
                 if (rows["told_apart"] == there).any()]  # fmt: skip
         np.testing.assert_allclose(sorted(np.concatenate(dots)[:, 0]), sorted(-rows["difference"]))
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full"]

@@ -313,7 +313,7 @@ def test_a_share_of_all_trials_has_one_end_drawn_dotted_and_printed_so(small_fil
 
     tables.settings(results, small_file)
     out = capsys.readouterr().out
-    assert re.search(r"100\.0 \[>= \d\d\.\d\]", out)
+    assert re.search(r"100\.0 +\[>= \d\d\.\d\]", out)
     assert "[>= x]: the same in all trials, so a lower end only" in out
     assert "(medians, pooled over 6 trials of 8 robots)" in out
 

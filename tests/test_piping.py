@@ -9,6 +9,7 @@ import swarmcensus as sc
 from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.output import print_rows
+from swarmcensus.vocabulary.coordinates import NUMERIC
 
 STUDY = """
 name   = "piped"
@@ -51,7 +52,7 @@ def same(row, records):
 
 def test_show_has_all_digits_of_all_settings_in_columns_that_do_not_depend_on_what_varies(file, piped):
     rows, error = piped("show", file)
-    for row, record in zip(rows, sc.summary(file).to_dict("records"), strict=True):
+    for row, record in zip(rows, sc.summary(file).drop(columns=[*NUMERIC]).to_dict("records"), strict=True):
         same(row, record)
     one, _ = piped("show", file, "--where", "robots == 3 and brain == 'commons'")
     assert [*one[0]] == [*rows[0]]

@@ -21,6 +21,7 @@ from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, records, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.statistics.intervals import FEWEST
+from swarmcensus.vocabulary.coordinates import NUMERIC
 from swarmcensus.vocabulary.quantities import QUANTITIES
 from swarmcensus.worlds.networks import MOVING
 
@@ -105,7 +106,8 @@ NOTHING = "-"  # shown where a coordinate has no value
 
 def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     """The coordinates of settings as text, without those that another one implies and links that lose nothing."""
-    values_of = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
+    along = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
+    values_of = {name: values for name, values in along.items() if name not in ("setting", *NUMERIC)}
     columns = {name: np.array([grouped(value) for value in values]) for name, values in values_of.items()}
     labels = labels_in(data)
     columns["brain"] = np.array([labels.get(name, name) for name in columns["brain"].tolist()])
