@@ -24,6 +24,7 @@ sc.Study(
     world=dict(topology=[nx.path_graph(3), "full"], fill_ratio={"from": 0.9, "to": 0.1, "at": 5}, message="ratio16"),
     schedule=dict(ticks="17 min"), case=[dict(robots=5)], members=[dict(robots=0.1, brain="shouter", honest=False)],
     faults=[dict(at=3, robots=1, stop="sensing")], measure=dict(checkpoints=[1, 2], metrics="mean-error"),
+    labels={"voter": "Voter model"},
 ).with_(trials=4, seed=None)
 world = sc.Study.load("study.toml").world
 sc.Study(trails=3, swarm=dict(robots=2, accuracy=0.8), world=dict(topology="ring", fill_ratio=0.5))  # E: "trials"
@@ -35,6 +36,8 @@ sc.Study.load("study.toml").with_(trails=4)  # E: "trials"
 results = sc.load("results.nc")
 sc.plot.save(sc.plot.lines(results, y="correct"), "lines.png")
 sc.plot.lines(results).axis  # E: "axis"
+sc.plot.lines(results, width="column", labels={"a.py": "A"}).savefig("lines.pdf")
+sc.plot.lines(results, width="colum")  # E: "width"
 sc.compare(results).verdicts  # E: "verdicts"
 print(sc.check("brain.py").notes[0].upper(), sc.leaderboard().scores.costs, sc.reproduce().page.name)
 sc.check("brain.py").faults  # E: "faults"

@@ -81,6 +81,8 @@ def kinds(node: Any, key: str, objects: dict[str, str]) -> list[str]:
         inner = " | ".join(kinds(node["items"], key, objects))
         inner += f" | {objects[key]}" if key in objects else ""
         return [f"Sequence[{inner}]" if inner.endswith("Table") else f"Several[{inner}]"]
+    if isinstance(values := node.get("additionalProperties"), dict) and "type" in values:
+        return [f"Mapping[str, {PLAIN[values['type']]}]"]
     if "enum" in node and "type" in node:
         return [f"Literal[{', '.join(map(_quoted, node['enum']))}]"]
     return ["str" if "enum" in node else PLAIN[node["type"]]]

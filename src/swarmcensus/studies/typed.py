@@ -246,7 +246,7 @@ class StudyTables(TypedDict, total=False):
     """Values that go together, beside the full grid."""
     members: Sequence[MembersTable]
     """Robots that differ from the others."""
-    labels: Mapping[str, Any]
+    labels: Mapping[str, str]
     """What tables and figures call brains, as "mine.py" = "My brain"; this changes no numbers."""
 
 
@@ -263,4 +263,4 @@ class StudyChanges(TypedDict, total=False):
     faults: Sequence[FaultTable] | None
     case: Sequence[CaseTable] | None
     members: Sequence[MembersTable] | None
-    labels: Mapping[str, Any] | None
+    labels: Mapping[str, str] | None
