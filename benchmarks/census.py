@@ -1,4 +1,5 @@
-"""How near `census` is to the best brain in each kind of world: python benchmarks/census.py [RESULTS] [--trials T].
+"""How near `census` is to the best brain in each kind of world: python benchmarks/census.py [RESULTS] [--trials T]
+[--plot FILE].
 
 RESULTS is what `swarmcensus run studies/census.toml --out census.nc` writes; without it the study is run. Every line is
 a world: what `census` reaches, the best of the other brains that robots can run, and their ratio. Error is the median
@@ -7,7 +8,8 @@ the error stays below 0.05, mean the median over trials of the mean error over a
 
 Then errors among liars, as ratios to that of a robot alone and to that of the best other brain, also among creepers of
 other steps; with wrong accuracies; where two needs meet; in large swarms; what leaving out a part costs; and K of
-flooding, the limit of any brain. With a processor of two cores it takes a quarter of an hour.
+flooding, the limit of any brain. FILE becomes a picture of the last. With a processor of two cores it takes a quarter
+of an hour.
 """
 
 import argparse
@@ -15,10 +17,12 @@ import tempfile
 import warnings
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import networkx as nx
 import numpy as np
 
 import swarmcensus as sc
+from swarmcensus.figures.looks import NAMED
 from swarmcensus.studies.study import Study
 
 ROOT = Path(__file__).parents[1]
@@ -38,19 +42,13 @@ PARTS = {  # what is left out: parameters that do so
     "a change found without confirming": {"confirm": 1e6},
     "all believed": {"belief": 1e6},
 }
-FLOODED = {  # a graph of 100 robots, messages that arrive, rounds that they take
-    "ring": (lambda seed: nx.cycle_graph(100), 1.0, 0),
-    "ring, a tenth of the messages": (lambda seed: nx.cycle_graph(100), 0.1, 0),
-    "ring, 10 rounds late": (lambda seed: nx.cycle_graph(100), 1.0, 10),
-    "tree": (lambda seed: nx.barabasi_albert_graph(100, 1, seed), 1.0, 0),
-    "tree, a tenth of the messages": (lambda seed: nx.barabasi_albert_graph(100, 1, seed), 0.1, 0),
-    "tree, 10 rounds late": (lambda seed: nx.barabasi_albert_graph(100, 1, seed), 1.0, 10),
-    "small world": (lambda seed: nx.connected_watts_strogatz_graph(100, 4, 0.1, seed=seed), 1.0, 0),
-    "small world, a tenth of the messages": (
-        lambda seed: nx.connected_watts_strogatz_graph(100, 4, 0.1, seed=seed), 0.1, 0
-    ),
-    "small world, 10 rounds late": (lambda seed: nx.connected_watts_strogatz_graph(100, 4, 0.1, seed=seed), 1.0, 10),
-}  # fmt: skip
+GRAPHS = {  # of 100 robots, by the name of their world
+    "ring": lambda seed: nx.cycle_graph(100),
+    "tree": lambda seed: nx.barabasi_albert_graph(100, 1, seed),
+    "small world": lambda seed: nx.connected_watts_strogatz_graph(100, 4, 0.1, seed=seed),
+}
+CHANNELS = {"": (1.0, 0), ", links 0.1": (0.1, 0), ", 10 rounds late": (1.0, 10)}  # what arrives, rounds that it takes
+DRAWN = {"census": "census", "swift": "swift", "commons": "commons", "minimalistic": "minimalistic (the paper's)"}
 
 
 def world(results, setting):
@@ -274,7 +272,7 @@ def flooded(graph, success, delay, seed, rounds=1000, looks=10, accuracy=0.625, 
     return last + 1
 
 
-def main(path, trials):
+def main(path, trials, plot):
     """All tables."""
     study = Study.load(STUDY)
     if path is None:
@@ -282,7 +280,8 @@ def main(path, trials):
         results = sc.run(study if trials is None else study.with_trials(trials), out=path)
     else:
         results = sc.load(path)
-    tell(worlds(results))
+    found = worlds(results)
+    tell(found)
     print()
     among_liars(trials or 100)
     print()
@@ -294,9 +293,37 @@ def main(path, trials):
     print()
     ablation(trials or 100)
     print()
-    for name, (graph, success, delay) in FLOODED.items():
-        rounds = [flooded(graph(seed), success, delay, seed) for seed in range(LIMIT_TRIALS)]
-        print(f"flooding, b = 0.625, N = 100: {name:40} K {np.median(rounds):.0f}")
+    limits = {}
+    for graph, make in GRAPHS.items():
+        for channel, (success, delay) in CHANNELS.items():
+            rounds = [flooded(make(seed), success, delay, seed) for seed in range(LIMIT_TRIALS)]
+            limits[graph, channel] = np.median(rounds)
+            print(f"flooding, b = 0.625, N = 100: {graph + channel:30} K {limits[graph, channel]:.0f}")
+    if plot:
+        draw(found, limits, plot)
+
+
+def draw(found, limits, path):
+    """K of each brain beside that of flooding."""
+    figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
+    names = [graph + channel for graph, channel in limits]
+    rows = np.arange(len(names))[::-1]
+    axes.barh(rows, list(limits.values()), height=0.7, color="0.85", label="the limit: all pass on all they know")
+    for (brain, label), colour, marker in zip(DRAWN.items(), NAMED, "oDs^", strict=False):
+        rounds = [found[f"{graph}, N = 100, b = 0.625, f = 0.55{channel}"][brain]["K"] for graph, channel in limits]
+        axes.plot(rounds, rows, marker, color=colour, label=label, zorder=3, ms=7 if brain == "census" else 5)
+    axes.set_xscale("log")
+    axes.set_xticks([20, 50, 100, 200, 500], ["20", "50", "100", "200", "500"])
+    axes.minorticks_off()
+    axes.set_yticks(rows, [name.replace("links 0.1", "a tenth of the messages") for name in names])
+    axes.set_xlabel("rounds until estimates stay within 0.01 of the fill ratio (median of 100 robots, 100 trials)")
+    axes.grid(axis="x", color="0.92")
+    axes.set_axisbelow(True)
+    for side in ("top", "right", "left"):
+        axes.spines[side].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+    figure.legend(loc="outside upper center", ncols=5, frameon=False, fontsize=8, handletextpad=0.4, columnspacing=1.2)
+    figure.savefig(path, dpi=200)
 
 
 def ablation(trials):
@@ -325,5 +352,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", nargs="?", type=Path)
     parser.add_argument("--trials", type=int, help="instead of the study's own number")
+    parser.add_argument("--plot", type=Path, help="the picture of K beside the limit")
     given = parser.parse_args()
-    main(given.results, given.trials)
+    main(given.results, given.trials, given.plot)
