@@ -57,6 +57,9 @@ def test_show_has_all_digits_of_all_settings_in_columns_that_do_not_depend_on_wh
     one, _ = piped("show", file, "--where", "robots == 3 and brain == 'commons'")
     assert [*one[0]] == [*rows[0]]
     assert len(piped("show", file, "--limit", "1")[0]) == 1
+    labelled, _ = piped("show", file, "--label", "commons=Ours")
+    assert [row["brain"].replace("Ours", "commons") for row in labelled] == [row["brain"] for row in rows]
+    assert "Ours" in {row["brain"] for row in labelled}
     assert error == ""
 
 
