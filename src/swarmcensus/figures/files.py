@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -14,7 +15,8 @@ from swarmcensus.basics.options import option
 from swarmcensus.figures.page import RENDERING
 
 DPI = 150  # unless a style says otherwise
-TEXT = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42}  # text stays text, which editors can alter
+# Text stays text, which editors can alter, and the same figure gives the same bytes:
+SAVED: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42, "svg.hashsalt": "swarmcensus"}
 
 
 def checked_dpi(dpi: float) -> float:
@@ -47,6 +49,6 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
-        with atomic_write(place) as temporary, RENDERING, mpl.rc_context({"svg.hashsalt": "swarmcensus"} | TEXT):
+        with atomic_write(place) as temporary, RENDERING, mpl.rc_context(SAVED):
             figure.savefig(temporary, format=extension, dpi=dots, metadata=undated)
     return list(paths)

@@ -25,6 +25,7 @@ MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
 NAMED = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito, 2008
+TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
 ONE_END = "so a lower end only, which counts trials, not robots"  # what a key says of it
 WIDEST, SMALLEST = 60, 6.0  # points: a name at a median, and its letters

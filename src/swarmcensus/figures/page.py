@@ -143,7 +143,7 @@ def _page_of(width: Width | None, height: float | None, font_size: float | None)
             names = f", or one of {', '.join(WIDTHS)}" if name == "width" else ""
             raise InputError(f"{option(name, value)}: should be {least:g} to {most:g} {unit}{names}")
     letters = SLIDE_LETTERS if width == "slide" and font_size is None else font_size
-    return Page(inches, height, letters)
+    return Page(None if inches is None else float(inches), height, letters)
 
 
 def _panel_height(figure: Figure, height: float) -> float | None:

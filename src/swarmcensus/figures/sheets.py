@@ -319,7 +319,7 @@ def _lowest(axes: Sequence[Axes]) -> float:
     figure: Any = axes[0].figure.canvas.figure
     with RENDERING:
         boxes = [ax.get_tightbbox(figure.canvas.get_renderer(), for_layout_only=True) for ax in axes if ax.axison]
-    return min(float(box.y0) for box in boxes if box is not None) / figure.dpi
+    return float(min(box.y0 for box in boxes if box is not None) / figure.dpi)
 
 
 def make_room(figure: Any, inches: float) -> None:

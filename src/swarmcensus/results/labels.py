@@ -20,7 +20,8 @@ def labels_in(results: xr.Dataset) -> dict[str, str]:
     labels: dict[str, str] = {}
     for text in texts:
         labels |= tomllib.loads(text).get(LABELS, {})
-    return labels | json.loads(results.attrs.get(LABELS, "{}"))
+    labels |= json.loads(results.attrs.get(LABELS, "{}"))
+    return labels
 
 
 def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:

@@ -116,8 +116,8 @@ def draw_effects(
     if single:  # contenders are the rows, and all look alike
         texts, looks = [renamed(name, TITLES) for name in names], [Look("", "", palette(11)[3], "o")]
     width = page().width
-    name = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)
-    labels = ["\n".join(wrapped(text, name, letters(), 2)) for text in texts]
+    room = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)
+    labels = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
     longest = max(width_of(line, letters()) for text in labels for line in text.split("\n"))
     row = scale() * max(LINE * len(looks) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2)
     has = [not np.isnan(effect.value[:, others]).all() for effect in effects]

@@ -20,7 +20,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.explaining.expectations import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
-from swarmcensus.figures.looks import ONE_END, ONE_SIDED, Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
@@ -106,7 +106,7 @@ def decisions_grid(
     shares = [shares_of(panel.results, color) for panel in drawn]
     captions = [panel.caption for panel in drawn]
     kept = with_numbers(ax, captions, [bool(panel_shares) for panel_shares in shares])
-    drawn, shares, expected = ([part[k] for k in kept] for part in (drawn, shares, expected))
+    drawn, shares, expected = [drawn[k] for k in kept], [shares[k] for k in kept], [expected[k] for k in kept]
     looks = looks_of(
         (value for panel_shares in shares for value in panel_shares),
         "d",
@@ -163,10 +163,10 @@ def _draw_shares(
         dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
         dashes.set_in_layout(bool(all_right.any()))  # layouts must skip an artist without data
         axes.add_line(dashes)
-        for those, style, name in ((present & ~all_right, "-", "interval"), (all_right, ONE_SIDED, "one-sided")):
+        for those, style, name in ((present & ~all_right, TWO_SIDED, "interval"), (all_right, ONE_SIDED, "one-sided")):
             if those.any():
                 axes.vlines(
-                    x[those], 100 * low[those], 100 * high[those], colors=look.colour, alpha=0.7, linestyles=[style],
+                    x[those], 100 * low[those], 100 * high[those], colors=look.colour, alpha=0.7, linestyles=style,
                     linewidths=np.clip(0.12 * size, 0.4, 0.7), label=f"{name} {text}", zorder=2,
                 )  # fmt: skip
         diamonds = solid_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)

@@ -221,8 +221,8 @@ def _pace(trace: xr.Dataset, ticks: int) -> str:
 
 def _make_even(figure: Figure, dpi: int) -> None:
     """Make a figure at most one dot smaller on each side, so that both sides have an even number of dots."""
-    inches = [2 * int(dpi * side / 2 + 1e-6) / dpi for side in figure.get_size_inches()]
-    figure.set_size_inches(*inches)
+    wide, high = (2 * int(dpi * side / 2 + 1e-6) / dpi for side in figure.get_size_inches())
+    figure.set_size_inches(wide, high)
 
 
 def _drawn(

@@ -20,7 +20,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
-from swarmcensus.figures.looks import ONE_END, ONE_SIDED, Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
@@ -249,11 +249,11 @@ def _draw(
             label=f"line {label}", zorder=2,
         )  # fmt: skip
     top = axes.get_ylim()[1]
-    for those, style, name in ((~whole, "-", "interval"), (whole, ONE_SIDED, "one-sided")):
+    for those, style, name in ((~whole, TWO_SIDED, "interval"), (whole, ONE_SIDED, "one-sided")):
         if those.any():
             axes.vlines(
                 x[those], low[those], np.minimum(high, top)[those], colors=look.colour, linewidths=1.0, alpha=0.8,
-                linestyles=[style], transform=upright, label=f"{name} {label}", zorder=2.5,
+                linestyles=style, transform=upright, label=f"{name} {label}", zorder=2.5,
             )  # fmt: skip
     dots = _dot(look)
     dots.set(xdata=x, ydata=_finite(value), label=f"{label}", transform=upright, zorder=3)

@@ -111,7 +111,8 @@ def draw_pareto(
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
     looks = looks_of(standings.contenders, "o", "brain")
     captions = [caption_of(world) for world in worlds]
-    kept = with_numbers(ax, captions, (~np.isnan(values) & np.isfinite(costs)).any(axis=1).tolist())
+    has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
+    kept = with_numbers(ax, captions, has)
     axes = sheet(ax, [captions[k] for k in kept], title)
     measured_axis(axes, values.ravel().tolist(), [*low.ravel().tolist(), *high.ravel().tolist()])
     for k, place in zip(kept, axes, strict=True):

@@ -182,12 +182,12 @@ def _draw(
         axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color="black", linewidth=3,
                   solid_capstyle="butt")  # fmt: skip
     order = np.argsort(ranks, kind="stable").tolist()
-    better = order[: (count + 1) // 2]
-    for side, edge, far, ha in (
-        (better, 1.0, left, "right"),
-        (order[len(better) :][::-1], float(count), right, "left"),
-    ):
-        for k, contender in enumerate(side):
+    half = (count + 1) // 2
+    sides: list[tuple[list[int], float, float, str]] = [
+        (order[:half], 1.0, left, "right"), (order[half:][::-1], float(count), right, "left"),
+    ]  # fmt: skip
+    for those, edge, far, ha in sides:
+        for k, contender in enumerate(those):
             y = bar_step * (len(bars) + 1) + tall * (k + 0.5)
             end = edge + 0.05 / wide * (-1 if far < edge else 1)
             axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=GREY, linewidth=0.7)

@@ -124,8 +124,8 @@ def scatter_grid(
     expected: list[Curves] = [{} for _ in drawn]
     if theory:
         for k, panel in enumerate(drawn):
-            names = (ALONE,) if panel.local else (ALONE, SWARM)
-            expected[k], why = curves_of(panel.results, color, None, names)
+            whose = (ALONE,) if panel.local else (ALONE, SWARM)
+            expected[k], why = curves_of(panel.results, color, None, whose)
             drawn[k] = say_no_theory(panel, why)
     captions = [panel.caption for panel in drawn]
     above = max([LABELS, *((width_of(look.short, _name_letters()) + 5) / 72 for look in looks.values())])
