@@ -211,6 +211,7 @@ def crossings(trials):
         "moving, stripes, always-black": lied("always-black", **moving, floor={"stripes": 0.5}, fill_ratio=0.55),
     }  # fmt: skip
     firsts = []
+    print(f"{'':30}{'last error: rank, census, best':34}{'mean error: rank, census, best':34}  alone")
     for name, tables in needs.items():
         world = tables["world"]
         study = sc.Study(
@@ -224,8 +225,11 @@ def crossings(trials):
         mean = [float(np.nanmedian(each)) for each in results["mean_error"].values]
         ranks = [sorted(values).index(values[0]) + 1 for values in (last, mean)]
         firsts.append(ranks)
-        told = (f"{brain} {a:.4f} {b:.4f}" for brain, a, b in zip(brains, last, mean, strict=True))
-        print(f"{name:30}rank {ranks[0]}, {ranks[1]}:", *told, sep="  ")
+        line = f"{name:30}"
+        for values, rank in zip((last, mean), ranks, strict=True):
+            best = int(np.argmin(values[1:])) + 1
+            line += f"  {rank}: {values[0]:.4f}, {brains[best]} {values[best]:.4f}".ljust(34)
+        print(f"{line}  {last[-1]:.4f} {mean[-1]:.4f}")
     for name, ranks in zip(("last", "mean"), np.array(firsts).T, strict=True):
         print(f"{name} error: first in {np.sum(ranks == 1)}, second in {np.sum(ranks == 2)} of {len(ranks)}")
 
@@ -316,7 +320,7 @@ def draw(found, limits, path):
     axes.set_xticks([20, 50, 100, 200, 500], ["20", "50", "100", "200", "500"])
     axes.minorticks_off()
     axes.set_yticks(rows, [name.replace("links 0.1", "a tenth of the messages") for name in names])
-    axes.set_xlabel("rounds until estimates stay within 0.01 of the fill ratio (median of 100 robots, 100 trials)")
+    axes.set_xlabel("rounds until estimates stay within 0.01 of the fill ratio")
     axes.grid(axis="x", color="0.92")
     axes.set_axisbelow(True)
     for side in ("top", "right", "left"):
