@@ -73,7 +73,8 @@ def _type(told: dict[str, Any]) -> str:
         items = told.get("items", {})
         return "two numbers" if isinstance(items, list) else f"list of {_type(items)}"
     if kind == "object":
-        return "table with " + ", ".join(f"`{key}`" for key in told["properties"])
+        keys = ", ".join(f"`{key}`" for key in told.get("properties", ()))
+        return f"table with {keys}" if keys else f"table of {_type(told['additionalProperties'])}"
     return KINDS.get(str(kind), "text") + _bounds(told)
 
 
