@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.text import Text
 from PIL import Image
 
@@ -90,10 +91,12 @@ def _on_axis(label, axis):
 
 
 def assert_readable(figure: Figure, within: float = 1.0) -> None:
-    """All texts stand on the paper, up to so many dots, and none upon another."""
+    """All texts stand on the paper, up to so many dots, none upon another, and keys are not cut in notebooks."""
     texts = shown(figure)
     for text, box in texts:
         assert min(box.x0, box.y0, figure.bbox.x1 - box.x1, figure.bbox.y1 - box.y1) >= -within, text
+    for ax in figure.axes:
+        assert all(ax.get_tightbbox().y0 <= key.get_window_extent().y0 + within for key in ax.findobj(Legend))
     for (one, box), (other, its) in itertools.combinations(texts, 2):
         wide = min(box.x1, its.x1) - max(box.x0, its.x0)
         high = min(box.y1, its.y1) - max(box.y0, its.y0)

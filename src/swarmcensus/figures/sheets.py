@@ -306,6 +306,7 @@ def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> 
             alignment="left", handlelength=1.2, fontsize=letters(), columnspacing=1.0, ncols=columns,
         )  # fmt: skip
         lowest.add_artist(legend)
+        legend.set_clip_on(False)  # what is clipped by its axes is no part of a tight figure, as in a notebook
         for text in legend.get_texts():
             text.set_parse_math(False)
         with RENDERING:
