@@ -48,7 +48,8 @@ def test_parameters_are_set_and_shown():
     ("asked", "said"),
     [
         ({"momentun": "0.5"}, "momentun: did you mean 'momentum'? known here: setting"),
-        ({"momentum": "much"}, "momentum = much: "),
+        ({"momentum": "nan"}, "momentum = nan: not a number"),
+        ({"beside": "census", "beside.z": "nan"}, "beside.z = nan: not a number"),
         ({"momentum": "[1, 2]"}, "momentum = [1, 2]: "),
         ({"beside.z": "1"}, "beside.z: there is no brain beside"),
         ({"beside": "census", "beside.zz": "1"}, "beside.zz: "),
@@ -68,6 +69,12 @@ def test_the_command_takes_parameters(tmp_path, monkeypatch, capsys):
     assert "momentum = 0.5" in (tmp_path / "run.html").read_text()
     assert main([*words, "trust=0.9"]) == 2
     assert capsys.readouterr().err.startswith("swarmcensus: trust: known here: setting, trial")
+    for wrong, said in (
+        (["--set", "momentum=0.5"], "--set gives momentum twice"),
+        (["--set", "=1"], "--set =1: should"),
+    ):
+        assert main([*words, "momentum=0.7", *wrong]) == 2
+        assert capsys.readouterr().err.startswith(f"swarmcensus: {said}")
 
 
 @pytest.mark.parametrize(
@@ -121,6 +128,12 @@ def test_parameters_outlive_what_is_saved_as_far_as_they_are_there(tmp_path):
     save(mine, text.replace('    "z": 3.5,', '    "zz": 3.5,').replace("me.z", "me.zz"), 200)
     assert offer.files.look([brain]) == ""
     assert dict(offer.files.latest(brain).overrides) == {"momentum": 0.5}
+    asked = CENSUS | {"brain": str(mine), "momentum": "0.5", "z": "2", "beside": str(mine), "beside.z": "1"}
+    found = wanted(offer, asked)  # as a page asks that was open before
+    assert {"momentum"} == found.request.keys() - CENSUS.keys() - {"beside"}
+    assert [setting.brain.parameters["momentum"] for setting in found.settings] == [0.5, 0.9]
+    with pytest.raises(InputError, match=r"zzz: did you mean 'zz'"):
+        wanted(offer, asked | {"zzz": "1"})
 
 
 def test_a_trial_settles_when_its_results_say_so():

@@ -141,9 +141,12 @@ def _query(options: argparse.Namespace) -> dict[str, str]:
     query = dict(parse_qsl(text.lstrip("#")))
     if options.at and not query:
         raise InputError(f"--at {options.at[:80]}: should be a copied link, or the part of it behind #")
+    given: dict[str, str] = {}
     for pair in options.set:
         key, sign, value = pair.partition("=")
-        if not sign:
+        if not sign or not key:
             raise InputError(f"--set {pair}: should be such as robots=100")
-        query[key] = value
-    return query
+        if key in given:
+            raise InputError(f"--set gives {key} twice")
+        given[key] = value
+    return query | given

@@ -18,6 +18,7 @@ class BrainFiles:
         self._brains = {brain.name: brain.as_written for brain in given if brain.name not in brains.PLUGINS}
         self._saved = {name: _stamp(brain.path) for name, brain in self._brains.items()}
         self._errors: dict[str, str] = {}
+        self._gone: dict[str, set[str]] = {}
         self._lock = threading.Lock()
 
     def latest(self, brain: Brain) -> Brain:
@@ -35,6 +36,10 @@ class BrainFiles:
     def watches(self, brain: Brain) -> bool:
         """Whether a brain is one of these files."""
         return brain.name in self._brains
+
+    def has_lost(self, brain: Brain, name: str) -> bool:
+        """Whether a brain's file once had a parameter of this name, and has none now."""
+        return name not in brain.parameters and name in self._gone.get(brain.name, ())
 
     def look(self, shown: Iterable[Brain]) -> str:
         """Read again what was saved since the last look; returns what is wrong with the files of `shown`, or ""."""
@@ -54,6 +59,7 @@ class BrainFiles:
             self._errors[name] = str(error)
             return False
         self._errors.pop(name, None)
+        self._gone[name] = self._gone.get(name, set()) | known.parameters.keys()
         self._brains[name] = brain
         return brain.source != known.source
 

@@ -177,7 +177,9 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
         _check_day(request, {"setting": number, "trial": first, "seed": began})
     brain = _brain(offer, "brain", request["brain"]) if request.get("brain") else offer.files.latest(setting.brain)
     chosen = [brain.label]
-    brain = _with_parameters(brain, {k: v for k, v in request.items() if k not in KEYS and not k.startswith(BESIDE)})
+    ours = [key for key in request if key not in KEYS and not key.startswith(BESIDE)]
+    lost = {key for key in ours if offer.files.has_lost(brain, key)}  # a page may still ask for these
+    brain = _with_parameters(brain, {key: request[key] for key in ours if key not in lost})
     changed = _changed(offer, replace(setting, brain=brain.with_numbers(setting.brain.numbers)), request)
     rounds = offer.logged.rounds if offer.logged else changed.rounds
     _check(changed, study, rounds)
@@ -186,12 +188,13 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     if request.get("beside"):
         beside = _brain(offer, "beside", request["beside"])
         chosen.append(beside.label)
-        beside = _with_parameters(beside, theirs, BESIDE)
+        lost |= {key for key in theirs if offer.files.has_lost(beside, key.removeprefix(BESIDE))}
+        beside = _with_parameters(beside, {key: theirs[key] for key in theirs if key not in lost}, BESIDE)
         settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
         _check(settings[1], study, rounds)
     elif theirs:
         raise InputError(f"{next(iter(theirs))[:40]}: there is no brain beside: name one with beside")
-    given = {key: value for key, value in request.items() if value != ""}
+    given = {key: value for key, value in request.items() if value != "" and key not in lost}
     return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
 
 
@@ -317,7 +320,9 @@ def _with_parameters(brain: brains.Brain, request: Mapping[str, str], before: st
         try:
             brain = brain.with_parameters({name: _toml(text)})
         except ValueError as error:
-            raise InputError(f"{key[:40]} = {text[:40]}: {str(error)[:200]}") from None
+            why = str(error)[:200]
+            said = why if why.startswith(f"{name} = ") else f"{name} = {text[:40]}: {why}"
+            raise InputError(before + said) from None
     return brain
 
 
