@@ -131,11 +131,29 @@ def test_a_figure_has_the_height_and_letters_that_are_asked_for(draw):
         ("arena", {"height": 2.0}, "an arena with its key needs"),
         ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
         ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
+        (
+            "pareto",
+            {"labels": {"bayes-bots": "Voter model"}},
+            "bayes-bots and voter would both be called 'Voter model'",
+        ),
     ],
 )
 def test_pages_that_cannot_be_are_told_in_a_line(kind, options, said, draw):
     with pytest.raises(sc.InputError, match=said):
         draw(kind, **options)
+
+
+def test_an_option_that_no_kind_has_is_told(draw):
+    with pytest.raises(TypeError, match="lines has no option 'widht': did you mean 'width'"):
+        draw("lines", widht=3.5)
+    with pytest.raises(sc.InputError, match="labels=3: should be names by names"):
+        draw("lines", labels=3)
+
+
+def test_numbers_of_numpy_are_sizes(draw, tmp_path):
+    figure = draw("curves", width=np.int64(4), font_size=np.float32(8))
+    assert sc.plot.save(figure, tmp_path / "f.png", dpi=np.int64(50))
+    assert figure.get_figwidth() == 4.0
 
 
 def test_axes_of_ones_own_have_the_size_of_their_figure(draw):
@@ -196,6 +214,29 @@ def test_brains_have_the_names_of_labels_else_their_titles(draw, capsys):
         assert "ayes" not in written
 
 
+def test_labels_are_written_as_they_are(draw, tmp_path):
+    labels = {"minimalistic": r"bad $\frac$ x", "bayes-bots": "voter and more", "voter": "census"}
+    for kind in ("pareto", "ranks", "compare"):
+        figure = draw(kind, labels=labels)
+        sc.plot.save(figure, tmp_path / "f.png")  # no part of a label is a formula
+        written = " ".join(" ".join(text.split()) for text, _ in shown(figure)).replace(r"\$", "$")
+        assert all(each in written for each in (*labels.values(), "voter and more prior=1")), kind
+    sc.plot.save(draw("scatter", color="brain", labels={"minimalistic": labels["minimalistic"]}), tmp_path / "f.png")
+
+
+def test_a_long_label_stays_on_the_page_in_the_heading_of_a_key(draw):
+    assert_readable(draw("compare", width="column", labels={"minimalistic": "word " * 30}))
+
+
+def test_labels_of_the_shell_may_hold_any_sign_but_name_a_brain_once(small_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    plot = ["plot", str(small_file), "--kind", "lines", "--x", "brain", "--out", "f.svg"]
+    assert main([*plot, "--label", "minimalistic=a = b"]) == 0
+    assert "a = b" in (tmp_path / "f.svg").read_text()
+    assert main([*plot, "--label", "minimalistic=a", "--label", "minimalistic=b"]) == 2
+    assert "--label names a brain twice" in capsys.readouterr().err
+
+
 def test_labels_of_a_study_change_what_brains_are_called_and_no_numbers(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     study = """
@@ -231,6 +272,7 @@ rounds = 5
     for labels, said in (
         ('{legaci = "x"}', "labels: no brain is called 'legaci': did you mean 'legacy'?"),
         ('{legacy = "minimalistic"}', "labels: minimalistic and legacy would both be called 'minimalistic'"),
+        ('{legacy = "Minimalistic (paper)"}', r"minimalistic and legacy would both be called 'Minimalistic \(paper\)'"),
         ('{legacy = ""}', "labels.legacy"),
     ):
         with pytest.raises(sc.InputError, match=said):

@@ -10,6 +10,8 @@ from swarmcensus.cli.output import present, say, wrote
 from swarmcensus.cli.source import MOST_ROWS, add_label_option, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from swarmcensus.comparing.comparison import Comparison
 
 
@@ -86,7 +88,7 @@ def compare(options: argparse.Namespace) -> int:
         write_latex(comparison, options.latex)
         wrote(options.latex)
     if figures:
-        _draw(comparison, figures)
+        _draw(comparison, stored, figures)
     return 0
 
 
@@ -113,14 +115,14 @@ def _beside(out: Path, kind: str) -> Path:
     return out.with_name(f"{out.stem}-{kind}{out.suffix}")
 
 
-def _draw(comparison: "Comparison", figures: dict[str, Path]) -> None:
+def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Path]) -> None:
     """Draw ranks and the Pareto front; with --against, say why there are no ranks."""
     from swarmcensus.cli.plot import save_figure
     from swarmcensus.figures.kinds.pareto import draw_pareto
     from swarmcensus.figures.kinds.ranks import draw_ranks
 
     if comparison.against is None:
-        save_figure(draw_ranks(comparison), figures["ranks"])
+        save_figure(draw_ranks(comparison, results=[stored]), figures["ranks"])
     else:
         say(f"{figures['ranks']} is not drawn: --against does not rank all brains")
-    save_figure(draw_pareto(comparison), figures["pareto"])
+    save_figure(draw_pareto(comparison, results=[stored]), figures["pareto"])

@@ -118,7 +118,7 @@ def width(text: str) -> float | str:
 
 def label(text: str) -> tuple[str, str]:
     """A brain's name and its label, as OLD=NEW. Raises ArgumentTypeError."""
-    old, equals, new = text.rpartition("=")
+    old, equals, new = text.partition("=")
     if not (old and equals and new.strip()):
         raise argparse.ArgumentTypeError("should be such as mine.py='My brain'")
     return old, new.strip()

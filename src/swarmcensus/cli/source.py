@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import xarray as xr
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import from_zero, label
 from swarmcensus.cli.output import say
 
@@ -75,7 +76,10 @@ def read(options: argparse.Namespace) -> Source:
         values = " and ".join(f"{key} = {stored.attrs[key]:g}" for key in changed)
         say(f"{options.results}: measured again from its estimates, with {values}")
     if given := getattr(options, "label", []):
-        stored = with_labels(stored, dict(given))
+        labels = dict(given)
+        if len(labels) < len(given):
+            raise InputError("--label names a brain twice")
+        stored = with_labels(stored, labels)
     return Source(stored, where(stored, options.where))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ SAVED: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42, "sv
 
 def checked_dpi(dpi: float) -> float:
     """The dots per inch. Raises InputError for impossible ones."""
-    if not isinstance(dpi, int | float) or not 10 <= dpi <= 2400:
+    if not isinstance(dpi, numbers.Real) or not 10 <= dpi <= 2400:
         raise InputError(f"{option('dpi', dpi)}: should be 10 to 2400 dots per inch")
     return dpi
 

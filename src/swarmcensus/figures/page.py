@@ -6,6 +6,8 @@ Every kind of figure takes the options of `PageOptions`, and draws with what `pa
 from __future__ import annotations
 
 import functools
+import inspect
+import numbers
 import threading
 from collections.abc import Callable, Mapping
 from contextvars import ContextVar
@@ -16,6 +18,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.results.labels import with_labels
 
@@ -91,12 +94,20 @@ def scale() -> float:
 def on_page(draw: Kind) -> Kind:
     """Let a kind of figure take the options of `PageOptions`. Raises InputError for impossible ones."""
 
+    known = [name for name, each in inspect.signature(draw).parameters.items() if each.kind != each.VAR_KEYWORD][1:]
+    known += PageOptions.__annotations__
+
     @functools.wraps(draw)
     def drawn(results: xr.Dataset, **options: Any) -> Any:
+        if unknown := next((name for name in options if name not in known), None):
+            hint = did_you_mean(unknown, known) or f"it has {', '.join(known)}"
+            raise TypeError(f"{draw.__name__} has no option {unknown!r}: {hint.strip()}")
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
         labels, own_axes = given.pop("labels"), options.get("ax") is not None
         if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
             raise InputError(f"{option(size)}: axes of your own have the size of their figure")
+        if labels is not None and not isinstance(labels, Mapping):
+            raise InputError(f"labels={labels!r}: should be names by names, such as {{'minimalistic': 'Ours'}}")
         if labels:
             results = with_labels(results, labels)
         wanted = _page_of(**given)
@@ -138,7 +149,7 @@ def _page_of(width: Width | None, height: float | None, font_size: float | None)
     ):
         if value is None:
             continue
-        if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
+        if isinstance(value, bool) or not isinstance(value, numbers.Real) or not least <= value <= most:
             unit = "points" if name == "font_size" else "inches"
             names = f", or one of {', '.join(WIDTHS)}" if name == "width" else ""
             raise InputError(f"{option(name, value)}: should be {least:g} to {most:g} {unit}{names}")

@@ -266,7 +266,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
     points = 72 / corner.figure.dpi
     wide = (corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * letters()
     names = _wrapped_names(entries, max(wide, 60.0))
-    title = "\n".join(_wrapped_names([title], max(wide, 60.0) + 2 * letters())) if "$" not in title else title
+    title = _wrapped_title(title, max(wide, 60.0) + 2 * letters())
     lines = sum(1 + name.count("\n") for name in (title, *names))
     room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
     legend = corner.legend(
@@ -282,13 +282,18 @@ def _wrapped_names(entries: Iterable[str], wide: float) -> list[str]:
     return ["\n".join("\n".join(wrapped(line, wide, letters())) for line in name.split("\n")) for name in entries]
 
 
+def _wrapped_title(title: str, wide: float) -> str:
+    """The title of a key in lines, as it is if it holds a formula."""
+    return title if "$" in title.replace(r"\$", "") else _wrapped_names([title], wide)[0]
+
+
 def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
     """Put the key under the lowest panels, short names side by side, and make the figure higher by as much."""
     figure: Any = axes[0].figure.canvas.figure
     lowest, width, handle = axes[-1], 72 * figure.get_figwidth() - 12, 3.0 * letters()
     shown = {name.replace("\n", " "): artist for name, artist in entries.items()}
     short = {name for name in shown if width_of(name, letters()) + handle <= width / 2}
-    heading = title.replace("\n", " ")
+    heading = _wrapped_title(title.replace("\n", " "), width)
     across = 6 / 72 - lowest.bbox.x0 / figure.dpi
     foot = _lowest(axes)
     down = foot - 0.08 * scale() - lowest.bbox.y0 / figure.dpi  # from the panel, past the names of axes

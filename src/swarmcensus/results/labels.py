@@ -9,7 +9,7 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import in_shell
-from swarmcensus.brains.library import TITLES
+from swarmcensus.brains.library import TITLES, namesakes
 
 LABELS = "labels"  # the table of a study file, and the attribute with the user's own
 
@@ -34,14 +34,8 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
         if not isinstance(label, str) or not label.strip() or not label.isprintable():
             raise InputError(f"{what}: a label should be a line of text")
     labelled = results.assign_attrs({LABELS: json.dumps(dict(labels))})
-    called = labels_in(labelled)
-    by_label: dict[str, str] = {}
-    for name in known:
-        other = by_label.setdefault(called.get(name, name), name)
-        if other != name:
-            raise InputError(
-                f"{other} and {name} would both be called {called.get(name, name)!r}: give them two labels"
-            )
+    if alike := namesakes(known, labels_in(labelled)):
+        raise InputError("{} and {} would both be called {!r}: give them two labels".format(*alike))
     return labelled
 
 
@@ -51,6 +45,13 @@ def titles_in(*results: xr.Dataset) -> dict[str, str]:
     for each in results:
         titles |= labels_in(each)
     return titles
+
+
+def titles_of_contenders(*results: xr.Dataset) -> dict[str, str]:
+    """What figures call brains by the names that contenders have, in which labels already stand for brains."""
+    labels = {name: label for each in results for name, label in labels_in(each).items()}
+    titles = {name: title for name, title in TITLES.items() if name not in labels}
+    return titles | {label: label for label in labels.values()}
 
 
 def renamed(contender: str, names: Mapping[str, str]) -> str:

@@ -1,6 +1,5 @@
 """Checks of a study's values against each other, which no table alone can do."""
 
-import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Brain
+from swarmcensus.brains.library import namesakes
 from swarmcensus.metrics.metric import PREFIXES, RESERVED, SUFFIXES
 from swarmcensus.studies import members
 from swarmcensus.studies.fields import LARGEST, plain_text
@@ -74,10 +74,8 @@ def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:
         if name not in brains:
             known = ", ".join(brains)
             raise ValueError(f"labels: no brain is called {name!r}: {did_you_mean(name, brains)}there are {known}")
-    called = [labels.get(name, name) for name in brains]
-    for first, second in itertools.combinations(range(len(brains)), 2):
-        if called[first] == called[second]:
-            raise ValueError(f"labels: {brains[first]} and {brains[second]} would both be called {called[first]!r}")
+    if alike := namesakes(brains, labels):
+        raise ValueError("labels: {} and {} would both be called {!r}".format(*alike))
 
 
 def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:

@@ -1,5 +1,7 @@
 """The shipped brains, one file each, and what figures call them."""
 
+from collections.abc import Mapping, Sequence
+
 TITLES = {
     "alone": "Alone",
     "asdf": "ASDF",
@@ -35,3 +37,14 @@ TITLES = {
     "w-msr": "W-MSR",
     "weighted-voter": "Weighted voter model",
 }
+
+
+def namesakes(brains: Sequence[str], labels: Mapping[str, str]) -> tuple[str, str, str] | None:
+    """Two of these brains that tables or figures would call alike, and how; None if there are none."""
+    for titles in ({}, TITLES):  # of tables, of figures
+        by_name: dict[str, str] = {}
+        for brain in brains:
+            name = labels.get(brain, titles.get(brain, brain))
+            if by_name.setdefault(name, brain) != brain:
+                return by_name[name], brain, name
+    return None

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.brains.library import TITLES
 from swarmcensus.comparing import comparison
 from swarmcensus.comparing.effects import Effect, effects
 from swarmcensus.comparing.pair_tests import in_worlds_too_few, too_few
@@ -29,7 +28,7 @@ from swarmcensus.figures.notes import say_few, say_lacking, say_left_out, with_n
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, figure_of, layout, name_axes, say_empty, sheet, show_range
-from swarmcensus.results.labels import renamed
+from swarmcensus.results.labels import renamed, titles_of_contenders
 
 MOST_ROWS = 40
 NUMBERLESS = "no pair of trials has numbers"
@@ -109,12 +108,13 @@ def draw_effects(
         )
     others = [k for k in range(len(standings.contenders)) if k != reference]
     names = [standings.contenders[k] for k in others]
-    looks = list(looks_of(names, "o", "brain").values())
+    titles = titles_of_contenders(*results)
+    looks = list(looks_of(names, "o", "brain", titles).values())
     texts = [_row_name(world, count, len(standings.grid.worlds)) for world, count in rows]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
     if single:  # contenders are the rows, and all look alike
-        texts, looks = [renamed(name, TITLES) for name in names], [Look("", "", palette(11)[3], "o")]
+        texts, looks = [renamed(name, titles) for name in names], [Look("", "", palette(11)[3], "o")]
     width = page().width
     room = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)
     labels = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
@@ -154,9 +154,8 @@ def draw_effects(
         name_axes(place, name, "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
-    add_key(
-        axes, f"difference from {renamed(standings.contenders[reference], TITLES)}", _entries(looks, effects, others)
-    )
+    against = renamed(standings.contenders[reference], titles).replace("$", r"\$")
+    add_key(axes, f"difference from {against}", _entries(looks, effects, others))
     say_left_out(axes, every, kept, NUMBERLESS)
     say_lacking(axes, results)
     say_few(axes, few)

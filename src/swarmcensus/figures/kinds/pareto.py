@@ -25,6 +25,7 @@ from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Own, add_key, figure_of, name_axes, sheet, show_range
+from swarmcensus.results.labels import titles_of_contenders
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
@@ -109,7 +110,7 @@ def draw_pareto(
     costs = _rounded(known[cost])
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
-    looks = looks_of(standings.contenders, "o", "brain")
+    looks = looks_of(standings.contenders, "o", "brain", titles_of_contenders(*results))
     captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept = with_numbers(ax, captions, has)

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.brains.library import TITLES
 from swarmcensus.comparing.cells import p_equals
 from swarmcensus.comparing.comparison import compare
 from swarmcensus.comparing.pair_tests import Contest, in_worlds_too_few, overall_too_few
@@ -23,7 +22,7 @@ from swarmcensus.figures.notes import say_few, say_lacking, say_left_out
 from swarmcensus.figures.page import SHEET, PageOptions, caption_letters, letters, on_page, page, scale, title_letters
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, caption_panels, figure_of, own_axes
-from swarmcensus.results.labels import renamed
+from swarmcensus.results.labels import renamed, titles_of_contenders
 from swarmcensus.statistics.significance import groups
 
 # Inches, with letters of the usual size:
@@ -76,8 +75,10 @@ def draw_ranks(
         )
     joined = [_joined(standings, standings.contests[k]) for k in drawn]
     times, wide = scale(), _width()
+    titles = titles_of_contenders(*results)
+    called = [renamed(name, titles) for name in standings.contenders]
     side = min(NAMES * times, SHARE * wide)  # for the names
-    names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in _called(standings)]
+    names = [wrapped(name, 72 * (side - 0.45 * times), letters(), MOST_LINES) for name in called]
     tall = times * LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
     captions = [_caption(standings, k, bars) for k, bars in zip(drawn, joined, strict=True)]
     lines_of = [len(wrapped(caption, 72 * (wide - 0.4), caption_letters())) for caption in captions]
@@ -99,10 +100,6 @@ def draw_ranks(
     say_left_out(panels[-1:], every, drawn, "no world in which all contenders have numbers")
     say_few(panels[-1:], overall_too_few(standings.contests) or in_worlds_too_few(standings.contests))
     return figure_of(panels)
-
-
-def _called(standings: Standings) -> list[str]:
-    return [renamed(name, TITLES) for name in standings.contenders]
 
 
 def _width() -> float:

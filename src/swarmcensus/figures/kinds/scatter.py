@@ -281,6 +281,6 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     for place, text in zip(places, texts, strict=True):
         axes.text(
             place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=_name_letters(),
-            transform=axes.transAxes,
+            transform=axes.transAxes, parse_math=False,
         )  # fmt: skip
     return len(order) == len(dots)
