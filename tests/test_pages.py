@@ -296,6 +296,35 @@ def test_long_names_are_shortened_once_and_stay_different(draw):
     assert len(set(labels)) == 3
 
 
+def test_two_brains_with_one_label_in_merged_studies_keep_their_own_names():
+    text = MOVING.replace("robots", 'brain = "{0}"\nrobots').replace("trials = 1", "trials = 1\nlabels.{0} = 'Ours'")
+    studies = [sc.Study.parse(text.format(brain).replace("ticks = 20", "ticks = 1")) for brain in ("legacy", "swift")]
+    merged = sc.merge([sc.run(study, jobs=1) for study in studies])
+    figure = sc.plot.lines(merged, x="brain")
+    assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Legacy (paper)", "Swift"]
+    assert sc.compare(merged).grid.contenders == ["legacy", "swift"]
+
+
+def test_accuracies_as_numbers_are_an_axis_instead_of_accuracy(draw, small_results):
+    lines = sc.plot.lines(small_results, x="accuracy_black", color="topology")
+    for figure in (lines, draw("scatter", color="accuracy_black")):
+        captions = [ax.get_title("left") for ax in figure.axes]
+        assert captions
+        assert not any("accuracy" in caption for caption in captions)
+
+
+def test_many_long_names_under_an_axis_stay_on_the_paper_and_apart(small_results):
+    names = [f"brains/some_long_name_of_number_{k}.py" for k in range(small_results.sizes["setting"])]
+    data = small_results.assign_coords(brain=("setting", np.array(names)))
+    figure = sc.plot.lines(data, x="brain", panels=[], width=2.0, font_size=6)
+    figure.canvas.draw()
+    ticks = [tick for tick in figure.axes[0].get_xticklabels() if tick.get_text()]
+    assert 2 < len(ticks) < len(names)
+    assert min(tick.get_window_extent().x0 for tick in ticks) >= 0
+    ends = [tick.get_window_extent().x1 for tick in ticks]
+    assert min(np.diff(ends)) >= 6 / 72 * figure.dpi / np.sin(np.radians(40))  # lines of letters do not touch
+
+
 def test_a_study_without_a_name_is_called_by_its_file(draw, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     study = sc.Study.parse(MOVING.replace('name   = "moving"', ""))

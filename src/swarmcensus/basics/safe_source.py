@@ -40,7 +40,7 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
         return plugins.path(name)
     if not path.is_file():
         known = ", ".join(plugins.names)
-        file = path.with_name(f"{path.name}.py")
+        file = Path(f"{path}.py")
         hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, plugins.names)
         raise InputError(
             f"{plugins.kind} {name!r}: {hint}neither a shipped {plugins.kind} ({known}) nor a file at {path}"

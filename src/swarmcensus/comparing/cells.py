@@ -69,8 +69,9 @@ def numbers(
     with np.errstate(invalid="ignore"):  # both ends may be infinite
         widths = times * (high - low)
     widths = widths[np.isfinite(widths)]
-    digits = 1 if measure.unit in ("rounds", "observations") else 2
-    decimals = 4
+    counts = measure.unit in ("rounds", "observations")
+    digits = 1 if counts else 2
+    decimals = 1 if counts or measure.share else 4
     if widths.size:
         decimals = min(max(decimals_for(float(np.median(widths)), digits), int(measure.share)), MOST_DECIMALS)
     known = values[np.isfinite(values)]

@@ -24,6 +24,7 @@ COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts} 
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
 WIDE = 30.0  # the same for measured values
 LONGEST = 87.0  # points: length of a slanted name under an axis
+SLANT = 40.0  # degrees
 
 
 def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
@@ -44,11 +45,14 @@ class Lettering(NamedTuple):
     @property
     def style(self) -> dict[str, Any]:
         """Keyword arguments of `set_xticks`."""
-        return {"rotation": 40, "ha": "right", "rotation_mode": "anchor"} if self.slanted else {}
+        return {"rotation": SLANT, "ha": "right", "rotation_mode": "anchor"} if self.slanted else {}
 
 
-def names_of(looks: dict[str, Look], width: float) -> Lettering:
-    """The labels under an axis of `width` points: horizontal in up to two lines, or slanted if a word is too long."""
+def names_of(looks: dict[str, Look], width: float, left: float = np.inf) -> Lettering:
+    """The labels under an axis of `width` points: horizontal in up to two lines, or slanted if a word is too long.
+
+    `left` is how many points there are from the axis to the paper's left edge.
+    """
     texts, room = [look.name for look in looks.values()], width / len(looks) - 4
     if places_of(looks)[1]:
         return Lettering(texts, False, 0.0)
@@ -56,8 +60,10 @@ def names_of(looks: dict[str, Look], width: float) -> Lettering:
         lines = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
         if not any("…" in text for text in lines):
             return Lettering(lines, False, max(text.count("\n") for text in lines) * SPACING * letters() / 72)
-    texts = shortened_apart(texts, LONGEST, letters())
-    return Lettering(texts, True, (0.64 * max(width_of(text, letters()) for text in texts) + 2) / 72)
+    slope = np.radians(SLANT)
+    first = (left + width / len(looks) / 2 - letters()) / np.cos(slope)  # from the first tick to the paper's edge
+    texts = shortened_apart(texts, min(LONGEST, first), letters())
+    return Lettering(texts, True, (np.sin(slope) * max(width_of(text, letters()) for text in texts) + 2) / 72)
 
 
 def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Lettering, aside: float) -> None:
@@ -71,7 +77,9 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     texts = names.texts
     if not numbers:
         show_range(axes, "x", -0.5, x.size - 0.5)
-        axes.set_xticks(x, texts, parse_math=False, **names.style)
+        needed = SPACING * letters() / np.sin(np.radians(SLANT)) if names.slanted else 0.0
+        kept = range(0, x.size, max(1, int(np.ceil(needed * x.size / width))))
+        axes.set_xticks(x[kept], [texts[k] for k in kept], parse_math=False, **names.style)
         axes.tick_params(axis="x", length=0)
         return
     log = name in COUNTS and x.min() > 0 and x.max() >= DECADES * x.min()
@@ -84,13 +92,13 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     show_range(axes, "x", *(np.exp([low, high]) if log else (low, high)))
     at = width * (scaled - low) / (high - low)
     half = np.array([width_of(text, letters()) / 2 for text in texts])
-    kept: list[int] = []
+    fits: list[int] = []
     for k in sorted(range(x.size), key=lambda k: (k not in (x.argmin(), x.argmax()), x[k])):  # both ends first
-        if all(abs(at[k] - at[other]) > half[k] + half[other] + 4 for other in kept):
-            kept.append(k)
-    axes.xaxis.set_major_locator(FixedLocator(sorted(float(x[k]) for k in kept)))
+        if all(abs(at[k] - at[other]) > half[k] + half[other] + 4 for other in fits):
+            fits.append(k)
+    axes.xaxis.set_major_locator(FixedLocator(sorted(float(x[k]) for k in fits)))
     axes.xaxis.set_minor_locator(NullLocator())
-    named = {float(x[k]): texts[k] for k in kept}
+    named = {float(x[k]): texts[k] for k in fits}
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
 
 

@@ -67,14 +67,16 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
     """Return every setting's value of each coordinate that varies; None stands for a missing value.
 
     The coordinates `apart_from` are left out. So are coordinates that repeat others, unless `twice`: density or side of
-    an arena; `liars` and `adversary` if there are `members`; a floor that all arenas share; a parameter with a single
-    value; and, if `apart_from` are the two or more axes of a figure, everything that follows from them.
+    an arena; `liars` and `adversary` if there are `members`; the accuracy, if `apart_from` has its numbers; a floor
+    that all arenas share; a parameter with a single value; and, if `apart_from` are the two or more axes of a figure,
+    everything that follows from them.
     """
     left_out = {*apart_from, *NUMERIC}
     if not twice:
         given = {*apart_from}
         left_out |= {"density", "side"} if given & {"density", "side"} else {derived_size(results)}
         left_out |= _restated_by_liars(results) if given & LIARS else LIARS
+        left_out |= _restated_by_numbers(results, given & NUMERIC.keys())
     restating = set() if twice else {"floor"}.union(*parameters_in(results).values())
     varying = {}
     for name in coordinates_of(results):
@@ -133,6 +135,14 @@ def from_nobody(results: xr.Dataset) -> xr.Dataset:
     ]
     names = np.array([name for _, name in rows], dtype=object)
     return results.isel(setting=[k for k, _ in rows]).assign_coords(adversary=("setting", names))
+
+
+def _restated_by_numbers(results: xr.Dataset, numbers: set[str]) -> set[str]:
+    """The accuracy, if it follows from some of its numbers; else nothing."""
+    if not numbers:
+        return set()
+    at = list(zip(*(texts_of(results, name).tolist() for name in sorted(numbers)), strict=True))
+    return {"accuracy"} if len({*zip(at, results["accuracy"].values.tolist(), strict=True)}) == len({*at}) else set()
 
 
 def _restated_by_liars(results: xr.Dataset) -> set[str]:

@@ -142,19 +142,22 @@ class _Turned:
 
 def _page_of(width: Width | None, height: float | None, font_size: float | None) -> Page:
     inches = WIDTHS.get(width, width) if isinstance(width, str) else width
+    sizes: dict[str, float | None] = {}
     for name, value, (least, most) in (
         ("width", inches, SIZES),
         ("height", height, SIZES),
         ("font_size", font_size, FONTS),
     ):
         if value is None:
+            sizes[name] = None
             continue
         if isinstance(value, bool) or not isinstance(value, numbers.Real) or not least <= value <= most:
             unit = "points" if name == "font_size" else "inches"
             names = f", or one of {', '.join(WIDTHS)}" if name == "width" else ""
             raise InputError(f"{option(name, value)}: should be {least:g} to {most:g} {unit}{names}")
-    letters = SLIDE_LETTERS if width == "slide" and font_size is None else font_size
-    return Page(None if inches is None else float(inches), height, letters)
+        sizes[name] = float(value)
+    letters = SLIDE_LETTERS if width == "slide" and font_size is None else sizes["font_size"]
+    return Page(sizes["width"], sizes["height"], letters)
 
 
 def _panel_height(figure: Figure, height: float) -> float | None:

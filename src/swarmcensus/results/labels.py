@@ -4,6 +4,7 @@ import json
 import tomllib
 from collections.abc import Mapping
 
+import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
@@ -15,18 +16,32 @@ LABELS = "labels"  # the table of a study file, and the attribute with the user'
 
 
 def labels_in(results: xr.Dataset) -> dict[str, str]:
-    """The labels of the studies that results are of, and of `with_labels`, by brains' names."""
+    """The labels of the studies that results are of, and of `with_labels`, by brains' names.
+
+    Merged studies may give one label to two brains, which then keep their own names.
+    """
+    labels, known = _given(results), _brains_in(results)
+    while (alike := namesakes(known, labels)) and labels.keys() & alike[:2]:
+        labels = {name: label for name, label in labels.items() if name not in alike[:2]}
+    return labels
+
+
+def _brains_in(results: xr.Dataset) -> list[str]:
+    return list(dict.fromkeys(np.atleast_1d(results["brain"].values).tolist())) if "brain" in results else []
+
+
+def _given(results: xr.Dataset) -> dict[str, str]:
     texts = json.loads(results.attrs["merged"]) if "merged" in results.attrs else [results.attrs.get("study", "")]
     labels: dict[str, str] = {}
     for text in texts:
         labels |= tomllib.loads(text).get(LABELS, {})
-    labels |= json.loads(results.attrs.get(LABELS, "{}"))
-    return labels
+    own: dict[str, str] = json.loads(results.attrs.get(LABELS, "{}"))
+    return labels | own
 
 
 def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
     """Results whose brains are called so. Raises InputError for an unknown brain, and for one name of two brains."""
-    known = list(dict.fromkeys(results["brain"].values.tolist()))
+    known = _brains_in(results)
     for name, label in labels.items():
         what = f"--label {name}={label}" if in_shell() else f"labels={{{name!r}: {label!r}}}"
         if name not in known:
@@ -34,7 +49,7 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
         if not isinstance(label, str) or not label.strip() or not label.isprintable():
             raise InputError(f"{what}: a label should be a line of text")
     labelled = results.assign_attrs({LABELS: json.dumps(dict(labels))})
-    if alike := namesakes(known, labels_in(labelled)):
+    if alike := namesakes(known, _given(labelled)):
         raise InputError("{} and {} would both be called {!r}: give them two labels".format(*alike))
     return labelled
 

@@ -97,7 +97,7 @@ def heatmap(
     left = scale() * 0.55 + max(width_of(name, letters()) for name in names) / 72
     left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
     room = layout(len(drawn), size=size, left=left, key=False)
-    under = names_of(across, 72 * room.wide)
+    under = names_of(across, 72 * room.wide, 72 * left)
     numbered = numbered and room.wide >= cell * len(across) and room.high >= LINE * scale() * len(looks)
     size = room.wide, room.high
     axes = sheet(

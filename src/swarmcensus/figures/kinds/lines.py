@@ -140,7 +140,7 @@ def lines(
         looks = looks_of((value for panel_series in series for value in panel_series), "o", color, titles_in(results))
     beside = name_of(results, y, statistic, 72 * layout(len(parts)).high)
     left = scale() * (LEFT + 0.17 * beside.count("\n"))
-    under = names_of(across, 72 * layout(len(parts), left=left).wide)
+    under = names_of(across, 72 * layout(len(parts), left=left).wide, 72 * left if ax is None else np.inf)
     axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
     middle = (len(looks) - 1) / 2
