@@ -154,6 +154,10 @@ def test_numbers_of_numpy_are_sizes(draw, tmp_path):
     figure = draw("curves", width=np.int64(4), font_size=np.float32(8))
     assert sc.plot.save(figure, tmp_path / "f.png", dpi=np.int64(50))
     assert figure.get_figwidth() == 4.0
+    figure.set_size_inches(60, 60)
+    with pytest.raises(sc.InputError, match=r"dpi=600: these are 36,000 x 36,000 pixels, more than 400,000,000"):
+        sc.plot.save(figure, tmp_path / "large.png", dpi=600)
+    assert not (tmp_path / "large.png").exists()
 
 
 def test_axes_of_ones_own_have_the_size_of_their_figure(draw):

@@ -16,6 +16,7 @@ from swarmcensus.basics.options import option
 from swarmcensus.figures.page import RENDERING
 
 DPI = 150  # unless a style says otherwise
+MOST_PIXELS = 400_000_000  # 1.6 GB while a figure is drawn
 # Text stays text, which editors can alter, and the same figure gives the same bytes:
 SAVED: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42, "svg.hashsalt": "swarmcensus"}
 
@@ -35,11 +36,14 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     else is lines and text. The default is matplotlib's `savefig.dpi` if that is a number, else 150. The same figure
     gives the same bytes.
 
-    Raises InputError for a format that matplotlib cannot write, for another `dpi` than 10 to 2,400, and for a path that
-    cannot be written.
+    Raises InputError for a format that matplotlib cannot write, for another `dpi` than 10 to 2,400, for more than 400
+    million pixels, and for a path that cannot be written.
     """
     usual = mpl.rcParams["savefig.dpi"]
     dots = checked_dpi(DPI if isinstance(usual, str) else float(usual)) if dpi is None else checked_dpi(dpi)
+    wide, high = (round(dots * inches) for inches in figure.get_size_inches().tolist())
+    if wide * high > MOST_PIXELS:
+        raise InputError(f"{option('dpi', dots)}: these are {wide:,} x {high:,} pixels, more than {MOST_PIXELS:,}")
     path, known = Path(path), figure.canvas.get_supported_filetypes()
     suffix = path.suffix.lower().lstrip(".")
     if not formats and suffix.isalpha():
