@@ -507,6 +507,8 @@ def test_the_verdict_against_one_is_of_each_other():
     assert said[0].startswith("final error: of 2 worlds, against bayes-bots")
     assert said[0].endswith(": minimalistic is better in all 2")
     assert said[1].startswith("final error, over all worlds: minimalistic is better (better in 100%, worse in 0% of")
+    said = sc.compare(made_up(brains=2, trials=6), "final_error", against="bayes-bots").verdict
+    assert said[0].endswith(": minimalistic is not told apart in any of 2")
 
 
 @pytest.mark.parametrize(

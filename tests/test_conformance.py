@@ -528,7 +528,9 @@ def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
     bad = sc.check("bad.py", single=True)
     assert not bad.conforms
     assert bad.single is None
-    assert str(bad).startswith("bad.py does not keep the contract\nkeeps the contract: brain file bad.py, line 1: ")
+    assert str(bad).startswith(
+        "bad.py does not keep the contract\nFAIL  keeps the contract: brain file bad.py, line 1: "
+    )
     with pytest.raises(sc.InputError, match=r"brain 'minimalistc': did you mean 'minimalistic'\?"):
         sc.check("minimalistc")
     with pytest.raises(sc.InputError, match="did you mean 'legacy'"):
@@ -538,7 +540,7 @@ def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
     good = sc.check("three-state", single=True)
     assert good.conforms
     assert good.single == {"alone": None, "hearing": 7}
-    assert str(good).splitlines()[0] == "three-state keeps the contract"
+    assert repr(good).splitlines()[0] == "three-state keeps the contract"
 
 
 LOT = "    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n        me.kept = message[0]\n"

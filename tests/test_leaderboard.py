@@ -168,6 +168,12 @@ def test_scores_of_numbers_that_are_known(small):
     scores = scores_of(known, ["votes.py"])
     assert scores.contenders == ["minimalistic", *made]
     hold(scores, known, ["votes.py"])
+    board = entries.Board(known, "honest", scores, [], small)
+    table = board.table
+    assert table["place"].isna().tolist() == [False] * 3 + [True]  # an opinion has no error, and no place
+    assert table["brain"].tolist() == ["right.py", "minimalistic", "wrong.py", "votes.py"]
+    assert table["final_error: networks"][0] == scores.error.values[2, 0]
+    assert [line.split()[1] for line in repr(board).splitlines()[2:5]] == table["brain"].tolist()[:3]
     assert [scores.contenders[k] for k in scores.error.order][:3] == ["right.py", "minimalistic", "wrong.py"]
 
 

@@ -108,8 +108,12 @@ def _against(standings: Standings, standing: NDArray[np.str_]) -> str:
     for k, name in enumerate(standings.contenders):
         met = int((standing[:, k] != "").sum())
         phrases = [
-            f"{how} in {f'all {met:,}' if count == met > 1 else f'{count:,}'}"
-            for what, how in (("better", "better"), ("worse", "worse"), ("level", "not told apart"))
+            f"{how} in {f'{whole} {met:,}' if count == met > 1 else f'{count:,}'}"
+            for what, how, whole in (
+                ("better", "better", "all"),
+                ("worse", "worse", "all"),
+                ("level", "not told apart", "any of"),
+            )
             if (count := int((standing[:, k] == what).sum()))
         ]
         if len(standing) == 1:

@@ -9,7 +9,7 @@ from swarmcensus.conformance import suite
 from swarmcensus.conformance.suite import Check
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Conformance:
     """The checks of a brain or adversary, in order, and `notes` on what breaks no promise but should be known.
 
@@ -29,9 +29,13 @@ class Conformance:
 
     def __str__(self) -> str:
         """One line for each fault and note."""
-        faults = [f"{check.name}: {check.fault}" for check in self.checks if check.fault is not None]
+        faults = [f"FAIL  {check.name}: {check.fault}" for check in self.checks if check.fault is not None]
         head = f"{self.name} {'keeps' if self.conforms else 'does not keep'} the contract"
         return "\n".join([head, *faults, *(f"note: {note}" for note in self.notes)])
+
+    def __repr__(self) -> str:
+        """The same, so that a notebook shows it."""
+        return str(self)
 
 
 def check(brain: str | Path, *, wearing: str = "", single: bool = False) -> Conformance:

@@ -5,6 +5,7 @@ import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -15,6 +16,7 @@ from swarmcensus.basics.files import atomic_write, check_own, check_writable, da
 from swarmcensus.ranking.losses import Losses, losses_of
 from swarmcensus.ranking.page import TITLE, page
 from swarmcensus.ranking.scores import DIVISIONS, Scores, scores_of
+from swarmcensus.ranking.table import as_text, flat, rows
 from swarmcensus.results.merging import merge
 from swarmcensus.results.store import load
 from swarmcensus.runs.collect import Reporting
@@ -23,20 +25,41 @@ from swarmcensus.runs.running import run
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import read_toml, to_toml
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 PAGE, FIGURE = "leaderboard.md", "leaderboard.png"
 LEAST = 1e-3  # smaller errors have the same colour
 SIZE = 7.0  # points: the numbers of the picture
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Board:
-    """The outcome: results of all brains, scores of one board, losses of your own brains there, and the page."""
+    """The outcome: results of all brains, scores of one board, losses of your own brains there, and the page.
+
+    Its `repr` is the table that the terminal shows; `table` has all columns.
+    """
 
     data: xr.Dataset
     name: str
     scores: Scores
     losses: list[Losses]
     page: Path  # of all boards
+
+    @property
+    def table(self) -> "pd.DataFrame":
+        """A pandas table with a row for each contender, best first, and columns for each kind of world.
+
+        `place` is missing for bounds, and for brains whose estimate is an opinion. Errors are |x - f| after the last
+        round, and `right_side` is a share of robots.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(map(flat, rows(self.scores))).astype({"place": "Int64"})
+
+    def __repr__(self) -> str:
+        """The table, what its columns mean, and where your own brains are."""
+        return as_text(self.name, self.scores, self.losses)
 
 
 def leaderboard(
