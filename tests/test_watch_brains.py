@@ -89,6 +89,7 @@ def test_the_command_takes_parameters(tmp_path, monkeypatch, capsys):
 def test_a_wrong_view_is_told(played, said):
     found = wanted(offer_of(None), {})
     check_moment(found, {"zoom": "3", "centre": "0.25,1", "follow": "1", "log": "1", "full": "0", "speed": "20"})
+    check_moment(found, {"speed": "Infinity"})  # what the page calls as fast as possible
     with pytest.raises(InputError) as told:
         check_moment(found, played)
     assert str(told.value) == said

@@ -43,13 +43,14 @@ def test_read_outs_follow_the_slider(page, served):  # noqa: F811
 
 @pytest.mark.long
 def test_an_address_holds_the_view(page, served):  # noqa: F811
-    come(page, served.address("tick=40&robot=3&zoom=4&follow=1&log=1&full=1&speed=20"), 40)
+    come(page, served.address("tick=40&robot=3&zoom=4&follow=1&log=1&full=1&speed=15"), 40)
     seen = "[state.view.zoom, $('follow').checked, $('log').checked, $('full').checked, state.speed, state.chosen]"
-    assert page.evaluate(seen) == [4, True, True, True, 20, 3]
+    assert page.evaluate(seen) == [4, True, True, True, 15, 3]
+    assert page.evaluate("$('speed').selectedOptions[0].text") == "15 per second"  # though the page has no such choice
     page.keyboard.press("+")
     page.keyboard.press("l")
     page.keyboard.press("d")  # which ends following
-    page.wait_for_url(re.compile(r"zoom=5\.6&centre=[\d.]+%2C[\d.]+&full=1&speed=20$"))
+    page.wait_for_url(re.compile(r"zoom=5\.6&centre=[\d.]+%2C[\d.]+&full=1&speed=15$"))
 
 
 @pytest.mark.long

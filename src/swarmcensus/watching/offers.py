@@ -65,6 +65,7 @@ PLAYED = (
 )  # what concerns the view
 COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
 MOST_ZOOM = 40
+AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
 
 
 @dataclass(frozen=True)
@@ -217,7 +218,7 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
         _number(played, "zoom", 1.0, MOST_ZOOM)
     for key in ("follow", "log", "full"):
         _whole(played, key, 0, 0, 1)
-    if "speed" in played:
+    if played.get("speed", AS_FAST_AS_POSSIBLE) != AS_FAST_AS_POSSIBLE:
         _number(played, "speed", 1, 10_000)
     if "centre" in played and not re.fullmatch(
         r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII

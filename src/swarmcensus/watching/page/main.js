@@ -53,7 +53,7 @@ document.addEventListener("keydown", (event) => {
   does(event);
 });
 
-for (const speed of SPEEDS) $("speed").append(element("option", { value: String(speed) }, speed === Infinity ? "as fast as possible" : `${speed.toLocaleString("en")} per second`));
+playAt(USUAL);
 $("speed").addEventListener("change", () => {
   state.speed = Number($("speed").value);
   remember();

@@ -273,7 +273,6 @@ function choose(robot, side = state.side) {
 
 function pace(by) {
   const at = SPEEDS.indexOf(state.speed) + by;
-  state.speed = SPEEDS[Math.min(Math.max(at, 0), SPEEDS.length - 1)];
-  $("speed").value = String(state.speed);
+  playAt(SPEEDS[Math.min(Math.max(at, 0), SPEEDS.length - 1)]);
   remember();
 }

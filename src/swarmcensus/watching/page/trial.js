@@ -3,6 +3,7 @@
 
 const $ = (id) => document.getElementById(id);
 const SPEEDS = [1, 2, 5, 10, 20, 30, 60, 120, 300, 1000, 3000, 10000, Infinity];
+const FASTEST = 10000; // that an address can name, but for Infinity
 const USUAL = 60; // ticks per second
 const PICTURES = 60; // frames drawn per second
 const AHEAD = 120; // frames that are fetched in advance
@@ -40,7 +41,7 @@ function wishOf(text) {
     ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
     side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "off", zoom: Number(zoom) || 1,
     centre: x >= 0 && x <= 1 && y >= 0 && y <= 1 ? [x, y] : [0.5, 0.5],
-    follow: follow === "1", log: log === "1", full: full === "1", speed: SPEEDS.includes(Number(speed)) ? Number(speed) : USUAL,
+    follow: follow === "1", log: log === "1", full: full === "1", speed: speed >= 1 && (speed <= FASTEST || speed === "Infinity") ? Number(speed) : USUAL,
   };
 }
 
@@ -49,10 +50,17 @@ function viewed() {
   remember();
 }
 
+function playAt(speed) {
+  if (!SPEEDS.includes(speed)) SPEEDS.splice(SPEEDS.findIndex((other) => other > speed), 0, speed);
+  $("speed").replaceChildren(...SPEEDS.map((one) => element("option", { value: String(one) }, one === Infinity ? "as fast as possible" : `${one.toLocaleString("en")} per second`)));
+  $("speed").value = String(speed);
+  state.speed = speed;
+}
+
 // the view of an address: all but the trial and its moment
 function look({ side, colour, zoom, centre, follow, log, full, speed }) {
-  [state.side, state.follow, state.speed] = [side, follow, speed];
-  $("speed").value = String(speed);
+  [state.side, state.follow] = [side, follow];
+  playAt(speed);
   [$("follow").checked, $("log").checked, $("full").checked] = [follow, log, full];
   state.view.set(zoom, centre);
   paint(colour);
