@@ -111,6 +111,13 @@ def test_every_kind_is_readable_in_a_column_and_on_a_slide(kind, draw):
         assert_readable(figure)
 
 
+@pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.75, 4.0), (5.8, 4.3), (6.0, 2.5)])
+def test_an_arena_is_readable_on_a_low_page(width, height, draw):
+    figure = draw("arena", width=width, height=height)
+    assert figure.get_figheight() == height
+    assert_readable(figure)
+
+
 def test_a_figure_has_the_height_and_letters_that_are_asked_for(draw):
     for kind in ("scatter", "lines", "heatmap", "curves", "compare", "arena"):
         figure = draw(kind, width=5.0, height=8.0, font_size=6)

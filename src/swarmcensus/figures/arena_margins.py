@@ -42,12 +42,14 @@ OVER = 0.85  # inches: the titles over an arena
 class ArenaSize(NamedTuple):
     """The side of an arena in inches, and whether its key is under it: in the caller's axes and on narrow pages.
 
-    `beside` are the inches to its right that titles and key may take.
+    `beside` are the inches to its right that titles and key may take. On low pages the key is `apart`, right of the
+    colour bar and not under it.
     """
 
     side: float = ARENA
     own: bool = False
     beside: float = 0.0
+    apart: bool = False
 
 
 def arena_on_page() -> tuple[tuple[float, float], tuple[float, float], ArenaSize]:
@@ -60,23 +62,26 @@ def arena_on_page() -> tuple[tuple[float, float], tuple[float, float], ArenaSize
     if width is None:
         width = SIZE[0] * times if height is None else height - around * times + LEFT * times + beside
     side = width - LEFT * times - beside
-    own = side < WIDE_ENOUGH * times
-    under = KEY_UNDER if own else BOTTOM
+    own, apart = side < WIDE_ENOUGH * times, False
+    if height is not None and not own:
+        side = min(side, height - around * times)
+        low = side < WIDE_ENOUGH * times
+        apart = low and width - LEFT * times - side >= (TIGHT + COLUMN) * times
+        own = low and not apart
+    under, top = (KEY_UNDER, OVER) if own else (BOTTOM, around - BOTTOM)
     if own:
         side = width - (LEFT + TIGHT) * times
-    top = OVER if own else around - BOTTOM
-    if height is not None:
-        side = min(side, height - (under + top) * times)
+        side = side if height is None else min(side, height - (under + top) * times)
     if side < NARROWEST * times:
         raise InputError(
             f"an arena with its key needs {(NARROWEST + LEFT + TIGHT) * times:.1f} inches of width at least, and "
-            f"{(NARROWEST + KEY_UNDER + OVER) * times:.1f} of height"
+            f"{(NARROWEST + under + top) * times:.1f} of height"
         )
     high = side + (under + top) * times
     return (
         (width, high if height is None else height),
         (LEFT * times, high - top * times - side),
-        ArenaSize(side, own, width - LEFT * times - side - 0.1),
+        ArenaSize(side, own, width - LEFT * times - side - 0.1, apart),
     )
 
 
@@ -107,7 +112,8 @@ def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[
     )
     colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad="0.6"))
     times = scale()
-    foot, tall = (0.0, size.side - 0.27 * times) if size.own else (2.15 * times, size.side - 2.5 * times)
+    foot, tall = (2.15, 2.5) if not (size.own or size.apart) else (0.0, 0.27)  # room for the key under it
+    foot, tall = foot * times, size.side - tall * times
     axes = arena.inset_axes((1 + 0.2 * times / size.side, foot / size.side, 0.16 * times / size.side, tall / size.side))
     low, truth, high = (float(norm(x)) for x in (0.0, true_fill_ratio, 1.0))
     edges = np.linspace(low, high, 257)
@@ -136,7 +142,7 @@ def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple
     times = scale()
     lines = wrapped(title, 72 * (size.side + size.beside), letters(), LINES)
     y = times * (0.19 + 0.13 * len(lines))
-    over = y if size.side > NARROW * times else y + 0.15 * times  # the headline takes two lines
+    over = y if size.apart or size.side > NARROW * times else y + 0.15 * times  # the headline takes two lines
 
     def write(x: float, right: float, up: float, text: str, points: float = large, **more: Any) -> Text:
         # Names of studies are plain text, even with dollar signs.
@@ -147,6 +153,7 @@ def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple
     when = write(0.0, 0.0, over, "")
     # Text is the slowest part of a film, so the text that stays is not drawn again in each frame.
     start = -0.08 * times * len(f"{robots:,} of {robots:,}") * large / title_letters()
+    start += (TIGHT + COLUMN) * times if size.apart else 0.0
     write(1.0, start - 0.05, y, "robots in the right bin:", ha="right")
     return when, write(1.0, start, y, "")
 
@@ -187,7 +194,7 @@ def draw_key(
         entries["black tile"] = Patch(facecolor=str(BLACK_TILE), edgecolor="0.5", linewidth=0.5)
         entries["white tile"] = Patch(facecolor=str(WHITE_TILE), edgecolor="0.5", linewidth=0.5)
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (1.0, 0.0), "labelspacing": 0.7}
-    place["bbox_transform"] = _moved(arena, 0.14 * scale(), 0.0)
+    place["bbox_transform"] = _moved(arena, (TIGHT if size.apart else 0.14) * scale(), 0.0)
     if size.own:
         place |= {
             "loc": "upper left",
