@@ -72,6 +72,8 @@ def _type(told: dict[str, Any]) -> str:
     if kind == "array":
         items = told.get("items", {})
         return "two numbers" if isinstance(items, list) else f"list of {_type(items)}"
+    if kind == "object" and "properties" not in told:
+        return f"table of {_type(told['additionalProperties'])}s"
     if kind == "object":
         keys = ", ".join(f"`{key}`" for key in told.get("properties", ()))
         return f"table with {keys}" if keys else f"table of {_type(told['additionalProperties'])}"

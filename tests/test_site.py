@@ -131,6 +131,12 @@ def test_every_command_and_option_is_on_its_page(site):
         assert f"<code>{option}</code>" in page
 
 
+def test_the_page_of_the_schema_has_a_type_for_every_key():
+    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
+    page = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))["page"](schema())
+    assert "| `labels` | table of texts |" in page
+
+
 @pytest.mark.long
 def test_every_key_of_a_study_is_on_its_page(site):
     page = (site / "reference" / "study-schema" / "index.html").read_text(encoding="utf-8")
