@@ -29,7 +29,7 @@ def add_brains_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `brains`."""
     action = sub.add_mutually_exclusive_group()
     action.add_argument("--check", metavar="FILE", help="run a brain or an adversary through the conformance suite")
-    action.add_argument("--show", metavar="FILE", help="print the source of a brain, or of an adversary and its brain")
+    action.add_argument("--show", metavar="BRAIN", help="print the source of a brain, or of an adversary and its brain")
     action.add_argument(
         "--cost",
         nargs="*",
