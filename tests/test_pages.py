@@ -136,6 +136,11 @@ def test_a_figure_has_the_height_and_letters_that_are_asked_for(draw):
         ("lines", {"width": 2.0, "font_size": 30}, r"width=2.0: this figure needs \d+\.\d inches at least"),
         ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
         ("arena", {"height": 2.0}, "an arena with its key needs"),
+        (
+            "lines",
+            {"colour": "brain"},
+            r"lines has no option 'colour': did you mean 'color'\? there are y, x, .*, width",
+        ),
         ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
         ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
         (

@@ -92,16 +92,16 @@ def scale() -> float:
 
 
 def on_page(draw: Kind) -> Kind:
-    """Let a kind of figure take the options of `PageOptions`. Raises InputError for impossible ones."""
-
+    """Let a kind of figure take the options of `PageOptions`. Raises InputError for impossible and unknown ones."""
     known = [name for name, each in inspect.signature(draw).parameters.items() if each.kind != each.VAR_KEYWORD][1:]
     known += PageOptions.__annotations__
 
     @functools.wraps(draw)
     def drawn(results: xr.Dataset, **options: Any) -> Any:
-        if unknown := next((name for name in options if name not in known), None):
-            hint = did_you_mean(unknown, known) or f"it has {', '.join(known)}"
-            raise TypeError(f"{draw.__name__} has no option {unknown!r}: {hint.strip()}")
+        if wrong := next((name for name in options if name not in known), None):
+            raise InputError(
+                f"{draw.__name__} has no option {wrong!r}: {did_you_mean(wrong, known)}there are {', '.join(known)}"
+            )
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
         labels, own_axes = given.pop("labels"), options.get("ax") is not None
         if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):

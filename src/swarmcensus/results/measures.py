@@ -172,9 +172,14 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
     return out
 
 
+def derivable(data: xr.Dataset) -> list[str]:
+    """The names of quantities that are not stored, but can be worked out from what is."""
+    return [name for name, one in QUANTITIES.items() if name not in data and one.inputs and not lacks(data, name)]
+
+
 def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
     """Results with a derived quantity as a new variable; unchanged if it is stored or cannot be derived."""
-    if name in data or name not in QUANTITIES or not QUANTITIES[name].inputs or lacks(data, name):
+    if name not in derivable(data):
         return data
     robots = robots_in(data).values[:, np.newaxis, np.newaxis]
     made = _made(data, name, slice(None))

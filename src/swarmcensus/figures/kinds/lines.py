@@ -37,7 +37,7 @@ from swarmcensus.figures.sheets import (
     sheet,
 )
 from swarmcensus.results.labels import titles_in
-from swarmcensus.results.measures import is_share, statistic_of, with_measure
+from swarmcensus.results.measures import derivable, is_share, statistic_of, with_measure
 from swarmcensus.results.selecting import require
 from swarmcensus.results.values import bounds_in, robots_in
 from swarmcensus.statistics.intervals import estimate_pooled
@@ -336,8 +336,9 @@ def measured(results: xr.Dataset, name: str, at_checkpoints: bool) -> xr.Dataset
     unknown name.
     """
     require(results)
-    known = variables_of(results)
-    if name not in known:
+    variables = variables_of(results)
+    if name not in variables:
+        known = [*variables, *derivable(results)]
         raise InputError(f"y {name!r}: {did_you_mean(name, known)}what is measured here is {', '.join(known)}")
     whole = results[name].dtype.kind == "i"
     variable = results[name].astype(float)
