@@ -136,6 +136,7 @@ def test_a_figure_has_the_height_and_letters_that_are_asked_for(draw):
         ("lines", {"width": 2.0, "font_size": 30}, r"width=2.0: this figure needs \d+\.\d inches at least"),
         ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
         ("arena", {"height": 2.0}, "an arena with its key needs"),
+        ("lines", {"y": "final_eror"}, r"y 'final_eror': did you mean 'final_error'\? what is measured here is "),
         (
             "lines",
             {"colour": "brain"},
