@@ -95,7 +95,7 @@ def sentences(losses: Sequence[Losses]) -> Iterator[str]:
     """Where each brain of your own is, and where it loses most."""
     for one in losses:
         worst = one.columns[0]
-        text = f"its worst kind of world is '{worst.column}' (number {worst.place} of {worst.of}; best is {worst.best})"
+        text = f"it loses most in '{worst.column}', to {worst.best} (number {worst.place} of {worst.of} there)"
         text = text if worst.place > 1 else "it is first in every kind of world"
         yield f"{one.name} is number {one.place} of {one.of}; {text}"
 
