@@ -157,7 +157,7 @@ def test_pages_that_cannot_be_are_told_in_a_line(kind, options, said, draw):
 
 
 def test_an_option_that_no_kind_has_is_told(draw):
-    with pytest.raises(TypeError, match="lines has no option 'widht': did you mean 'width'"):
+    with pytest.raises(sc.InputError, match="lines has no option 'widht': did you mean 'width'"):
         draw("lines", widht=3.5)
     with pytest.raises(sc.InputError, match="labels=3: should be names by names"):
         draw("lines", labels=3)
