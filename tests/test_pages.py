@@ -218,6 +218,13 @@ def test_styles_are_respected(draw, small_file, tmp_path, monkeypatch):
     assert mpl.rcParams["axes.facecolor"] == "white"  # as before
 
 
+def test_on_dark_paper_no_line_is_black(draw):
+    with mpl.style.context("dark_background"):
+        lines = [line for kind in ("ranks", "curves") for line in draw(kind).axes[0].get_lines()]
+    assert lines
+    assert "black" not in {line.get_color() for line in lines}
+
+
 # ---- names of brains
 
 

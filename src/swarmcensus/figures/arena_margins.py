@@ -18,7 +18,7 @@ from matplotlib.transforms import ScaledTranslation, Transform
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.looks import LIES
-from swarmcensus.figures.page import letters, page, scale, title_letters
+from swarmcensus.figures.page import ink, letters, page, scale, title_letters
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
 LEFT, BOTTOM, ARENA = 0.25, 0.5, 5.1  # inches
@@ -163,7 +163,7 @@ def draw_scale(axes: Axes, size: ArenaSize, half: float, note: str) -> None:
     length = max(m * 10.0**e for m in (1, 2, 5) for e in range(-3, 6) if m * 10.0**e <= 0.6 * half)
     y = -half * (1.0 + 2.0 * 0.14 * scale() / size.side)
     x = -half, -half + length
-    axes.plot(x, [y, y], "|-", color="black", linewidth=1.2, markersize=6, clip_on=False)
+    axes.plot(x, [y, y], "|-", color=ink(), linewidth=1.2, markersize=6, clip_on=False)
     axes.text(
         x[1] + 0.03 * half, y, f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm", va="center",
         fontsize=letters(),

@@ -12,11 +12,12 @@ from matplotlib.axes import Axes
 from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.lettering import width_of, wrapped
-from swarmcensus.figures.page import KEY_BELOW, SHEET, letters, page, scale
+from swarmcensus.figures.page import KEY_BELOW, SHEET, letters, on_dark, page, scale
 from swarmcensus.figures.sheets import Own, make_room
 
 LOG = logging.getLogger(__name__)
 
+WARM, WARM_ON_DARK = "#a03000", "#ff9c6b"  # colours of notes
 NOTES = ("key", "lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
 
 
@@ -78,5 +79,5 @@ def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", 
     x = 6 / (72 * figure.get_figwidth())
     figure.text(
         x if ha == "left" else 1 - x, 4 / (72 * figure.get_figheight()) + up * row / figure.get_figheight(),
-        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color="#a03000", gid=kind, parse_math=False,
+        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color=WARM_ON_DARK if on_dark() else WARM, gid=kind, parse_math=False,
     )  # fmt: skip

@@ -15,6 +15,7 @@ from typing import Any, Literal, NamedTuple, TypedDict, TypeVar
 
 import matplotlib as mpl
 import xarray as xr
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
@@ -74,6 +75,16 @@ def letters() -> float:
         return chosen
     size = float(mpl.rcParams["font.size"])
     return LETTERS if size == mpl.rcParamsDefault["font.size"] else size
+
+
+def ink() -> str:
+    """The colour of lines that must stand out from the paper: that of texts, which a dark style makes light."""
+    return str(mpl.rcParams["text.color"])
+
+
+def on_dark() -> bool:
+    """Whether a style makes paper dark and texts light."""
+    return max(to_rgb(ink())) > 0.5
 
 
 def caption_letters() -> float:

@@ -19,7 +19,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.explaining.expectations import ALONE, SWARM, Expectation, expect
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
-from swarmcensus.figures.page import PageOptions, on_page
+from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, figure_of, name_axes, sheet, show_range
 from swarmcensus.figures.theory_lines import STYLES, THIN, caption_without_theory, sample
@@ -104,7 +104,7 @@ def curves(
         entries[f"{of_liars.shape[1]:,} that are not honest"] = Line2D([], [], linewidth=0.9, color=LIES, linestyle=":")
     if expected is not None:
         entries |= _draw_theory(place, expected)
-    (middle,) = place.plot(rounds, np.nanmedian(x, axis=1), color="black", linewidth=1.6, label="median")
+    (middle,) = place.plot(rounds, np.nanmedian(x, axis=1), color=ink(), linewidth=1.6, label="median")
     name = ("median robot" if honest.all() else "median honest robot") if robots > 1 else "the robot"
     entries[name] = middle
     if "fill_ratio" in trace.attrs:
@@ -132,14 +132,21 @@ def _draw_theory(ax: Axes, expected: Expectation) -> dict[str, Artist]:
     """Draw the ranges that theory expects. Returns their entries in the key."""
     for name, line in expected.lines.items():
         for ends in (line.low, line.high):
-            ax.plot(expected.times, ends, color="black", linewidth=THIN, linestyle=STYLES[name], label=f"theory {name}")
+            ax.plot(expected.times, ends, color=ink(), linewidth=THIN, linestyle=STYLES[name], label=f"theory {name}")
     return {HALVES[name]: sample(name) for name in expected.lines}
 
 
 def _draw_truth(ax: Axes, trace: xr.Dataset, bins: int) -> tuple[Artist, Artist]:
     """Draw the right bin, shaded, and the true fill ratio, dashed, by round if it changes. Returns both artists."""
     truths = truths_of(trace)
-    shade: dict[str, Any] = {"fc": "0.92", "ec": "0.5", "lw": 0.6, "ls": ":", "zorder": 0, "label": "bin"}
+    shade: dict[str, Any] = {
+        "fc": "0.25" if on_dark() else "0.92",
+        "ec": "0.5",
+        "lw": 0.6,
+        "ls": ":",
+        "zorder": 0,
+        "label": "bin",
+    }
     dash: dict[str, Any] = {"color": "#d55e00", "ls": (0, (4, 2)), "lw": 1.2, "zorder": 3, "label": "truth"}
     if truths is None:
         truth = truth_of(trace)

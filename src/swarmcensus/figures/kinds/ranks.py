@@ -19,7 +19,17 @@ from swarmcensus.comparing.pair_tests import Contest, in_worlds_too_few, overall
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.notes import say_few, say_lacking, say_left_out
-from swarmcensus.figures.page import SHEET, PageOptions, caption_letters, letters, on_page, page, scale, title_letters
+from swarmcensus.figures.page import (
+    SHEET,
+    PageOptions,
+    caption_letters,
+    ink,
+    letters,
+    on_page,
+    page,
+    scale,
+    title_letters,
+)
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, caption_panels, figure_of, own_axes
 from swarmcensus.results.labels import renamed, titles_of_contenders
@@ -169,14 +179,14 @@ def _draw(
     axes.set_xlim(left, right)
     axes.set_ylim(inches, 0)
     axes.set_axis_off()
-    axes.plot([1, count], [0, 0], color="black", linewidth=1, clip_on=False)
+    axes.plot([1, count], [0, 0], color=ink(), linewidth=1, clip_on=False)
     step = max(1, count // 12, int(np.ceil(1.6 * letters() / 72 / wide)))
     for rank in range(1, count + 1, step):
-        axes.plot([rank, rank], [0, -0.05], color="black", linewidth=1, clip_on=False)
+        axes.plot([rank, rank], [0, -0.05], color=ink(), linewidth=1, clip_on=False)
         axes.text(rank, -0.07, str(rank), ha="center", va="bottom", fontsize=letters())
     for level, bar in enumerate(bars):
         y, ends = bar_step * (level + 0.9), ranks[bar]
-        axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color="black", linewidth=3,
+        axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color=ink(), linewidth=3,
                   solid_capstyle="butt")  # fmt: skip
     order = np.argsort(ranks, kind="stable").tolist()
     half = (count + 1) // 2
