@@ -76,8 +76,9 @@ def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", 
         free = not before and figure.get_gid() == SHEET and not any("\n" in ax.get_xlabel() for ax in figure.axes)
         make_room(figure, row * (len(lines) - (fits or free)))
     up = 0 if ours else sum(text.get_gid() == kind for text in before)  # by earlier calls on the caller's figure
-    x = 6 / (72 * figure.get_figwidth())
+    x, colour = 6 / (72 * figure.get_figwidth()), WARM_ON_DARK if on_dark() else WARM
     figure.text(
         x if ha == "left" else 1 - x, 4 / (72 * figure.get_figheight()) + up * row / figure.get_figheight(),
-        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color=WARM_ON_DARK if on_dark() else WARM, gid=kind, parse_math=False,
+        "\n".join(lines), ha=ha, va="bottom", fontsize=letters(), color=colour, gid=kind,
+        parse_math=False,
     )  # fmt: skip
