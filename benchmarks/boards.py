@@ -73,6 +73,7 @@ def renew(folder):
     advice.write_text(TABLE.sub(lambda found: renewed(found[0], board), text), encoding="utf-8")
 
     os.chdir(ROOT / "studies" / "example")
+    os.environ["SWARMCENSUS_TERMINAL"] = "100"  # a table for people
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         assert main(["leaderboard", "my_brain.py", "--out", str(folder)]) == 0
     own = DOCS / "your-brain-on-the-leaderboard.md"
