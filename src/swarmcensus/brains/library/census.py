@@ -1,5 +1,4 @@
-"""Census: commons whose old readings count more, with momentum where the network is steady, on floors that may change,
-among liars.
+"""Census: commons that weighs readings by their age, finds changes of the floor, and bounds what liars can do.
 
 Three pairs of sums of the evidence of `commons` are mixed alike, with k = b + w - 1:
 
