@@ -150,7 +150,7 @@ def test_what_a_table_or_a_rule_may_say(change, meant):
         (["show", "small.nc", "--sort", "eror"], "error"),
         (["show", "small.nc", "--sort", "finl"], "final error"),
         (["plot", "small.nc", "--kind", "lnes"], "lines"),
-        (["plot", "small.nc", "--kind", "lines", "--x", "robots", "--y", "eror"], "convergence_error"),
+        (["plot", "small.nc", "--kind", "lines", "--x", "robots", "--y", "eror"], "final_error"),
         (["plot", "small.nc", "--set", "scle=linear"], "scale"),
         (["explain", "small.nc", "--where", "robot == 5"], "robots"),
         (["brains", "--show", "comons"], "commons"),
