@@ -45,7 +45,7 @@ def shown(figure):
 def test_lines_against_liars_have_a_line_for_each_adversary_that_begins_where_nobody_lies(data):
     figure = sc.plot.lines(data, x="liars", y="final_estimate")
     panels = shown(figure)
-    assert [axes.get_title(loc="left") for axes in panels] == ["(a) minimalistic", "(b) legacy"]
+    assert [axes.get_title(loc="left") for axes in panels] == ["(a) Minimalistic (paper)", "(b) Legacy (paper)"]
     for axes, brain in zip(panels, ("minimalistic", "legacy"), strict=True):
         found = lines_in(axes)
         assert [*found] == ["always-black", "opposite"]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.brains.library import TITLES
 from swarmcensus.results import measures
 
 STUDY = Path(__file__).parents[1] / "studies" / "rivals" / "strobel-2020.toml"
@@ -74,7 +75,7 @@ def test_the_figure_draws_the_mean_of_the_final_errors_by_the_number_of_liars(fe
     drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
     assert len({*error.tolist()}) == 4
     for brain in ("linear-consensus", "w-msr"):
-        dots = np.concatenate([np.ravel(y) for label, y in drawn.items() if label == brain])
+        dots = np.concatenate([np.ravel(y) for label, y in drawn.items() if label == TITLES[brain]])
         np.testing.assert_allclose(dots, error[few["brain"].values == brain], rtol=1e-12)
 
 

@@ -99,7 +99,7 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):  # noqa: F811
         assert page.input_value("#control-momentum") == "0.5"
         page.fill("#control-momentum", "much")
         page.keyboard.press("Tab")
-        playwright.expect(page.locator("#error")).to_contain_text("momentum = much")
+        playwright.expect(page.locator("#error")).to_contain_text("momentum = 'much'")
         page.select_option("#control-brain", "minimalistic")  # which has no such parameter
         until(page, "[state.preparing, state.form.parameters.length, state.drawn]", [False, 0, 33])
 
