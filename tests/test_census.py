@@ -13,10 +13,13 @@ DO = CENSUS.functions
 NEVER = {"file": "census", "z": 1e6, "confirm": 1e6}  # finds no change
 
 
-def robots(number, b=0.8, w=0.8):
+def robots(number, b=0.8, w=0.8, finds=True):
+    """Robots that hear nobody yet; `finds` is whether they look for changes."""
     made = [CENSUS.robot(b, w) for _ in range(number)]
     for name, me in enumerate(made):
         me.name, me.luck = float(name), 0.3
+        if not finds:
+            me.z = me.confirm = NEVER["z"]
     return made
 
 
@@ -42,8 +45,7 @@ class TestRipening:
         """1 - (r / t)^2 of the mean weight 2 / 3, up to 1 / t; by changing that reading alone."""
         ratios = []
         for black in (0.0, 10.0):
-            (me,) = robots(1, 1.0, 1.0)
-            me.z = me.confirm = 1e6
+            (me,) = robots(1, 1.0, 1.0, finds=False)
             for t in range(1, 201):
                 round_of([me], [(black if t == r else 5.0, 10.0)], [[]])
             ratios.append(me.ripe_s / me.ripe_v)
@@ -82,9 +84,7 @@ class TestNoise:
         random = np.random.default_rng(2)
         coins, ratios = [], []
         for _ in range(300):
-            swarm = robots(6)
-            for me in swarm:
-                me.z = me.confirm = 1e6
+            swarm = robots(6, finds=False)
             for _ in range(25):
                 blacks = random.binomial(4, 0.5, 6)
                 round_of(swarm, [(float(n), 4.0) for n in blacks], ring(6), random.random(6))
@@ -177,9 +177,7 @@ def test_it_is_sooner_than_commons(world):
 class TestLiars:
     def met(self, readings, rounds=1, talk=True):
         """Robots with `readings` (blacks, looks) in each round, that all hear each other."""
-        swarm = robots(len(readings))
-        for me in swarm:
-            me.z = me.confirm = 1e6
+        swarm = robots(len(readings), finds=False)
         heard = [[j for j in range(len(swarm)) if j != k and talk] for k in range(len(swarm))]
         for _ in range(rounds):
             round_of(swarm, readings, heard)
@@ -202,9 +200,7 @@ class TestLiars:
         random = np.random.default_rng(7)
         scores = []
         for _ in range(400):
-            swarm = robots(5)
-            for me in swarm:
-                me.z = me.confirm = 1e6
+            swarm = robots(5, finds=False)
             for _ in range(6):
                 blacks = random.binomial(50, 0.5, 5)
                 round_of(swarm, [(float(n), 50.0) for n in blacks], [[j for j in range(5) if j != k] for k in range(5)])

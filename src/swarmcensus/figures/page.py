@@ -5,11 +5,12 @@ Every kind of figure takes the options of `PageOptions`, and draws with what `pa
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import inspect
 import numbers
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextvars import ContextVar
 from typing import Any, Literal, NamedTuple, TypedDict, TypeVar
 
@@ -124,12 +125,12 @@ def on_page(draw: Kind) -> Kind:
         wanted = _page_of(**given)
         if wanted == USUAL:
             return draw(results, **options)
-        with _Turned(wanted):
+        with _turned(wanted):
             figure = draw(results, **options)
         if not isinstance(figure, Figure) or own_axes:
             return figure
         if wanted.height is not None and (panel := _panel_height(figure, wanted.height)) is not None:
-            with _Turned(wanted._replace(high=panel)):
+            with _turned(wanted._replace(high=panel)):
                 figure = draw(results, **options)
         wide, high = figure.get_size_inches()
         figure.set_size_inches(wanted.width or wide, wanted.height or high)  # kinds of other packages know no page
@@ -138,17 +139,14 @@ def on_page(draw: Kind) -> Kind:
     return drawn  # type: ignore[return-value]
 
 
-class _Turned:
-    """Turns to another page for a block."""
-
-    def __init__(self, wanted: Page) -> None:
-        self.wanted = wanted
-
-    def __enter__(self) -> None:
-        self.token = _PAGE.set(self.wanted)
-
-    def __exit__(self, *_: object) -> None:
-        _PAGE.reset(self.token)
+@contextlib.contextmanager
+def _turned(wanted: Page) -> Iterator[None]:
+    """Turn to another page for a block."""
+    before = _PAGE.set(wanted)
+    try:
+        yield
+    finally:
+        _PAGE.reset(before)
 
 
 def _page_of(width: Width | None, height: float | None, font_size: float | None) -> Page:
