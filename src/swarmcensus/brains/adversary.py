@@ -2,7 +2,7 @@
 
 import ast
 import types
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -20,7 +20,8 @@ from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
 FUNCTIONS = {"lie": 2}
 MAY_HAVE = {"boast": 2, "forge": 2, "hear": 2, "plot": 1, "jam": 1}
-READ_ONLY = ("lie", "boast", "forge", "jam")  # these only return values
+SAYS = "say_"  # a function of this name and a field of a message returns what is said in that field
+READ_ONLY = ("lie", "boast", "forge", "jam")  # these only return values; so do those of SAYS
 LUCKY = ("hear", "plot")  # functions with new luck at each call
 OF_THE_BRAIN = ("MESSAGE", "SUMS", "OPTIONS", "ROLES", "OPINION")
 
@@ -30,7 +31,8 @@ class Lies(NamedTuple):
 
     memory: dict[str, Value]  # its own fields; the brain that it wears has others
     parameters: dict[str, Value]
-    functions: frozenset[str]  # those of MAY_HAVE that the file has
+    functions: frozenset[str]  # those of MAY_HAVE and of SAYS that the file has
+    knows: tuple[str, ...]  # fields of the brain that it reads
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,15 @@ class Adversary(Program):
     kind: ClassVar[str] = "adversary"
 
     contents: Lies = field(compare=False, repr=False)
+
+    def unsaid(self, message: Collection[str]) -> list[str]:
+        """Its functions that say fields which this message does not have."""
+        says = (name for name in self.contents.functions if name.startswith(SAYS))
+        return sorted(name for name in says if name.removeprefix(SAYS) not in message)
+
+    def line_of(self, name: str) -> int:
+        """The line of its file that defines a constant or a function."""
+        return _line_of(ast.parse(self.source), name)
 
 
 def load(name: str | Path, base: Path | None = None) -> Adversary:
@@ -110,7 +121,8 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
             name not in functions and name not in constants,
             f"{name} belongs to the brain that the adversary wears: leave it out",
         )
-    optional = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
+    says = dict.fromkeys((name for name in functions if name.startswith(SAYS)), 2)
+    optional = functions_in(tree, constants, FUNCTIONS, MAY_HAVE | says)
     taken = (*BELIEFS, *GIVEN_ON_ASKING)
     tables = {}
     for name, more in (("MEMORY", ()), ("PARAMETERS", ("file",))):
@@ -120,9 +132,34 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     memory, parameters = tables["MEMORY"], tables["PARAMETERS"]
     for name in parameters:
         require(name not in memory, f"PARAMETERS[{name!r}] is in MEMORY too: a value that changes is not a parameter")
+    knows = _knows(tree, constants, {**memory, **parameters})
     robot_math.check(tree)
     robot_syntax.check(tree)
-    syntax.check_returns(functions, READ_ONLY)
+    syntax.check_returns(functions, (*READ_ONLY, *says))
     own, given = ({name: length(value) for name, value in table.items()} for table in (memory, parameters))
-    syntax.check(tree, own, given, (), "lie", READ_ONLY, LUCKY)
-    return Lies(memory, parameters, optional)
+    syntax.check(tree, own, given, (), "lie", (*READ_ONLY, *says), LUCKY, knows)
+    return Lies(memory, parameters, optional, knows)
+
+
+def _knows(tree: ast.Module, constants: Mapping[str, Any], own: Collection[str]) -> tuple[str, ...]:
+    """The fields of KNOWS; `own` are those of the adversary. Raises BrokenContract."""
+    knows = constants.get("KNOWS", ())
+    wrong = ""
+    if not isinstance(knows, tuple) or not all(map(safe_source.is_name, knows)):
+        wrong = f'KNOWS = {knows!r}: should be a tuple of fields of the brain, such as ("rounds",)'
+    elif mine := [name for name in knows if name in own]:
+        wrong = f"KNOWS names {mine[0]!r}, which is a field of its own: the two need different names"
+    elif usual := [name for name in knows if name in (*BELIEFS, *GIVEN_ON_ASKING)]:
+        wrong = f"KNOWS names {usual[0]!r}, which every adversary has: leave it out"
+    if wrong:
+        raise syntax.BrokenContract(wrong, _line_of(tree, "KNOWS"))
+    return tuple(knows)
+
+
+def _line_of(tree: ast.Module, name: str) -> int:
+    """The line that defines a constant or a function."""
+    for node in tree.body:
+        targets = node.targets if isinstance(node, ast.Assign) else ()
+        if getattr(node, "name", "") == name or any(isinstance(one, ast.Name) and one.id == name for one in targets):
+            return node.lineno
+    return 1

@@ -14,13 +14,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.safe_source import names_set_by
-from swarmcensus.brains.adversary import Adversary
+from swarmcensus.brains.adversary import SAYS, Adversary
 from swarmcensus.brains.brain import Brain, parse, unloaded
 from swarmcensus.brains.contract import CONSTANTS, FUNCTIONS, MAY_HAVE, confidence_of
-from swarmcensus.brains.syntax import GIVEN_ON_ASKING
+from swarmcensus.brains.fields import length as length_of
+from swarmcensus.brains.syntax import GIVEN_ON_ASKING, never_speaks
 
-REPLACED = ("MEMORY", "PARAMETERS", "SUMS")  # constants of the brain that are written anew
+REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are written anew or left out
 ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it
 VALUES = ("estimate", "opinion", "option", "belief", "information")  # roles that an adversary can lie about
 SPARE = 1e-6  # the weight of a belief's other bins; from a weight of 0, a belief could never recover
@@ -94,6 +96,7 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     # as in the command line and in messages
     path = Path(f"{adversary.path} --wearing {brain.path}")
     try:
+        _check_fit(adversary, brain)
         source = source_of(adversary, brain, fields)
         if not loaded:
             return unloaded(adversary.name, source)
@@ -104,6 +107,33 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     except RecursionError:
         reason = "its brackets or operators are nested too deep"
     raise ValueError(f"the adversary {adversary.name!r} cannot wear the brain {brain.name!r}: {reason}")
+
+
+def _check_fit(adversary: Adversary, brain: Brain) -> None:
+    """Raise InputError if the brain lacks fields that the adversary knows, or has a vector where it says a number."""
+    fields = {**brain.lengths, **{name: length_of(value) for name, value in brain.contents.parameters.items()}}
+    for name in _unknown(adversary, brain) if _speaks(brain) else ():
+        hint = did_you_mean(name, fields).rstrip()
+        where = f"line {adversary.line_of('KNOWS')} of {adversary.path}"
+        raise InputError(f"KNOWS names {name!r} in {where}, and the brain has no such field{': ' * bool(hint)}{hint}")
+    for name in adversary.contents.knows:
+        if fields.get(name):
+            where = f"line {adversary.line_of('KNOWS')} of {adversary.path}"
+            raise InputError(f"KNOWS names {name!r} in {where}, which is a vector of the brain: it may know numbers")
+    for name, items in brain.message.items():
+        if items and SAYS + name in adversary.contents.functions:
+            where = f"line {adversary.line_of(SAYS + name)} of {adversary.path}"
+            raise InputError(f"{SAYS}{name} in {where} returns a number, and {name} is a vector of {items}")
+
+
+def _unknown(adversary: Adversary, brain: Brain) -> list[str]:
+    """The fields that the adversary knows and the brain does not have."""
+    return [name for name in adversary.contents.knows if name not in {*brain.memory, *brain.contents.parameters}]
+
+
+def _speaks(brain: Brain) -> bool:
+    """Whether it may send messages: who wears a brain that does not says nothing, whatever it knows."""
+    return not never_speaks(ast.parse(brain.source))
 
 
 def _prefixes(adversary: Adversary, brain: Brain) -> Prefixes:
@@ -118,10 +148,8 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
     for given in GIVEN_ON_ASKING:
         if given in {*brain.memory, *brain.contents.parameters} and uses_field(lies, given):
             raise InputError(f"it reads me.{given}, and the brain has a field of this name")
-    own = (
-        {prefixes.own + k: v for k, v in table.items()}
-        for table in (adversary.contents.memory, adversary.contents.parameters)
-    )
+    own_memory = adversary.contents.memory | dict.fromkeys(_unknown(adversary, brain), 0.0)
+    own = ({prefixes.own + k: v for k, v in table.items()} for table in (own_memory, adversary.contents.parameters))
     memory, parameters = (a | b for a, b in zip((brain.memory, brain.contents.parameters), own, strict=True))
     altered = {"broadcast", *(function for function, by in ALTERED_BY.items() if by in optional)}
     kept = {*FUNCTIONS, *MAY_HAVE, *CONSTANTS} - altered - {*REPLACED}
@@ -135,7 +163,7 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
             lies,
             prefixes.own,
             (),
-            fields_of_liar(prefixes.own, {*adversary.contents.memory, *adversary.contents.parameters}),
+            fields_of_liar(prefixes.own, {*own_memory, *adversary.contents.parameters}),
             REPLACED,
         ),
         functions_source(fields, optional, prefixes, brain.options, brain.uses.silence),
@@ -208,7 +236,10 @@ def _altered_message(
     """The source lines that precede the altered message, and the source of each of its fields."""
     own, _, helper = prefixes
     before, parts = [], []
-    for k, (_, role, length) in enumerate(fields):
+    for k, (name, role, length) in enumerate(fields):
+        if SAYS + name in optional:
+            parts.append(f"1.0 * {own}{SAYS}{name}(me, said_{k})")
+            continue
         lie = f"{helper}told(me, {_fill_ratio(fields, k, 'said_{}', helper, options)})"
         sure = f"max({own}boast(me, said_{{}}), 0.0)" if "boast" in optional else "said_{}"
         match role:

@@ -52,13 +52,14 @@ def check(
     first: str = "observe",
     read_only: Collection[str] = READ_ONLY,
     lucky: Sequence[str] = LUCKY,
+    knows: Collection[str] | None = None,
 ) -> None:
     """Check how a source uses its record; `memory` and `parameters` are fields and lengths. Raises BrokenContract.
 
     The record is the first argument of the function `first`. The functions `read_only` only return values; those that
-    are `lucky` have new luck at each call.
+    are `lucky` have new luck at each call. `knows` are further numbers that an adversary reads; None for a brain.
     """
-    given = {name for name in GIVEN_ON_ASKING if name not in memory and name not in parameters}
+    given = {name for name in GIVEN_ON_ASKING if name not in memory and name not in parameters} | {*(knows or ())}
     known = [*memory, *parameters, *BELIEFS, *given]
     own_vectors = {name for name, items in memory.items() if items}
     vectors = own_vectors | {name for name, items in parameters.items() if items}
@@ -74,7 +75,7 @@ def check(
                     f"{function.name} uses the name math for something other than the module", node.lineno
                 )
             if isinstance(node, ast.Attribute) and _is_name(node.value, record) and node.attr not in known:
-                raise BrokenContract(_unknown(function.name, node.attr, known), node.lineno)
+                raise BrokenContract(_unknown(function.name, node.attr, known, knows is not None), node.lineno)
             if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store | ast.Del):
                 _check_item(node, function.name, own_vectors, parameters)
             elif (
@@ -91,9 +92,10 @@ def check(
         _check_sums(tree, name)
 
 
-def _unknown(function: str, name: str, known: list[str]) -> str:
+def _unknown(function: str, name: str, known: list[str], lies: bool) -> str:
     hint = did_you_mean(name, known)
-    return f"{function} uses me.{name}: {hint}a robot has only b, w and the fields of MEMORY and PARAMETERS"
+    own = "MEMORY and PARAMETERS" + ", and of the brain those that KNOWS names" * lies
+    return f"{function} uses me.{name}: {hint}a robot has only b, w and the fields of {own}"
 
 
 def check_decisions(tree: ast.Module, options: int) -> None:
@@ -227,6 +229,12 @@ def _is_name(node: ast.AST, name: str) -> bool:
 
 def _is_field(node: ast.AST, fields: Collection[str]) -> bool:
     return _is_attribute(node) and node.attr in fields  # type: ignore[attr-defined]
+
+
+def never_speaks(tree: ast.Module) -> bool:
+    """Whether `broadcast` plainly returns None alone."""
+    said = _returned("broadcast", functions_of(tree))
+    return all(isinstance(value, ast.Constant) and value.value is None for value in said)
 
 
 def may_be_none(function: ast.FunctionDef) -> bool:

@@ -81,7 +81,7 @@ def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
     try:
         return brains.lying_brain(lies, brain)
     except ValueError as error:
-        raise Mismatch(str(error)) from None
+        raise Mismatch(f"{error}{': name another brain with --wearing' * (not wearing)}") from None
 
 
 def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> list[Check]:
@@ -114,7 +114,11 @@ def notes(path: str | Path, wearing: str = "") -> list[str]:
     except InputError:
         return []
     missing = robot_math.missing_on_avr(ast.parse(brain.source))
-    return [f"AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks {', '.join(missing)}"] if missing else []
+    lacks = [f"AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks {', '.join(missing)}"] if missing else []
+    is_brain = str(path) in brains.PLUGINS or not adversary.exists(str(path), None)
+    unsaid = [] if is_brain else adversary.load(path).unsaid(brain.message)
+    worn = wearing or DEFAULT_BRAIN
+    return lacks + [f"{name} says nothing: the MESSAGE of {worn} has no {name.removeprefix('say_')}" for name in unsaid]
 
 
 def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:

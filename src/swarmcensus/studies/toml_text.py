@@ -97,9 +97,9 @@ def to_toml_value(value: Any) -> str:
         return "{" + ", ".join(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(value).items()) + "}"
     if isinstance(value, list | tuple | np.ndarray):
         return "[" + ", ".join(map(to_toml_value, value)) + "]"
-    if isinstance(value, brains.Brain) and value.overrides:
+    if isinstance(value, brains.Brain | brains.Adversary) and value.overrides:
         return to_toml_value({"file": value.name, **dict(value.overrides)})
-    if isinstance(value, brains.Brain | Metric):
+    if isinstance(value, brains.Brain | brains.Adversary | Metric):
         return to_toml_value(value.name)
     if isinstance(value, Floor | Accuracy | Change | Misjudgement | Spread):
         return to_toml_value(value.form)
