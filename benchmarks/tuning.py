@@ -122,7 +122,7 @@ def flat(console, folder, studies):
                     Training(plan.study, plan.worlds, plan.measures, 10, 1) as training,
                 ):
                     ended = generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
-                data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.brain_of(ended.values)}), jobs=1)
+                data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.candidate(ended.values)}), jobs=1)
                 right.append(float(data["consensus_right"].mean()))
             ties = "decided_right" if companion else "not broken"
             out.add_row(f"{budget}", ties, f"{np.mean(right):.0%}", f"{np.sum(np.array(right) == 0)}")

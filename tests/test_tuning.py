@@ -466,7 +466,7 @@ def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path, budg
 def test_results_of_another_kind_are_never_replaced(args, tmp_path):
     sc.save(sc.run(args[0]), tmp_path / "a.nc")
     before = (tmp_path / "a.nc").read_bytes()
-    with pytest.raises(InputError, match=r"a.nc holds results that no evaluation of a tuned brain made"):
+    with pytest.raises(InputError, match=r"a.nc holds results that no evaluation of a search made"):
         sc.tune(*args, budget=37, trials=2, out=tmp_path / "a.toml", fresh=True)
     assert (tmp_path / "a.nc").read_bytes() == before
 

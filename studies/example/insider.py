@@ -7,16 +7,12 @@
 KNOWS = ("short_v", "own_v")  # the evidence in two of the sums of census
 PARAMETERS = {
     "goal": 1.0,
-    "step": 0.01,
-    "own": 0.01,
-    "short": 0.01,
-    "grow": 0.0,
+    "step": 0.01, "own": 0.01, "short": 0.01, "grow": 0.0, "sleeps": 0.0,
     "weight": 1.0,  # times the evidence in all sums
     "noise": 1.0,  # times the noise that it measures
     "seen": 1.0,  # times the noise that differences have shown it
     "anew": -1.0,  # what it says of a change: 1 for begun anew, 2 for trying one, 3 for both, 0; the truth below 0
-    "sleeps": 0.0,
-}
+}  # fmt: skip
 MEMORY = {"round": 0.0}
 
 

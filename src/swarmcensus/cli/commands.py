@@ -176,7 +176,7 @@ COMMANDS = {
         leaderboard.leaderboard, leaderboard.add_leaderboard_options, table=True,
     ),
     "tune": Command(
-        "Search for good values of a brain's parameters, and evaluate them in trials that the search did not use.",
+        "Search for good values of a brain's parameters, or an adversary's worst, and evaluate them in new trials.",
         tune.tune, tune.add_tune_options,
     ),
     "plan": Command(

@@ -14,6 +14,11 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("study", type=Path, metavar="STUDY.toml", help="a study file with the brain and its worlds")
     sub.add_argument("--brain", metavar="NAME", help="the brain to tune, if several in the study have parameters")
     sub.add_argument(
+        "--adversary",
+        metavar="NAME",
+        help="search this adversary of the study's members for the most harm; --brain is then the one that hears it",
+    )
+    sub.add_argument(
         "--parameters",
         nargs="+",
         required=True,
@@ -24,7 +29,7 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
         "--metric",
         default="final_error",
         metavar="NAME",
-        help="the measure to improve, as in 'compare': such as correct, or my_metric:low (default: %(default)s)",
+        help="the measure to improve, or to worsen, as in 'compare': correct, or my_metric:low (default: %(default)s)",
     )
     sub.add_argument(
         "--budget",
@@ -43,31 +48,33 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="FILE.toml",
-        help="the tuned brain as a part of a study file (default: NAME-tuned.toml, in this folder)",
+        help="what was found as a part of a study file (default: NAME-tuned.toml, or of an adversary NAME-worst.toml, "
+        "in this folder)",
     )
     sub.add_argument("--fresh", action="store_true", help="start over instead of continuing the log of --out")
 
 
 def tune(options: argparse.Namespace) -> int:
-    """Search for good values of a brain's parameters and evaluate them."""
+    """Search for good values of a brain's parameters, or the worst of an adversary's, and evaluate them."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.studies.study import Study
-    from swarmcensus.tuning.plans import brain_to_tune
+    from swarmcensus.tuning.targets import target_of
     from swarmcensus.tuning.tuning import files_of, tune
 
     study = Study.load(options.study).with_(seed=options.seed)
-    brain = brain_to_tune(study, options.brain)
-    out = options.out or Path(f"{Path(brain.name).stem}-tuned.toml")
+    target = target_of(study, options.brain, options.adversary)
+    searched = target.program.name
+    out = options.out or Path(f"{Path(searched).stem}-{'worst' if target.harms else 'tuned'}.toml")
     files = files_of(out)
     for path in files.values():
         check_writable(path, options.study)
     begun = time.monotonic()
     try:
-        with reporting(f"tuning {brain.name}") as progress:
+        with reporting(f"{'searching' if target.harms else 'tuning'} {searched}") as progress:
             tuning = tune(
                 study,
                 options.parameters,
-                brain.name,
+                target.brain.name,
                 options.metric,
                 budget=options.budget,
                 trials=options.trials,
@@ -76,6 +83,7 @@ def tune(options: argparse.Namespace) -> int:
                 fresh=options.fresh,
                 progress=progress,
                 say=say,
+                adversary=options.adversary,
             )
     except KeyboardInterrupt:
         if files[".csv"].exists():

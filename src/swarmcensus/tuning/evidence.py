@@ -1,30 +1,32 @@
-"""The evidence for a search's result: the tuned brain against the original, on trials that the search never saw."""
+"""The evidence for a search's result: it against the original, on trials that the search never saw."""
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounded
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.packing import PLAIN
-from swarmcensus.comparing.cells import p_equals
+from swarmcensus.comparing.cells import NEVER, p_equals, range_text
 from swarmcensus.comparing.comparison import Comparison, compare_dataset
 from swarmcensus.comparing.verdicts import win_shares
 from swarmcensus.results.summaries import is_idle
+from swarmcensus.studies.members import Member
 from swarmcensus.studies.settings import Setting
+from swarmcensus.tuning.plans import Plan
 
 BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """The comparison of the tuned brain with the original, and `all_brains`, that of all brains of the study.
+    """The comparison of what was found with the original, and `all_brains`, that of all brains of the study.
 
-    `all_brains` is None if the study has no others. Both are None if the search ended at the original values, and `why`
-    gives the reason.
+    If an adversary was searched, both are of adversaries, and say how the brain that hears them fares; "worse" is then
+    what was searched. `all_brains` is None if the study has no others. Both are None if the search ended at the
+    original values, and `why` gives the reason.
     """
 
     tuned: str
@@ -32,12 +34,18 @@ class Evidence:
     comparison: Comparison | None
     all_brains: Comparison | None
     why: str = ""
+    harms: bool = False  # whether an adversary was searched
+
+    @property
+    def is_found(self) -> bool:
+        """Whether the search has found what it was for: a better brain, or a worse adversary."""
+        return self.verdict == (WORSE if self.harms else BETTER)
 
     @property
     def verdict(self) -> str:
         """Whether the tuned brain is "better" than the original over all worlds, "worse", or "not told apart".
 
-        It is "not compared" if the values stay as they were.
+        Of an adversary it is how the swarm fares with it. It is "not compared" if the values stay as they were.
         """
         if self.comparison is None:
             return NONE
@@ -63,19 +71,22 @@ class Evidence:
             return [f"{self.why}: the values stay as they were, and there is nothing to compare: {self.before}"]
         measure = self.comparison.measures[0]
         pairs = self.comparison.pairs.to_dict("records")
-        phrase = {LEVEL: "is not told apart from", BETTER: "is better than", WORSE: "is worse than"}[self.verdict]
+        whom = " for the swarm" * self.harms
+        phrase = {LEVEL: "is not told apart from", BETTER: f"is better{whom} than", WORSE: f"is worse{whom} than"}
         over = ""
         for row in self.comparison.duels.to_dict("records"):
             better, worse = self.comparison.contests[0].shares(0)
             shares_text = win_shares(better, worse) if self._first else win_shares(worse, better)
             over = f" over all {counted(len(pairs), 'world')}: {shares_text}, p {p_equals(row['p_holm'])}"
         only_world = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
-        lines = [f"{measure.full_label}: {self.tuned} {phrase} {self.before}{over}{only_world}"]
+        lines = [f"{measure.full_label}: {self.tuned} {phrase[self.verdict]} {self.before}{over}{only_world}"]
         if over:
             lines += [
                 f"world {row['world']}{_world_text(self.comparison, row)}: {self._of_world(row)}" for row in pairs
             ]
-        if self.all_brains is not None:
+        if self.all_brains is not None and self.harms:
+            lines.append(f"beside the study's other liars: {_harm_of_each(self.all_brains)}")
+        elif self.all_brains is not None:
             lines += [
                 f"beside the study's others: {line}" for line in self.all_brains.verdict[:2] if "cost" not in line
             ]
@@ -98,25 +109,60 @@ class Evidence:
             text = f"{difference:.3g}"
         superiority = row["superiority"] if self._first else 1 - row["superiority"]
         apart = "" if row["told_apart"] else ", not told apart"
-        return (
-            f"{measure.statistic} of differences {text}{unit}, better in {superiority:.0%} of {row['trials']:,} "
-            f"trials, p {p_equals(row['p_holm'])}{apart}"
-        )
+        how = f"worse in {1 - superiority:.0%}" if self.harms else f"better in {superiority:.0%}"
+        trials = f"{row['trials']:,} trials, p {p_equals(row['p_holm'])}{apart}"
+        return f"{measure.statistic} of differences {text}{unit}, {how} of {trials}"
 
 
-def evidence_of(
-    data: xr.Dataset, settings: list[Setting], tuned: Brain, before: Brain, metric: str, searched: Collection[str]
-) -> Evidence:
-    """Compare the two brains in the results of an evaluation with these settings, and then all of its brains.
+def _harm_of_each(comparison: Comparison) -> str:
+    """The values of the measure with each adversary, such as "median 0.02 to 0.03 with creeper", the worst first."""
+    measure, contest = comparison.measures[0], comparison.contests[0]
+    times = 100.0 if measure.share else 1.0
+    means = np.where(np.isnan(contest.values), 0.0, contest.values).mean(axis=0)
+    order = np.argsort(-means if measure.low else means, kind="stable")
+    unit = " %" if measure.share else "" if measure.unit == "1" else f" {measure.unit}"
+    each = [f"{range_text(times * contest.values[:, k]) or NEVER}{unit} with {comparison.contenders[k]}" for k in order]
+    return f"{measure.full_label}, {measure.statistic} in a world: {', '.join(each)}"
+
+
+def evidence_of(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+    """Compare what was found with the original in the results of an evaluation with these settings, then with all.
 
     Names of both contain all searched parameters, also those whose value did not change.
     """
-    shown = {before.name: searched}
+    if plan.target.harms:
+        return _evidence_of_harm(data, settings, plan, tuned)
+    before = plan.target.brain
+    assert isinstance(tuned, Brain)
+    shown = {before.name: plan.searched}
     rows = [k for k, setting in enumerate(settings) if setting.brain.with_numbers(PLAIN) in (tuned, before)]
-    comparison = compare_dataset(data.isel(setting=rows), metric, None, None, shown)
+    comparison = compare_dataset(data.isel(setting=rows), plan.metric, None, None, shown)
     names = _contender_names(data, settings, rows, comparison, (tuned, before))
-    all_brains = compare_dataset(data, metric, None, None, shown) if len(rows) < len(settings) else None
+    all_brains = compare_dataset(data, plan.metric, None, None, shown) if len(rows) < len(settings) else None
     return Evidence(*names, comparison, all_brains)
+
+
+def _evidence_of_harm(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+    """The same of adversaries: they are the contenders, and the brain is a part of the world."""
+    assert plan.target.table is not None
+    table = {*plan.study.members[plan.target.table].every()}
+    brain, pair = plan.target.brain.as_written, (plan.before, tuned)
+
+    def liar_in(setting: Setting) -> Member | None:
+        if setting.brain.with_numbers(PLAIN).as_written != brain:
+            return None
+        return next((m for m in setting.members if m in table or m.brain == tuned), None)
+
+    liars = [(k, setting, liar) for k, setting in enumerate(settings) if (liar := liar_in(setting))]
+    rows = [k for k, _, _ in liars]
+    names = [plan.label(m.brain) if m.brain in pair else m.brain.label for _, _, m in liars if m.brain]
+    members = ["; ".join(str(replace(m, brain=None) if m == liar else m) for m in s.members) for _, s, liar in liars]
+    adversaries = data.isel(setting=rows).assign_coords(brain=("setting", names), members=("setting", members))
+    adversaries = adversaries.assign_attrs(parameters="{}")  # those of the brain are a part of the world
+    both = [k for k, (_, _, liar) in enumerate(liars) if liar.brain in pair]
+    comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})
+    everyone = compare_dataset(adversaries, plan.metric, None, None, {}) if len(both) < len(liars) else None
+    return Evidence(plan.label(tuned), plan.label(plan.before), comparison, everyone, harms=True)
 
 
 def _contender_names(

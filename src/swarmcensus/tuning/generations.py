@@ -93,7 +93,7 @@ class _SearchRun:
             log.add(Evaluation(generation, candidates[place], losses, int(np.isnan(numbers[0]).sum()), seconds))
 
         failures = self.training.run(
-            [plan.brain_of(values) for values in candidates],
+            [plan.candidate(values) for values in candidates],
             seed_for(plan.study.seed, "training", generation),
             keep,
             self._showing(f"generation {generation}"),
@@ -126,7 +126,7 @@ def new_search(plan: Plan) -> Search:
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
         raise InputError(
-            f"{option('budget', plan.budget.evaluations)}: the brain as it is and one generation take "
+            f"{option('budget', plan.budget.evaluations)}: the {plan.before.kind} as it is and one generation take "
             f"{counted(1 + search.size, 'evaluation')}"
         )
     return search
@@ -137,7 +137,7 @@ def run_search(
 ) -> SearchResult:
     """Search, or resume from the log, until the budget is spent or the search has converged.
 
-    Raises InputError if the original brain fails in all trials.
+    Raises InputError if the original program fails in all trials.
     """
     course = _SearchRun(plan, log, training, show)
     course.evaluate(0, [plan.start])
@@ -191,6 +191,6 @@ def _numbers_of(
 ) -> list[Floats]:
     """The numbers (measure, world, trial) of each candidate, all on the same training trials."""
     kept: dict[int, Floats] = {}
-    brains = [plan.brain_of(values) for values in candidates]
-    training.run(brains, seed_for(plan.study.seed, "influence"), kept.__setitem__, show)
+    programs = [plan.candidate(values) for values in candidates]
+    training.run(programs, seed_for(plan.study.seed, "influence"), kept.__setitem__, show)
     return [kept[place] for place in range(len(candidates))]

@@ -1,4 +1,4 @@
-"""The plan of a search: its brain, worlds, ranges, measure and budget."""
+"""The plan of a search: what is searched, worlds, ranges, measure and budget."""
 
 import hashlib
 from collections.abc import Sequence
@@ -7,17 +7,16 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.basics.times import UNITS, parse_time
 from swarmcensus.basics.version import __version__
-from swarmcensus.brains import Brain, Value
-from swarmcensus.brains.packing import PLAIN
+from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results.measures import Measure
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.optimiser import library
 from swarmcensus.tuning.ranges import Range, ranges_of, start_of, with_values
+from swarmcensus.tuning.targets import Target, target_of
 from swarmcensus.tuning.training import measures_of
 
 MOST_TRIALS = 100_000  # in each world, for a candidate
@@ -62,18 +61,25 @@ class Plan:
     """All that defines a search."""
 
     study: Study
-    before: Brain  # with the parameters that the study gives first; worlds have the number formats
+    target: Target
     worlds: list[Setting]
     ranges: list[Range]
     metric: str  # the name that was given
-    measures: list[Measure]  # the measure of that name, and the one that breaks its ties, if any
+    measures: list[
+        Measure
+    ]  # that of this name, and that which breaks its ties, if any; turned round to search for harm
     least: list[float]  # the smallest possible number of each measure
     budget: Budget
     trials: int
 
     @property
+    def before(self) -> Brain | Adversary:
+        """What is searched, with the parameters that the study gives first; worlds have the number formats."""
+        return self.target.program
+
+    @property
     def start(self) -> tuple[float, ...]:
-        """The brain's present values, one for each range."""
+        """The present values, one for each range."""
         return start_of(self.ranges, self.before)
 
     @property
@@ -81,18 +87,18 @@ class Plan:
         """The names of the searched parameters; a vector appears once."""
         return list(dict.fromkeys(each.name for each in self.ranges))
 
-    def label(self, brain: Brain) -> str:
-        """A brain's name, its searched parameters, and other parameters that differ from its file."""
-        values = {name: brain.parameters[name] for name in self.searched} | dict(brain.overrides)
-        return " ".join([brain.name, *(f"{name}={_value_text(value)}" for name, value in values.items())])
+    def label(self, program: Brain | Adversary) -> str:
+        """A program's name, its searched parameters, and other parameters that differ from its file."""
+        values = {name: program.parameters[name] for name in self.searched} | dict(program.overrides)
+        return " ".join([program.name, *(f"{name}={_value_text(value)}" for name, value in values.items())])
 
     @property
     def losses(self) -> list[str]:
         """The columns of the log for a candidate's loss by each measure."""
         return ["loss", *(f"{each.name}_loss" for each in self.measures[1:])]
 
-    def brain_of(self, values: Sequence[float]) -> Brain:
-        """The brain with these values of the searched parameters."""
+    def candidate(self, values: Sequence[float]) -> Brain | Adversary:
+        """The program with these values of the searched parameters."""
         return with_values(self.before, self.ranges, values)
 
     @property
@@ -102,8 +108,10 @@ class Plan:
         measure = self.study.measure
         measured = (worlds, measure.delta, measure.bins, measure.truth, self.study.checkpoints)
         files = [metric.sha256 for metric in measure.metrics]
+        harm = {"adversary": self.before.label} if self.target.harms else {}
         return {
-            "brain": self.before.label,
+            "brain": self.target.brain.name if self.target.harms else self.before.label,
+            **harm,
             "source": self.before.sha256[:16],
             "parameters": " ".join(map(str, self.ranges)),
             "metric": self.metric,
@@ -120,42 +128,23 @@ def _value_text(value: Value) -> str:
 
 
 def plan_of(
-    study: Study, parameters: Sequence[str] | str, brain: str | None, metric: str, budget: Budget, trials: int
+    study: Study,
+    parameters: Sequence[str] | str,
+    brain: str | None,
+    metric: str,
+    budget: Budget,
+    trials: int,
+    adversary: str | None = None,
 ) -> Plan:
     """Check the request against the study. Raises InputError, naming what the study lacks and what it has."""
     if not 1 <= trials <= MOST_TRIALS:
         raise InputError(f"{option('trials', trials)}: a candidate has 1 to {MOST_TRIALS:,} trials in each world")
-    before = brain_to_tune(study, brain)
-    ranges = ranges_of(parameters, before)
-    own = (s for s in study.settings() if s.brain.with_numbers(PLAIN).as_written == before.as_written)
-    worlds = list(dict.fromkeys(replace(s, brain=before.with_numbers(s.brain.numbers)) for s in own))
+    target = target_of(study, brain, adversary)
+    ranges = ranges_of(parameters, target.program)
+    worlds = target.worlds(study)
     measures = measures_of(study, worlds, metric)
     lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
     least = [lows.get(each.name, 0.0) for each in measures]
-    return Plan(study, before, worlds, ranges, metric, measures, least, budget, trials)
-
-
-def brain_to_tune(study: Study, name: str | None) -> Brain:
-    """The first brain with this name in the study, or the only brain with parameters if `name` is None.
-
-    Raises InputError if there is no such brain, or more than one.
-    """
-    brains = list(dict.fromkeys(setting.brain.with_numbers(PLAIN) for setting in study.settings()))
-    tunable = list(dict.fromkeys(brain.name for brain in brains if brain.parameters))
-    if name is None:
-        if len(tunable) != 1:
-            problem = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
-            raise InputError(f"{option('brain')}: {problem}")
-        name = tunable[0]
-    brain = next((brain for brain in brains if brain.name == name), None)
-    if brain is None:
-        names = list(dict.fromkeys(brain.name for brain in brains))
-        raise InputError(f"{option('brain', name)}: {did_you_mean(name, names)}the study has {', '.join(names)}")
-    if not brain.parameters:
-        raise InputError(f"{option('brain', name)}: it has no PARAMETERS to search")
-    return brain
-
-
-def _none(brains: list[Brain]) -> str:
-    names = dict.fromkeys(brain.name for brain in brains)
-    return f"no brain of the study ({', '.join(names)}) has PARAMETERS to search"
+    if target.harms:
+        measures = [replace(measure, low=not measure.low) for measure in measures]
+    return Plan(study, target, worlds, ranges, metric, measures, least, budget, trials)

@@ -4,14 +4,16 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import Literal, TypeVar, get_args
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
-from swarmcensus.brains import Brain, length
+from swarmcensus.brains import length
+from swarmcensus.brains.program import Program
 
 Scale = Literal["linear", "log", "whole"]
+One = TypeVar("One", bound=Program)
 FORM = "should be such as prior=1:100, prior=1:100:log or prior=1:100:whole"
 PLACE = re.compile(r"(\w+)(?:\[(\d{1,6})\])?")
 DIGITS = 5  # significant digits of a value, or of a linear range's width: a search is not more precise
@@ -65,36 +67,38 @@ class Range:
         return 1 / (self.high - self.low + 1) if self.scale == "whole" else 0.0
 
 
-def ranges_of(texts: Iterable[str], brain: Brain) -> list[Range]:
-    """Read ranges of a brain's parameters. Raises InputError, naming the text and what would be right."""
+def ranges_of(texts: Iterable[str], program: Program) -> list[Range]:
+    """Read ranges of a program's parameters. Raises InputError, naming the text and what would be right."""
     ranges: list[Range] = []
     for text in [texts] if isinstance(texts, str) else texts:
         try:
             given = _parsed(str(text))
-            _check(given, brain)
-            for parameter in _items(given, brain):
+            _check(given, program)
+            for parameter in _items(given, program):
                 if parameter.label in [earlier.label for earlier in ranges]:
                     raise ValueError(f"{parameter.label} is given twice")
                 ranges.append(parameter)
         except ValueError as error:
             raise InputError(f"{option('parameters', text)}: {error}") from None
     if not ranges:
-        raise InputError(f"{option('parameters')}: none is given; the brain {brain.name!r} has {_known(brain)}")
+        raise InputError(
+            f"{option('parameters')}: none is given; the {program.kind} {program.name!r} has {_known(program)}"
+        )
     return ranges
 
 
-def start_of(ranges: Iterable[Range], brain: Brain) -> tuple[float, ...]:
-    """The brain's present values of these parameters."""
+def start_of(ranges: Iterable[Range], program: Program) -> tuple[float, ...]:
+    """The program's present values of these parameters."""
     values = []
     for parameter in ranges:
-        value = brain.parameters[parameter.name]
+        value = program.parameters[parameter.name]
         values.append(value[parameter.item or 0] if isinstance(value, tuple) else value)
     return tuple(values)
 
 
-def with_values(brain: Brain, ranges: Iterable[Range], values: Iterable[float]) -> Brain:
-    """The brain with these values of the parameters; all others stay."""
-    changed = dict(brain.parameters)
+def with_values(program: One, ranges: Iterable[Range], values: Iterable[float]) -> One:
+    """The program with these values of the parameters; all others stay."""
+    changed = dict(program.parameters)
     for parameter, value in zip(ranges, values, strict=True):
         old = changed[parameter.name]
         changed[parameter.name] = (
@@ -102,7 +106,7 @@ def with_values(brain: Brain, ranges: Iterable[Range], values: Iterable[float]) 
             if isinstance(old, tuple)
             else value
         )
-    return brain.with_parameters(changed)
+    return program.with_parameters(changed)
 
 
 def _parsed(text: str) -> Range:
@@ -133,25 +137,27 @@ def _number(text: str) -> float:
     return number
 
 
-def _items(given: Range, brain: Brain) -> list[Range]:
+def _items(given: Range, program: Program) -> list[Range]:
     """The range itself; a range of a whole vector becomes one for each of its items."""
-    long = length(brain.parameters[given.name])
+    long = length(program.parameters[given.name])
     return [replace(given, item=k) for k in range(long)] if long and given.item is None else [given]
 
 
-def _known(brain: Brain) -> str:
+def _known(program: Program) -> str:
     names = (
         name if not (long := length(value)) else f"{name}[0] to {name}[{long - 1}]"
-        for name, value in brain.parameters.items()
+        for name, value in program.parameters.items()
     )
     return ", ".join(names)
 
 
-def _check(parameter: Range, brain: Brain) -> None:
-    if parameter.name not in brain.parameters:
-        hint = did_you_mean(parameter.name, brain.parameters)
-        raise ValueError(f"the brain {brain.name!r} has no parameter {parameter.name!r}: {hint}it has {_known(brain)}")
-    long = length(brain.parameters[parameter.name])
+def _check(parameter: Range, program: Program) -> None:
+    if parameter.name not in program.parameters:
+        hint = did_you_mean(parameter.name, program.parameters)
+        raise ValueError(
+            f"the {program.kind} {program.name!r} has no parameter {parameter.name!r}: {hint}it has {_known(program)}"
+        )
+    long = length(program.parameters[parameter.name])
     if not long and parameter.item is not None:
         raise ValueError(f"{parameter.name} is a number, and has no items")
     if parameter.item is not None and parameter.item >= long:

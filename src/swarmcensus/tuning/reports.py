@@ -1,4 +1,4 @@
-"""The report of a search: a fragment of a study file with the tuned brain, and the evidence as comments."""
+"""The report of a search: a fragment of a study file with what was found, and the evidence as comments."""
 
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -7,9 +7,9 @@ from pathlib import Path
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.basics.version import __version__
-from swarmcensus.brains import Brain
-from swarmcensus.studies.toml_text import to_toml_value
-from swarmcensus.tuning.evidence import BETTER, NONE, Evidence
+from swarmcensus.brains import Adversary, Brain
+from swarmcensus.studies.toml_text import read_toml, to_toml_value
+from swarmcensus.tuning.evidence import NONE, Evidence
 from swarmcensus.tuning.generations import SearchResult
 from swarmcensus.tuning.optimiser import library
 from swarmcensus.tuning.plans import Plan
@@ -29,18 +29,23 @@ def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:
 
 
 def report(
-    plan: Plan, tuned: Brain, result: SearchResult, evidence: Evidence, notes: Sequence[str], files: Mapping[str, Path]
+    plan: Plan,
+    tuned: Brain | Adversary,
+    result: SearchResult,
+    evidence: Evidence,
+    notes: Sequence[str],
+    files: Mapping[str, Path],
 ) -> str:
     """The text of the fragment."""
     worlds, seed = len(plan.worlds), plan.study.seed
-    head = [
-        f"{plan.before.name}, tuned for the study {plan.study.name!r} by swarmcensus {__version__}; this is no study "
-        "by itself: its brain is for one's table [swarm]"
-    ]
+    kind, harms = plan.before.kind, plan.target.harms
+    head = [f"{_found_text(plan)} by swarmcensus {__version__}; this is no study by itself: {_use_text(plan)}"]
     compared = evidence.verdict != NONE
     if not compared:
         head += ["The values below are as they were before the search, and nothing was compared"]
-    elif evidence.verdict != BETTER:
+    elif not evidence.is_found and harms:
+        head += ["There is no evidence that the values below do more harm than those before: read on"]
+    elif not evidence.is_found:
         head += ["There is no evidence that the line below is worth anything: read on"]
     findings = [*evidence.sentences, *notes]
     if compared:
@@ -57,16 +62,42 @@ def report(
         f"; where that is the same, by {parameter.name}: {parameter.meaning}" for parameter in plan.measures[1:]
     )
     provenance = [
-        f"searched: {', '.join(map(str, plan.ranges))}; from {_values_text(plan, plan.start)}",
+        f"searched{' for the most harm' * harms}: {', '.join(map(str, plan.ranges))}; from "
+        f"{_values_text(plan, plan.start)}",
         f"by {plan.metric}: {plan.measures[0].meaning}{ties}",
         f"with CMA-ES (cma {library().__version__}), {counted(plan.trials, 'trial')} in each world: "
         f"{course_text(plan, result)}",
-        f"training seeds {seed_for(seed, 'training')} (the brain as it was) and those that follow from {seed}, one a "
+        f"training seeds {seed_for(seed, 'training')} (the {kind} as it was) and those that follow from {seed}, one a "
         f"generation; the search's own {seed_for(seed, 'search')}",
-        f"the brain's source has SHA-256 {tuned.sha256}",
+        f"the {kind}'s source has SHA-256 {tuned.sha256}",
+        *([f"that of the brain {plan.target.brain.name} has {plan.target.brain.sha256}"] if harms else []),
         *names,
     ]
-    return fragment(tuned, plan.searched, head, findings, provenance)
+    return fragment(_table_lines(plan, tuned), head, findings, provenance)
+
+
+def _found_text(plan: Plan) -> str:
+    study = f"the study {plan.study.name!r}"
+    if not plan.target.harms:
+        return f"{plan.before.name}, tuned for {study}"
+    return f"{plan.before.name}, with the values found to harm {plan.target.brain.name} most in {study}"
+
+
+def _use_text(plan: Plan) -> str:
+    return "its table is for one's members" if plan.target.harms else "its brain is for one's table [swarm]"
+
+
+def _table_lines(plan: Plan, tuned: Brain | Adversary) -> list[str]:
+    """The lines to paste, which name all searched parameters, also those with the value of the file."""
+    named = {name: tuned.parameters[name] for name in plan.searched} | dict(tuned.overrides)
+    program = to_toml_value({"file": tuned.name, **named})
+    if plan.target.table is None:
+        return ["[swarm]", f"brain = [{program}]"]
+    given = read_toml(plan.study.text, "study")["members"][plan.target.table]
+    return [
+        "[[members]]",
+        *(f"{key} = {f'[{program}]' if key == 'brain' else to_toml_value(value)}" for key, value in given.items()),
+    ]
 
 
 def course_text(plan: Plan, result: SearchResult) -> str:
@@ -95,16 +126,9 @@ def _values_text(plan: Plan, values: tuple[float, ...]) -> str:
     return ", ".join(f"{parameter.label} = {value:.6g}" for parameter, value in zip(plan.ranges, values, strict=True))
 
 
-def fragment(
-    brain: Brain, searched: Sequence[str], head: Sequence[str], evidence: Sequence[str], provenance: Sequence[str]
-) -> str:
-    """TOML text: the evidence as comments, the line to paste, and comments on how the values were found.
-
-    The line names all searched parameters, also those with the value of the brain's file.
-    """
-    table = {"file": brain.name, **{name: brain.parameters[name] for name in searched}, **dict(brain.overrides)}
-    lines = [*_comments(head), "#", *_comments(evidence)]
-    lines += ["", "[swarm]", f"brain = [{to_toml_value(table)}]", "", *_comments(provenance)]
+def fragment(table: Sequence[str], head: Sequence[str], evidence: Sequence[str], provenance: Sequence[str]) -> str:
+    """TOML text: the evidence as comments, the lines to paste, and comments on how the values were found."""
+    lines = [*_comments(head), "#", *_comments(evidence), "", *table, "", *_comments(provenance)]
     return "\n".join(lines) + "\n"
 
 

@@ -3,13 +3,12 @@
 import copy
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Adversary, Brain
 from swarmcensus.results import store
 from swarmcensus.results.measures import OURS, Measure, chosen, inputs_of, lacks, numbers
 from swarmcensus.results.values import LOCAL, Values
@@ -18,6 +17,7 @@ from swarmcensus.runs.collect import Progress, State, run_bundles
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.tuning.targets import world_with
 
 Floats = NDArray[np.float64]
 ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer to
@@ -73,16 +73,16 @@ class Training:
         local = every if self.local else None
         return sum(task.cost for task in plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS))
 
-    def run(self, brains: Sequence[Brain], seed: int, keep: Keep, show: Callable[[Progress], None]) -> list[str]:
+    def run(
+        self, programs: Sequence[Brain | Adversary], seed: int, keep: Keep, show: Callable[[Progress], None]
+    ) -> list[str]:
         """Run all candidates on the same trials; `keep` is called for each in order, as soon as it is finished.
 
         Returns why trials failed, a text for each. Raises KeyboardInterrupt after Ctrl-C; finished candidates are kept.
         """
         seeded = copy.copy(self.study)
         seeded.seed = seed
-        settings = [
-            replace(world, brain=brain.with_numbers(world.brain.numbers)) for brain in brains for world in self.worlds
-        ]
+        settings = [world_with(world, program) for program in programs for world in self.worlds]
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
         tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
@@ -92,7 +92,7 @@ class Training:
         def report(progress: Progress) -> None:
             nonlocal kept
             finished = self._finished_candidates(state)
-            while kept < len(brains) and finished[kept]:
+            while kept < len(programs) and finished[kept]:
                 end = kept + int(np.argmin(np.append(finished[kept:], False)))
                 for place, candidate_numbers in enumerate(
                     self._numbers(seeded, settings, values, kept, end), start=kept
@@ -134,7 +134,7 @@ class Training:
 
 
 def scales_of(numbers: Floats, worlds: Sequence[Setting], measure: Measure, least: float) -> Floats:
-    """The scale of each world (world, 2), a middle and a width, from the original brain's trials (world, trial).
+    """The scale of each world (world, 2), a middle and a width, from the first candidate's trials (world, trial).
 
     `least` is the smallest possible number of the measure. If it is not negative, the middle is the median of finite
     numbers above 0, and the width is 0, because ratios to the middle count; without such numbers it is 1, or the

@@ -1,4 +1,4 @@
-"""Searches for good parameters of a brain in a study's worlds, and evaluates them: `sc.tune`."""
+"""Searches for good parameters of a brain, or the worst of an adversary, and evaluates them: `sc.tune`."""
 
 import contextlib
 import json
@@ -13,7 +13,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
-from swarmcensus.brains import Brain, Value
+from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results import store
 from swarmcensus.results.presence import folder_of
 from swarmcensus.runs import pools
@@ -33,10 +33,11 @@ MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces 
 
 @dataclass(frozen=True)
 class Tuned:
-    """The result of a search: the brain with the values found, all evaluations, and the evidence."""
+    """The result of a search: the brain or adversary with the values found, all evaluations, and the evidence."""
 
-    brain: Brain
-    before: Brain
+    brain: Brain  # with the values found; where an adversary was searched, the brain that it harms
+    adversary: Adversary | None  # with the values found, if one was searched
+    before: Brain | Adversary  # what was searched, as it was
     values: dict[str, float]  # the values found, by parameter or item, such as "prior" or "weights[0]"
     evaluations: list[Evaluation]
     evidence: Evidence
@@ -46,12 +47,15 @@ class Tuned:
 
     @property
     def parameters(self) -> dict[str, Value]:
-        """All parameters of the tuned brain."""
-        return self.brain.parameters
+        """All parameters of the brain or adversary that was searched."""
+        return (self.adversary or self.brain).parameters
 
     @property
     def verdict(self) -> str:
-        """Whether the tuned brain is "better" than it was, "worse", "not told apart", or "not compared"."""
+        """Whether the tuned brain is "better" than it was, "worse", "not told apart", or "not compared".
+
+        Where an adversary was searched, it is how the swarm fares: "worse" if it does more harm.
+        """
         return self.evidence.verdict
 
     @property
@@ -59,7 +63,8 @@ class Tuned:
         """The result as plain data: values before and after, the verdict, and the comparison pair by pair."""
         found = self.evidence.comparison
         return {
-            "brain": self.before.name, "values": self.values, "parameters": self.parameters,
+            "brain": self.brain.name, "adversary": self.adversary and self.adversary.name, "values": self.values,
+            "parameters": self.parameters,
             "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "course": self.course,
             "verdict": self.verdict, "sentences": self.evidence.sentences, "notes": self.notes,
             "worlds": [] if found is None else found.grid.worlds,
@@ -84,8 +89,12 @@ def tune(
     fresh: bool = False,
     progress: Callable[[Progress], None] | None = None,
     say: Callable[[str], None] | None = None,
+    adversary: str | None = None,
 ) -> Tuned:
     """Search for good values of a brain's parameters in a study's worlds, and compare the result with the original.
+
+    With `adversary`, the name of one in the study's members, its parameters are searched for those with which the
+    swarm is worst by the metric; `brain` is then the one that hears it, and needed if several do.
 
     `parameters` are ranges, such as ["prior=1:100:log", "weights[0]=0:1"]. `brain` is needed if several of the study's
     brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
@@ -95,7 +104,7 @@ def tune(
     KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
     """
     study = study if isinstance(study, Study) else Study.load(study)
-    plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials)
+    plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials, adversary)
     files = files_of(out)
     if files:
         check_replaceable(files[".nc"])
@@ -111,7 +120,7 @@ def tune(
             say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
         result = run_search(plan, search, log, training, show)
         values, idle = reset_idle(plan, result.values, training, show)
-        tuned = plan.brain_of(values)
+        tuned = plan.candidate(values)
         evidence = _evidence(plan, tuned, result, files.get(".nc"), jobs, show, say, fresh)
         notes = notes_of(plan, idle)
         text = report(plan, tuned, result, evidence, notes, files)
@@ -119,7 +128,10 @@ def tune(
             with atomic_write(files[".toml"]) as temporary:
                 temporary.write_text(text, encoding="utf-8")
     found = dict(zip((parameter.label for parameter in plan.ranges), values, strict=True))
-    return Tuned(tuned, plan.before, found, result.evaluations, evidence, course_text(plan, result), notes, text)
+    course = course_text(plan, result)
+    liar = tuned if isinstance(tuned, Adversary) else None
+    of = plan.target.brain if isinstance(tuned, Adversary) else tuned
+    return Tuned(of, liar, plan.before, found, result.evaluations, evidence, course, notes, text)
 
 
 def files_of(out: str | Path | None) -> dict[str, Path]:
@@ -136,7 +148,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
 
 def _evidence(
     plan: Plan,
-    tuned: Brain,
+    tuned: Brain | Adversary,
     result: SearchResult,
     out: Path | None,
     jobs: int,
@@ -145,19 +157,27 @@ def _evidence(
     fresh: bool,
 ) -> Evidence:
     if tuned == plan.before:
-        return Evidence(plan.label(tuned), plan.label(plan.before), None, None, why_unchanged(plan, result))
-    study = evaluation_of(plan.study, tuned, plan.label(tuned))
+        harms, why = plan.target.harms, why_unchanged(plan, result)
+        return Evidence(plan.label(tuned), plan.label(plan.before), None, None, why, harms)
+    study = evaluation_of(plan, tuned)
     data: Any = evaluate(study, out, jobs, show, say, fresh)
-    return evidence_of(data, study.settings(), tuned, plan.before, plan.metric, plan.searched)
+    return evidence_of(data, study.settings(), plan, tuned)
 
 
-def evaluation_of(study: Study, tuned: Brain, label: str) -> Study:
-    """The study with the tuned brain added wherever the original appears, and with the largest number of trials.
+def evaluation_of(plan: Plan, tuned: Brain | Adversary) -> Study:
+    """The study with what was found added wherever the original appears, and with the largest number of trials.
 
-    The tuned brain's label, `label`, becomes part of the study's name.
+    Its label becomes part of the study's name.
     """
+    study = plan.study
     tables = read_toml(study.text, "study")
-    changes: dict[str, Any] = {"name": f"{MARK}{label}, {study.name}", "trials": study.trials}
+    changes: dict[str, Any] = {"name": f"{MARK}{plan.label(tuned)}, {study.name}", "trials": study.trials}
+    if isinstance(tuned, Adversary):
+        members = [
+            given | {"brain": [*table.brain, tuned]} if n == plan.target.table and table.brain else given
+            for n, (given, table) in enumerate(zip(tables["members"], study.members, strict=True))
+        ]
+        return study.with_(**changes, members=members)
     if tuned not in study.swarm.brain and _has(study.swarm.brain, tuned):
         changes["swarm"] = tables["swarm"] | {"brain": [*study.swarm.brain, tuned]}
     cases = [
@@ -191,7 +211,7 @@ def check_replaceable(out: Path) -> None:
     for title in _titles(out):
         if not title.startswith(MARK):
             raise InputError(
-                f"{out} holds results that no evaluation of a tuned brain made: write elsewhere with {option('out')}"
+                f"{out} holds results that no evaluation of a search made: write elsewhere with {option('out')}"
             )
 
 
