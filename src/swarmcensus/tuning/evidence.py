@@ -156,9 +156,15 @@ def _evidence_of_harm(data: xr.Dataset, settings: list[Setting], plan: Plan, tun
     liars = [(k, setting, liar) for k, setting in enumerate(settings) if (liar := liar_in(setting))]
     rows = [k for k, _, _ in liars]
     names = [plan.label(m.brain) if m.brain in pair else m.brain.label for _, _, m in liars if m.brain]
-    members = ["; ".join(str(replace(m, brain=None) if m == liar else m) for m in s.members) for _, s, liar in liars]
-    adversaries = data.isel(setting=rows).assign_coords(brain=("setting", names), members=("setting", members))
+    adversaries = data.isel(setting=rows).assign_coords(brain=("setting", names))
     adversaries = adversaries.assign_attrs(parameters="{}")  # those of the brain are a part of the world
+    if len(plan.study.members) > 1:
+        members = [
+            "; ".join(str(replace(m, brain=None) if m == liar else m) for m in s.members) for _, s, liar in liars
+        ]
+        adversaries = adversaries.assign_coords(members=("setting", members))
+    else:  # worlds differ in the number of liars alone
+        adversaries = adversaries.drop_vars(["members", "adversary"])
     both = [k for k, (_, _, liar) in enumerate(liars) if liar.brain in pair]
     comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})
     everyone = compare_dataset(adversaries, plan.metric, None, None, {}) if len(both) < len(liars) else None
