@@ -112,18 +112,23 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
 def _check_fit(adversary: Adversary, brain: Brain) -> None:
     """Raise InputError if the brain lacks fields that the adversary knows, or has a vector where it says a number."""
     fields = {**brain.lengths, **{name: length_of(value) for name, value in brain.contents.parameters.items()}}
-    for name in _unknown(adversary, brain) if _speaks(brain) else ():
-        hint = did_you_mean(name, fields).rstrip()
-        where = f"line {adversary.line_of('KNOWS')} of {adversary.path}"
-        raise InputError(f"KNOWS names {name!r} in {where}, and the brain has no such field{': ' * bool(hint)}{hint}")
+    lacking = _unknown(adversary, brain) if _speaks(brain) else []
     for name in adversary.contents.knows:
+        what = f"KNOWS names {name!r} in {_place(adversary, 'KNOWS')}"
+        if name in lacking:
+            hint = did_you_mean(name, fields).rstrip()
+            raise InputError(f"{what}, and the brain has no such field{': ' * bool(hint)}{hint}")
         if fields.get(name):
-            where = f"line {adversary.line_of('KNOWS')} of {adversary.path}"
-            raise InputError(f"KNOWS names {name!r} in {where}, which is a vector of the brain: it may know numbers")
+            raise InputError(f"{what}, which is a vector of the brain: it may know numbers")
     for name, items in brain.message.items():
         if items and SAYS + name in adversary.contents.functions:
-            where = f"line {adversary.line_of(SAYS + name)} of {adversary.path}"
+            where = _place(adversary, SAYS + name)
             raise InputError(f"{SAYS}{name} in {where} returns a number, and {name} is a vector of {items}")
+
+
+def _place(adversary: Adversary, name: str) -> str:
+    """Where its file defines a constant or a function."""
+    return f"line {adversary.line_of(name)} of {adversary.path}"
 
 
 def _unknown(adversary: Adversary, brain: Brain) -> list[str]:

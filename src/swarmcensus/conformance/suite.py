@@ -70,7 +70,7 @@ def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
 
     Raises InputError.
     """
-    if str(path) in brains.PLUGINS or not adversary.exists(str(path), None):
+    if not _is_adversary(path):
         if wearing:
             raise InputError(f"--wearing {wearing}: {path} is a brain, and only adversaries wear one")
         hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
@@ -82,6 +82,11 @@ def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
         return brains.lying_brain(lies, brain)
     except ValueError as error:
         raise Mismatch(f"{error}{': name another brain with --wearing' * (not wearing)}") from None
+
+
+def _is_adversary(path: str | Path) -> bool:
+    """Whether this is the name or file of an adversary, and of no brain."""
+    return str(path) not in brains.PLUGINS and adversary.exists(str(path), None)
 
 
 def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> list[Check]:
@@ -115,8 +120,7 @@ def notes(path: str | Path, wearing: str = "") -> list[str]:
         return []
     missing = robot_math.missing_on_avr(ast.parse(brain.source))
     lacks = [f"AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks {', '.join(missing)}"] if missing else []
-    is_brain = str(path) in brains.PLUGINS or not adversary.exists(str(path), None)
-    unsaid = [] if is_brain else adversary.load(path).unsaid(brain.message)
+    unsaid = adversary.load(path).unsaid(brain.message) if _is_adversary(path) else []
     worn = wearing or DEFAULT_BRAIN
     return lacks + [f"{name} says nothing: the MESSAGE of {worn} has no {name.removeprefix('say_')}" for name in unsaid]
 

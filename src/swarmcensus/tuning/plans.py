@@ -65,9 +65,7 @@ class Plan:
     worlds: list[Setting]
     ranges: list[Range]
     metric: str  # the name that was given
-    measures: list[
-        Measure
-    ]  # that of this name, and that which breaks its ties, if any; turned round to search for harm
+    measures: list[Measure]  # of that name, and the one that breaks its ties, if any; for harm both are turned round
     least: list[float]  # the smallest possible number of each measure
     budget: Budget
     trials: int

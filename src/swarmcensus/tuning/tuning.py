@@ -174,7 +174,9 @@ def evaluation_of(plan: Plan, tuned: Brain | Adversary) -> Study:
     changes: dict[str, Any] = {"name": f"{MARK}{plan.label(tuned)}, {study.name}", "trials": study.trials}
     if isinstance(tuned, Adversary):
         members = [
-            given | {"brain": [*table.brain, tuned]} if n == plan.target.table and table.brain else given
+            given | {"brain": [*table.brain, tuned]}
+            if n == plan.target.table and table.brain and tuned not in table.brain
+            else given
             for n, (given, table) in enumerate(zip(tables["members"], study.members, strict=True))
         ]
         return study.with_(**changes, members=members)
