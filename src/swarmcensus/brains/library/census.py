@@ -1,53 +1,45 @@
 """Census: commons that weighs readings by their age, finds changes of the floor, and bounds what liars can do.
 
-Three pairs of sums of the evidence of `commons` are mixed alike, with k = b + w - 1:
+Three pairs of sums of the evidence of `commons` are mixed alike, with k = b + w - 1; docs/census.md derives all of it:
 
     s, v    all readings, with the momentum of `swift` while the network is steady
     S, V    ripe: after each round of mixing    S <- S (1 - v / V') + s,    V <- V' = V + 2 v / 3
     a, e    short: the latest readings, at most a quarter of v and at most `memory`
 
-Ripening. An old reading is spread over more robots than a new one, so it should weigh more: among weights for the ages
-of readings, the best are the numbers of robots over which mixing has spread them. After t rounds, S / V is a mean of
-s / v over all rounds in which a reading made in round r has the weight 1 - (r / t)^2. V / v tells t, so no clock is
-needed. Without momentum, the own sums weigh as much as OWN messages, or as all that arrive: late messages lack what the
-robot has read since they were sent. All sums treat s and v alike, so S / V is consistent for f, as with `commons`,
-whatever is lost or late, and if robots move, fail or join late.
+Ripening. S / V is a mean of s / v over all rounds, in which a reading made in round r has the weight 1 - (r / t)^2,
+because mixing has spread old readings over more robots. V / v tells t. All sums treat s and v alike, so S / V is
+consistent for f, whatever is lost or late, and if robots move, fail or join late.
 
-Change. If the floor has changed, a / e differs from S / V by more than chance. What chance explains depends on how well
-the swarm mixes, so robots measure it with coins: where a round's readings add r to e, heads or tails add sqrt(r) / 2 to
-a sum c or take it away. c is mixed and forgotten as a is, so that it varies as a does, at most, but tells nothing of
-the floor. The noise d is the mean of c^2 / e over rounds and robots. Evidence in a that no neighbour has mixed yet adds
-a quarter of its share in e. With n voices in a round, d is between 1 / (32 n) and 1 / (4 n). A robot begins anew, from
-a and e cut to KEPT, if
+Change. If the floor has changed, a / e differs from S / V by more than chance. Robots measure with coins what chance
+does: where a round's readings add r to e, heads or tails add sqrt(r) / 2 to a sum c or take it away. c is mixed and
+forgotten as a is. The noise d is the mean of c^2 / e over rounds and robots. A robot begins anew, from a and e cut
+to KEPT, if
 
     (S / V - a / e)^2 > z^2 d / e    or    > confirm^2 d / e, and it hears a robot that has begun anew
 
-and counts the long sums only of robots that have, until v is SETTLED. One that erred then gets back what it lost.
+and counts the long sums only of robots that have, until v is SETTLED. It tries the change: to its trust in it, it adds
+the logarithms of how much likelier its new readings are if S / V is true than if its own old ones are. Above SURE, its
+own sums begin anew too. If the trial ends otherwise and the new readings are against the change, its next trust is half
+as large, and it looks for no change for a while.
 
 Liars. Each robot also says the sums o, p of its own readings alone. A neighbour whose own readings differ from its own
-by more than PAIR standard errors is not heard. From the own readings of the others it makes a mean that a minority
-cannot draw far: r, over those within NEAR standard errors of r, with weights of at most p, averaged over rounds; its
-standard error is E = 1 / (2 sqrt(p n)) for n robots, MOST at most. Then
+by more than PAIR standard errors is not heard. Of the others it makes r, a mean that a minority cannot draw far, with
+the standard error E = 1 / (2 sqrt(p n)) for n robots. Then
 
     sums whose S / V is more than GATE E from r are not counted, and weights are at most CAP times the own
-    the estimate is S / V, cut to r +- CUT_OFF E
-    if S / V is more than BREAK E from r, the robot sets its sums to r: others have mixed in lies
+    the estimate is S / V; where that is more than CUT_OFF E from r, it is drawn to r, and is r from FAR_OFF E on
+    if its own S / V is, the robot sets its sums to r: others have mixed in lies
 
-A robot that has done so in round t, or has heard own readings more than CLEAR standard errors off, is on guard until
-round 2 t: limits are GUARDED_GATE and GUARDED_CUT_OFF, and its sums are drawn to r by LEAN shares of new readings a
-round, so that lies fade. After it has begun anew, a robot does not know whether the floor has changed or others lie.
-Only its own new readings tell: it adds the logarithms of how much likelier they are if S / V is true than if o / p is,
-to TRUST. Until the sum is below 0 or above SURE it believes others; then it sets its sums to r, or o, p to its readings
-since.
+A robot that has done so, or has heard own readings more than CLEAR standard errors off, is on guard for as many rounds
+as have passed: its limits are narrower, and its sums are drawn to r by LEAN shares of new readings a round.
 
 Patches. Where successive readings of a robot are alike, as on black in clusters, d is at least the mean of what
-(S / V - a / e)^2 e has been, cut at CUT^2 d, and own readings tell less: standard errors are `alike` / PATCHY times as
-large. Elsewhere the first would hide slow changes.
+(S / V - a / e)^2 e has been, cut at CUT^2 d, and standard errors of own readings are `alike` / PATCHY times as large.
 """
 
 import math
 
-OWN = 3.0  # the weight of the own sums in a mean without momentum, in messages
+OWN = 3.0  # the weight of the own sums in a mean without momentum, in messages, if fewer arrive
 KEPT = 1.0  # evidence in the sums of a robot that begins anew, in readings of a perfect sensor
 SETTLED = 30.0  # evidence from which on it counts the sums of all robots again
 LEAST = 10.0  # evidence that the short sums may always hold
@@ -60,18 +52,24 @@ WALK = 0.002  # the share of a round in that correlation
 OLDEST = 16384.0  # rounds: the sums forget older readings, so that they bear single precision
 PAIR = 4.5  # standard errors of the difference of two robots' own readings, beyond which one is not heard
 CLEAR = 5.5  # and beyond which it is a lie
-NEAR = 2.0  # standard errors within which the own readings of others count in r
+NEAR = 2.5  # standard errors within which the own readings of others count in r
+WINSOR = 0.6  # and beyond which they count as if they were so far off
 MOST = 30.0  # robots that count in its standard error, at most
 RECENT = 20.0  # r is averaged over the last 1 / RECENT of all rounds
 CAP = 2.0  # the largest weight of a message, in own weights
-GATE = 5.0  # standard errors of r, from it to the sums that count
-CUT_OFF = 1.5  # and to the estimate
-BREAK = 4.0  # and to sums that others have spoilt
-GUARDED_GATE = 1.5  # the same for a robot on guard
-GUARDED_CUT_OFF = 1.0
+GATE = 5.0  # standard errors of r, from it to the sums that count, and to own sums that others have not spoilt
+CUT_OFF = 1.75  # and to the estimate
+FAR_OFF = 2.5  # and to sums so far off that r is the estimate
+GUARDED_GATE = 0.75  # the same for a robot on guard
+GUARDED_CUT_OFF = 0.5
+GUARDED_FAR_OFF = 1.0
 LEAN = 3.0  # its pull to r, in shares of new readings
 TRUST = 4.0  # in a change that others tell of, in nats
 SURE = 5.0  # and when own readings confirm it
+DOUBT = 2.0  # below which the estimate is cut again
+PAUSE = 4.0  # rounds without a search for changes, at full trust
+STEEPEST = 1e6  # the largest ratio of sums that a robot can have
+MOST_SUM = 1e24  # and the largest evidence
 
 PARAMETERS = {
     "momentum": 0.9,  # g of `swift`
@@ -110,10 +108,12 @@ MEMORY = {
     "near_v": 0.0,  # and evidence: n
     "near": 0.5,  # r
     "error": 10.0,  # E
-    "guard": 0.0,  # the round until which the robot is on guard
+    "guard": 0.0,  # rounds for which the robot is still on guard
+    "pause": 0.0,  # rounds in which it looks for no change
+    "trust": 4.0,  # in the next change, in nats
     "unit": 0.0,  # what evidence of 1 per round would have become, as sent
     "said_unit": 0.0,
-    "rounds": 0.0,  # so far
+    "rounds": 0.0,  # so far, or since the robot began anew
     "first": 0.0,  # messages in the first round
     "company": 0.0,  # the sum of marks heard in the first round and the own; 0 before, -1 without momentum
     "x": 0.5,  # estimate
@@ -190,6 +190,10 @@ def broadcast(me):
 def receive(me, message):
     """A neighbour's sums, as far as they can be believed."""
     s, v, ripe_s, ripe_v, short_s, short_v, coins, noise, seen, anew, company, own_s, own_v = message
+    if not (sound(s, v) and sound(ripe_s, ripe_v) and sound(short_s, short_v) and sound(own_s, own_v)):
+        return
+    if not (sound(coins, short_v) and noise >= 0.0 and seen >= 0.0):  # nor if they are no numbers
+        return
     me.heard += 1.0
     me.heard_company += company
     if company < 0.0 or v <= 0.0:
@@ -202,7 +206,7 @@ def receive(me, message):
     believed = True
     if me.trial <= 0.0 and me.rounds > 1.0 and ripe_v > 0.0:
         believed = abs(ripe_s / ripe_v - me.near) <= limit(me, GATE, GUARDED_GATE)
-    if not believed and (me.rounds < me.guard or (anew == 0.0 and not tries)):
+    if not believed and (me.guard > 0.0 or (anew == 0.0 and not tries)):
         return
     if anew > 0.0:
         me.begun += 1.0
@@ -212,8 +216,8 @@ def receive(me, message):
     me.heard_short_s += share * short_s
     me.heard_short_v += share * short_v
     me.heard_coins += share * coins
-    me.heard_noise += noise
-    me.heard_seen += seen
+    me.heard_noise += min(noise, 0.25)
+    me.heard_seen += min(seen, 0.25 * CUT * CUT)
     if not believed or (me.anew > 0.0 and anew == 0.0):
         return
     me.counted += 1.0
@@ -225,6 +229,11 @@ def receive(me, message):
     me.heard_ripe_v += share * ripe_v
 
 
+def sound(s, v):
+    """Whether a robot can have such sums."""
+    return abs(s) <= STEEPEST * v and v <= MOST_SUM
+
+
 def meet(me, other, weight, anew):
     """Whether a neighbour's own readings agree with the own; if so, count them in r where they are near it."""
     wide = width(me)
@@ -234,10 +243,15 @@ def meet(me, other, weight, anew):
             me.lies += 1.0
         return False
     if me.rounds > 1.0:
-        apart = wide * abs(other - me.near) / math.sqrt(0.25 * wide * wide / weight + me.error * me.error)
-    if apart <= NEAR * wide:
-        me.near_heard_s += weight * other
-        me.near_heard_v += weight
+        error = math.sqrt(0.25 * wide * wide / weight + me.error * me.error)
+        off = other - me.near
+        if abs(off) > NEAR * error:
+            return True
+        other = me.near + min(max(off, -WINSOR * error), WINSOR * error)
+    elif apart > NEAR * wide:
+        return True
+    me.near_heard_s += weight * other
+    me.near_heard_v += weight
     return True
 
 
@@ -248,15 +262,17 @@ def width(me):
 
 def limit(me, free, guarded):
     """A distance from r, given in standard errors for a robot that is not on guard and for one that is."""
-    return me.error * (guarded if me.rounds < me.guard else free)
+    return me.error * (guarded if me.guard > 0.0 else free)
 
 
 def fuse(me):
     """Average all voices, ripen, step beyond the mean, look for a change, and for lies."""
     voices = 1.0 + me.voices
     look_around(me)
+    me.guard = max(me.guard - 1.0, 0.0)
+    me.pause = max(me.pause - 1.0, 0.0)
     if me.lies > 0.0:
-        me.guard = 2.0 * me.rounds
+        me.guard = max(me.guard, me.rounds)
     own = 1.0 if me.company >= 0.0 else max(OWN, me.counted)
     mixed = own + me.counted
     s = (own * me.s + me.heard_s) / mixed
@@ -270,7 +286,7 @@ def fuse(me):
     compare(me, v / gain, voices)
     me.x = ratio(me, v / gain)
     doubt(me)
-    if me.v > SETTLED:
+    if me.v > SETTLED or (me.fresh <= 0.0 and me.begun <= 0.0):
         me.anew = 0.0
     clear(me)
     me.coin = 1.0 if me.luck < 0.5 else -1.0
@@ -278,26 +294,12 @@ def fuse(me):
 
 def clear(me):
     """Forget the messages and readings of this round."""
-    me.heard = 0.0
-    me.heard_company = 0.0
-    me.alarms = 0.0
-    me.lies = 0.0
-    me.near_heard_s = 0.0
-    me.near_heard_v = 0.0
-    me.begun = 0.0
-    me.voices = 0.0
-    me.heard_short_s = 0.0
-    me.heard_short_v = 0.0
-    me.heard_coins = 0.0
-    me.heard_noise = 0.0
-    me.heard_seen = 0.0
-    me.counted = 0.0
-    me.heard_s = 0.0
-    me.heard_v = 0.0
-    me.heard_ripe_s = 0.0
-    me.heard_ripe_v = 0.0
-    me.fresh_s = 0.0
-    me.fresh = 0.0
+    me.heard = me.heard_company = me.alarms = me.lies = 0.0
+    me.near_heard_s = me.near_heard_v = 0.0
+    me.voices = me.begun = me.heard_noise = me.heard_seen = 0.0
+    me.heard_short_s = me.heard_short_v = me.heard_coins = 0.0
+    me.counted = me.heard_s = me.heard_v = me.heard_ripe_s = me.heard_ripe_v = 0.0
+    me.fresh_s = me.fresh = 0.0
 
 
 def look_around(me):
@@ -333,15 +335,11 @@ def step(me, s, v, voices):
     keep = 1.0 - 1.0 / OLDEST if 3.0 * me.ripe_v > OLDEST * v else 1.0
     ahead_s = keep * (s + g * (s - me.said_s))
     ahead_v = keep * (v + g * (v - me.said_v))
-    ahead_unit = unit + g * (unit - me.said_unit)
     me.ripe_s *= keep
     me.ripe_v *= keep
-    me.said_s = me.s
-    me.said_v = me.v
-    me.said_unit = unit
-    me.s = ahead_s
-    me.v = ahead_v
-    me.unit = ahead_unit
+    me.said_s, me.said_v = me.s, me.v
+    me.s, me.v = ahead_s, ahead_v
+    me.unit, me.said_unit = unit + g * (unit - me.said_unit), unit
     me.rounds += 1.0
 
 
@@ -384,7 +382,7 @@ def compare(me, long, voices):
         noise = max(noise, me.seen)
     me.seen += weight * (min(square, CUT * CUT * noise) - me.seen)
     confirmed = me.begun > 0.0 and me.anew == 0.0 and square > me.confirm * me.confirm * noise
-    if confirmed or square > me.z * me.z * noise:
+    if me.pause <= 0.0 and (confirmed or square > me.z * me.z * noise):
         begin_anew(me)
 
 
@@ -401,18 +399,14 @@ def cut_short(me, most):
 def begin_anew(me):
     """Keep of the past what the short sums hold, cut, and try whether own readings agree."""
     cut_short(me, KEPT)
-    me.s = me.short_s
-    me.v = me.short_v
-    me.ripe_s = me.short_s
-    me.ripe_v = me.short_v
+    me.s = me.ripe_s = me.short_s
+    me.v = me.ripe_v = me.short_v
     me.anew = 1.0
     me.company = -1.0
-    me.unit = 2.0
-    me.said_unit = 2.0
-    me.rounds = 2.0
-    me.trial = TRUST
-    me.new_s = 0.0
-    me.new_v = 0.0
+    me.unit = me.said_unit = me.rounds = 2.0
+    if me.trial <= 0.0:
+        me.trial = me.trust
+        me.new_s = me.new_v = 0.0
 
 
 def doubt(me):
@@ -426,19 +420,29 @@ def doubt(me):
     me.error = 0.5 * width(me) / math.sqrt(me.own_v * min(me.near_v, MOST))
     if me.trial > 0.0:
         weigh(me)
+        if 0.0 < me.trial < DOUBT:
+            cut(me)
         return
-    if abs(me.x - me.near) > BREAK * me.error:
+    if abs(me.x - me.near) > GATE * me.error:
         set_right(me)
-    most = limit(me, CUT_OFF, GUARDED_CUT_OFF)
-    me.x = min(max(me.x, me.near - most), me.near + most)
-    me.x = min(max(me.x, 0.0), 1.0)
-    if me.rounds < me.guard:
+    cut(me)
+    if me.guard > 0.0:
         lean = min(1.0, LEAN * me.fresh / me.own_v)
         me.s += lean * (me.near * me.v - me.s)
         me.ripe_s += lean * (me.near * me.ripe_v - me.ripe_s)
     if me.own_v > OLDEST * me.fresh > 0.0:
         me.own_s *= 1.0 - 1.0 / OLDEST
         me.own_v *= 1.0 - 1.0 / OLDEST
+
+
+def cut(me):
+    """Draw the estimate to r where it is far from it."""
+    off = me.x - me.near
+    most = limit(me, CUT_OFF, GUARDED_CUT_OFF)
+    if abs(off) > most:
+        none = limit(me, FAR_OFF, GUARDED_FAR_OFF)
+        most *= max(0.0, (none - abs(off)) / (none - most))
+        me.x = min(max(me.near + (most if off > 0.0 else -most), 0.0), 1.0)
 
 
 def weigh(me):
@@ -457,25 +461,29 @@ def weigh(me):
         me.near_s = me.x
         me.near_v = 1.0
         me.trial = 0.0
-    elif 2.0 * abs(own - me.x) * math.sqrt(me.own_v) < 1.0:
-        me.trial = 0.0
-    elif me.trial <= 0.0:
+        me.trust = TRUST
+        return
+    alike = 2.0 * abs(own - me.x) * math.sqrt(me.own_v) < 1.0
+    if not alike and me.trial > 0.0:
+        return
+    if me.trial < me.trust:
+        me.trust *= 0.5
+        me.pause = PAUSE * TRUST / me.trust
+    me.trial = 0.0
+    if not alike:
         set_right(me)
 
 
 def set_right(me):
     """Set all sums to what the robots near have read themselves."""
     age = max(me.rounds / 3.0, 1.0)
-    me.s = me.near * me.own_v
-    me.v = me.own_v
+    me.s = me.said_s = me.near * me.own_v
+    me.v = me.said_v = me.own_v
     me.ripe_s = me.s * age
     me.ripe_v = me.v * age
-    me.said_s = me.s
-    me.said_v = me.v
     me.short_s = me.near * me.short_v
     me.x = min(max(me.near, 0.0), 1.0)
-    me.trial = 0.0
-    me.guard = 2.0 * me.rounds
+    me.guard = max(me.guard, me.rounds)
 
 
 def ratio(me, long):
