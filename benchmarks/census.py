@@ -7,13 +7,14 @@ error after the last round, K the median round of convergence, recovery the medi
 the error stays below 0.05, mean the median over trials of the mean error over all rounds.
 
 Then errors among liars, as ratios to that of a robot alone and to that of the best other brain, also among creepers of
-other steps; with wrong accuracies; where two needs meet; in large swarms; what leaving out a part costs; and K of
-flooding, the limit of any brain. FILE becomes a picture of the last. With a processor of two cores it takes a quarter
-of an hour.
+other steps, and among insiders, which know the source; with wrong accuracies; where robots fail or join late; where two
+needs meet; in large swarms; what leaving out a part costs; and K of flooding, the limit of any brain. FILE becomes a
+picture of the last.
 """
 
 import argparse
 import tempfile
+import tomllib
 import warnings
 from pathlib import Path
 
@@ -34,7 +35,15 @@ LIARS = (
 )  # fmt: skip
 SHARES = (0.1, 0.3, 0.4)
 LIED_TO = ("full", "ring", "scale-free")
+COMPARED = ("census", "steadfast", "commons", "self-taught", "minimalistic", "alone")
 STEPS = (0.002, 0.005, 0.02, 0.05, 0.1)  # of creepers
+INSIDER = ROOT / "studies" / "example" / "insider.py"
+WORST = ROOT / "docs" / "census-insider.toml"  # the values that a search has found
+INSIDERS = {  # what one lie alone does
+    "cries a change, all sums 0.1 off": {"anew": 3.0, "step": 0.1, "short": 0.1, "own": 0.0},
+    "short sums 0.1 off": {"step": 0.0, "short": 0.1, "own": 0.0},
+    "own readings 0.02 off": {"step": 0.0, "short": 0.0, "own": 0.02},
+}
 LIMIT_TRIALS = 10
 PARTS = {  # what is left out: parameters that do so
     "no momentum": {"momentum": 0.0},
@@ -124,13 +133,12 @@ def tell(found):
         )
 
 
-def errors(trials, members, topologies, f=0.55):
+def errors(trials, members, topologies, f=0.55, brains=COMPARED):
     """The median error of honest robots of each topology and brain."""
-    brains = ["census", "steadfast", "commons", "self-taught", "minimalistic", "alone"]
     study = sc.Study(
         trials=trials,
         seed=32,
-        swarm={"robots": 20, "accuracy": 0.75, "brain": brains},
+        swarm={"robots": 20, "accuracy": 0.75, "brain": list(brains)},
         members=members,
         world={"topology": topologies, "fill_ratio": f},
         schedule={"rounds": 1000, "observations_per_round": 10},
@@ -172,6 +180,20 @@ def among_liars(trials):
         )
 
 
+def among_insiders(trials):
+    """Errors among liars that know the source, as ratios to that of a robot alone, a line a liar."""
+    worst = tomllib.loads(WORST.read_text())["members"][0]["brain"][0]
+    kinds = INSIDERS | {"as searched": {name: value for name, value in worst.items() if name != "file"}}
+    print(f"{'to alone':34}{''.join(f'{share:.0%} {topology}'.rjust(15) for share in SHARES for topology in LIED_TO)}")
+    for name, values in kinds.items():
+        line = f"{name:34}"
+        for share in SHARES:
+            liars = {"robots": share, "brain": {"file": str(INSIDER)} | values, "honest": False}
+            found = errors(trials, [liars], list(LIED_TO), brains=["census", "alone"])
+            line += "".join(f"{found[t]['census'] / found[t]['alone']:.2f}".rjust(15) for t in LIED_TO)
+        print(line)
+
+
 def wrong_accuracies(trials):
     """Errors where some robots are told a wrong accuracy, a line each."""
     for told in (0.55, 0.6, 0.9, 0.95):
@@ -180,6 +202,28 @@ def wrong_accuracies(trials):
             for topology, of in found.items():
                 name = f"{share:.0%} told {told} for 0.75, {topology}"
                 print(f"{name:34}", *(f"{brain} {value:.4f}" for brain, value in of.items()), sep="  ")
+
+
+def failing(trials):
+    """Error and K where half of the robots, the root of a tree often among them, fail for good or join late."""
+    brains = ["census", "swift", "commons", "minimalistic", "alone"]
+    fails = {
+        "half fail in round 101": {"at": 101, "robots": 0.5, "stop": ["sensing", "talking"]},
+        "half join in round 201": {"at": 1, "until": 201, "robots": 0.5, "stop": ["sensing", "talking"]},
+    }
+    topologies = ["ring", {"networkx": "barabasi_albert_graph", "m": 1}, "full"]
+    for name, fault in fails.items():
+        study = sc.Study(
+            trials=trials, seed=36, swarm={"robots": 100, "accuracy": 0.625, "brain": brains},
+            world={"topology": topologies, "fill_ratio": 0.55}, faults=[fault],
+            schedule={"rounds": 1000, "observations_per_round": 10}, measure={"bins": 2},
+        )  # fmt: skip
+        results = sc.run(study)
+        for topology in dict.fromkeys(map(str, results["topology"].values)):
+            settings = np.flatnonzero(results["topology"].values == topology)
+            cells = [(str(results["brain"].values[k]), measured(results, k)) for k in settings]
+            short = {"ring": "ring", "full": "full"}.get(topology, "tree")
+            print(f"{name}, {short}:".ljust(30), *(f"{b} {v['error']:.4f} K {v['K']:.0f}" for b, v in cells), sep="  ")
 
 
 def crossings(trials):
@@ -289,7 +333,11 @@ def main(path, trials, plot):
     print()
     among_liars(trials or 100)
     print()
+    among_insiders(trials or 100)
+    print()
     wrong_accuracies(trials or 100)
+    print()
+    failing(trials or 100)
     print()
     crossings(trials or 100)
     print()
