@@ -1,20 +1,29 @@
 """Sure: eight copies of commons, whose spread tells each robot how sure the swarm is, and when to stop looking.
 
-Readings go into eight pairs of sums in turn, one block of rounds each, and each pair is mixed as in commons. For a
-given network, their ratios are independent and differ only by chance, so they show the error of the overall ratio:
+Robots form eight groups by their names. Readings of a group go into one of eight pairs of sums, and each pair is mixed
+as in commons. Readings of different robots are independent for a given floor and network, however long those of one
+robot hang together. So the ratios of the pairs differ only by chance, and show the error of the overall ratio:
 
     f = sum s_k / V,  V = sum v_k,  se^2 = sum (s_k - f v_k)^2 / (V^2 - sum v_k^2),  f +- max(t se, ln(1/alpha) / (n k))
 
-with t the two-sided quantile of Student's t with 7 degrees of freedom at alpha, n the readings of a neighbourhood, and
-k the swarm's mean of b + w - 1, derived from v. No robot needs to know the number of robots, the network, or its
-losses. These are batch means; the block length doubles after every eight blocks, so that correlated readings end up in
-one block. The last term is for sensors so good that all readings may be equal: if a share ln(1/alpha)/n of the floor
-differs, n readings miss it with a probability below alpha.
+with n the readings of a neighbourhood, and k the swarm's mean of b + w - 1, derived from v. No robot needs to know the
+number of robots, the network, or its losses. t is the two-sided quantile of Student's t at alpha, whose degrees of
+freedom are fewer the more the shares h_k = v_k / V differ (Satterthwaite, 1946); equal shares give 7:
 
-After the j-th eight blocks, the robot checks whether half the width of its interval is at most `within`, at alpha_j =
-4 alpha/((j + 3)(j + 4)), and if so is done; all alpha_j sum up to alpha. It goes on sending. The interval is for the
-ground that robots see: on a floor that is seen over and over, for its own share of black. On a floor whose black lies
-in clusters wider than the distance that robots have driven, it is too narrow.
+    degrees = (1 - sum h_k^2)^2 / (sum h_k^2 - 2 sum h_k^3 + (sum h_k^2)^2)
+
+The last term is for sensors so good that all readings may be equal: if a share ln(1/alpha)/n of the floor differs, n
+readings miss it with a probability below alpha.
+
+Moving on. Groups may be few or unequal, so a robot feeds all pairs in turn, one block of rounds each, once its blocks
+are long against the time in which its own readings hang together. It measures r, the correlation of the ground in
+successive rounds, and moves on after LONG r / (1 - r) rounds, with r larger by ERRORS standard errors. So it stays
+while it knows nothing. Blocks also have a least length, which doubles after every eight: ground may hang together for
+longer than successive rounds show. With fewer than eight robots, nobody is sure before all pairs are fed.
+
+Looks. After 8, 24, 56, 120, ... rounds, the robot checks whether half the width of its interval is at most `within`, at
+alpha_j = 4 alpha/((j + 3)(j + 4)) in the j-th look, and if so is done; all alpha_j sum up to alpha. It goes on sending.
+The interval is for the ground that robots see: on a floor that is seen over and over, for its own share of black.
 
 As in `commons`, a robot remembers what rounding took of the sums of the present stream, so that they bear single
 precision.
@@ -23,6 +32,10 @@ precision.
 import math
 
 STREAMS = 8
+LONG = 30.0  # a block, in times in which the readings of a robot hang together
+ERRORS = 2.0  # standard errors by which the measured correlation may be too small
+LEAST = 1.0 / 64.0  # the variance of ground that seems to be all of one colour
+MANY = 1048576.0  # the most rounds in the mean that measures it, for single precision
 LARGE = 8192.0  # times new evidence: the sum of which rounding takes too much of it
 
 PARAMETERS = {
@@ -37,9 +50,15 @@ MEMORY = {
     "heard": 0.0,  # messages since the last round
     "heard_s": (0.0,) * 8,  # the sums in them
     "heard_v": (0.0,) * 8,
-    "stream": 0.0,  # that of the present block
-    "block": 1.0,  # the rounds of a block
-    "left": 1.0,  # the rounds of it that are left
+    "moved": 0.0,  # how often it has moved on, modulo eight
+    "block": 1.0,  # the least rounds of a block
+    "stayed": 0.0,  # the rounds of the present one
+    "fresh_blacks": 0.0,  # readings since the last round that say black
+    "fresh": 0.0,  # and all of them
+    "last": 0.0,  # the share of black in those before, less its mean
+    "pairs": 0.0,  # successive rounds with readings
+    "product": 0.0,  # the mean product of their shares, less their mean: the covariance
+    "left": 8.0,  # rounds until the next look
     "look": 0.0,  # j
     "looks": 0.0,  # own readings
     "voices": 0.0,  # the own and those heard, summed over rounds
@@ -51,13 +70,20 @@ ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v")
 
 
+def stream(me):
+    """The stream that the robot feeds."""
+    return int((me.name + me.moved) % 8.0)
+
+
 def observe(me, blacks, looks):
     """Add unbiased evidence to the present stream, weighted by how much the sensor tells."""
     slope = me.b + me.w - 1.0
-    k = int(me.stream)
+    k = stream(me)
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
     me.looks += looks
+    me.fresh_blacks += blacks
+    me.fresh += looks
     if me.v[k] < LARGE * v:
         me.s[k] += s
         me.v[k] += v
@@ -92,10 +118,10 @@ def receive(me, message):
 
 
 def fuse(me):
-    """Average all voices; at the end of eight blocks, look at the interval."""
+    """Average all voices, move on at the end of a block, and look at the interval if it is time."""
     voices = 1.0 + me.heard
     if me.v_rest != 0.0:  # of sums that are large
-        k = int(me.stream)
+        k = stream(me)
         me.s_rest += lost((me.s[k] + me.heard_s[k]) / voices, me.s[k], me.heard_s[k], me.heard)
         me.v_rest += lost((me.v[k] + me.heard_v[k]) / voices, me.v[k], me.heard_v[k], me.heard)
     for k in range(STREAMS):
@@ -106,18 +132,54 @@ def fuse(me):
     me.heard = 0.0
     me.voices += voices
     me.rounds += 1.0
+    me.stayed += 1.0
+    compare(me)
+    r = alike(me)
+    if me.stayed >= me.block and (1.0 - r) * me.stayed >= LONG * r:
+        move_on(me)
     me.left -= 1.0
     if me.left == 0.0:
-        me.stream += 1.0
-        me.s_rest = 0.0
-        me.v_rest = 0.0
-        if me.stream == STREAMS:
-            me.stream = 0.0
-            me.block *= 2.0
-            me.look += 1.0
-            if half(me, 4.0 * me.alpha / ((me.look + 3.0) * (me.look + 4.0))) <= me.within:
-                me.sure = 1.0
-        me.left = me.block
+        me.left = me.rounds + 8.0
+        me.look += 1.0
+        if half(me, 4.0 * me.alpha / ((me.look + 3.0) * (me.look + 4.0))) <= me.within:
+            me.sure = 1.0
+
+
+def compare(me):
+    """Learn how readings of successive rounds vary together."""
+    if me.fresh <= 0.0:
+        return
+    now = me.fresh_blacks / me.fresh - ((me.b + me.w - 1.0) * estimate(me) + 1.0 - me.w)
+    if me.looks > me.fresh:
+        me.pairs += 1.0
+        me.product += (now * me.last - me.product) / min(me.pairs, MANY)
+    me.last = now
+    me.fresh_blacks = 0.0
+    me.fresh = 0.0
+
+
+def alike(me):
+    """The most that the ground of successive rounds may be correlated; 1 while that is not known."""
+    slope = me.b + me.w - 1.0
+    if me.pairs == 0.0 or slope == 0.0:
+        return 1.0
+    f = estimate(me)
+    q = slope * f + 1.0 - me.w
+    ground = max(f * (1.0 - f), LEAST)
+    noise = q * (1.0 - q) * (me.pairs + 1.0) / (me.looks * slope * slope * ground)
+    error = math.sqrt((noise * noise + 0.25 / ground) / min(me.pairs, MANY))
+    return min(max(me.product / (slope * slope * ground) + ERRORS * error, 0.0), 1.0)
+
+
+def move_on(me):
+    """Feed the next stream."""
+    me.moved += 1.0
+    me.stayed = 0.0
+    me.s_rest = 0.0
+    me.v_rest = 0.0
+    if me.moved == 8.0:
+        me.moved = 0.0
+        me.block *= 2.0
 
 
 def half(me, alpha):
@@ -132,30 +194,50 @@ def half(me, alpha):
     if me.looks == 0.0 or alpha <= 0.0:  # without permitted errors, the interval is everything
         return 1.0
     off = 0.0
-    weights = v * v
+    squares = 0.0
+    cubes = 0.0
     for k in range(STREAMS):
-        off += (me.s[k] - s / v * me.v[k]) ** 2
-        weights -= me.v[k] * me.v[k]
-    slope = math.sqrt(min(v / me.looks, 1.0))
-    if weights <= 0.0:  # up to rounding, one stream has all evidence
+        h = me.v[k] / v
+        off += (me.s[k] / v - s / v * h) ** 2
+        squares += h * h
+        cubes += h * h * h
+    if squares > 0.99:  # nearly all evidence is in one stream
         return 1.0
+    degrees = (1.0 - squares) ** 2 / (squares - 2.0 * cubes + squares * squares)
+    slope = math.sqrt(min(v / me.looks, 1.0))
     least = math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
-    return max(quantile(alpha) * math.sqrt(off / weights), least)
+    return max(quantile(alpha, max(degrees, 1.0)) * math.sqrt(off / (1.0 - squares)), least)
 
 
-def quantile(alpha):
-    """The two-sided quantile of Student's t with 7 degrees of freedom at alpha, by bisection."""
+def quantile(alpha, degrees):
+    """The two-sided quantile of Student's t at alpha, by bisection; between whole degrees slightly too large."""
+    whole = math.floor(degrees)
+    more = (degrees - whole) * (whole + 1.0) / degrees  # linear in 1 / degrees
     low = 0.0
     high = 0.5 * math.pi
-    for _ in range(60):  # the angle atan(t / sqrt(7)): Abramowitz and Stegun, 26.7.3
+    for _ in range(60):  # the angle atan(t)
         angle = 0.5 * (low + high)
-        c = math.cos(angle)
-        inside = 2.0 / math.pi * (angle + math.sin(angle) * c * (1.0 + c * c * (2.0 / 3.0 + c * c * 8.0 / 15.0)))
-        if inside < 1.0 - alpha:
+        t = math.tan(angle)
+        if inside(t, whole) + more * (inside(t, whole + 1.0) - inside(t, whole)) < 1.0 - alpha:
             low = angle
         else:
             high = angle
-    return math.sqrt(7.0) * math.tan(0.5 * (low + high))
+    return math.tan(0.5 * (low + high))
+
+
+def inside(t, degrees):
+    """The probability of values from -t to t, for whole degrees of freedom: Abramowitz and Stegun, 26.7.3 and 4."""
+    angle = math.atan(t / math.sqrt(degrees))
+    c = math.cos(angle)
+    odd = degrees % 2.0
+    term = math.sin(angle) * (c if odd > 0.0 else 1.0)
+    total = 0.0
+    k = 1.0 + odd
+    while k < degrees:
+        total += term
+        term *= c * c * k / (k + 1.0)
+        k += 2.0
+    return 2.0 / math.pi * (angle + total) if odd > 0.0 else total
 
 
 def estimate(me):
