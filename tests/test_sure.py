@@ -1,4 +1,4 @@
-"""Sure: its quantile, interval and looks by hand, its coverage and its stops over trials, and that it needs a spread.
+"""Sure: its quantile, interval, looks and moves by hand, and its coverage and its stops over trials.
 
 Tests of draws state their error rate: the chance that what is right fails them, were the seed not fixed.
 """
@@ -16,15 +16,22 @@ from swarmcensus import brains
 SURE = brains.load("sure").functions
 
 
-def mind(b=0.9, w=0.8, **given):
+def mind(b=0.9, w=0.8, name=0.0, **given):
     """A robot, with what is given in place of the defaults."""
     fields = {k: list(v) if isinstance(v, tuple) else v for k, v in {**SURE.MEMORY, **SURE.PARAMETERS}.items()}
-    return SimpleNamespace(**fields | given, b=b, w=w)
+    return SimpleNamespace(**fields | given, b=b, w=w, name=name)
 
 
 @pytest.mark.parametrize("alpha", [0.5, 0.2, 0.05, 0.001, 1e-6])
-def test_the_quantile_is_student_s(alpha):
-    assert SURE.quantile(alpha) == pytest.approx(stats.t.ppf(1.0 - alpha / 2.0, 7), rel=1e-9)
+@pytest.mark.parametrize("degrees", [1.0, 2.0, 3.0, 6.0, 7.0])
+def test_the_quantile_is_student_s(alpha, degrees):
+    assert SURE.quantile(alpha, degrees) == pytest.approx(stats.t.ppf(1.0 - alpha / 2.0, degrees), rel=1e-9)
+
+
+@pytest.mark.parametrize("degrees", [1.5, 3.5, 4.2, 5.5, 6.9])
+def test_between_whole_degrees_the_quantile_is_slightly_too_large(degrees):
+    ratio = SURE.quantile(0.01, degrees) / stats.t.ppf(0.995, degrees)
+    assert 1.0 <= ratio < (1.02 if degrees > 3.0 else 1.4)
 
 
 def test_streams_alike_give_the_interval_of_a_mean():
@@ -36,23 +43,40 @@ def test_streams_alike_give_the_interval_of_a_mean():
     assert SURE.half(me, 0.2) == pytest.approx(stats.t.ppf(0.9, 7) * stats.sem(ratios))
 
 
+def test_unequal_streams_have_fewer_degrees_of_freedom():
+    """Those of Satterthwaite, from the covariance of what the spread is made of: (tr M)^2 / tr M^2."""
+    v = np.array([5.0, 1.0, 1.0, 2.0, 0.5, 1.0, 3.0, 1.0])
+    s = v * np.random.default_rng(5).normal(0.5, 0.1, 8)
+    me = mind(s=list(s), v=list(v), looks=10**6, voices=3.0, rounds=1.0)
+    shares = v / v.sum()
+    left = np.eye(8) - np.outer(shares, np.ones(8))
+    covariance = left @ np.diag(shares) @ left.T
+    degrees = np.trace(covariance) ** 2 / np.trace(covariance @ covariance)
+    assert 4.0 < degrees < 6.0
+    f = s.sum() / v.sum()
+    error = math.sqrt(((s - f * v) ** 2).sum() / np.trace(covariance)) / v.sum()
+    low, high = SURE.interval(me)
+    assert (high + low) / 2.0 == pytest.approx(f)
+    assert (high - low) / 2.0 == pytest.approx(SURE.quantile(0.05, degrees) * error)
+    assert (high - low) / 2.0 > stats.t.ppf(0.975, 7) * error
+
+
+def test_nearly_all_evidence_in_one_stream_tells_nothing():
+    for least in (1e-4, 1e-20):
+        me = mind(s=[0.5] + [0.5 * least] * 7, v=[1.0] + [least] * 7, looks=10**6, voices=3.0, rounds=1.0)
+        assert SURE.interval(me) == (0.0, 1.0)
+
+
 def test_readings_all_alike_are_no_certainty():
-    """A perfect sensor that saw only black: what share of white would not have shown, with 95 %."""
-    me = mind(b=1.0, w=1.0)
-    for _ in range(8):
-        SURE.observe(me, 10.0, 10.0)
-        SURE.fuse(me)
+    """Perfect sensors that saw only black: what share of white would not have shown, with 95 %."""
+    me = mind(b=1.0, w=1.0, s=[10.0] * 8, v=[10.0] * 8, looks=80.0, voices=8.0, rounds=8.0)
     low, high = SURE.interval(me)
     assert (low, high) == (pytest.approx(1.0 - math.log(20.0) / 80.0), 1.0)
     assert low**80 == pytest.approx(0.05, rel=0.1)
 
 
 def test_a_robot_without_evidence_in_some_stream_cannot_tell():
-    me = mind()
-    for _ in range(7):
-        assert SURE.interval(me) == (0.0, 1.0)
-        SURE.observe(me, 3.0, 5.0)
-        SURE.fuse(me)
+    me = mind(v=[1.0] * 7 + [0.0], s=[0.5] * 8, looks=100.0, voices=3.0, rounds=1.0)
     assert SURE.interval(me) == (0.0, 1.0)
     nobody = mind(b=0.5, w=0.5)
     for _ in range(40):
@@ -62,9 +86,26 @@ def test_a_robot_without_evidence_in_some_stream_cannot_tell():
     assert not SURE.done(nobody)
 
 
+def test_eight_robots_that_hear_each_other_feed_all_streams_in_a_round():
+    """Seven cannot tell: each feeds that of its name, modulo eight."""
+    for many, told in ((7, False), (8, True)):
+        swarm = [mind(name=100.0 + k) for k in range(many)]
+        for k, me in enumerate(swarm):
+            SURE.observe(me, k % 5, 5.0)
+        said = [SURE.broadcast(me) for me in swarm]
+        for k, me in enumerate(swarm):
+            for j in range(many):
+                if j != k:
+                    SURE.receive(me, said[j])
+            before = list(me.v)
+            SURE.fuse(me)
+            assert [j for j in range(8) if before[j] > 0.0] == [(100 + k) % 8]
+            assert (SURE.interval(me) != (0.0, 1.0)) == told
+
+
 def test_who_must_never_miss_says_all():
     """Where all streams have evidence, it divided by alpha."""
-    me = mind(alpha=0.0)
+    me = mind(alpha=0.0, s=[0.5] * 8, v=[1.0] * 8)
     for _ in range(16):
         SURE.observe(me, 3.0, 5.0)
         SURE.fuse(me)
@@ -72,17 +113,65 @@ def test_who_must_never_miss_says_all():
     assert not SURE.done(me)
 
 
-def test_blocks_double_and_a_look_follows_every_eighth():
-    me, looks, lengths = mind(within=0.0), [], []
+def test_looks_follow_twice_as_many_rounds_each():
+    me, looks = mind(within=0.0), []
     for round in range(1, 121):
-        stream = me.stream
         SURE.fuse(me)
-        lengths.append(stream)
         if me.look > len(looks):
             looks.append(round)
     assert looks == [8, 24, 56, 120]
-    assert lengths[:8] == list(range(8))
-    assert lengths[8:24] == [float(k // 2) for k in range(16)]
+
+
+def test_blocks_double_where_readings_are_known_to_be_independent():
+    """In the third stream first: a robot named 10."""
+    me, fed = mind(name=10.0, pairs=1e6, looks=1e7), []
+    for _ in range(24):
+        fed.append(SURE.stream(me))
+        SURE.fuse(me)
+    assert fed[:8] == [2, 3, 4, 5, 6, 7, 0, 1]
+    assert fed[8:] == [(2 + k // 2) % 8 for k in range(16)]
+
+
+def test_products_of_successive_rounds_are_averaged():
+    """By hand, with a perfect sensor on a floor known to be half black; the fourth round has no readings."""
+    me = mind(b=1.0, w=1.0, s=[1e12] * 8, v=[2e12] * 8, looks=4.0)
+    products = []
+    for blacks, looks in ((4.0, 4.0), (1.0, 1.0), (0.0, 3.0), (0.0, 0.0), (1.0, 4.0)):
+        SURE.observe(me, blacks, looks)
+        SURE.compare(me)
+        products.append((me.pairs, me.product))
+    assert [pairs for pairs, _ in products] == [1.0, 2.0, 3.0, 3.0, 4.0]
+    assert [product for _, product in products] == pytest.approx([0.0, 0.125, 0.0, 0.0, 0.03125], abs=1e-9)
+
+
+def test_the_likeness_of_readings_counts_its_error_twice():
+    """Perfect sensors, half black, 100 pairs: 0.05 / 0.25, and an error of sqrt((1 + 1) / 100)."""
+    half = {"s": [1e12] * 8, "v": [2e12] * 8}
+    perfect = mind(b=1.0, w=1.0, pairs=100.0, product=0.05, looks=101.0, **half)
+    assert SURE.alike(perfect) == pytest.approx(0.2 + 2.0 * 0.02**0.5)
+    poor = mind(b=0.75, w=0.75, pairs=900.0, product=0.0125, looks=9010.0, **half)  # ten a round, a quarter as clear
+    assert SURE.alike(poor) == pytest.approx(0.2 + 2.0 * math.sqrt((0.4**2 + 1.0) / 900.0))
+    assert SURE.alike(mind(b=0.75, w=0.75, pairs=9.0, product=0.0, looks=10.0, **half)) == 1.0
+    assert SURE.alike(mind(b=0.75, w=0.25, pairs=9.0, product=0.0, looks=10.0, **half)) == 1.0
+    alike = mind(b=1.0, w=1.0, pairs=100.0, product=0.05, looks=101.0, **half)
+    rounds = 0
+    while SURE.stream(alike) == 0:
+        SURE.fuse(alike)
+        rounds += 1
+    r = 0.2 + 2.0 * 0.02**0.5
+    assert rounds == math.ceil(30.0 * r / (1.0 - r))
+
+
+def test_a_robot_stays_on_ground_in_patches_and_moves_on_elsewhere():
+    """One robot alone, 800 rounds: colours of 40 rounds each, and the same colours shuffled."""
+    patches = np.repeat(np.arange(20) % 2, 40)
+    for colours, fed in ((patches, False), (np.random.default_rng(6).permutation(patches), True)):
+        me = mind(b=0.95, w=0.95)
+        for colour in colours:
+            SURE.observe(me, float(colour), 1.0)
+            SURE.fuse(me)
+        assert (min(me.v) > 0.0) == fed
+        assert (SURE.interval(me) != (0.0, 1.0)) == fed
 
 
 def test_all_looks_together_spend_alpha():
@@ -133,3 +222,18 @@ def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
     at = found["done_round"].median(("trial", "robot")).values.reshape(2, 2, 2)
     assert np.all(found["done_round"].values % 8 == 0)
     assert at.min() >= 8
+
+
+def test_few_robots_stop_on_a_wrong_answer_on_ground_in_patches():
+    """At most alpha of them, where a spread within robots' walks misses them for a third: 4 standard errors."""
+    study = sc.Study(
+        trials=60, seed=23, swarm={"brain": {"file": "sure", "within": 0.05}, "robots": 20, "accuracy": [0.7, 0.95]},
+        world={"topology": "moving", "side": 2.0, "fill_ratio": 0.55, "floor": [{"clusters": 0.4}, {"stripes": 0.5}]},
+        schedule={"ticks": 3000}, measure={"truth": "floor", "checkpoints": [504]},
+    )  # fmt: skip
+    found = sc.run(study)
+    off = abs(found["done_estimate"] - found["true_fill_ratio"]).values > 0.05
+    wrong = (off & np.isfinite(found["done_estimate"].values)).mean(axis=2)
+    assert np.all(wrong.mean(axis=1) <= 0.05 + 4.0 * wrong.std(axis=1) / 60**0.5)
+    assert wrong.mean() < 0.05
+    assert np.all(found["coverage"].values.mean(axis=-1) > 0.85)
