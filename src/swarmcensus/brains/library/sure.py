@@ -198,12 +198,13 @@ def half(me, alpha):
     cubes = 0.0
     for k in range(STREAMS):
         h = me.v[k] / v
-        off += (me.s[k] / v - s / v * h) ** 2
+        apart = me.s[k] / v - s / v * h
+        off += apart * apart
         squares += h * h
         cubes += h * h * h
     if squares > 0.99:  # nearly all evidence is in one stream
         return 1.0
-    degrees = (1.0 - squares) ** 2 / (squares - 2.0 * cubes + squares * squares)
+    degrees = (1.0 - squares) * (1.0 - squares) / (squares - 2.0 * cubes + squares * squares)
     slope = math.sqrt(min(v / me.looks, 1.0))
     least = math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
     return max(quantile(alpha, max(degrees, 1.0)) * math.sqrt(off / (1.0 - squares)), least)
@@ -227,17 +228,16 @@ def quantile(alpha, degrees):
 
 def inside(t, degrees):
     """The probability of values from -t to t, for whole degrees of freedom: Abramowitz and Stegun, 26.7.3 and 4."""
-    angle = math.atan(t / math.sqrt(degrees))
-    c = math.cos(angle)
+    c = degrees / (degrees + t * t)  # the squared cosine of the angle there
     odd = degrees % 2.0
-    term = math.sin(angle) * (c if odd > 0.0 else 1.0)
+    term = t / math.sqrt(degrees + t * t) * (math.sqrt(c) if odd > 0.0 else 1.0)
     total = 0.0
     k = 1.0 + odd
     while k < degrees:
         total += term
-        term *= c * c * k / (k + 1.0)
+        term *= c * k / (k + 1.0)
         k += 2.0
-    return 2.0 / math.pi * (angle + total) if odd > 0.0 else total
+    return 2.0 / math.pi * (math.atan(t / math.sqrt(degrees)) + total) if odd > 0.0 else total
 
 
 def estimate(me):
