@@ -1,7 +1,7 @@
 """Where our own brains are worse than the paper's, than a robot alone, or than another: `python benchmarks/worse.py`.
 
 Twenty robots. Prints the median of the final errors of honest robots in each world, beside `minimalistic`, `alone` and
-one more brain, and how many robots of `sure` stop on a wrong answer on floors in patches. A minute on two cores.
+one more brain. A minute on two cores.
 """
 
 from pathlib import Path
@@ -70,27 +70,8 @@ def slow():
     print(f"tracking {ours:.0%}; forgetful, half = 30 {forgetful:.0%}")
 
 
-def patches():
-    """The share of robots of `sure` that stop more than `within` from the floor's share, promised to be 5 % at most."""
-    for floor, name in (({"clusters": 0.4}, "clusters"), ({"stripes": 0.5}, "stripes")):
-        for accuracy in (0.7, 0.95):
-            study = sc.Study(
-                trials=TRIALS,
-                seed=17,
-                swarm={"robots": 20, "accuracy": accuracy, "brain": {"file": "sure", "within": 0.05, "alpha": 0.05}},
-                world=CLUSTERS | {"floor": floor, "fill_ratio": 0.55},
-                schedule={"ticks": 3000},
-                measure={"truth": "floor"},
-            )
-            results = sc.run(study)
-            off = abs(results["done_estimate"] - results["true_fill_ratio"]) > 0.05
-            wrong = off.mean("robot").values[0]
-            half = 1.96 * wrong.std(ddof=1) / len(wrong) ** 0.5
-            print(f"{name}, accuracy {accuracy}: {wrong.mean():.1%} +- {half:.1%} of robots stop on a wrong answer")
-
-
 def main():
-    """A line a world, then the stops."""
+    """A line a world."""
     print(f"{'world':46}{'brain':12}{'error':>8}{'minimalistic':>14}{'alone':>8}  another")
     for world, (ours, other, *rest) in WORLDS.items():
         mine, paper, alone, more = errors([ours, "minimalistic", "alone", other], *rest)
@@ -98,7 +79,6 @@ def main():
         found = " ".join(f"{x:{width}.4f}" for x, width in ((mine, 8), (paper, 13), (alone, 7)))
         print(f"{world:46}{ours:12}{found}  {more:.4f} {name}".replace("nan", "inf"))
     slow()
-    patches()
 
 
 if __name__ == "__main__":
