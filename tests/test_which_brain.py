@@ -113,9 +113,6 @@ def test_where_our_brains_are_worse_is_what_the_command_runs_and_they_are_worse(
         assert found, line
         mine, *others = map(float, found.groups())
         assert mine > 1.5 * min(others)
-    wrong = [float(share) for share in re.findall(r"([\d.]+)% \+- [\d.]+% of robots stop on a wrong answer", block)]
-    assert len(wrong) == 4
-    assert max(wrong) > 5
 
 
 def test_the_page_of_ones_own_brain_shows_the_same_board(board):
