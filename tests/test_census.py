@@ -293,8 +293,8 @@ class TestLiars:
         me.z, me.confirm = 3.5, 1.5
         for trust, pause in ((2.0, 8.0), (1.0, 16.0)):
             DO.begin_anew(me)
-            me.ripe_s, me.s = 0.2 * me.ripe_v, 0.2 * me.v
             while me.trial > 0.0:
+                me.ripe_s, me.s = 0.2 * me.ripe_v, 0.2 * me.v  # what others say
                 DO.observe(me, 5.0, 10.0)
                 DO.fuse(me)
             assert (me.trust, me.pause) == (trust, pause)
@@ -306,7 +306,7 @@ class TestLiars:
         DO.begin_anew(me)
         assert me.trial == 1.0
         DO.observe(me, 2.0, 10.0)
-        me.ripe_s, me.s = 0.0, 0.0
+        me.ripe_s = me.s = me.guess = 0.0
         DO.fuse(me)
         trial = me.trial
         assert trial > 1.0
@@ -317,6 +317,17 @@ class TestLiars:
             me.ripe_s, me.s = 0.0, 0.0
             DO.fuse(me)
         assert me.trust == 4.0
+
+    def test_a_trial_of_no_difference_ends_once_others_know_enough(self):
+        (me,) = self.met([(50.0, 100.0)], rounds=50)
+        DO.begin_anew(me)
+        while me.v < 30.0:
+            assert me.trial > 0.0
+            DO.observe(me, 5.0, 10.0)
+            DO.fuse(me)
+        DO.observe(me, 5.0, 10.0)
+        DO.fuse(me)
+        assert (me.anew, me.trial, me.trust, me.pause, me.guard) == (0.0, 0.0, 4.0, 0.0, 0.0)
 
     def test_a_robot_without_readings_hears_others_again(self):
         me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
@@ -336,10 +347,11 @@ class TestLiars:
             assert me.trial == 4.0
             before, readings = me.trial, (0.6 * truth + 0.2) * 10.0
             DO.observe(me, readings, 10.0)
-            own = me.own_s / me.own_v
+            own, others = me.own_s / me.own_v, 0.3
+            me.guess = others  # of the round before, which those readings are not in
             DO.fuse(me)
             if me.trial > 0.0:
-                gained = norm.logpdf(truth, me.x, 0.5 / 3.6**0.5) - norm.logpdf(truth, own, 0.5 / 3.6**0.5)
+                gained = norm.logpdf(truth, others, 0.5 / 3.6**0.5) - norm.logpdf(truth, own, 0.5 / 3.6**0.5)
                 assert me.trial - before == pytest.approx(gained)
             for _ in range(200):
                 if me.trial == 0.0:

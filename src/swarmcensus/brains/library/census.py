@@ -18,9 +18,9 @@ to KEPT, if
     (S / V - a / e)^2 > z^2 d / e    or    > confirm^2 d / e, and it hears a robot that has begun anew
 
 and counts the long sums only of robots that have, until v is SETTLED. It tries the change: to its trust in it, it adds
-the logarithms of how much likelier its new readings are if S / V is true than if its own old ones are. Above SURE, its
-own sums begin anew too. If the trial ends otherwise and the new readings are against the change, its next trust is half
-as large, and it looks for no change for a while.
+the logarithms of how much likelier each new reading is if S / V of the round before is true than if its own old ones
+are. Above SURE, its own sums begin anew too. If new readings are against the change, its next trust is half as large,
+and it looks for no change for a while.
 
 Liars. Each robot also says the sums o, p of its own readings alone. A neighbour whose own readings differ from its own
 by more than PAIR standard errors is not heard. Of the others it makes r, a mean that a minority cannot draw far, with
@@ -65,8 +65,9 @@ GUARDED_CUT_OFF = 0.5
 GUARDED_FAR_OFF = 1.0
 LEAN = 3.0  # its pull to r, in shares of new readings
 TRUST = 4.0  # in a change that others tell of, in nats
-SURE = 5.0  # and when own readings confirm it
+SURE = 4.5  # and when own readings confirm it
 DOUBT = 2.0  # below which the estimate is cut again
+LEAST_TRUST = 0.5  # after lies
 PAUSE = 4.0  # rounds without a search for changes, at full trust
 STEEPEST = 1e6  # the largest ratio of sums that a robot can have
 MOST_SUM = 1e24  # and the largest evidence
@@ -117,6 +118,7 @@ MEMORY = {
     "first": 0.0,  # messages in the first round
     "company": 0.0,  # the sum of marks heard in the first round and the own; 0 before, -1 without momentum
     "x": 0.5,  # estimate
+    "guess": 0.5,  # what it would be without limits
     "heard": 0.0,  # messages since the last round
     "heard_company": 0.0,
     "alarms": 0.0,  # of robots that are without momentum or evidence
@@ -284,8 +286,10 @@ def fuse(me):
     gain = max(me.said_unit / max(me.rounds, 1.0), 1.0)
     walk(me)
     compare(me, v / gain, voices)
-    me.x = ratio(me, v / gain)
+    guess = ratio(me, v / gain)
+    me.x = guess
     doubt(me)
+    me.guess = guess
     if me.v > SETTLED or (me.fresh <= 0.0 and me.begun <= 0.0):
         me.anew = 0.0
     clear(me)
@@ -454,20 +458,17 @@ def weigh(me):
     own = me.own_s / me.own_v
     now = me.fresh_s / me.fresh
     wide = width(me)
-    me.trial += 2.0 * me.fresh * ((now - own) ** 2 - (now - me.x) ** 2) / (wide * wide)
+    me.trial += 2.0 * me.fresh * ((now - own) ** 2 - (now - me.guess) ** 2) / (wide * wide)
     if me.trial > SURE:
-        me.own_s = me.new_s
-        me.own_v = me.new_v
-        me.near_s = me.x
-        me.near_v = 1.0
-        me.trial = 0.0
-        me.trust = TRUST
+        me.own_s, me.own_v = me.new_s, me.new_v
+        me.near_s, me.near_v = me.x, 1.0
+        me.trial, me.trust = 0.0, TRUST
         return
-    alike = 2.0 * abs(own - me.x) * math.sqrt(me.own_v) < 1.0
+    alike = me.anew == 0.0 and 2.0 * abs(own - me.x) * math.sqrt(me.own_v) < 1.0
     if not alike and me.trial > 0.0:
         return
-    if me.trial < me.trust:
-        me.trust *= 0.5
+    if me.trial < (0.5 * me.trust if alike else me.trust):
+        me.trust = max(0.5 * me.trust, LEAST_TRUST)
         me.pause = PAUSE * TRUST / me.trust
     me.trial = 0.0
     if not alike:
