@@ -183,7 +183,8 @@ def among_liars(trials):
 def among_insiders(trials):
     """Errors among liars that know the source, as ratios to that of a robot alone, a line a liar."""
     worst = tomllib.loads(WORST.read_text())["members"][0]["brain"][0]
-    kinds = INSIDERS | {"as searched": {name: value for name, value in worst.items() if name != "file"}}
+    worst = {name: value for name, value in worst.items() if name != "file"}
+    kinds = INSIDERS | {"as searched": worst, "as searched, from the first round": worst | {"sleeps": 0.0}}
     print(f"{'to alone':34}{''.join(f'{share:.0%} {topology}'.rjust(15) for share in SHARES for topology in LIED_TO)}")
     for name, values in kinds.items():
         line = f"{name:34}"
