@@ -71,11 +71,13 @@ def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
     Raises InputError.
     """
     if not _is_adversary(path):
-        if wearing:
-            raise InputError(f"--wearing {wearing}: {path} is a brain, and only adversaries wear one")
         hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
-        if str(path) not in brains.PLUGINS and not Path(path).is_file() and hint:
+        if str(path) not in brains.PLUGINS and not Path(path).is_file() and (hint or wearing):
             raise InputError(f"brain {str(path)!r}: {hint}there is no brain, adversary or file of this name")
+        if wearing:
+            raise InputError(
+                f"--wearing {wearing}: {path} has no lie(me, x), so it is no adversary, and only adversaries wear a brain"
+            )
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wearing or DEFAULT_BRAIN)
     try:
