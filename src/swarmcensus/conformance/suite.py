@@ -76,7 +76,8 @@ def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
             raise InputError(f"brain {str(path)!r}: {hint}there is no brain, adversary or file of this name")
         if wearing:
             raise InputError(
-                f"--wearing {wearing}: {path} has no lie(me, x), so it is no adversary, and only adversaries wear a brain"
+                f"--wearing {wearing}: {path} has no lie(me, x), so it is no adversary, "
+                "and only adversaries wear a brain"
             )
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wearing or DEFAULT_BRAIN)
