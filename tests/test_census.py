@@ -155,6 +155,22 @@ class TestChange:
             DO.fuse(first)
             assert first.anew == begins
 
+    @pytest.mark.parametrize(
+        ("voices", "begun", "least"),
+        [(2, 1, 1.5**2), (3, 1, 1.5**2 + 0.8109), (21, 1, 1.5**2 + 4.7028), (21, 4, 1.5**2 + 1.9302), (901, 1, 3.5**2)],
+    )
+    def test_the_fewer_have_begun_anew_the_more_confirms_them(self, voices, begun, least):
+        """2 ln(n / 2 m) by hand: 2 ln 1.5, 2 ln 10.5, 2 ln 2.625; never more than for a change of its own."""
+        for times, begins in ((0.98, 0.0), (1.02, 1.0)):
+            me, _ = self.settled()
+            me.begun, me.fresh, me.coin, me.alone, me.noise = float(begun), 0.0, 0.0, 0.0, voices
+            noise = 0.25 / voices  # never more
+            off = math.sqrt(times * least * noise / 50.0)
+            me.short_v = 50.0 * voices  # with those of others, which are 0 here, a mean of 50
+            me.short_s = me.short_v * (me.ripe_s / me.ripe_v + off)
+            DO.compare(me, 1000.0, float(voices))
+            assert me.anew == begins
+
     def test_a_small_change_is_found_sooner_than_by_tracking(self):
         study = sc.Study(
             trials=10, seed=5, swarm={"robots": 50, "accuracy": 0.75, "brain": ["census", "tracking"]},

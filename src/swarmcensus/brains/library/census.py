@@ -15,12 +15,11 @@ does: where a round's readings add r to e, heads or tails add sqrt(r) / 2 to a s
 forgotten as a is. The noise d is the mean of c^2 / e over rounds and robots. A robot begins anew, from a and e cut
 to KEPT, if
 
-    (S / V - a / e)^2 > z^2 d / e    or    > confirm^2 d / e, and it hears a robot that has begun anew
+    (S / V - a / e)^2 > z^2 d / e    or    > (confirm^2 + 2 ln(n / 2 m)) d / e, if m > 0 of n voices have begun anew
 
 and counts the long sums only of robots that have, until v is SETTLED. It tries the change: to its trust in it, it adds
 the logarithms of how much likelier each new reading is if S / V of the round before is true than if its own old ones
-are. Above SURE, its own sums begin anew too. If new readings are against the change, its next trust is half as large,
-and it looks for no change for a while.
+are. Above SURE, its own sums begin anew too. If the change is refuted, the next trust is half as large, after a pause.
 
 Liars. Each robot also says the sums o, p of its own readings alone. A neighbour whose own readings differ from its own
 by more than PAIR standard errors is not heard. Of the others it makes r, a mean that a minority cannot draw far, with
@@ -30,8 +29,8 @@ the standard error E = 1 / (2 sqrt(p n)) for n robots. Then
     the estimate is S / V; where that is more than CUT_OFF E from r, it is drawn to r, and is r from FAR_OFF E on
     if its own S / V is, the robot sets its sums to r: others have mixed in lies
 
-A robot that has done so, or has heard own readings more than CLEAR standard errors off, is on guard for as many rounds
-as have passed: its limits are narrower, and its sums are drawn to r by LEAN shares of new readings a round.
+A robot that has done so, or has heard own readings more than CLEAR standard errors off, is on guard as long as it has
+run: its limits are narrower, and its sums are drawn to r by LEAN shares of new readings a round.
 
 Patches. Where successive readings of a robot are alike, as on black in clusters, d is at least the mean of what
 (S / V - a / e)^2 e has been, cut at CUT^2 d, and standard errors of own readings are `alike` / PATCHY times as large.
@@ -77,7 +76,7 @@ PARAMETERS = {
     "crowd": 50.0,  # the number of voices above which momentum is reduced
     "memory": 100.0,  # the most evidence in the short sums, in readings of a perfect sensor
     "z": 3.5,  # standard deviations of a change that a robot finds
-    "confirm": 1.5,  # standard deviations that confirm a neighbour's change
+    "confirm": 1.5,  # standard deviations that confirm a change that half of the neighbours have begun with
     "belief": 1.0,  # how many times wider all limits to what others say are
 }
 MEMORY = {
@@ -380,13 +379,14 @@ def compare(me, long, voices):
     if long <= 1.01 * me.short_v:  # all readings are still in the short sums
         return
     noise = min(max(me.noise, 0.25 / (CROWDED * voices)) + 0.25 * me.alone / me.short_v, 0.25 / voices)
-    off = me.ripe_s / me.ripe_v - me.short_s / me.short_v
-    square = off * off * me.short_v
+    square = (me.ripe_s / me.ripe_v - me.short_s / me.short_v) ** 2 * me.short_v
     if me.alike > PATCHY:
         noise = max(noise, me.seen)
     me.seen += weight * (min(square, CUT * CUT * noise) - me.seen)
-    confirmed = me.begun > 0.0 and me.anew == 0.0 and square > me.confirm * me.confirm * noise
-    if me.pause <= 0.0 and (confirmed or square > me.z * me.z * noise):
+    least = me.z * me.z
+    if me.begun > 0.0 and me.anew == 0.0:
+        least = min(least, me.confirm * me.confirm + 2.0 * math.log(max(0.5 * voices / me.begun, 1.0)))
+    if me.pause <= 0.0 and square > least * noise:
         begin_anew(me)
 
 
