@@ -2,9 +2,10 @@
 [--plot FILE].
 
 RESULTS is what `swarmcensus run studies/census.toml --out census.nc` writes; without it the study is run. Every line is
-a world: what `census` reaches, the best of the other brains that robots can run, and their ratio. Error is the median
-error after the last round, K the median round of convergence, recovery the median number of rounds after a change until
-the error stays below 0.05, mean the median over trials of the mean error over all rounds.
+a world: what `census` reaches, its rank among the brains that robots can run, the best of the others, and the ratio to
+that with its 95 % interval (trials are resampled together, since all brains have the same readings). Error is the
+median error after the last round, K the median round of convergence, recovery the median number of rounds after a
+change until the error stays below 0.05, mean the median of the mean error over all rounds.
 
 Then errors among liars, as ratios to that of a robot alone and to that of the best other brain, also among creepers of
 other steps, and among insiders, which know the source; with wrong accuracies; where robots fail or join late; where two
@@ -13,21 +14,24 @@ picture of the last.
 """
 
 import argparse
-import tempfile
 import tomllib
 import warnings
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import networkx as nx
+import numba
 import numpy as np
+import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.figures.looks import NAMED
+from swarmcensus.statistics.intervals import interval, medians, resample
 from swarmcensus.studies.study import Study
 
 ROOT = Path(__file__).parents[1]
 STUDY = ROOT / "studies" / "census.toml"
+NEVER = xr.DataArray("")  # changes, where no floor of a study does
 BOUNDS = ("oracle",)  # no robot can run them
 LIARS = (
     "always-black", "always-white", "opposite", "random", "shouter", "slow-liar", "creeper", "noisy-mirror", "forger",
@@ -36,6 +40,8 @@ LIARS = (
 SHARES = (0.1, 0.3, 0.4)
 LIED_TO = ("full", "ring", "scale-free")
 COMPARED = ("census", "steadfast", "commons", "self-taught", "minimalistic", "alone")
+TREE = {"networkx": "barabasi_albert_graph", "m": 1}
+MANY = 1e9  # times a number of rounds that may be 0
 STEPS = (0.002, 0.005, 0.02, 0.05, 0.1)  # of creepers
 INSIDER = ROOT / "studies" / "example" / "insider.py"
 WORST = ROOT / "docs" / "census-insider.toml"  # the values that a search has found
@@ -44,7 +50,6 @@ INSIDERS = {  # what one lie alone does
     "short sums 0.1 off": {"step": 0.0, "short": 0.1, "own": 0.0},
     "own readings 0.02 off": {"step": 0.0, "short": 0.0, "own": 0.02},
 }
-LIMIT_TRIALS = 10
 PARTS = {  # what is left out: parameters that do so
     "no momentum": {"momentum": 0.0},
     "no change found": {"z": 1e6, "confirm": 1e6},
@@ -73,30 +78,67 @@ def world(results, setting):
         words.append(f"D = {float(one['density']):g}")
         if str(one["floor"].values) != "tiles":
             words.append(str(one["floor"].values))
-    change = str(one["fill_ratio_change"].values)
+    change = str(one.get("fill_ratio_change", NEVER).values)
     words += [f"N = {int(one['robots'])}", f"b = {one['accuracy'].values}", f"f = {change or one['fill_ratio'].values}"]
     if float(one["link_success"]) < 1.0:
         words.append(f"links {float(one['link_success']):g}")
-    if "message_delay" in results.coords and int(one["message_delay"]) > 0:
+    if one.get("message_delay", 0) > 0:
         words.append(f"{int(one['message_delay'])} rounds late")
     return ", ".join(words)
 
 
 def measured(results, setting):
-    """Error and K of a setting, or error, recovery and mean error where the floor changes."""
+    """Error and K of honest robots, or error, recovery and mean error where the floor changes: each (trial, robot)."""
     one = results.isel(setting=setting)
-    robots = slice(int(one["robots"]))  # smaller swarms are padded
-    error = float(np.median(abs(one["final_estimate"].values[:, robots] - float(one["fill_ratio"]))))
-    if "fill_ratio_change" in results.coords and str(one["fill_ratio_change"].values):
-        recovery = median(one["recovery_time"].values[:, robots])
-        return {"error": error, "recovery": recovery, "mean": float(np.nanmedian(one["mean_error"].values))}
-    return {"error": error, "K": median(one["convergence_round"].values[:, robots])}
+    found = {"error": abs(one["final_estimate"].values - float(one["fill_ratio"]))}
+    if str(one.get("fill_ratio_change", NEVER).values):
+        found |= {"recovery": one["recovery_time"].values, "mean": one["mean_error"].values}
+    else:
+        found["K"] = one["convergence_round"].values
+    return {quantity: known(values, one) for quantity, values in found.items()}
 
 
-def median(rounds):
-    """The median of rounds; those that never came, below 0 or not a number, are infinite."""
-    rounds = rounds.astype(float)
-    return float(np.median(np.where(np.isnan(rounds) | (rounds < 0), np.inf, rounds)))
+def known(values, one):
+    """The values of honest robots (smaller swarms are padded); rounds that never came, and no numbers, are infinite."""
+    values = values[:, : int(one.get("honest", one["robots"]))].astype(float)
+    return np.where(np.isnan(values) | (values < 0), np.inf, values)
+
+
+def ratio(ours, theirs):
+    """The ratio of two medians and the ends of its interval over trials."""
+    counts = resample(len(ours))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratios = medians(ours, counts) / medians(theirs, counts)
+    return interval(np.nan_to_num(ratios, nan=1.0, posinf=MANY))  # of two that are 0 or never come: equal
+
+
+def shown(value, low, high):
+    """A ratio and the ends of its interval, as they are printed."""
+    return "{} [{}, {}]".format(*(f"{x:.2f}" if x < 1000.0 else "inf" for x in (value, low, high)))
+
+
+def told(quantity, value):
+    """A number as it is printed."""
+    return f"{value:.4f}" if quantity in ("error", "mean") else f"{value:.0f}"
+
+
+def row(name, quantity, brains, also=()):
+    """Print a world; `brains` are the values of each (trial, robot). Returns the rank of census and its ratio."""
+    middle = {brain: float(np.median(values)) for brain, values in brains.items() if brain not in BOUNDS}
+    ours = middle.pop("census")
+    best = min(middle, key=middle.__getitem__)
+    rank = 1 + sum(value < ours for value in middle.values())
+    least = f"{told(quantity, middle[best])} {best}"
+    line = f"{name:60}{quantity:>9}{told(quantity, ours):>8}{f'{rank} of {1 + len(middle)}':>9}  {least:22}"
+    found = ratio(brains["census"], brains[best]) if middle[best] > 0.0 else None  # a change that nobody notices
+    line += f"  {shown(*found)}" if found else "  -"
+    if also:
+        line = f"{line:131}" + "  ".join(f"{brain} {told(quantity, middle[brain])}" for brain in also)
+    print(line)
+    return rank, found
+
+
+HEAD = f"{'world':60}{'':>9}{'census':>8}{'rank':>9}  {'best of the others':22}  ratio"
 
 
 def worlds(results):
@@ -110,31 +152,26 @@ def worlds(results):
 
 
 def tell(found):
-    """A line a world, and how often the best is nearly reached."""
-    print(f"{'world':66}{'':>9}{'census':>9}  {'best of the others':30}{'ratio':>6}")
+    """A line a world and quantity, and how often the best is nearly reached."""
+    print(HEAD)
     ratios = {}
     for name, brains in found.items():
-        others = {b: values for b, values in brains.items() if b not in ("census", *BOUNDS)}
-        for k, (quantity, ours) in enumerate(brains["census"].items()):
-            best = min(others, key=lambda b, q=quantity: others[b][q])
-            least = others[best][quantity]
-            if least > 0.0:  # a change that some robot never notices takes it no time
-                ratios.setdefault(quantity, []).append(ours / least)
-            told, value = (f"{x:.4f}" if quantity in ("error", "mean") else f"{x:.0f}" for x in (ours, least))
-            ratio = f"{ours / least:6.2f}" if least > 0.0 else f"{'-':>6}"
-            print(f"{name if k == 0 else '':66}{quantity:>9}{told:>9}  {f'{value} {best}':30}{ratio}")
-    for quantity, values in ratios.items():
+        for k, quantity in enumerate(brains["census"]):
+            _, against = row(name if k == 0 else "", quantity, {b: values[quantity] for b, values in brains.items()})
+            if against:
+                ratios.setdefault(quantity, []).append(against)
+    for quantity, found_ratios in ratios.items():
         near = 1.1 if quantity in ("error", "mean") else 1.3
-        values = np.array(values)
+        values, low, _ = np.array(found_ratios).T
         print(
             f"{quantity}: {np.sum(values < 1)} of {len(values)} worlds below every other, "
-            f"{np.sum(values <= near)} within {near} of the best, median ratio {np.median(values):.2f}, "
-            f"largest {values.max():.2f}"
+            f"{np.sum(values <= near)} within {near} of the best (intervals wholly above in {np.sum(low > near)}), "
+            f"median ratio {np.median(values):.2f}, largest {values.max():.2f}"
         )
 
 
 def errors(trials, members, topologies, f=0.55, brains=COMPARED):
-    """The median error of honest robots of each topology and brain."""
+    """The errors of honest robots of each topology and brain, each (trial, robot)."""
     study = sc.Study(
         trials=trials,
         seed=32,
@@ -146,63 +183,65 @@ def errors(trials, members, topologies, f=0.55, brains=COMPARED):
     with warnings.catch_warnings(action="ignore"):  # where a shouter leaves no number
         results = sc.run(study)
     found = {}
-    for topology, brain, estimates in zip(
-        results["topology"].values, results["brain"].values, results["final_estimate"].values, strict=True
-    ):
-        known = estimates[~np.isnan(estimates)]  # liars have none
-        found.setdefault(str(topology), {})[str(brain)] = np.median(abs(known - f)) if known.size else np.inf
+    for setting, (topology, brain) in enumerate(zip(results["topology"].values, results["brain"].values, strict=True)):
+        found.setdefault(str(topology), {})[str(brain)] = measured(results, setting)["error"]
     return found
 
 
-def among_liars(trials):
-    """Errors among liars as ratios, a line a liar."""
-    head = "".join(f"{share:.0%} {topology}".rjust(15) for share in SHARES for topology in LIED_TO)
-    print(f"{'to alone, to the best other':28}{head}")
-    cells = []
-    kinds = {kind: kind for kind in LIARS} | {f"creeper of {step}": {"file": "creeper", "step": step} for step in STEPS}
-    for name, kind in kinds.items():
-        line = f"{name:28}"
-        for share in SHARES:
-            found = errors(trials, [{"robots": share, "brain": kind, "honest": False}], list(LIED_TO))
-            for topology in LIED_TO:
-                of = found[topology]
-                alone, best = of["alone"], min(value for brain, value in of.items() if brain != "census")
-                line += f"{of['census'] / alone:.2f}, {of['census'] / best:.2f}".rjust(15)
-                if name in LIARS:
-                    cells.append((share, of["census"] / alone, of["census"] / best))
-        print(line)
+def among(kinds, trials, brains):
+    """Errors among liars as ratios with their intervals, a line a liar; returns the ratios of each (kind, share)."""
+    cells = {}
     for share in SHARES:
-        alone, best = np.array([ratios for at, *ratios in cells if at == share]).T
-        print(
-            f"{share:.0%} of ten liars: at most 1.05 times the error alone in {np.sum(alone <= 1.05)} of {len(alone)} "
-            f"cells, largest {alone.max():.2f}; within 1.5 of the best in {np.sum(best <= 1.5)}, "
-            f"largest {best.max():.2f}"
-        )
+        heads = "".join(f"{topology:40}" if len(brains) > 2 else f"{topology:22}" for topology in LIED_TO)
+        print(f"{f'{share:.0%} lie':34}{heads}")
+        for name, kind in kinds.items():
+            found = errors(trials, [{"robots": share, "brain": kind, "honest": False}], list(LIED_TO), brains=brains)
+            line = f"{name:34}"
+            for of in found.values():
+                others = {brain: np.median(values) for brain, values in of.items() if brain != "census"}
+                best = min(others, key=others.__getitem__)
+                against = [ratio(of["census"], of[brain]) for brain in ("alone", best)[: len(others)]]
+                texts = (shown(*each).ljust(20) for each in against)
+                line += "".join(texts) + "  " * (len(brains) == 2)
+                cells.setdefault((name, share), []).append(against)
+            print(line.rstrip())
+    return cells
+
+
+def among_liars(trials):
+    """Errors among liars: to that of a robot alone, and to that of the best other brain."""
+    print("to alone, to the best other:")
+    kinds = {kind: kind for kind in LIARS} | {f"creeper of {step}": {"file": "creeper", "step": step} for step in STEPS}
+    cells = among(kinds, trials, COMPARED)
+    for share in SHARES:
+        for against, bar, pairs in zip(
+            ("that alone", "that of the best other"), (1.05, 1.5),
+            np.swapaxes([each for kind in LIARS for each in cells[kind, share]], 0, 1), strict=True,
+        ):  # fmt: skip
+            values, low, _ = pairs.T
+            print(
+                f"{share:.0%} of ten liars: error at most {bar} times {against} in {np.sum(values <= bar)} of "
+                f"{len(values)} cells (intervals wholly above in {np.sum(low > bar)}), largest {values.max():.2f}"
+            )
 
 
 def among_insiders(trials):
-    """Errors among liars that know the source, as ratios to that of a robot alone, a line a liar."""
+    """Errors among liars that know the source, to that of a robot alone."""
     worst = tomllib.loads(WORST.read_text())["members"][0]["brain"][0]
     worst = {name: value for name, value in worst.items() if name != "file"}
     kinds = INSIDERS | {"as searched": worst, "as searched, from the first round": worst | {"sleeps": 0.0}}
-    print(f"{'to alone':34}{''.join(f'{share:.0%} {topology}'.rjust(15) for share in SHARES for topology in LIED_TO)}")
-    for name, values in kinds.items():
-        line = f"{name:34}"
-        for share in SHARES:
-            liars = {"robots": share, "brain": {"file": str(INSIDER)} | values, "honest": False}
-            found = errors(trials, [liars], list(LIED_TO), brains=["census", "alone"])
-            line += "".join(f"{found[t]['census'] / found[t]['alone']:.2f}".rjust(15) for t in LIED_TO)
-        print(line)
+    print("to alone:")
+    among({name: {"file": str(INSIDER)} | values for name, values in kinds.items()}, trials, ("census", "alone"))
 
 
 def wrong_accuracies(trials):
     """Errors where some robots are told a wrong accuracy, a line each."""
-    for told in (0.55, 0.6, 0.9, 0.95):
+    print(HEAD)
+    for told_accuracy in (0.55, 0.6, 0.9, 0.95):
         for share in (0.1, 0.3):
-            found = errors(trials, [{"robots": share, "assumed_accuracy": told}], ["full", "ring"], f=0.65)
-            for topology, of in found.items():
-                name = f"{share:.0%} told {told} for 0.75, {topology}"
-                print(f"{name:34}", *(f"{brain} {value:.4f}" for brain, value in of.items()), sep="  ")
+            members = [{"robots": share, "assumed_accuracy": told_accuracy}]
+            for topology, of in errors(trials, members, ["full", "ring"], f=0.65).items():
+                row(f"{share:.0%} told {told_accuracy} for 0.75, {topology}", "error", of, ("commons", "alone"))
 
 
 def failing(trials):
@@ -212,19 +251,22 @@ def failing(trials):
         "half fail in round 101": {"at": 101, "robots": 0.5, "stop": ["sensing", "talking"]},
         "half join in round 201": {"at": 1, "until": 201, "robots": 0.5, "stop": ["sensing", "talking"]},
     }
-    topologies = ["ring", {"networkx": "barabasi_albert_graph", "m": 1}, "full"]
+    print(HEAD)
     for name, fault in fails.items():
         study = sc.Study(
             trials=trials, seed=36, swarm={"robots": 100, "accuracy": 0.625, "brain": brains},
-            world={"topology": topologies, "fill_ratio": 0.55}, faults=[fault],
+            world={"topology": ["ring", TREE, "full"], "fill_ratio": 0.55}, faults=[fault],
             schedule={"rounds": 1000, "observations_per_round": 10}, measure={"bins": 2},
         )  # fmt: skip
-        results = sc.run(study)
-        for topology in dict.fromkeys(map(str, results["topology"].values)):
-            settings = np.flatnonzero(results["topology"].values == topology)
-            cells = [(str(results["brain"].values[k]), measured(results, k)) for k in settings]
-            short = {"ring": "ring", "full": "full"}.get(topology, "tree")
-            print(f"{name}, {short}:".ljust(30), *(f"{b} {v['error']:.4f} K {v['K']:.0f}" for b, v in cells), sep="  ")
+        tell_worlds(sc.run(study), f"{name}, ")
+
+
+def tell_worlds(results, name):
+    """A line a world and quantity, with all brains."""
+    for where, brains in worlds(results).items():
+        for quantity in brains["census"]:
+            of = {brain: values[quantity] for brain, values in brains.items()}
+            row(f"{name}{where.split(', N')[0]}", quantity, of, tuple(of)[1:])
 
 
 def crossings(trials):
@@ -255,8 +297,8 @@ def crossings(trials):
         "moving, a change, opposite": lied("opposite", **moving, fill_ratio={**change, "at": 1501}),
         "moving, stripes, always-black": lied("always-black", **moving, floor={"stripes": 0.5}, fill_ratio=0.55),
     }  # fmt: skip
-    firsts = []
-    print(f"{'':30}{'last error: rank, census, best':34}{'mean error: rank, census, best':34}  alone")
+    ranks = {"error": [], "mean": []}
+    print(HEAD)
     for name, tables in needs.items():
         world = tables["world"]
         study = sc.Study(
@@ -266,92 +308,87 @@ def crossings(trials):
         )  # fmt: skip
         results = sc.run(study)
         f = world["fill_ratio"]["to"] if isinstance(world["fill_ratio"], dict) else world["fill_ratio"]
-        last = [float(np.nanmedian(abs(each - f))) for each in results["final_estimate"].values]
-        mean = [float(np.nanmedian(each)) for each in results["mean_error"].values]
-        ranks = [sorted(values).index(values[0]) + 1 for values in (last, mean)]
-        firsts.append(ranks)
-        line = f"{name:30}"
-        for values, rank in zip((last, mean), ranks, strict=True):
-            best = int(np.argmin(values[1:])) + 1
-            line += f"  {rank}: {values[0]:.4f}, {brains[best]} {values[best]:.4f}".ljust(34)
-        print(f"{line}  {last[-1]:.4f} {mean[-1]:.4f}")
-    for name, ranks in zip(("last", "mean"), np.array(firsts).T, strict=True):
-        print(f"{name} error: first in {np.sum(ranks == 1)}, second in {np.sum(ranks == 2)} of {len(ranks)}")
+        for quantity, found in ranks.items():
+            of = {}
+            for setting, brain in enumerate(results["brain"].values):
+                one = results.isel(setting=setting)
+                values = abs(one["final_estimate"] - f) if quantity == "error" else one["mean_error"]
+                of[str(brain)] = known(values.values, one)
+            found.append(row(name, quantity, of, ("alone",))[0])
+    for quantity, found in ranks.items():
+        first, second = (found.count(rank) for rank in (1, 2))
+        print(f"{quantity}: first in {first}, second in {second} of {len(found)}")
 
 
 def large(trials):
     """Error and K in large swarms."""
-    brains = ["census", "swift", "commons", "minimalistic"]
+    print(HEAD)
     for robots in (100, 1000, 10000):
         study = sc.Study(
-            trials=trials, seed=35, swarm={"robots": robots, "accuracy": 0.625, "brain": brains},
-            world={"topology": ["ring", {"networkx": "barabasi_albert_graph", "m": 1}], "fill_ratio": 0.55},
+            trials=trials, seed=35,
+            swarm={"robots": robots, "accuracy": 0.625, "brain": ["census", "swift", "commons", "minimalistic"]},
+            world={"topology": ["ring", TREE], "fill_ratio": 0.55},
             schedule={"rounds": 1000, "observations_per_round": 10}, measure={"bins": 2},
         )  # fmt: skip
-        results = sc.run(study)
-        for setting, (label, topology) in enumerate(
-            zip(results["brain"].values, results["topology"].values, strict=True)
-        ):
-            row, name = measured(results, setting), "ring" if topology == "ring" else "tree"
-            print(f"{robots:6} robots, {name}: {label:14} error {row['error']:.5f}  K {row['K']:.0f}")
+        tell_worlds(sc.run(study), f"{robots:,} robots, ")
 
 
 def flooded(graph, success, delay, seed, rounds=1000, looks=10, accuracy=0.625, f=0.55, delta=0.01):
     """The rounds of convergence of robots that pass on all that they know of everybody (robot)."""
     random = np.random.default_rng(seed)
-    robots = graph.number_of_nodes()
-    edges = np.array([(b, a) for a, b in graph.edges] + [(a, b) for a, b in graph.edges])
-    edges = edges[np.argsort(edges[:, 0], kind="stable")]  # hears, from
-    begins = np.flatnonzero(np.diff(edges[:, 0], prepend=-1))
     q = accuracy * f + (1 - accuracy) * (1 - f)
-    blacks = np.concatenate([np.zeros((1, robots)), random.binomial(looks, q, (rounds, robots)).cumsum(0)])
-    known = np.zeros((robots, robots), np.int64)
-    history, last = [], np.zeros(robots)
+    blacks = random.binomial(looks, q, (rounds, graph.number_of_nodes())).cumsum(0)
+    edges = np.array([(b, a) for a, b in graph.edges] + [(a, b) for a, b in graph.edges])
+    known = spread(blacks, edges, success, delay, random)
+    share = known[0] / (looks * known[1])
+    off = abs((share + accuracy - 1) / (2 * accuracy - 1) - f) >= delta
+    return (off * np.arange(1, rounds + 1)[:, np.newaxis]).max(0) + 1
+
+
+@numba.njit
+def spread(blacks, edges, success, delay, random):
+    """The sums of blacks and of rounds that robots know of, each (round, robot), where each edge is (hears, from)."""
+    rounds, robots = blacks.shape
+    known = np.zeros((robots, robots), np.int64)  # of whom each knows how many rounds
+    said = np.zeros((delay + 1, robots, robots), np.int64)  # the same when the messages of the latest rounds were sent
+    sums = np.zeros((2, rounds, robots))
     for t in range(1, rounds + 1):
-        known[np.arange(robots), np.arange(robots)] = t
-        history.append(known.copy())
+        for k in range(robots):
+            known[k, k] = t
+        said[t % (delay + 1)] = known
         if t > delay:
-            heard = history[t - 1 - delay][edges[:, 1]] * (random.random(len(edges)) < success)[:, np.newaxis]
-            hears = edges[begins, 0]
-            known[hears] = np.maximum(known[hears], np.maximum.reduceat(heard, begins))
-            history[t - 1 - delay] = None
-        share = blacks[known, np.arange(robots)].sum(1) / (looks * known.sum(1))
-        off = abs((share + accuracy - 1) / (2 * accuracy - 1) - f) >= delta
-        last[off] = t
-    return last + 1
+            for hears, speaker in edges:
+                if random.random() < success:
+                    known[hears] = np.maximum(known[hears], said[(t - delay) % (delay + 1), speaker])
+        for k in range(robots):
+            for j in range(robots):
+                if known[k, j] > 0:
+                    sums[0, t - 1, k] += blacks[known[k, j] - 1, j]
+                    sums[1, t - 1, k] += known[k, j]
+    return sums
+
+
+def limit(trials):
+    """The median K of flooding on each network, with its interval."""
+    limits = {}
+    for graph, make in GRAPHS.items():
+        for channel, (success, delay) in CHANNELS.items():
+            rounds = np.array([flooded(make(seed), success, delay, seed) for seed in range(trials)], float)
+            limits[graph, channel], low, high = interval(medians(rounds, resample(trials)))
+            name = f"flooding, N = 100, b = 0.625: {graph}{channel}"
+            print(f"{name:60}{'K':>9}{limits[graph, channel]:8.0f} [{low:.0f}, {high:.0f}]")
+    return limits
 
 
 def main(path, trials, plot):
     """All tables."""
-    study = Study.load(STUDY)
-    if path is None:
-        path = Path(tempfile.mkdtemp()) / "census.nc"
-        results = sc.run(study if trials is None else study.with_trials(trials), out=path)
-    else:
-        results = sc.load(path)
-    found = worlds(results)
+    found = worlds(sc.load(path) if path else sc.run(Study.load(STUDY).with_(trials=trials)))
     tell(found)
-    print()
-    among_liars(trials or 100)
-    print()
-    among_insiders(trials or 100)
-    print()
-    wrong_accuracies(trials or 100)
-    print()
-    failing(trials or 100)
-    print()
-    crossings(trials or 100)
-    print()
-    large(LIMIT_TRIALS)
-    print()
-    ablation(trials or 100)
-    print()
-    limits = {}
-    for graph, make in GRAPHS.items():
-        for channel, (success, delay) in CHANNELS.items():
-            rounds = [flooded(make(seed), success, delay, seed) for seed in range(LIMIT_TRIALS)]
-            limits[graph, channel] = np.median(rounds)
-            print(f"flooding, b = 0.625, N = 100: {graph + channel:30} K {limits[graph, channel]:.0f}")
+    for part in (among_liars, among_insiders, wrong_accuracies, failing, crossings, large, ablation):
+        print(flush=True)
+        part(trials)
+    print(flush=True)
+    limits = limit(trials)
     if plot:
         draw(found, limits, plot)
 
@@ -364,6 +401,7 @@ def draw(found, limits, path):
     axes.barh(rows, list(limits.values()), height=0.7, color="0.85", label="the limit: all pass on all they know")
     for (brain, label), colour, marker in zip(DRAWN.items(), NAMED, "oDs^", strict=False):
         rounds = [found[f"{graph}, N = 100, b = 0.625, f = 0.55{channel}"][brain]["K"] for graph, channel in limits]
+        rounds = [np.median(each) for each in rounds]
         axes.plot(rounds, rows, marker, color=colour, label=label, zorder=3, ms=7 if brain == "census" else 5)
     axes.set_xscale("log")
     axes.set_xticks([20, 50, 100, 200, 500], ["20", "50", "100", "200", "500"])
@@ -382,7 +420,7 @@ def draw(found, limits, path):
 def ablation(trials):
     """What leaving out a part costs: error and K where nothing changes, recovery where the floor does."""
     brains = ["census", *({"file": "census"} | values for values in PARTS.values())]
-    rows = {}
+    cells = {}
     for topology in ("ring", "full", "scale-free"):
         for floor in (0.55, {"from": 0.65, "to": 0.55, "at": 301}):
             study = sc.Study(
@@ -393,18 +431,23 @@ def ablation(trials):
             )  # fmt: skip
             results = sc.run(study)
             for k, part in enumerate(("all parts", *PARTS)):
-                rows.setdefault(part, []).append((topology, measured(results, k)))
-    for part, cells in rows.items():
+                cells.setdefault(part, []).append((topology, measured(results, k)))
+    for part, of in cells.items():
         print(part)
-        for topology, values in cells:
-            numbers = (f"{quantity} {x:.4f}" if x < 1 else f"{quantity} {x:.0f}" for quantity, x in values.items())
-            print(f"    {topology}", *numbers)
+        for (topology, values), (_, all_parts) in zip(of, cells["all parts"], strict=True):
+            texts = []
+            for quantity, each in values.items():
+                text = f"{quantity} {told(quantity, np.median(each))}"
+                if part != "all parts":
+                    text += f": {shown(*ratio(each, all_parts[quantity]))}"
+                texts.append(f"{text:34}")
+            print(f"    {topology:12}", *texts[:-1], texts[-1].rstrip())
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", nargs="?", type=Path)
-    parser.add_argument("--trials", type=int, help="instead of the study's own number")
+    parser.add_argument("--trials", type=int, default=100, help="of each world; 100 unless given")
     parser.add_argument("--plot", type=Path, help="the picture of K beside the limit")
     given = parser.parse_args()
     main(given.results, given.trials, given.plot)
