@@ -10,12 +10,11 @@ Ripening. S / V is a mean of s / v over all rounds, in which a reading made in r
 because mixing has spread old readings over more robots. V / v tells t. All sums treat s and v alike, so S / V is
 consistent for f, whatever is lost or late, and if robots move, fail or join late.
 
-Change. If the floor has changed, a / e differs from S / V by more than chance. Robots measure with coins what chance
-does: where a round's readings add r to e, heads or tails add sqrt(r) / 2 to a sum c or take it away. c is mixed and
-forgotten as a is. The noise d is the mean of c^2 / e over rounds and robots. A robot begins anew, from a and e cut
-to KEPT, if
+Change. If the floor has changed, a / e differs from S / V by more than chance. Coins tell what chance does: where a
+round's readings add r to e, heads or tails add sqrt(r) / 2 to a sum c or take it away. c is mixed and forgotten as a
+is. The noise d is the mean of c^2 / e over rounds and robots. A robot begins anew, from a and e cut to KEPT, if
 
-    (S / V - a / e)^2 > z^2 d / e    or    > (confirm^2 + 2 ln(n / 2 m)) d / e, if m > 0 of n voices have begun anew
+    (S / V - a / e)^2 > z^2 d / e    or    > (confirm^2 + 2 ln(n / 8 m)) d / e, if m > 0 of n voices have begun anew
 
 and counts the long sums only of robots that have, until v is SETTLED. It tries the change: to its trust in it, it adds
 the logarithms of how much likelier each new reading is if S / V of the round before is true than if its own old ones
@@ -43,8 +42,10 @@ KEPT = 1.0  # evidence in the sums of a robot that begins anew, in readings of a
 SETTLED = 30.0  # evidence from which on it counts the sums of all robots again
 LEAST = 10.0  # evidence that the short sums may always hold
 CROWDED = 8.0  # times the voices heard: the most robots for which short sums are taken to stand
+MIXED = 2.0  # the same where one round mixes all
 PRIOR_WINDOWS = 2.0  # the weight of the first guess of the noise, in lives of the short sums
 WINDOWS = 16.0  # lives of the short sums over which the noise is averaged
+FEW = 8.0  # voices of which one that begins anew is as good as all
 CUT = 3.0  # deviations beyond which a difference counts no further in the noise seen
 PATCHY = 0.05  # correlation of successive readings on ground in patches
 WALK = 0.002  # the share of a round in that correlation
@@ -76,7 +77,7 @@ PARAMETERS = {
     "crowd": 50.0,  # the number of voices above which momentum is reduced
     "memory": 100.0,  # the most evidence in the short sums, in readings of a perfect sensor
     "z": 3.5,  # standard deviations of a change that a robot finds
-    "confirm": 1.5,  # standard deviations that confirm a change that half of the neighbours have begun with
+    "confirm": 1.5,  # standard deviations that confirm a change that enough neighbours have begun with
     "belief": 1.0,  # how many times wider all limits to what others say are
 }
 MEMORY = {
@@ -115,7 +116,7 @@ MEMORY = {
     "said_unit": 0.0,
     "rounds": 0.0,  # so far, or since the robot began anew
     "first": 0.0,  # messages in the first round
-    "company": 0.0,  # the sum of marks heard in the first round and the own; 0 before, -1 without momentum
+    "company": 0.0,  # the sum of marks heard in the first round and the own; 0 before, -1 and -2 without momentum
     "x": 0.5,  # estimate
     "guess": 0.5,  # what it would be without limits
     "heard": 0.0,  # messages since the last round
@@ -197,12 +198,14 @@ def receive(me, message):
         return
     me.heard += 1.0
     me.heard_company += company
-    if company < 0.0 or v <= 0.0:
+    if company == -1.0 or v <= 0.0:
         me.alarms += 1.0
     tries = anew >= 2.0
     if tries:
         anew -= 2.0
-    if not tries and own_v > 0.0 and me.own_v > 0.0 and not meet(me, own_s / own_v, min(own_v, me.own_v), anew):
+    old = tries or (me.trial > 0.0 and me.fresh <= 0.0)  # own readings of one of the two
+    weight = min(own_v, me.own_v)
+    if not old and weight > 0.0 and not meet(me, own_s / own_v, weight, anew):
         return
     believed = True
     if me.trial <= 0.0 and me.rounds > 1.0 and ripe_v > 0.0:
@@ -274,7 +277,7 @@ def fuse(me):
     me.pause = max(me.pause - 1.0, 0.0)
     if me.lies > 0.0:
         me.guard = max(me.guard, me.rounds)
-    own = 1.0 if me.company >= 0.0 else max(OWN, me.counted)
+    own = 1.0 if me.company != -1.0 else max(OWN, me.counted)
     mixed = own + me.counted
     s = (own * me.s + me.heard_s) / mixed
     v = (own * me.v + me.heard_v) / mixed
@@ -297,21 +300,19 @@ def fuse(me):
 
 def clear(me):
     """Forget the messages and readings of this round."""
-    me.heard = me.heard_company = me.alarms = me.lies = 0.0
-    me.near_heard_s = me.near_heard_v = 0.0
-    me.voices = me.begun = me.heard_noise = me.heard_seen = 0.0
+    me.heard = me.heard_company = me.alarms = me.lies = me.near_heard_s = me.near_heard_v = 0.0
+    me.voices = me.begun = me.heard_noise = me.heard_seen = me.fresh_s = me.fresh = 0.0
     me.heard_short_s = me.heard_short_v = me.heard_coins = 0.0
     me.counted = me.heard_s = me.heard_v = me.heard_ripe_s = me.heard_ripe_v = 0.0
-    me.fresh_s = me.fresh = 0.0
 
 
 def look_around(me):
-    """Give up momentum, for good, if the network changes or one round mixes all of it; as in `swift`."""
+    """Give up momentum, for good, if the network changes (-1) or one round mixes all of it (-2); as in `swift`."""
     if me.rounds == 0.0:
         me.first = me.heard
         me.company = me.heard_company + mark(me)
     elif me.rounds == 1.0 and me.heard_company == me.heard * me.company:
-        me.company = -1.0
+        me.company = -2.0
     if me.heard == 0.0 or me.heard != me.first or me.alarms > 0.0:
         me.company = -1.0
 
@@ -351,10 +352,9 @@ def walk(me):
     if me.fresh <= 0.0:
         return
     now = me.fresh_s / me.fresh
-    q = (me.b + me.w - 1.0) * me.x + 1.0 - me.w
+    q = (me.b + me.w - 1.0) * min(max(me.near, 0.0), 1.0) + 1.0 - me.w
     if me.rounds > 1.0:
-        unlike = 2.0 * max(q * (1.0 - q), 0.01) / me.fresh
-        me.alike += WALK * (1.0 - (now - me.last) ** 2 / unlike - me.alike)
+        me.alike += WALK * (4.0 * q * (1.0 - q) * (1.0 - me.alike) - 2.0 * me.fresh * (now - me.last) ** 2)
     me.last = now
 
 
@@ -369,8 +369,7 @@ def compare(me, long, voices):
     if me.short_v <= 0.0:
         return
     if me.windows == 0.0:
-        me.noise = 0.25 / voices
-        me.seen = me.noise
+        me.noise = me.seen = 0.25 / voices
     part = me.fresh / me.short_v
     me.windows = min(me.windows + part, WINDOWS)
     weight = min(part / (PRIOR_WINDOWS + me.windows), 1.0)
@@ -378,14 +377,15 @@ def compare(me, long, voices):
     cut_short(me, min(me.memory, max(LEAST, 0.25 * long)))
     if long <= 1.01 * me.short_v:  # all readings are still in the short sums
         return
-    noise = min(max(me.noise, 0.25 / (CROWDED * voices)) + 0.25 * me.alone / me.short_v, 0.25 / voices)
+    crowded = CROWDED if me.company > -2.0 else MIXED
+    noise = min(max(me.noise, 0.25 / (crowded * voices)) + 0.25 * me.alone / me.short_v, 0.25 / voices)
     square = (me.ripe_s / me.ripe_v - me.short_s / me.short_v) ** 2 * me.short_v
     if me.alike > PATCHY:
         noise = max(noise, me.seen)
     me.seen += weight * (min(square, CUT * CUT * noise) - me.seen)
     least = me.z * me.z
     if me.begun > 0.0 and me.anew == 0.0:
-        least = min(least, me.confirm * me.confirm + 2.0 * math.log(max(0.5 * voices / me.begun, 1.0)))
+        least = min(least, me.confirm * me.confirm + 2.0 * math.log(max(voices / (FEW * me.begun), 1.0)))
     if me.pause <= 0.0 and square > least * noise:
         begin_anew(me)
 
@@ -406,7 +406,7 @@ def begin_anew(me):
     me.s = me.ripe_s = me.short_s
     me.v = me.ripe_v = me.short_v
     me.anew = 1.0
-    me.company = -1.0
+    me.company = min(me.company, -1.0)
     me.unit = me.said_unit = me.rounds = 2.0
     if me.trial <= 0.0:
         me.trial = me.trust
