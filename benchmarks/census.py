@@ -1,16 +1,15 @@
-"""How near `census` is to the best brain in each kind of world: python benchmarks/census.py [RESULTS] [--trials T]
-[--plot FILE].
+"""How near `census` is to the best brain in each kind of world: python benchmarks/census.py [--trials T] [--plot FILE].
 
-RESULTS is what `swarmcensus run studies/census.toml --out census.nc` writes; without it the study is run. Every line is
-a world: what `census` reaches, its rank among the brains that robots can run, the best of the others, and the ratio to
-that with its 95 % interval (trials are resampled together, since all brains have the same readings). Error is the
-median error after the last round, K the median round of convergence, recovery the median number of rounds after a
-change until the error stays below 0.05, mean the median of the mean error over all rounds.
+The first table is of the worlds of studies/census.toml. Every line is a world: what `census` reaches, its rank among
+the brains that robots can run, the best of the others, and the ratio to that with its 95 % interval (trials are
+resampled together, since all brains have the same readings). Error is the median error after the last round, K the
+median round of convergence, recovery the median number of rounds after a change until the error stays below 0.05, mean
+the median of the mean error over all rounds.
 
 Then errors among liars, as ratios to that of a robot alone and to that of the best other brain, also among creepers of
 other steps, and among insiders, which know the source; with wrong accuracies; where robots fail or join late; where two
 needs meet; in large swarms; what leaving out a part costs; and K of flooding, the limit of any brain. FILE becomes a
-picture of the last.
+picture of K beside that limit. A quarter of an hour on two cores.
 """
 
 import argparse
@@ -129,16 +128,16 @@ def row(name, quantity, brains, also=()):
     best = min(middle, key=middle.__getitem__)
     rank = 1 + sum(value < ours for value in middle.values())
     least = f"{told(quantity, middle[best])} {best}"
-    line = f"{name:60}{quantity:>9}{told(quantity, ours):>8}{f'{rank} of {1 + len(middle)}':>9}  {least:22}"
+    line = f"{name:64}{quantity:>9}{told(quantity, ours):>8}{f'{rank} of {1 + len(middle)}':>9}  {least:22}"
     found = ratio(brains["census"], brains[best]) if middle[best] > 0.0 else None  # a change that nobody notices
     line += f"  {shown(*found)}" if found else "  -"
     if also:
-        line = f"{line:131}" + "  ".join(f"{brain} {told(quantity, middle[brain])}" for brain in also)
+        line = f"{line:135}" + "  ".join(f"{brain} {told(quantity, middle[brain])}" for brain in also)
     print(line)
     return rank, found
 
 
-HEAD = f"{'world':60}{'':>9}{'census':>8}{'rank':>9}  {'best of the others':22}  ratio"
+HEAD = f"{'world':64}{'':>9}{'census':>8}{'rank':>9}  {'best of the others':22}  ratio"
 
 
 def worlds(results):
@@ -153,7 +152,7 @@ def worlds(results):
 
 def tell(found):
     """A line a world and quantity, and how often the best is nearly reached."""
-    print(HEAD)
+    print("Worlds of studies/census.toml", HEAD, sep="\n")
     ratios = {}
     for name, brains in found.items():
         for k, quantity in enumerate(brains["census"]):
@@ -165,8 +164,8 @@ def tell(found):
         values, low, _ = np.array(found_ratios).T
         print(
             f"{quantity}: {np.sum(values < 1)} of {len(values)} worlds below every other, "
-            f"{np.sum(values <= near)} within {near} of the best (intervals wholly above in {np.sum(low > near)}), "
-            f"median ratio {np.median(values):.2f}, largest {values.max():.2f}"
+            f"{np.sum(values <= near)} within {near} of the best "
+            f"(intervals wholly above that in {np.sum(low > near)}), median ratio {np.median(values):.2f}, largest {values.max():.2f}"
         )
 
 
@@ -210,7 +209,7 @@ def among(kinds, trials, brains):
 
 def among_liars(trials):
     """Errors among liars: to that of a robot alone, and to that of the best other brain."""
-    print("to alone, to the best other:")
+    print("Liars: ratio of the error to that of a robot alone, and to that of the best other brain")
     kinds = {kind: kind for kind in LIARS} | {f"creeper of {step}": {"file": "creeper", "step": step} for step in STEPS}
     cells = among(kinds, trials, COMPARED)
     for share in SHARES:
@@ -220,8 +219,8 @@ def among_liars(trials):
         ):  # fmt: skip
             values, low, _ = pairs.T
             print(
-                f"{share:.0%} of ten liars: error at most {bar} times {against} in {np.sum(values <= bar)} of "
-                f"{len(values)} cells (intervals wholly above in {np.sum(low > bar)}), largest {values.max():.2f}"
+                f"{share:.0%} lie, ten kinds: error at most {bar} times {against} in {np.sum(values <= bar)} of "
+                f"{len(values)} cells (intervals wholly above that in {np.sum(low > bar)}), largest {values.max():.2f}"
             )
 
 
@@ -230,13 +229,13 @@ def among_insiders(trials):
     worst = tomllib.loads(WORST.read_text())["members"][0]["brain"][0]
     worst = {name: value for name, value in worst.items() if name != "file"}
     kinds = INSIDERS | {"as searched": worst, "as searched, from the first round": worst | {"sleeps": 0.0}}
-    print("to alone:")
+    print("Insiders: ratio of the error to that of a robot alone")
     among({name: {"file": str(INSIDER)} | values for name, values in kinds.items()}, trials, ("census", "alone"))
 
 
 def wrong_accuracies(trials):
     """Errors where some robots are told a wrong accuracy, a line each."""
-    print(HEAD)
+    print("Wrong accuracies, N = 20, f = 0.65", HEAD, sep="\n")
     for told_accuracy in (0.55, 0.6, 0.9, 0.95):
         for share in (0.1, 0.3):
             members = [{"robots": share, "assumed_accuracy": told_accuracy}]
@@ -251,7 +250,7 @@ def failing(trials):
         "half fail in round 101": {"at": 101, "robots": 0.5, "stop": ["sensing", "talking"]},
         "half join in round 201": {"at": 1, "until": 201, "robots": 0.5, "stop": ["sensing", "talking"]},
     }
-    print(HEAD)
+    print("Robots that fail or join late, N = 100, b = 0.625, f = 0.55", HEAD, sep="\n")
     for name, fault in fails.items():
         study = sc.Study(
             trials=trials, seed=36, swarm={"robots": 100, "accuracy": 0.625, "brain": brains},
@@ -273,6 +272,7 @@ def crossings(trials):
     """Where two needs meet: the last error, the mean error over all rounds, and the ranks of census in them."""
     brains = ["census", "commons", "swift", "tracking", "steadfast", "self-taught", "minimalistic", "alone"]
     change, wrong = {"from": 0.75, "to": 0.45, "at": 301}, [{"robots": 0.3, "assumed_accuracy": 0.95}]
+    small = {"from": 0.65, "to": 0.55, "at": 301}
     ramp = {"from": 0.8, "to": 0.4, "at": 301, "until": 900}
     fails = [{"at": 301, "robots": 0.3, "stop": ["sensing", "talking"]}]
 
@@ -284,6 +284,9 @@ def crossings(trials):
         "a change, always-black": lied("always-black", topology="scale-free", fill_ratio=change),
         "a change, opposite": lied("opposite", topology="scale-free", fill_ratio=change),
         "a change, creeper": lied("creeper", topology="scale-free", fill_ratio=change),
+        "a change, always-black, full": lied("always-black", topology="full", fill_ratio=change),
+        "a change, opposite, full": lied("opposite", topology="full", fill_ratio=change),
+        "a small change, always-black, full": lied("always-black", topology="full", fill_ratio=small),
         "a ramp, opposite": lied("opposite", topology="scale-free", fill_ratio=ramp),
         "links 0.2, opposite": lied("opposite", topology="ring", fill_ratio=0.55, link_success=0.2),
         "10 rounds late, always-black": lied("always-black", topology="ring", fill_ratio=0.55, message_delay=10),
@@ -298,6 +301,12 @@ def crossings(trials):
         "moving, stripes, always-black": lied("always-black", **moving, floor={"stripes": 0.5}, fill_ratio=0.55),
     }  # fmt: skip
     ranks = {"error": [], "mean": []}
+    print(
+        "Two needs at once, N = 50, b = 0.75, f = 0.55, a fifth lie; scale-free, ring where messages are lost or late"
+    )
+    print(
+        "Changes from 0.75 to 0.45, small ones from 0.65 to 0.55, ramps from 0.8 to 0.4; told 0.95: 30 % of the robots"
+    )
     print(HEAD)
     for name, tables in needs.items():
         world = tables["world"]
@@ -322,7 +331,7 @@ def crossings(trials):
 
 def large(trials):
     """Error and K in large swarms."""
-    print(HEAD)
+    print("Large swarms, b = 0.625, f = 0.55", HEAD, sep="\n")
     for robots in (100, 1000, 10000):
         study = sc.Study(
             trials=trials, seed=35,
@@ -376,18 +385,19 @@ def limit(trials):
             rounds = np.array([flooded(make(seed), success, delay, seed) for seed in range(trials)], float)
             limits[graph, channel], low, high = interval(medians(rounds, resample(trials)))
             name = f"flooding, N = 100, b = 0.625: {graph}{channel}"
-            print(f"{name:60}{'K':>9}{limits[graph, channel]:8.0f} [{low:.0f}, {high:.0f}]")
+            print(f"{name:64}{'K':>9}{limits[graph, channel]:8.0f} [{low:.0f}, {high:.0f}]")
     return limits
 
 
-def main(path, trials, plot):
+def main(trials, plot):
     """All tables."""
-    found = worlds(sc.load(path) if path else sc.run(Study.load(STUDY).with_(trials=trials)))
+    print(f"{trials} trials in each world; seeds: {Study.load(STUDY).seed}, and 32 to 36 below the first table\n")
+    found = worlds(sc.run(Study.load(STUDY).with_(trials=trials)))
     tell(found)
     for part in (among_liars, among_insiders, wrong_accuracies, failing, crossings, large, ablation):
         print(flush=True)
         part(trials)
-    print(flush=True)
+    print("\nFlooding, the limit of any brain", flush=True)
     limits = limit(trials)
     if plot:
         draw(found, limits, plot)
@@ -432,6 +442,7 @@ def ablation(trials):
             results = sc.run(study)
             for k, part in enumerate(("all parts", *PARTS)):
                 cells.setdefault(part, []).append((topology, measured(results, k)))
+    print("Parts left out, N = 50, b = 0.75: f = 0.55, and f = 0.65 to 0.55 at 301; ratios to all parts")
     for part, of in cells.items():
         print(part)
         for (topology, values), (_, all_parts) in zip(of, cells["all parts"], strict=True):
@@ -446,8 +457,11 @@ def ablation(trials):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", nargs="?", type=Path)
     parser.add_argument("--trials", type=int, default=100, help="of each world; 100 unless given")
     parser.add_argument("--plot", type=Path, help="the picture of K beside the limit")
     given = parser.parse_args()
-    main(given.results, given.trials, given.plot)
+    if given.trials < 6:
+        parser.error(f"--trials = {given.trials}: should be 6 or more, so that ratios have intervals")
+    if given.plot and not given.plot.parent.is_dir():
+        parser.error(f"--plot = {given.plot}: there is no folder {given.plot.parent}")
+    main(given.trials, given.plot)

@@ -422,6 +422,26 @@ class TestLiars:
         round_of([me, other], [(0.0, 0.0), (50.0, 100.0)], [[1], [0]])
         assert me.v > before
 
+    @pytest.mark.parametrize(("own_trial", "heard"), [(0.0, 1.0), (4.0, 0.0)])
+    def test_old_readings_of_one_that_tries_a_change_are_excused_only_by_others(self, own_trial, heard):
+        me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
+        other.own_s, other.trial = 0.9 * other.own_v, 4.0
+        me.trial = own_trial
+        DO.observe(me, 50.0, 100.0)
+        DO.receive(me, DO.broadcast(other))
+        assert me.voices == heard
+
+    @pytest.mark.parametrize("liar", ["always-black", "slow-liar"])
+    def test_a_swarm_that_hears_liars_all_over_follows_a_change(self, liar):
+        study = sc.Study(
+            trials=15, seed=10, swarm={"robots": 50, "accuracy": 0.75, "brain": "census"},
+            members=[{"robots": 10, "brain": liar, "honest": False}],
+            world={"topology": "full", "fill_ratio": {"from": 0.75, "to": 0.55, "at": 301}},
+            schedule={"rounds": 800, "observations_per_round": 10},
+        )  # fmt: skip
+        errors = np.nanmedian(abs(sc.run(study)["final_estimate"] - 0.55), axis=(0, 2))
+        assert (errors < 0.02).all()  # 0.06 if the old readings of liars are excused
+
     def test_a_robot_without_readings_hears_those_that_have_confirmed_a_change(self):
         me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
         other.own_s = 0.9 * other.own_v
@@ -465,7 +485,7 @@ class TestLiars:
     )  # fmt: skip
     def test_it_is_better_than_alone_among_liars(self, liar):
         study = sc.Study(
-            trials=15, seed=8, swarm={"robots": 20, "accuracy": 0.75, "brain": ["census", "alone"]},
+            trials=50, seed=8, swarm={"robots": 20, "accuracy": 0.75, "brain": ["census", "alone"]},
             members=[{"robots": 6, "brain": liar, "honest": False}],
             world={"topology": ["full", "ring"], "fill_ratio": 0.55},
             schedule={"rounds": 600, "observations_per_round": 10},

@@ -203,7 +203,7 @@ def receive(me, message):
     tries = anew >= 2.0
     if tries:
         anew -= 2.0
-    old = tries or (me.trial > 0.0 and me.fresh <= 0.0)  # own readings of one of the two
+    old = tries if me.trial <= 0.0 else me.fresh <= 0.0  # own readings, of one of the two
     weight = min(own_v, me.own_v)
     if not old and weight > 0.0 and not meet(me, own_s / own_v, weight, anew):
         return
