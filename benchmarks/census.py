@@ -165,7 +165,8 @@ def tell(found):
         print(
             f"{quantity}: {np.sum(values < 1)} of {len(values)} worlds below every other, "
             f"{np.sum(values <= near)} within {near} of the best "
-            f"(intervals wholly above that in {np.sum(low > near)}), median ratio {np.median(values):.2f}, largest {values.max():.2f}"
+            f"(intervals wholly above that in {np.sum(low > near)}), "
+            f"median ratio {np.median(values):.2f}, largest {values.max():.2f}"
         )
 
 

@@ -440,7 +440,7 @@ class TestLiars:
             schedule={"rounds": 800, "observations_per_round": 10},
         )  # fmt: skip
         errors = np.nanmedian(abs(sc.run(study)["final_estimate"] - 0.55), axis=(0, 2))
-        assert (errors < 0.02).all()  # 0.06 if the old readings of liars are excused
+        assert (errors > 0.02).sum() <= 3  # in 15 trials; 8 and 11 if the old readings of liars are excused
 
     def test_a_robot_without_readings_hears_those_that_have_confirmed_a_change(self):
         me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
