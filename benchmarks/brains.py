@@ -1,7 +1,7 @@
 """What brains cost beside the paper's: `python benchmarks/brains.py [BRAIN...] [--single | --against FOLDER]`.
 
 CPU time of a study's trials of 100 robots as a multiple of what `minimalistic` takes right before: the median of eleven
-ratios, brains in turn. By default of those that share everything. Six minutes on a quiet machine.
+ratios, brains in turn. By default of those that share everything. Four minutes on a quiet machine.
 
 With --single, every brain in single precision as a multiple of the same brain in double. With --against, every shipped
 brain as a multiple of the file of the same name in a folder, such as files of an earlier release. Both take the least
@@ -24,7 +24,7 @@ WORLDS = {
     "ring, half lost": {"topology": "ring", "link_success": 0.5},
     "moving, D = 10": {"topology": "moving", "density": 10},
 }
-BRAINS = ["commons", "swift", "sure", "steadfast", "tracking", "self-taught"]
+BRAINS = ["commons", "swift", "sure", "steadfast", "tracking", "self-taught", "census"]
 
 
 def study(brain, world, trials=20, precision="double"):
