@@ -171,6 +171,7 @@ def test_a_robot_is_clicked(page, served):
     come(page, served.address("setting=1"), 0)
     page.keyboard.press("ArrowRight")
     at(page, 1)
+    page.locator("#stages .stage").scroll_into_view_if_needed()  # waits until it moves no more
     canvas = page.locator("#stages .stage").bounding_box()
     middle, reach = canvas["width"] / 2, 0.46 * canvas["width"]
     page.mouse.click(canvas["x"] + middle, canvas["y"] + middle - reach)  # the first of the ring stands at the top
@@ -184,6 +185,7 @@ def test_a_robot_is_clicked(page, served):
 @pytest.mark.long
 def test_one_goes_nearer_to_what_is_pointed_at_and_drags_it_along(page, served):
     come(page, served.address("setting=1&tick=1"), 1)
+    page.locator("#stages .stage").scroll_into_view_if_needed()
     box = page.locator("#stages .stage").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + 0.04 * box["width"]  # the first of the ring
     page.mouse.move(x, y)
@@ -306,9 +308,10 @@ def test_a_brain_that_fails_is_asked_once(page, folder):
 def test_a_crowd_is_a_picture_whose_robots_are_clicked(page, served):
     come(page, served.address("setting=1&robots=500&tick=2"), 2)
     assert "each square a robot" in page.inner_text("#legend-text")
-    box = page.locator("#stages .stage").bounding_box()
-    cell = box["width"] / 23
-    page.mouse.click(box["x"] + 1.5 * cell, box["y"] + 2.5 * cell)  # rows of 23
+    stage = page.locator("#stages .stage")
+    stage.scroll_into_view_if_needed()  # waits until it moves no more
+    cell = stage.bounding_box()["width"] / 23
+    stage.click(position={"x": 1.5 * cell, "y": 2.5 * cell})  # rows of 23
     told(page, 47, 2)
 
 
