@@ -191,18 +191,18 @@ def errors(trials, members, topologies, f=0.55, brains=COMPARED):
 def among(kinds, trials, brains):
     """Errors among liars as ratios with their intervals, a line a liar; returns the ratios of each (kind, share)."""
     cells = {}
+    ratios = min(len(brains) - 1, 2)  # to that of a robot alone, and to that of the best
     for share in SHARES:
-        heads = "".join(f"{topology:40}" if len(brains) > 2 else f"{topology:22}" for topology in LIED_TO)
-        print(f"{f'{share:.0%} lie':34}{heads}")
+        heads = "".join(topology.ljust(20 * ratios) for topology in LIED_TO)
+        print(f"{f'{share:.0%} lie':34}{heads}".rstrip())
         for name, kind in kinds.items():
             found = errors(trials, [{"robots": share, "brain": kind, "honest": False}], list(LIED_TO), brains=brains)
             line = f"{name:34}"
             for of in found.values():
                 others = {brain: np.median(values) for brain, values in of.items() if brain != "census"}
                 best = min(others, key=others.__getitem__)
-                against = [ratio(of["census"], of[brain]) for brain in ("alone", best)[: len(others)]]
-                texts = (shown(*each).ljust(20) for each in against)
-                line += "".join(texts) + "  " * (len(brains) == 2)
+                against = [ratio(of["census"], of[brain]) for brain in ("alone", best)[:ratios]]
+                line += "".join(shown(*each).ljust(20) for each in against)
                 cells.setdefault((name, share), []).append(against)
             print(line.rstrip())
     return cells
@@ -317,12 +317,11 @@ def crossings(trials):
             measure={"metrics": ["mean-error"], "bins": 2},
         )  # fmt: skip
         results = sc.run(study)
-        f = world["fill_ratio"]["to"] if isinstance(world["fill_ratio"], dict) else world["fill_ratio"]
         for quantity, found in ranks.items():
             of = {}
             for setting, brain in enumerate(results["brain"].values):
                 one = results.isel(setting=setting)
-                values = abs(one["final_estimate"] - f) if quantity == "error" else one["mean_error"]
+                values = abs(one["final_estimate"] - one["fill_ratio"]) if quantity == "error" else one["mean_error"]
                 of[str(brain)] = known(values.values, one)
             found.append(row(name, quantity, of, ("alone",))[0])
     for quantity, found in ranks.items():
