@@ -8,8 +8,8 @@ the median of the mean error over all rounds.
 
 Then errors among liars, as ratios to that of a robot alone and to that of the best other brain, also among creepers of
 other steps, and among insiders, which know the source; with wrong accuracies; where robots fail or join late; where two
-needs meet; in large swarms; what leaving out a part costs; and K of flooding, the limit of any brain. FILE becomes a
-picture of K beside that limit. A quarter of an hour on two cores.
+needs meet; in large swarms; beside the oracle and the paper's brain; what leaving out a part costs; and K of flooding,
+the limit of any brain. FILE becomes a picture of K beside that limit. A quarter of an hour on two cores.
 """
 
 import argparse
@@ -342,6 +342,29 @@ def large(trials):
         tell_worlds(sc.run(study), f"{robots:,} robots, ")
 
 
+def beside_bounds(trials):
+    """Error beside that of the oracle, which knows all readings, and K beside the paper's brain."""
+    print("Losses and lateness, N = 100, b = 0.625, f = 0.55: error to the oracle's, K to the paper's brain's")
+    torus = {"networkx": "grid_2d_graph", "m": 10, "n": 10, "periodic": True}
+    small_world = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1}
+    names = {"ring": "ring", "barabasi": "tree", "watts": "small world", "grid": "torus", "full": "full"}
+    for channel, (success, delay) in CHANNELS.items():
+        study = sc.Study(
+            trials=trials, seed=37,
+            swarm={"robots": 100, "accuracy": 0.625, "brain": ["census", "minimalistic", "oracle"]},
+            world={
+                "topology": ["ring", TREE, small_world, torus] + ["full"] * (delay > 0), "fill_ratio": 0.55,
+                "link_success": success, "message_delay": delay,
+            },
+            schedule={"rounds": 1000, "observations_per_round": 10}, measure={"bins": 2},
+        )  # fmt: skip
+        for where, of in worlds(sc.run(study)).items():
+            name = next(name for begin, name in names.items() if where.startswith((begin, name)))
+            ours, oracle = of["census"], of["oracle"]["error"]
+            error, rounds = ratio(ours["error"], oracle), ratio(ours["K"], of["minimalistic"]["K"])
+            print(f"{name + channel:30}error {shown(*error):20}K {shown(*rounds)}")
+
+
 def flooded(graph, success, delay, seed, rounds=1000, looks=10, accuracy=0.625, f=0.55, delta=0.01):
     """The rounds of convergence of robots that pass on all that they know of everybody (robot)."""
     random = np.random.default_rng(seed)
@@ -391,10 +414,10 @@ def limit(trials):
 
 def main(trials, plot):
     """All tables."""
-    print(f"{trials} trials in each world; seeds: {Study.load(STUDY).seed}, and 32 to 36 below the first table\n")
+    print(f"{trials} trials in each world; seeds: {Study.load(STUDY).seed}, and 32 to 37 below the first table\n")
     found = worlds(sc.run(Study.load(STUDY).with_(trials=trials)))
     tell(found)
-    for part in (among_liars, among_insiders, wrong_accuracies, failing, crossings, large, ablation):
+    for part in (among_liars, among_insiders, wrong_accuracies, failing, crossings, large, beside_bounds, ablation):
         print(flush=True)
         part(trials)
     print("\nFlooding, the limit of any brain", flush=True)
