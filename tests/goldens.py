@@ -4,9 +4,11 @@
     python tests/goldens.py after         # in another one, or later
     diff -r before after
 
-Each study is run in few trials. A file of it holds a hash of every variable, the file's attributes, and what the
-command line prints of it as tables and as JSON. Other files hold plans, a tuned brain, pages, schemas and hashes of
-pictures. Numbers are the same to the last bit only on the same machine with the same libraries.
+Each shipped study is run in few trials. A file of it holds a hash of every variable, the file's attributes, and what
+the command line prints of it as tables and as JSON; of the studies in `WHOLE` also exports and figures. Other files
+hold the fingerprints and random keys of all settings, plans, a tuned brain, pages, schemas and hashes of pictures.
+Numbers are the same to the last bit only on the same machine with the same libraries. It takes a quarter of an hour on
+two cores; `python tests/goldens.py FOLDER ring paper` writes only the files that have such a word in their names.
 """
 
 import contextlib
@@ -20,12 +22,16 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parent.parent
-STUDIES = {
-    "ring": 8, "sizes": 2, "steering": 2, "theory": 4, "wrong-beliefs": 2, "paper/local": 6, "paper/same-rounds": 1,
-    "rivals/opinions": 2, "rivals/bayesian": 2, "rivals/consensus": 2, "beyond/changing": 1,
-    "beyond/unknown-sensors": 1, "example/compare": 8, "example/floors": 2, "example/liars": 6, "example/recorded": 2,
-}  # fmt: skip  # with how many trials each is run
+WHOLE = {
+    "ring": 8, "sizes": 2, "steering": 2, "theory": 4, "wrong-beliefs": 2, "paper/local": 6, "paper/same-rounds": 2,
+    "rivals/opinions": 2, "rivals/bayesian": 2, "rivals/consensus": 2, "beyond/changing": 2,
+    "beyond/unknown-sensors": 2, "example/compare": 8, "example/floors": 2, "example/liars": 6, "example/recorded": 2,
+}  # fmt: skip  # studies whose exports and figures are written too, with how many trials each is run
+TRIALS = 2  # of the others
+KEYS = ("readings_key", "losses_key", "luck_keys", "floor_key", "walk_key")  # addresses of a setting's random numbers
 TIMES = ("started", "finished", "wall_seconds", "cpu_seconds")  # attributes of a file
 VERSIONS = re.compile(r"\d+\.\d+\.\d+\S*|\d+(\.\d+)? (s|min|ms|MB|KB)\b|\d{4}-\d\d-\d\d[T ]\d\d:\d\d\S*")
 
@@ -72,17 +78,40 @@ def picture(path: Path) -> str:
     return f"{path.name} {digest(Image.open(path).tobytes())}\n"
 
 
-def of_study(name: str, trials: int) -> str:
+def names() -> list[str]:
+    """All shipped studies, by their paths without the ending."""
+    files = (ROOT / "studies").rglob("*.toml")
+    return sorted(str(path.relative_to(ROOT / "studies").with_suffix("")) for path in files)
+
+
+def addresses(name: str) -> str:
+    """What each setting of a study is called, its coordinates, its fingerprint and its random keys, a line each."""
+    import swarmcensus as sc
+
+    study = sc.Study.load(ROOT / "studies" / f"{name}.toml")
+    lines = []
+    for setting in study.settings():
+        moves = setting.body is not None
+        keys = [getattr(setting, key)(study.seed) for key in KEYS if moves or key not in ("floor_key", "walk_key")]
+        words = " ".join(digest(np.asarray(key).tobytes()) for key in keys)
+        lines.append(f"{setting} {setting.coordinates} {setting.fingerprint(study.seed)} {words}")
+    return f"{name}: {len(lines)} settings\n" + "\n".join(lines) + "\n\n"
+
+
+def of_study(name: str) -> str:
     """All that is written of a study."""
-    results = Path(name.replace("/", "-")).with_suffix(".nc")
+    results, trials = Path(name.replace("/", "-") + ".nc"), WHOLE.get(name, TRIALS)
     text = printed("run", ROOT / "studies" / f"{name}.toml", "--out", results, "--trials", trials, "--jobs", 2)
     text = text.replace(str(ROOT), "")
     if not results.exists():
         return text
     text += values(results)
-    for command, *options in (("show",), ("compare",), ("explain",), ("verify", "--seed", 1)):
+    text += printed("show", results) + printed("compare", results, "--json")
+    if name not in WHOLE:
+        return text
+    for command, *options in (("show", "--json"), ("compare",), ("explain",), ("explain", "--json")):
         text += printed(command, results, *options)
-        text += printed(command, results, *options, "--json")
+    text += printed("verify", results, "--seed", 1) + printed("verify", results, "--seed", 1, "--json")
     text += printed("explain", results, "--setting", 0)
     text += printed("compare", results, "--pairs", "--csv", "pairs.csv", "--latex", "worlds.tex")
     text += "".join(file.read_text() for file in map(Path, ("pairs.csv", "worlds.tex")) if file.exists())
@@ -143,18 +172,20 @@ def _commands() -> list[list[str]]:
 
 def main() -> None:
     """Write the folder."""
-    if len(sys.argv) != 2:
-        sys.exit("usage: python tests/goldens.py FOLDER")
-    folder = Path(sys.argv[1]).absolute()
+    if len(sys.argv) < 2 or sys.argv[1].startswith("-"):
+        sys.exit("usage: python tests/goldens.py FOLDER [WORD ...]")
+    folder, words = Path(sys.argv[1]).absolute(), sys.argv[2:]
     folder.mkdir(parents=True)
     work = folder / "files"  # what the commands write
     work.mkdir()
     os.chdir(work)
     os.environ |= {"SWARMCENSUS_TERMINAL": "160", "TERM": "dumb", "NO_COLOR": "1"}
     sys.path.insert(0, str(ROOT / "src"))
-    for name, trials in STUDIES.items():
-        write(folder, name.replace("/", "-"), of_study(name, trials))
-    for name, text in of_the_rest().items():
+    wanted = [name for name in names() if not words or any(word in name for word in words)]
+    write(folder, "settings", "".join(map(addresses, wanted)))
+    for name in wanted:
+        write(folder, name.replace("/", "-"), of_study(name))
+    for name, text in ({} if words else of_the_rest()).items():
         write(folder, name, text)
 
 
