@@ -114,12 +114,9 @@ class Table(NamedTuple):
         return _without_row_numbers(self._replace(names=self.rows[0], rows=self.rows[1:], lines=self.lines[1:]))
 
     def check_heading(self, names: str, rows: str) -> None:
-        """Raise InputError if the first row may be the numbers of the columns, and so names, or values.
-
-        Between spaces no numbers are names: as networkx, igraph and NumPy write them.
-        """
+        """Raise InputError if the first row may be the numbers of the columns, and so names, or values."""
         cells = self.heading()
-        if self.separator != " " and cells == list(range(len(cells))):
+        if cells == list(range(len(cells))):
             shown = self.separator.join(self.rows[0])
             raise InputError(
                 f"{self.where(0)}: {shown!r} may be names of columns or {rows}: if names, write {names} instead; if "

@@ -55,8 +55,7 @@ def _unnamed(table: Table) -> Table:
         return table.named_by_first_row()
     table.check_heading(",".join(f"robot {k}" for k in range(len(cells))), "readings")
     if table.width > 1 and table.is_empty(table.width - 1):
-        raise InputError(f"{table.source}: the last column is empty: take the separators at the ends of lines away, or "
-                         "name the columns robot 0,robot 1,...")  # fmt: skip
+        raise InputError(f"{table.source}: the last column is empty: name the columns robot 0,robot 1,...")
     return table
 
 

@@ -69,7 +69,8 @@ def links_of(table: Table, right: str, directed: bool = False, messages: bool = 
         if table.width != 2:
             table.refuse((), right)
         links = np.stack([table.whole(0), table.whole(1)], axis=1)
-        if not (links[1:] == links[0]).all(axis=1).any():  # else both ways of reading it give the same links
+        again = (links[1:] == links[0]).all(axis=1).any()  # names or not, the links are the same
+        if not again and table.separator != " ":  # with spaces, networkx and igraph write links, and never names
             table.check_heading("source,target", "a link")
         return links
     names = [plain(name) for name in table.names]
