@@ -80,7 +80,11 @@ def test_an_interrupted_writer_leaves_nothing(tmp_path):
 
 def test_accuracy_files_are_read_strictly(tmp_path):
     path = tmp_path / "a.csv"
-    for text, said in (("O.8\n0.7\n", "line 1"), ("0.8,0.7\n0.9\n", "line 2"), ("", "a row a robot")):
+    for text, said in (
+        ("O.8\n0.7\n", "'O.8': there should be accuracy"),
+        ("0.8,0.7\n0.9\n", "line 2"),
+        ("", "a row for each robot"),
+    ):
         path.write_text(text)
         with pytest.raises(sc.InputError, match=said):
             recordings.read_accuracy(str(path))
@@ -90,8 +94,8 @@ def test_accuracy_files_are_read_strictly(tmp_path):
 
 
 def test_links_too_large_for_a_number(tmp_path):
-    (tmp_path / "l.csv").write_text(f"0,{'9' * 5000}\n")
-    with pytest.raises(sc.InputError, match="not a row of whole numbers"):
+    (tmp_path / "l.csv").write_text(f"2,{'9' * 5000}\n")
+    with pytest.raises(sc.InputError, match="should be a whole number from 0"):
         recordings.read_links(tmp_path / "l.csv")
 
 

@@ -203,7 +203,7 @@ def test_bad_commands(command, said, here, capsys, small_file):
     whole = small_file.read_bytes()
     (here / "good.nc").write_bytes(whole)
     (here / "cut.nc").write_bytes(whole[: len(whole) // 2])
-    (here / "obs.csv").write_text("0,1\n1,1\n")
+    (here / "obs.csv").write_text("1,1\n0,1\n")
     (here / "bad.csv").write_text("0,2\n")
     for name in ("folder.nc", "folder.png", "plain"):
         (here / name).mkdir()

@@ -640,13 +640,13 @@ def test_where(loaded, canary, text):
 
 
 CELL = st.sampled_from(
-    ["0", "1", "", "nan", "2", "-1", "0.5", " 1", "1.0", "x", "b", "w", "inf", "9" * 30, "9" * 5000, '"', "²", "\x00"]
-)
-CSV = st.integers(1, 3).flatmap(
-    lambda wide: st.lists(st.lists(CELL, min_size=wide, max_size=wide), max_size=5)
-).map(lambda rows: "\n".join(",".join(row) for row in rows)) | st.lists(st.lists(CELL, max_size=4), max_size=5).map(
-    lambda rows: "\n".join(",".join(row) for row in rows)
+    ["0", "1", "", "nan", "2", "-1", "0.5", " 1", "1.0", "x", "b", "w", "inf", "9" * 30, "9" * 5000, '"', "²", "\x00",
+     "True", "0,5", "#", "{}", "step", "i", "j", "robot", "robot 0", "r1", "weight", "value", "\r"]
 )  # fmt: skip
+ROWS = st.integers(1, 3).flatmap(
+    lambda wide: st.lists(st.lists(CELL, min_size=wide, max_size=wide), max_size=5)
+) | st.lists(st.lists(CELL, max_size=4), max_size=5)
+CSV = st.builds(lambda rows, between: "\n".join(map(between.join, rows)), ROWS, st.sampled_from([",", ";", "\t", " "]))
 
 
 @fuzz(500, CSV | st.text(max_size=20), CSV, CSV)

@@ -122,7 +122,7 @@ def test_checks_hold_for_every_grid():
 
 
 def test_results_of_cases_are_run_kept_and_replayed(tmp_path):
-    (tmp_path / "net.csv").write_text("0,1\n1,2\n")
+    (tmp_path / "net.csv").write_text("u,v\n0,1\n1,2\n")
     text = """
         trials = 2
         [swarm]

@@ -100,7 +100,7 @@ def test_edge_list_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("0,1\n1,x\n", "line 2"),
+        ("u,v\n0,1\n1,x\n", "line 3"),
         ("0,1\n1\n", "line 2"),
         ("0,0\n", "joins a robot to itself"),
         ("0,1,2\n", "line 1: .* third column: links have no weights"),
@@ -142,13 +142,12 @@ def heard(topology, robots, graph=0):
 ONE_WAY = {(0, 1), (1, 2), (2, 0), (3, 0), (0, 3)}
 
 
-@pytest.mark.parametrize("kind", ["graph", "multigraph", "list", "array", "file"])
+@pytest.mark.parametrize("kind", ["graph", "list", "array", "file"])
 def test_of_a_directed_edge_the_second_hears_the_first(kind, tmp_path):
     rows = sorted(ONE_WAY)
     (tmp_path / "office.csv").write_text("sender,receiver\n" + "".join(f"{u},{v}\n" for u, v in rows))
     value = {
         "graph": nx.DiGraph(rows),
-        "multigraph": nx.MultiDiGraph(rows + rows[:2]),
         "list": {"name": "office", "edges": rows + rows[:2], "directed": True},
         "array": {"name": "office", "edges": np.array(rows), "directed": True},
         "file": {"file": "office.csv", "directed": True},
@@ -190,18 +189,30 @@ def test_graphs_whose_edges_have_weights_are_refused(tmp_path):
     graph[0][1]["weight"] = 1.0  # says nothing
     assert parse(graph, tmp_path).edges == ((0, 1), (1, 2))
     graph[1][2]["weight"] = 0.5
-    with pytest.raises(ValueError, match="the graph's edges have weights: links have no weights"):
+    with pytest.raises(ValueError, match=r"the graph's edges have numbers, weight = 0.5: links have no weights"):
         parse(graph, tmp_path)
     with pytest.raises(ValueError, match=r"edge \[0, 1, 0.5\] has three numbers: links have no weights"):
         parse({"name": "x", "edges": [[0, 1, 0.5]]}, tmp_path)
     graph.name = "office"
     swarm = {"robots": 3, "accuracy": 0.7}
-    with pytest.raises(sc.InputError, match=r"world.topology\[1\] = graph 'office': the graph's edges have weights"):
+    with pytest.raises(sc.InputError, match=r"world.topology\[1\] = graph 'office': the graph's edges have numbers"):
         sc.Study(trials=1, swarm=swarm, world={"topology": ["ring", graph], "fill_ratio": 0.5})
 
 
-def test_parallel_edges_count_once_and_loops_are_refused(tmp_path):
-    assert parse(nx.MultiGraph([(0, 1), (0, 1), (1, 0)]), tmp_path).edges == ((0, 1),)
+def test_numbers_of_any_name_on_edges_are_refused(tmp_path):
+    graph = nx.Graph([(0, 1, {"label": "x", "near": True}), (1, 2)])
+    assert parse(graph, tmp_path).edges == ((0, 1), (1, 2))
+    graph[0][1]["distance"] = np.float32(2)
+    with pytest.raises(ValueError, match=r"distance = 2.0: links have no weights"):
+        parse(graph, tmp_path)
+
+
+def test_parallel_edges_and_loops_are_refused(tmp_path):
+    assert parse(nx.MultiGraph([(0, 1), (1, 2)]), tmp_path).edges == ((0, 1), (1, 2))
+    assert parse(nx.MultiDiGraph([(0, 1), (1, 0)]), tmp_path).edges == ((0, 1), (1, 0))
+    for parallel, kind in ((nx.MultiGraph([(0, 1), (1, 0)]), "Graph"), (nx.MultiDiGraph([(0, 1)] * 2), "DiGraph")):
+        with pytest.raises(ValueError, match=rf"parallel edges.* networkx.{kind}\("):
+            parse(parallel, tmp_path)
     with pytest.raises(ValueError, match=r"edge \(0, 0\) joins a robot to itself"):
         parse(nx.DiGraph([(0, 0)]), tmp_path)
 
@@ -280,7 +291,7 @@ def test_a_topology_is_a_file_of_its_name(tmp_path):
 def test_a_file_beside_the_study_comes_before_other_packages(tmp_path, monkeypatch):
     monkeypatch.setattr(plugins, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
     wiring.PLUGINS.__dict__.pop("outside", None)
-    (tmp_path / "torus").write_text("0,1\n")
+    (tmp_path / "torus").write_text("i,j\n0,1\n")
     assert parse("torus", tmp_path).edges == ((0, 1),)
     assert networks.parse_topology("links.csv", None, {"links.csv": [(0, 2)]}).edges == ((0, 2),)
     assert parse({"name": "torus", "edges": [[0, 3]]}, tmp_path).edges == ((0, 3),)

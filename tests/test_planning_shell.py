@@ -203,7 +203,7 @@ NO_PAIRS = "swarmcensus: mission: the goal cannot be reached, because free.topol
     ],
 )  # fmt: skip
 def test_networks_that_there_are_not_of_every_size_are_told_by_their_key(topology, options, said, here, capsys):
-    Path("pairs.csv").write_text("0,1\n1,2\n2,3\n")
+    Path("pairs.csv").write_text("i,j\n0,1\n1,2\n2,3\n")
     wishes = ["--accuracy", "0.9", "--half-width", "0.1", "--fill-ratio", "0.5", "--brain", "commons", "--trials", "40"]
     assert main(["plan", *wishes, "--minutes", "1", "--topology", topology, *options]) == 2
     *_, error = capsys.readouterr().err.splitlines()

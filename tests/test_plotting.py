@@ -82,7 +82,7 @@ def test_what_can_be_told_at_once_is_told_before_a_trial_is_run_again(small_file
     assert "cannot write file/rec" in complaint(capsys, *one, "--recording", "file/rec")
     assert "figures are written as" in complaint(capsys, "plot", small_file, "--kind", "curves", "--out", "x.bmp")
     assert "cannot write file/x.svg" in complaint(capsys, "plot", small_file, "--kind", "curves", "--out", "file/x.svg")
-    (here / "obs.csv").write_text("0,1\n1,1\n")
+    (here / "obs.csv").write_text("1,1\n0,1\n")
     monkeypatch.setattr(inferring, "infer", replay)
     seen = ["infer", "obs.csv", "--accuracy", "0.8"]
     assert "cannot write file/x.png" in complaint(capsys, *seen, "--plot", "file/x.png")
@@ -159,7 +159,7 @@ def test_compiling_is_told_once_and_only_where_it_happens(caplog):
     ],
 )
 def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, capsys, monkeypatch):
-    (here / "obs.csv").write_text("0,1\n1,1\n")
+    (here / "obs.csv").write_text("1,1\n0,1\n")
     true = getattr(*where)
 
     def compiles(*arguments: object) -> xr.Dataset:

@@ -207,7 +207,7 @@ class TestSelecting:
 
 class TestStudyOfResults:
     def test_edge_lists_travel_with_the_results(self, tmp_path, monkeypatch):
-        (tmp_path / "office.csv").write_text("0,1\n1,2\n")
+        (tmp_path / "office.csv").write_text("i,j\n0,1\n1,2\n")
         (tmp_path / "s.toml").write_text(
             'trials = 1\n[swarm]\nrobots = 3\naccuracy = 0.8\n[world]\ntopology = "office.csv"\nfill_ratio = 0.5\n'
             "[schedule]\nrounds = 5\n"

@@ -137,7 +137,7 @@ def mission_places():
 def folder(tmp_path_factory):
     found = tmp_path_factory.mktemp("files")
     (found / "own.py").write_text(BRAIN)
-    (found / "links.csv").write_text("0,1\n")
+    (found / "links.csv").write_text("i,j\n0,1\n")
     Image.new("L", (2, 2)).save(found / "x.png")
     return found
 

@@ -146,7 +146,7 @@ def test_recordings_survive_their_files(small_results, tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("", "no observations"), ("0,1\n0,2\n", "line 2: '2'"), ("0,1\n0\n", "line 2: 1 value where there were 2")],
+    [("", "no observations"), ("1,1\n0,2\n", "line 2: '2'"), ("1,1\n0\n", "line 2: 1 value where there were 2")],
 )
 def test_bad_observation_files(text, said, tmp_path):
     (tmp_path / "o.csv").write_text(text)
@@ -163,7 +163,7 @@ def test_accuracy_files(tmp_path):
         with pytest.raises(sc.InputError, match="should be"):
             recordings.read_accuracy(bad)
     (tmp_path / "a.csv").write_text("b,w\n0.9,x\n")
-    with pytest.raises(sc.InputError, match="a row a robot"):
+    with pytest.raises(sc.InputError, match="line 2: 'x': should be a number"):
         recordings.read_accuracy(str(tmp_path / "a.csv"))
 
 

@@ -473,7 +473,7 @@ class TestNothingElseIsOpened:
         for file in ("office.csv", "leaf.png"):
             shutil.copy(DATA / file, tmp_path / f"other-{file}")
         for module, name in ((networks, "read_edges"), (pictures, "read_image")):
-            monkeypatch.setattr(module, name, lambda path: pytest.fail(f"{path} was opened"))
+            monkeypatch.setattr(module, name, lambda path, *_: pytest.fail(f"{path} was opened"))
         return tmp_path
 
     @pytest.fixture(scope="class")

@@ -73,7 +73,8 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
         "observations",
         type=Path,
         metavar="OBSERVATIONS.csv|BAG",
-        help="readings: one row per step, one column per robot; or a bag of ROS 2, a folder or its .mcap or .db3",
+        help="readings: one row per step, one column per robot, or columns step, robot, observation; or a bag of "
+        "ROS 2, a folder or its .mcap or .db3",
     )
     sub.add_argument(
         "--readings",
@@ -86,9 +87,7 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
         help="topics of a bag that tell whom a robot heard, such as '/robot_{robot}/heard'",
     )
     sub.add_argument("--period", type=float, metavar="SECONDS", help="time of a step of a bag")
-    sub.add_argument(
-        "--links", type=Path, metavar="LINKS.csv", help="edges, or messages with the columns step, sender, receiver"
-    )
+    sub.add_argument("--links", type=Path, metavar="LINKS.csv", help="edges i, j, or messages step, sender, receiver")
     sub.add_argument(
         "--accuracy",
         required=True,
@@ -102,7 +101,7 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="FILE.csv|nc",
-        help="trace to write (default: OBSERVATIONS-trace.csv, in this folder)",
+        help="trace to write (default: OBSERVATIONS-trace.csv, next to the observations)",
     )
     sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="figure to write (default: --out with .png)")
 
@@ -116,7 +115,8 @@ def infer(options: argparse.Namespace) -> int:
     from swarmcensus.runs.progress import log_compilation
     from swarmcensus.simulation import inferring
 
-    out = options.out or Path(f"{options.observations.stem}-trace.csv")
+    seen = options.observations if options.observations.name not in ("", "..") else options.observations.resolve()
+    out = options.out or seen.parent / f"{seen.stem}-trace.csv"  # each folder keeps its own
     _check_trace(out)
     check_writable(out, options.observations, Path(options.accuracy), *([options.links] if options.links else []))
     plotted = options.plot or out.with_suffix(".png")

@@ -1,4 +1,4 @@
-"""Recorded observations, links and accuracies are read from CSV files; traces are written."""
+"""Recorded observations, links and accuracies are read from tables; traces are written."""
 
 import csv
 import os
@@ -9,61 +9,28 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
-from swarmcensus.basics.formatting import counted
-from swarmcensus.worlds.edge_lists import is_header, read_edges
+from swarmcensus.basics.tables import Table, plain, read_table
+from swarmcensus.simulation.recorded import known, readings_of
+from swarmcensus.worlds.edge_lists import KNOWN, LINKS, links_of
 
-ACCURACY_HEADERS = ("b,w", "b", "accuracy")
-CELLS = {"0": 0.0, "1": 1.0, "": np.nan, "nan": np.nan, "0.0": 0.0, "1.0": 1.0}
+ACCURACIES = ("b", "w", "accuracy")  # names of columns
+ACCURACY = "accuracy (b = w), or b,w"
 
 
 def read_observations(path: str | Path) -> np.ndarray:
-    """Read observations (step, robot) from a CSV file: a row per step, a column per robot, 0 white, 1 black.
-
-    A first row of names is skipped. Raises InputError with file, line and value.
-    """
-    path = Path(path)
-    rows: list[list[float]] = []
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            for number, row in enumerate(csv.reader(file), start=1):
-                cells = [CELLS.get(cell.strip().lower()) for cell in row]
-                if number == 1 and row and is_header(row) and None in cells:
-                    continue
-                if not row:
-                    cells = [np.nan]  # a lone robot that saw nothing leaves an empty line
-                if None in cells:
-                    wrong = row[cells.index(None)]
-                    raise InputError(f"{path}, line {number}: {wrong!r}: should be 0 (white), 1 (black) or empty")
-                if rows and len(cells) != len(rows[0]):
-                    raise InputError(
-                        f"{path}, line {number}: {counted(len(cells), 'value')} where there were {len(rows[0])}"
-                    )
-                rows.append([float(c) for c in cells if c is not None])
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
-    if not rows:
-        raise InputError(f"{path}: no observations: should be a row a step, a column a robot")
-    return np.array(rows)
+    """Read observations (step, robot) from a table: 0 white, 1 black, NaN none. Raises InputError."""
+    return readings_of(read_table(path, known))
 
 
 def read_links(path: str | Path) -> np.ndarray:
-    """Read edges (edge, 2), or messages (message, 3) as step, sender, receiver, from a CSV file. Raises InputError."""
-    rows = np.array(read_edges(Path(path)), np.int64)
-    if not rows.size:  # no links: of which kind, the header says
-        with Path(path).open(encoding="utf-8-sig") as file:
-            return np.zeros((0, 3 if file.readline().count(",") == 2 else 2), np.int64)
-    if rows.shape[1] not in (2, 3):
-        raise InputError(
-            f"{path}: {counted(rows.shape[1], 'column')}: should be two (robots) or three (step, sender, receiver)"
-        )
-    return rows
+    """Read edges (edge, 2), or messages (message, 3) as step, sender, receiver, from a table. Raises InputError."""
+    return links_of(read_table(path, KNOWN.__contains__), LINKS, messages=True)
 
 
 def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, np.ndarray]:
-    """Read accuracies: "0.8" (b = w), "0.9,0.6" (b, w), or a CSV file with a row per robot."""
+    """Read accuracies: "0.8" (b = w), "0.9,0.6" (b, w), or a table with a row per robot. Raises InputError."""
     if os.path.isfile(text):
-        rows = np.array(_accuracy_rows(Path(text)))
-        return rows[:, 0], rows[:, -1]
+        return _accuracies(read_table(text, ACCURACIES.__contains__))
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -73,31 +40,24 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
-def _accuracy_rows(path: Path) -> list[list[float]]:
-    rows: list[list[float]] = []
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            for number, row in enumerate(csv.reader(file), start=1):
-                if not row or (number == 1 and ",".join(row).replace(" ", "").lower() in ACCURACY_HEADERS):
-                    continue
-                try:
-                    rows.append([float(cell) for cell in row])
-                except ValueError:
-                    heads = " or ".join(repr(head) for head in ACCURACY_HEADERS)
-                    raise InputError(
-                        f"{path}, line {number}: {','.join(row)!r}: should be a row a robot: b = w, or b and w "
-                        f"(a first row of names is {heads})"
-                    ) from None
-                if len(row) > 2 or len(row) != len(rows[0]):
-                    raise InputError(
-                        f"{path}, line {number}: {counted(len(row), 'column')}: should be one (b = w) or two (b and w) "
-                        "in each row"
-                    )
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
-    if not rows:
-        raise InputError(f"{path}: should hold a row a robot: b = w, or b and w")
-    return rows
+def _accuracies(table: Table) -> tuple[np.ndarray, np.ndarray]:
+    if not table.rows:
+        raise InputError(f"{table.source}: no accuracies: there should be {ACCURACY}, and a row for each robot")
+    names = [plain(name) for name in table.names] if table.names else ["b", "w"][: table.width]
+    if "robot" in names:
+        if not table.counts(names.index("robot")):
+            raise InputError(f"{table.source}: column 'robot': should be 0, 1, 2, ...")
+        table = table.without(names.index("robot"))
+        names.remove("robot")
+    if len(names) != table.width or (set(names) != {"b", "w"} and names not in (["accuracy"], ["b"])):
+        table.refuse(range(table.width), ACCURACY)
+    if table.names is None:
+        table.check_heading("b,w"[: 2 * table.width - 1], "accuracies")
+    columns = [table.column(k) for k in np.argsort(names)]  # b comes before w
+    for k, values in enumerate(columns):
+        if np.isnan(values).any():
+            raise table.wrong(int(np.argmax(np.isnan(values))), k, "a number")
+    return columns[0], columns[-1]
 
 
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:

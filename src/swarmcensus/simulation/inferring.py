@@ -10,10 +10,14 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.tables import frame_table, is_frame
 from swarmcensus.engine import compiler
 from swarmcensus.engine.addresses import address
 from swarmcensus.simulation import oracle
+from swarmcensus.simulation.recorded import readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
+from swarmcensus.worlds.edge_lists import LINKS, from_one, links_of, unlinked
+from swarmcensus.worlds.generators import numbered
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 
@@ -43,9 +47,11 @@ def infer(
 ) -> xr.Dataset:
     """Run a brain on recorded observations and links instead of a simulated world, and return a trace.
 
-    - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation.
+    - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation; or a data frame with the
+      columns of a file.
     - `links`: undirected edges (edge, 2) along which robots exchange messages at the end of every round, or rows
-      (message, 3) of step, sender and receiver, each heard at its step; None for robots that never communicate.
+      (message, 3) of step, sender and receiver, each heard at its step; or a data frame with the columns of a file, or
+      an undirected networkx graph; None for robots that never communicate.
     - `accuracy`: a number or an array (robot,) if b = w, or a tuple (b, w) of these.
     - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
       last round without messages.
@@ -60,9 +66,11 @@ def infer(
         warnings.warn(
             "a sensor with b + w = 1 carries no information: it says the same of black and white", stacklevel=2
         )
-    rows = np.zeros((0, 2), np.int64) if links is None else _whole_rows(links)
+    rows = _rows(links)
     periodic = rows.shape[1] == 2
     pairs, first = _edges(rows, robots) if periodic else _messages(rows, *readings.shape)
+    if rows.size and (said := unlinked(robots, pairs)):
+        warnings.warn(f"links: {said}", stacklevel=2)
     every = observations_per_round if observations_per_round is not None else (10 if periodic else 1)
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
         raise InputError(f"observations_per_round = {every!r}: should be a whole number from 1")
@@ -92,6 +100,8 @@ def infer(
 
 
 def _readings(observations: Any) -> np.ndarray:
+    if is_frame(observations):
+        return readings_of(frame_table(observations, "observations"))
     try:
         readings = np.ascontiguousarray(observations, np.float64)
     except (TypeError, ValueError):
@@ -130,7 +140,19 @@ def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
     return out[0], out[1]
 
 
-def _whole_rows(links: Any) -> np.ndarray:
+def _rows(links: Any) -> np.ndarray:
+    """Edges (edge, 2), or messages (message, 3)."""
+    if links is None:
+        return np.zeros((0, 2), np.int64)
+    if is_frame(links):
+        return links_of(frame_table(links, "links"), LINKS, messages=True)
+    if hasattr(links, "nodes") and hasattr(links, "is_directed"):
+        if links.is_directed():
+            raise InputError("links: a directed graph: give messages, as rows of step, sender, receiver")
+        try:
+            links = numbered(links, own=True)
+        except ValueError as error:
+            raise InputError(f"links: {error}") from None
     try:
         rows = np.asarray(links)
         whole = rows.astype(np.int64)
@@ -151,7 +173,7 @@ def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:
         k = int(np.argmax(wrong))
         raise InputError(
             f"links[{k}] = {rows[k].tolist()} names a robot that is not there: "
-            f"the robots are numbered 0 to {robots - 1}"
+            f"the robots are numbered 0 to {robots - 1}{from_one(rows[:, columns])}"
         )
     loops = rows[:, columns][:, 0] == rows[:, columns][:, 1]
     if loops.any():

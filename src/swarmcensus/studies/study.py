@@ -70,6 +70,12 @@ class Study:
                 f"{values:,} values to keep; {MOST_VALUES:,} is the most: fewer trials, "
                 f"settings{', checkpoints' * (kept > 1)} or robots"
             )
+        sizes = ((t, robots) for grid in self.grids for t in grid.world.topology for robots in grid.swarm.robots)
+        for topology, robots in dict.fromkeys(sizes):
+            if said := topology.unlinked(robots):
+                warnings.warn(
+                    f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}: {said}", stacklevel=2
+                )
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
             if accuracy.is_blind:
                 warnings.warn(

@@ -1,15 +1,23 @@
-"""Edge lists: pairs of robots that hear each other, from a study file or a CSV file."""
+"""Edge lists: pairs of robots that hear each other, from a study file or a table."""
 
-import csv
 import operator
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.tables import Table, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 
-DIGITS = 18  # of a number in an edge list: more may not fit 64 bits
+DIRECTED = (("sender", "receiver"), ("source", "target"), ("from", "to"), ("src", "dst"), ("fromnodeid", "tonodeid"))
+ENDS = (*DIRECTED, ("i", "j"), ("u", "v"), ("a", "b"), ("node1", "node2"), ("v1", "v2"))  # names of both columns
+STEP, WEIGHT, TYPE = "step", "weight", "type"
+SILENT = ("id", "edgeid", "label")  # columns of Gephi and igraph that say nothing of links
+KNOWN = {*(name for pair in ENDS for name in pair), STEP, WEIGHT, TYPE, *SILENT}
+LINKS = "i,j for edges, or step,sender,receiver for messages"
+MOST_NAMED = 8  # robots in a warning
 
 
 def edges_of(pairs: Iterable[Any], directed: bool) -> tuple[tuple[int, int], ...]:
@@ -38,31 +46,68 @@ def _pair(row: Any) -> tuple[int, int]:
     return i, j
 
 
-def read_edges(path: Path, weights: bool = True) -> list[tuple[int, ...]]:
-    """Read rows of whole numbers from a CSV file, with or without a header. Raises InputError.
+def read_edges(path: Path, directed: bool) -> list[tuple[int, int]]:
+    """Read pairs of robot numbers from a file; of a directed pair, the second robot hears the first.
 
-    Without `weights`, a third column is an error.
+    Raises InputError.
     """
-    rows: list[tuple[int, ...]] = []
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            for number, row in enumerate(csv.reader(file), start=1):
-                if not row or (number == 1 and is_header(row)):
-                    continue
-                if len(row) == 3 and not weights:
-                    raise InputError(f"{path}, line {number}: {','.join(row)!r} has a third column: {WEIGHTS}")
-                if not all(_is_whole(cell) for cell in row) or (rows and len(row) != len(rows[0])):
-                    raise InputError(f"{path}, line {number}: {','.join(row)!r}: not a row of whole numbers >= 0")
-                rows.append(tuple(int(cell) for cell in row))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
-    return rows
+    table = read_table(path, KNOWN.__contains__)
+    if not table.rows:
+        raise InputError(f"{path} has no edges: write edges = [] for robots without links")
+    return [(i, j) for i, j in links_of(table, "source,target", directed).tolist()]
 
 
-def is_header(row: list[str]) -> bool:
-    """Whether a first row is a header: each cell begins with a letter."""
-    return all(cell.strip()[:1].isalpha() for cell in row)
+def links_of(table: Table, right: str, directed: bool = False, messages: bool = False) -> np.ndarray:
+    """Edges (edge, 2) of a table, or with `messages` also messages (message, 3) of step, sender and receiver.
+
+    `right` are the names of the columns that there should be, for messages. Raises InputError.
+    """
+    table = table.without(*(k for k in range(table.width) if table.rows and table.is_empty(k)))
+    if table.names is None:
+        if table.width == 3 and not messages:
+            raise InputError(f"{table.where(0)}: {' '.join(table.rows[0])!r} has a third column: {WEIGHTS}")
+        if table.width != 2:
+            table.refuse((), right)
+        links = np.stack([table.whole(0), table.whole(1)], axis=1)
+        again = (links[1:] == links[0]).all(axis=1).any()  # names or not, the links are the same
+        if not again and table.separator != " ":  # with spaces, networkx and igraph write links, and never names
+            table.check_heading("source,target", "a link")
+        return links
+    names = [plain(name) for name in table.names]
+    has_steps = messages and STEP in names
+    pairs = [pair for pair in (DIRECTED if has_steps else ENDS) if pair[0] in names and pair[1] in names]
+    chosen = ([STEP] if has_steps else []) + list(pairs[0] if pairs else ())
+    unknown = [k for k, name in enumerate(names) if name not in (*chosen, WEIGHT, TYPE, *SILENT)]
+    if unknown or not pairs or (messages and not has_steps and pairs[0] == DIRECTED[0]):
+        table.refuse(unknown or range(len(names)), right)
+    if WEIGHT in names:
+        weights = table.column(names.index(WEIGHT))
+        if (weights[~np.isnan(weights)] != 1.0).any():
+            raise InputError(f"{table.source}: column {WEIGHT!r}: {WEIGHTS}: leave it out if it says nothing of them")
+    if TYPE in names:
+        _check_types(table, names.index(TYPE), directed, messages)
+    return np.stack([table.whole(names.index(name)) for name in chosen], axis=1)
 
 
-def _is_whole(cell: str) -> bool:
-    return cell.strip().isascii() and cell.strip().isdigit() and len(cell.strip()) <= DIGITS
+def _check_types(table: Table, k: int, directed: bool, messages: bool) -> None:
+    """Raise InputError for edges that are of another kind than they will be."""
+    right = "directed" if directed else "undirected"
+    for n, row in enumerate(table.rows):
+        if plain(str(row[k])) != right:
+            remedy = "give messages, with the columns step,sender,receiver" if messages else "see directed = true"
+            raise InputError(f"{table.where(n)}: {row[k]!r}: all links are {right} here: {remedy}")
+
+
+def unlinked(robots: int, pairs: np.ndarray) -> str:
+    """A sentence on robots without links, or nothing if there are none; `pairs` are the robots of all links."""
+    alone = np.setdiff1d(np.arange(robots), pairs)
+    if not alone.size:
+        return ""
+    named = ", ".join(map(str, alone[:MOST_NAMED])) + (", ..." if alone.size > MOST_NAMED else "")
+    several = alone.size > 1
+    return f"robot{'s' * several} {named} {'have' if several else 'has'} no links{from_one(pairs)}"
+
+
+def from_one(numbers: np.ndarray) -> str:
+    """What to say of robot numbers that seem to start at 1."""
+    return "; robots are numbered from 0, and these numbers seem to start at 1" if numbers.min() == 1 else ""

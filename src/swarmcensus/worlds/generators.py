@@ -11,7 +11,7 @@ from swarmcensus.basics.hints import did_you_mean
 
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
 TRIED = 24  # small sizes that are tried first, before the graph for all robots
-WEIGHTS = "links have no weights: a message is heard or not (see link_success), and all count alike"
+WEIGHTS = "links have no weights: a message is heard or not (see link_success), and all links count the same"
 
 
 def check(name: str, arguments: str, robots: int) -> None:
@@ -52,18 +52,23 @@ def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndar
     graph = _made(name, arguments, json.loads(arguments).get("n", robots), seed)
     if graph.number_of_nodes() != robots:
         raise ValueError(f"networkx.{name} gives {counted(graph.number_of_nodes(), 'robot')} instead of {robots}")
-    edges = [(a, b) for a, b in numbered(graph) if a != b]  # no robot hears itself
+    edges = [(a, b) for a, b in numbered(graph, parallel=True) if a != b]  # no robot hears itself
     return np.array(edges, np.int64).reshape(-1, 2), bool(graph.is_directed())
 
 
-def numbered(graph: Any, own: bool = False) -> list[tuple[int, int]]:
+def numbered(graph: Any, own: bool = False, parallel: bool = False) -> list[tuple[int, int]]:
     """A graph's edges as pairs of node numbers, in the order of its nodes.
 
     With `own`, nodes that are all whole numbers from 0 on keep their own numbers. Raises ValueError if edges have
-    weights.
+    numbers as attributes, which may be weights, or unless `parallel` if several edges join the same nodes.
     """
-    if any(weight != 1 for *_, weight in graph.edges(data="weight", default=1)):
-        raise ValueError(f"the graph's edges have weights: {WEIGHTS}")
+    for *_, attributes in graph.edges(data=True):
+        for name, value in attributes.items():
+            if isinstance(value, int | float | np.number) and not isinstance(value, bool) and value != 1:
+                raise ValueError(f"the graph's edges have numbers, {name} = {value}: {WEIGHTS}")
+    if graph.is_multigraph() and not parallel and len({*graph.edges(keys=False)}) < graph.number_of_edges():
+        kind = "DiGraph" if graph.is_directed() else "Graph"
+        raise ValueError(f"the graph has parallel edges, and a link counts once: give networkx.{kind}(graph)")
     number = {node: k for k, node in enumerate(graph.nodes)}
     if own and all(isinstance(node, int | np.integer) and not isinstance(node, bool) and node >= 0 for node in number):
         number = {node: int(node) for node in number}

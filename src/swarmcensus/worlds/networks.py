@@ -22,7 +22,7 @@ from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.engine.layout import Links
 from swarmcensus.worlds import generators, wiring
 from swarmcensus.worlds.chance import Chance
-from swarmcensus.worlds.edge_lists import edges_of, read_edges
+from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked
 from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx")
@@ -108,7 +108,7 @@ class Topology:
                 where = f"{self.source}: " if self.source else ""
                 raise ValueError(
                     f"{where}edge ({i}, {j}) of topology {self.name!r} leads to a robot that is not there: "
-                    f"the robots are numbered 0 to {robots - 1}"
+                    f"the robots are numbered 0 to {robots - 1}{from_one(np.array(self.edges))}"
                 )
         if self.generator:
             generators.check(*self.generator, robots)
@@ -130,6 +130,10 @@ class Topology:
             return Links(LISTED, np.array([0, len(receivers)]), receivers, senders)
         starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
         return Links(LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs]))
+
+    def unlinked(self, robots: int) -> str:
+        """A sentence on robots without links in an edge list, or nothing."""
+        return unlinked(robots, np.array(self.edges)) if self.edges else ""
 
     @functools.lru_cache(maxsize=8)  # noqa: B019 (topologies are few, and live as long as their study)
     def _fixed(self, robots: int) -> Heard:
@@ -258,9 +262,7 @@ def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, A
     elif not (base / path).is_file():
         raise ValueError(f"{did_you_mean(path, PLUGINS.names)}{_right()}; there is no file {base / path}")
     else:
-        pairs = read_edges(base / path, weights=False)
-        if not pairs:
-            raise ValueError(f"{base / path} has no edges: write edges = [] for robots without links")
+        pairs = read_edges(base / path, directed)
     return Topology(_file_name(path), edges_of(pairs, directed), source=path, directed=directed)
 
 

@@ -1,0 +1,199 @@
+"""Tables as pandas, R, Excel, Gephi, igraph, networkx, SNAP and ROS write them: read right, or refused with advice."""
+
+import re
+
+import networkx as nx
+import numpy as np
+import pandas as pd
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.results import recordings
+from swarmcensus.worlds.networks import parse_topology
+
+NAN = np.nan
+PATH = [[0, 1], [1, 2]]
+SEEN = [[0, 1, 1], [1, 1, NAN], [1, 0, 0]]
+FRAME = pd.DataFrame(SEEN)
+NAMED = FRAME.rename(columns="robot {}".format)
+PAIR = NAMED[["robot 0", "robot 1"]].astype(int)
+LONG = FRAME.rename_axis("step").reset_index().melt("step", var_name="robot")
+GEPHI = "Source,Target,Type,Id,Label,timeset,Weight\n0,1,{0},0,,,1.0\n1,2,{0},1,,,1.0\n"
+
+
+def written(tmp_path, text):
+    path = tmp_path / "table.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def topology(path, **keys):
+    return parse_topology({"file": path.name, **keys}, path.parent, {})
+
+
+LINKS = {
+    "any order": ("step,receiver,sender\n2,1,0\n", [[2, 0, 1]]),
+    "any case": ("Step,Sender,Receiver\r\n2,0,1\r\n\r\n\r\n", [[2, 0, 1]]),
+    "pandas": (pd.DataFrame(PATH, columns=["source", "target"]).to_csv(), PATH),
+    "pandas with its own header": (pd.DataFrame(PATH).to_csv(index=False), [[0, 1], *PATH]),
+    "R": ('"","from","to"\n"1",0,1\n"2",1,2\n', PATH),
+    "R table": ('"V1" "V2"\n"1" 0 1\n"2" 1 2\n', PATH),
+    "Excel": ("\ufeffSource;Target\r\n0;1\r\n1;2\r\n", PATH),
+    "Excel text": ("source\ttarget\r\n0\t1\r\n1\t2\r\n".encode("utf-16"), PATH),
+    "Gephi": (GEPHI.format("Undirected"), PATH),
+    "igraph": ("2 0\n0 1\n", [[2, 0], [0, 1]]),
+    "networkx": ("\n".join(nx.generate_edgelist(nx.path_graph(3))), PATH),
+    "SNAP": ("# Nodes: 3 Edges: 2\n# FromNodeId\tToNodeId\n0\t1\n1\t2\n", PATH),
+    "networkx without attributes": ("0 1\n1 2\n", PATH),
+    "KONECT": ("% sym unweighted\n1 2\n", [[1, 2]]),
+    "separators at the ends": ("i,j\n0,1,\n1,2,\n", PATH),
+    "a separator after names": ("i,j,\n0,1\n", [[0, 1]]),
+    "whole numbers with a point": ("target,source\n1.0,0.0\n", [[0, 1]]),
+    "no messages": ("step,sender,receiver\n", []),
+}
+
+
+@pytest.mark.parametrize(("text", "links"), LINKS.values(), ids=LINKS)
+def test_links_are_read_by_their_names(text, links, tmp_path):
+    path = written(tmp_path, text)
+    assert recordings.read_links(path).tolist() == links
+    if links and len(links[0]) == 2:
+        assert topology(path).edges == tuple(sorted({(min(pair), max(pair)) for pair in links}))
+
+
+OBSERVATIONS = {
+    "pandas": (NAMED.to_csv(), SEEN),
+    "pandas without index": (NAMED.to_csv(index=False), SEEN),
+    "pandas with its own header": (FRAME.to_csv(), SEEN),
+    "pandas without names": (FRAME.iloc[::-1].to_csv(index=False, header=False), SEEN[::-1]),
+    "any order": (NAMED[["robot 2", "robot 0", "robot 1"]].to_csv(index=False), SEEN),
+    "long": (LONG.to_csv(index=False), SEEN),
+    "numbered steps": (NAMED.rename_axis("step").to_csv(), SEEN),
+    "truth values": ("r1,r0\nTrue,False\nNA,NaN\n", [[0, 1], [NAN, NAN]]),
+    "R": ('"","X0","X1"\n"1",0,1\n"2",NA,1\n', [[0, 1], [NAN, 1]]),
+    "Excel": ("\ufeffRobot 0;Robot 1\r\n0,0;1,0\r\n;1\r\n", [[0, 1], [NAN, 1]]),
+    "Excel text": ("Robot 0\tRobot 1\r\n\t\r\n0\t1\r\n".encode("utf-16"), [[NAN, NAN], [0, 1]]),
+    "NumPy": ("1.000000000000000000e+00 0.000000000000000000e+00\nnan 1.0e+00\n", [[1, 0], [NAN, 1]]),
+    "NumPy with names": ("# robot1 robot0\n0 1\n1 1\n", [[1, 0], [1, 1]]),
+    "one robot": (NAMED[["robot 2"]].rename(columns={"robot 2": "0_"}).to_csv(index=False) + "\n\n", [[1], [NAN], [0]]),
+    "comments": ("# in the hall\nrobot 0,robot 1\n0,1\n# pause\n1,1\n", [[0, 1], [1, 1]]),
+}
+
+
+@pytest.mark.parametrize(("text", "seen"), OBSERVATIONS.values(), ids=OBSERVATIONS)
+def test_observations_are_read_by_their_names(text, seen, tmp_path):
+    assert np.array_equal(recordings.read_observations(written(tmp_path, text)), seen, equal_nan=True)
+
+
+def test_accuracies_are_read_by_their_names(tmp_path):
+    for text in ("w,b\n0.8,0.9\n", "\ufeffb;w\r\n0,9;0,8\r\n", ",b,w\n0,0.9,0.8\n", "robot b w\n0 .9 .8\n"):
+        b, w = recordings.read_accuracy(str(written(tmp_path, text)))
+        assert (b.tolist(), w.tolist()) == ([0.9], [0.8])
+
+
+BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if .*, add a line"
+
+
+@pytest.mark.parametrize(
+    ("read", "text", "said"),
+    [
+        (recordings.read_links, "source,target,weight\n0,1,2\n", "column 'weight': links have no weights"),
+        (recordings.read_links, "0,1,2\n1,2,0\n", "3 columns without names: .*step,sender,receiver"),
+        (recordings.read_links, ",0,1\n0,0,1\n", "3 columns without names"),
+        (recordings.read_links, pd.DataFrame([[2, 3]]).to_csv(index=False), BOTH.format("0,1")),
+        (recordings.read_links, "sender,receiver\n0,1\n", "columns 'sender', 'receiver': .*step,sender,receiver"),
+        (recordings.read_links, "time,sender,receiver\n0,1,2\n", "column 'time': .*step,sender,receiver"),
+        (recordings.read_links, "i,i\n0,1\n", "two columns are named 'i'"),
+        (recordings.read_links, "source,target\nA,B\n", "line 2: 'A': should be a whole number from 0"),
+        (recordings.read_links, GEPHI.format("Directed"), "line 2: 'Directed': .*step,sender,receiver"),
+        (recordings.read_links, "größe\n".encode("latin1"), "cannot be read as text in UTF-8"),
+        (recordings.read_links, 'i,j\n0,"1\n2,3\n', "a cell in quotes goes on"),
+        (topology, GEPHI.format("Directed"), "line 2: 'Directed': .*directed = true"),
+        (topology, "0 1 0.5\n1 2 0.5\n", "line 1: .*links have no weights"),
+        (topology, "0 1 {'weight': 2}\n", "line 1: {'weight': 2}: links have no attributes: .*data=False"),
+        (topology, "0 1 2\n1\n2 3 4\n", "line 2: 1 value where there were 3"),
+        (topology, "\n".join(nx.generate_graphml(nx.path_graph(2))), "looks like XML.*write_edgelist"),
+        (topology, "\n".join(nx.generate_gml(nx.path_graph(2))), "looks like GML"),
+        (topology, "\n".join(nx.generate_pajek(nx.path_graph(2))), "looks like a network of Pajek"),
+        (topology, '{"nodes": []}', "looks like JSON"),
+        (topology, b"PK\x03\x04\x00\xff", "save it as CSV"),
+        (recordings.read_observations, PAIR.to_csv(index=False, header=["0", "1"]) , BOTH.format("0,1")),
+        (recordings.read_observations, PAIR.to_csv(header=["0", "1"]), BOTH.format(",0,1")),
+        (recordings.read_observations, "0\n1\n0\n", BOTH.format("0")),
+        (recordings.read_observations, "0 1\n1 1\n", BOTH.format("0 1")),
+        (recordings.read_observations, PAIR.to_csv(sep=" ", header=["0", "1"]), "line 2: 3 values where there were 2"),
+        (recordings.read_observations, "r1,r2,r3\n0,1,1\n", "no robot 0: .*seem to start at 1"),
+        (recordings.read_observations, "step,robot,reading\n0,1,1\n", "no robot 0: .*seem to start at 1"),
+        (recordings.read_observations, "step,robot,reading\n1,0,1\n", "steps are numbered from 0"),
+        (recordings.read_observations, "step,robot,reading\n0,0,1\n0,0,1\n", "line 3: a second observation"),
+        (recordings.read_observations, "step,robot,reading\n0,0,1\n1e15,0,1\n", "readings at most"),
+        (recordings.read_observations, "step,robot,place\n0,0,1\n", "column 'place': .*step,robot,observation"),
+        (recordings.read_observations, "step,robot 0\n0,1\n2,1\n", "column 'step': should be 0, 1, 2"),
+        (recordings.read_observations, "robot 0,robot 1,battery\n0,1,1\n", "column 'battery': .*robot 0,robot 1"),
+        (recordings.read_observations, ",robot 0\n5,1\n", "first column has no name"),
+        (recordings.read_observations, "robot 0\n0,1,0\n", "line 2: 3 values under 1 name"),
+        (recordings.read_observations, "%time,field.data\n16048,1\n", "columns 'time', 'field.data': .*step,robot"),
+        (recordings.read_observations, "robot 0,robot 1\n0,1\n1,white\n", "line 3: 'white': should be 0"),
+        (recordings.read_observations, "1,1,\n0,1,\n", "last column is empty"),
+        (recordings.read_observations, "robot 0\n1\n\n0\n", "line 3 is empty: write NA"),
+        (recordings.read_accuracy, "0,1\n0.9,0.8\n", BOTH.format("0,1")),
+        (recordings.read_accuracy, "robot,b\n3,0.9\n", "column 'robot'"),
+        (recordings.read_accuracy, "b,w\n0.9,\n", "line 2: '': should be a number"),
+    ],
+)  # fmt: skip
+def test_what_may_be_misread_is_refused(read, text, said, tmp_path):
+    path = written(tmp_path, text)
+    with pytest.raises(sc.InputError, match=f"{re.escape(str(path))}.*{said}"):
+        read(path if read is not recordings.read_accuracy else str(path))
+
+
+def test_of_directed_edges_the_target_hears_the_source_in_any_order_of_columns(tmp_path):
+    assert topology(written(tmp_path, "target,source\n1,0\n"), directed=True).edges == ((0, 1),)
+    assert topology(written(tmp_path, GEPHI.format("Directed")), directed=True).edges == ((0, 1), (1, 2))
+
+
+def inferred(observations, links):
+    return sc.infer(observations, links, 0.8, 1, compiled=False)
+
+
+def test_data_frames_and_graphs_are_read_by_their_names():
+    right = inferred(SEEN, PATH)
+    mixed = NAMED[["robot 1", "robot 2", "robot 0"]].rename_axis("step")
+    for observations in (FRAME, mixed, LONG):
+        assert right.equals(inferred(observations, nx.to_pandas_edgelist(nx.path_graph(3))))
+    assert right.equals(inferred(SEEN, nx.path_graph(3)))
+    heard = pd.DataFrame({"receiver": [1, 2], "step": [0, 0], "sender": [0, 1]})
+    assert inferred(SEEN, [[0, 0, 1], [0, 1, 2]]).equals(inferred(SEEN, heard))
+    heavy = pd.DataFrame({"source": [0], "target": [1], "distance": [2]})
+    for links, said in ((heavy, "'distance'"), (nx.DiGraph(PATH), "directed"), (nx.MultiGraph(PATH * 2), "parallel")):
+        with pytest.raises(sc.InputError, match=f"links: .*{said}"):
+            inferred(SEEN, links)
+
+
+def test_robots_without_links_are_named():
+    with pytest.warns(UserWarning, match="links: robot 0 has no links; .*seem to start at 1"):
+        inferred(SEEN, [[1, 2]])
+    with pytest.warns(UserWarning, match="links: robot 2 has no links$"):
+        inferred(SEEN, [[0, 0, 1]])
+    with pytest.raises(sc.InputError, match=r"numbered 0 to 2; .*seem to start at 1"):
+        inferred(SEEN, [[1, 2], [2, 3]])
+    study = {"trials": 1, "world": {"topology": {"name": "office", "edges": [[0, 3]]}, "fill_ratio": 0.5}}
+    with pytest.warns(UserWarning, match="topology 'office' of 12 robots: robots 1, 2, 4, 5, 6, 7, 8, 9, ... have no"):
+        sc.Study(swarm={"robots": 12, "accuracy": 0.8}, **study)
+
+
+@pytest.mark.interpreted
+def test_infer_writes_next_to_its_observations(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("swarmcensus.cli.replay.save_figure", lambda *_: None)
+    (tmp_path / "a").mkdir()
+    (tmp_path / "a" / "o.csv").write_text("robot 0,robot 1\n1,0\n")
+    (tmp_path / "o-trace.csv").write_text("another's")
+    assert main(["infer", "a/o.csv", "--accuracy", "0.8"]) == 0
+    (tmp_path / "l.csv").write_text("source,target,weight\n0,1,2\n")
+    assert main(["infer", "a/o.csv", "--links", "l.csv", "--accuracy", "0.8", "--out", "x.nc"]) == 2
+    assert "l.csv: column 'weight'" in capsys.readouterr().err
+    assert {p.name for p in tmp_path.iterdir()} == {"a", "l.csv", "o-trace.csv"}
+    assert {p.name for p in (tmp_path / "a").iterdir()} == {"o.csv", "o-trace.csv"}
+    assert (tmp_path / "o-trace.csv").read_text() == "another's"
