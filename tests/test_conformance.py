@@ -155,7 +155,7 @@ def test_a_brain_of_ones_own(tmp_path):
         (("return me.n / me.t", "return me.N / me.t"), "keeps the", "estimate uses me.N: did you mean 'n'?"),
         ((OWN, "    me.n += blacks * math.inf * 0.0\n"), "remembers", "observe (line 9) makes me.n NaN (b = 0.0"),
         ((OWN, "    me.n = 1 << 1023\n"), "remembers", "observe (line 9) makes me.n a whole number too large for 8"),
-        ((OWN, OWN + "    if me.t > 5.0:\n        raise SystemExit\n"), "keeps the", "line 13: observe uses SystemExit"),
+        ((OWN, OWN + "    if me.t > 5.0:\n        raise SystemExit\n"), "keeps the", "line 13: observe uses Syst"),
         ((OWN, OWN + "    observe(me, blacks, looks)\n"), "keeps the", "line 12: observe calls itself"),
         ((OWN, OWN + "    me.b = 0.9\n"), "remembers", "observe (line 9) sets me.b and me.w from (0.0, 0.0) to (0.9"),
         ((FUSE, "def fuse(me):\n    me.w = 0.9\n"), "remembers", "fuse (line 22) sets me.b and me.w from"),

@@ -423,7 +423,9 @@ def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
     assert tail
     asked = small(["mean-error"])
     asked["swarm"]["brain"] = "nan.py"
-    with pytest.raises(sc.InputError, match=r"brain 'nan\.py' fails in trial.*: an estimate is no finite number"):
+    with pytest.raises(
+        sc.InputError, match=r"brain 'nan\.py' fails in trial.*: robot 0, after round \d+: estimate gives nan"
+    ):
         sc.run(sc.Study(**asked))
 
 

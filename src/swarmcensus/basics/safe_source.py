@@ -117,7 +117,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             raise error(node, f"{a_kind} file holds only constants and small functions")
         if isinstance(node, IMPORTS):
             modules = [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]
-            if any(module != "math" for module in modules) or getattr(node, "level", 0):
+            if any(module != "math" for module in modules) or (isinstance(node, ast.ImportFrom) and node.level):
                 raise error(node, f"imports {', '.join(map(str, modules))}: {a_kind} may import only math")
             for alias in node.names:
                 if alias.name[0] == "_" or (alias.asname in CALLS and alias.asname != alias.name):
@@ -160,7 +160,9 @@ def _check_function(
     if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in positional), function.returns)):
         raise error(function, f"{name} has an annotation that is not a plain name")
     nodes = [node for statement in function.body for node in ast.walk(statement)]
-    unread = [part for node in nodes if isinstance(node, ast.AnnAssign) for part in ast.walk(node.annotation)]
+    unread: list[ast.AST | None] = [
+        part for node in nodes if isinstance(node, ast.AnnAssign) for part in ast.walk(node.annotation)
+    ]
     unread += [node.exc for node in nodes if isinstance(node, ast.Raise) and _is_error(node.exc)]
     local = _local_names(function)
     may = f"{a_kind} may call its own functions, math's, and {', '.join(CALLS)}"
