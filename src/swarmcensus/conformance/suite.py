@@ -128,12 +128,14 @@ def notes(path: str | Path, wearing: str = "") -> list[str]:
     return lacks + [f"{name} says nothing: the MESSAGE of {worn} has no {name.removeprefix('say_')}" for name in unsaid]
 
 
+def gist(fault: str) -> str:
+    """A fault without the history in which it was found."""
+    return fault.rpartition(" (")[0] or fault
+
+
 def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:
     """Run checks in this process; a known fault is not repeated, and a brain that does not compile is not run."""
     import numpy as np
-
-    def gist(fault: str) -> str:
-        return fault.rpartition(" (")[0] or fault  # without the history in which it was found
 
     try:
         brain = brain_to_check(path, wearing)

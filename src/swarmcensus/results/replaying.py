@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.conformance.quick import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.source_study import setting_of
@@ -215,4 +216,6 @@ def _find(
     known = data["trial"].values
     if trial not in known:
         raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
-    return setting_of(data, setting, brain)
+    study, chosen = setting_of(data, setting, brain)
+    caution(chosen.brains)
+    return study, chosen
