@@ -248,7 +248,7 @@ class TestContract:
             (
                 (
                     "def fuse(me):",
-                    "def far(me):\n    min(0, 1, key=near)\n\n\ndef near(me):\n    far(me)\n\n\ndef fuse(me):",
+                    "def far(me):\n    near(me)\n\n\ndef near(me):\n    far(me)\n\n\ndef fuse(me):",
                 ),
                 r"line \d+: (far calls near, which calls far|near calls far, which calls near): functions of a brain",
             ),
@@ -274,6 +274,7 @@ class TestContract:
             "me.x = __loader__",
             "__loader__('os')",
             "me.x = min(1, 2, key=exec)",
+            "text = '{0.__class__}'; max(me, me, key=text.format)",
             "x = me.__class__",
             "me.__class__ = 1",
             "math.__loader__.load_module('os')",

@@ -174,6 +174,8 @@ def _check_function(
         if isinstance(node, ast.Call) and not _may_call(node.func, functions, local):
             called = ast.unparse(node.func)
             raise error(node, f"{name} calls {called}{', a local name' if called in local else ''}: {may}")
+        if isinstance(node, ast.Call) and node.keywords and ast.unparse(node.func) in {"min", "max"} - {*functions}:
+            raise error(node, f"{name} gives {ast.unparse(node.func)} a keyword: only values are right")
         if isinstance(node, ast.Attribute) and (wrong := _wrong_attribute(node, local, known - {*functions, *CALLS})):
             raise error(node, f"{name} uses {ast.unparse(node)}: {wrong}")
         if isinstance(node, ast.Name) and node.id not in known | local and node not in unread:
