@@ -119,16 +119,14 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             modules = [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]
             if any(module != "math" for module in modules) or (isinstance(node, ast.ImportFrom) and node.level):
                 raise error(node, f"imports {', '.join(map(str, modules))}: {a_kind} may import only math")
-            for alias in node.names:
-                if alias.name[0] == "_" or (alias.asname in CALLS and alias.asname != alias.name):
-                    raise error(node, f"imports {alias.name} as {alias.asname or alias.name}: another name is right")
+            if private := [alias.name for alias in node.names if alias.name[0] == "_"]:
+                raise error(node, f"imports {private[0]}, which belongs to Python: {a_kind} may import only math")
             constants |= _imported(node)
         if isinstance(node, ast.Assign):
             if not all(isinstance(target, ast.Name) for target in node.targets):
                 raise error(node, "a constant needs one plain name")
-            for target in node.targets:
-                if isinstance(target, ast.Name) and target.id in (*functions, *CALLS):
-                    raise error(node, f"{target.id} is also the name of a function: the constant needs another")
+            if twice := [one.id for one in node.targets if isinstance(one, ast.Name) and one.id in functions]:
+                raise error(node, f"{twice[0]} is also the name of a function: the constant needs another")
             try:
                 value = _constant(node.value, constants)
             except ArithmeticError as fault:
