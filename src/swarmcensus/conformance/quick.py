@@ -6,7 +6,9 @@ What it finds is kept in the cache of machine code, by the brain's source, so th
 import contextlib
 import functools
 import hashlib
+import signal
 import sys
+import threading
 import warnings
 from collections.abc import Iterable
 from typing import Any
@@ -19,6 +21,7 @@ from swarmcensus.engine.code_cache import cache_root
 
 MOST_LINES = 1_000_000  # of a brain's file that are run in all: half a second
 MOST_IN_A_CALL = 300_000  # lines of one call, after which it seems never to end
+MOST_SECONDS = 3.0  # of the processor, where the system can tell: a line may take for ever, too
 
 
 def caution(brains: Iterable[Brain]) -> None:
@@ -78,11 +81,21 @@ class _Lines:
 
     def __enter__(self) -> "_Lines":
         self.usual = sys.gettrace()
+        self.timed = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
+        if self.timed:
+            self.handler = signal.signal(signal.SIGVTALRM, self._late)
+            signal.setitimer(signal.ITIMER_VIRTUAL, MOST_SECONDS)
         sys.settrace(self._enter)
         return self
 
     def __exit__(self, *_: object) -> None:
         sys.settrace(self.usual)
+        if self.timed:
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+            signal.signal(signal.SIGVTALRM, self.handler)
+
+    def _late(self, *_: object) -> None:
+        raise TimeoutError(f"the check did not end within {MOST_SECONDS:g} s")
 
     def _enter(self, frame: Any, event: str, _: Any) -> Any:
         if frame.f_code.co_filename != self.file:
