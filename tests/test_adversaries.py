@@ -297,6 +297,11 @@ def test_what_does_not_go_together_is_told(lies, source, said):
         ("MEMORY = 3\n\n\ndef lie(me, x):\n    return x\n", "MEMORY should be a dict"),
         ('MEMORY = {"luck": 3.0}\n\n\ndef lie(me, x):\n    return x\n', "'luck' is reserved by the engine"),
         ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
+        (
+            "def lie(me, x):\n    pow = eval\n    return pow(x, 2)\n",
+            "line 2: lie uses eval: an adversary may call its own",
+        ),
+        ("def lie(me, x):\n    return lie(me, x)\n", "line 2: lie calls itself: functions of an adversary may not"),
     ],
 )
 def test_what_is_no_adversary_is_told(source, said):

@@ -244,13 +244,93 @@ class TestContract:
             (("MEMORY = {", "X = 1 / 0\nMEMORY = {"), "a constant has no value: division by zero"),
             (("MEMORY = {", "X = {{}: 1.0}\nMEMORY = {"), "keys of a dict should be numbers or texts"),
             (("MEMORY = {", "X = {({},): 1.0}\nMEMORY = {"), "keys of a dict should be numbers or texts"),
+            (("def estimate(me):", "def estimate(me):\n    estimate(me)"), "line 89: estimate calls itself"),
+            (
+                (
+                    "def fuse(me):",
+                    "def far(me):\n    near(me)\n\n\ndef near(me):\n    far(me)\n\n\ndef fuse(me):",
+                ),
+                r"line \d+: (far calls near, which calls far|near calls far, which calls near): functions of a brain",
+            ),
         ],
     )
     def test_faults_are_named(self, change, said, tmp_path):
         assert change[0] in self.GOOD
-        with pytest.raises(InputError, match=said.replace("(", r"\(")) as caught:
+        with pytest.raises(InputError, match=said if "|" in said else said.replace("(", r"\(")) as caught:
             self.parse(self.GOOD.replace(*change), tmp_path)
         assert "mine.py" in str(caught.value)
+
+    @pytest.mark.parametrize(
+        "line",
+        [
+            "pow = eval",
+            "pow = me.x; pow(me.x, 2)",
+            "for pow in range(2): pow(2, 2)",
+            "min((pow := me.x), 1.0); pow(2, 2)",
+            "(abs, *pow) = (1, 2); pow(2, 2)",
+            "del pow; pow(2, 2)",
+            "math = me; math.sqrt(2.0)",
+            "me.x = getattr",
+            "me.x = __loader__",
+            "__loader__('os')",
+            "me.x = min(1, 2, key=exec)",
+            "text = '{0.__class__}'; max(me, me, key=text.format)",
+            "x = me.__class__",
+            "me.__class__ = 1",
+            "math.__loader__.load_module('os')",
+            "math.__getattribute__('pi')",
+            "x = math.sin.__self__",
+            "math.pi = 3.0",
+            "fuse.heard = 1.0",
+            "me.x.real.imag",
+            "raise SystemExit",
+            "raise ValueError('no')",
+            "assert print(1)",
+            "x = f'{print(1)}'",
+            "x: eval('1') = 1; x(2)",
+            "try: me.x\n    except* ValueError as pow: pow(2, 2)",
+            "with me as pow: pow(2, 2)",
+            "import os as pow",
+            "global pow; pow = 1",
+            "async def pow(): pass",
+            "x = [pow for pow in (1, 2)]",
+            "x = (lambda pow: pow)(1)",
+            "yield",
+        ],
+    )
+    def test_no_line_reaches_code_that_the_contract_does_not_name(self, line, tmp_path):
+        with pytest.raises(InputError, match=r"mine\.py, line \d+: "):
+            self.parse(self.GOOD.replace("    return me.x\n", f"    {line}\n    return me.x\n"), tmp_path)
+
+    @pytest.mark.parametrize(
+        "head",
+        [
+            "# coding: utf-7",
+            "from math import __loader__ as math",
+            "from .math import sqrt",
+            "from math import sqrt, __loader__ as root",
+            "fuse = 1.0",
+            "def first(me, pow=print(1)):\n    pass",
+            "def first(me: print(1)):\n    pass",
+            "def first(me, *, pow: print(1)):\n    pass",
+            "def first(me, *pow):\n    pass",
+            "def first(me) -> print(1):\n    pass",
+            "@print\ndef first(me):\n    pass",
+            "X: print(1) = 1",
+            "if print(1): X = 1",
+            "X = (Y := 1)",
+            "X[0] = 1",
+            "X = f'{1}'",
+        ],
+    )
+    def test_no_first_line_runs_code(self, head, tmp_path, capsys):
+        with pytest.raises(InputError, match=r"mine\.py"):
+            self.parse(f"{head}\n{self.GOOD}", tmp_path)
+        assert not capsys.readouterr().out
+
+    def test_names_that_are_not_called_may_hide_functions(self, tmp_path):
+        own = "    round, pow, fuse = 1.0, 2.0, 3.0\n    if round > pow + fuse:\n        raise ValueError\n"
+        self.parse(f"# coding: utf8\n{self.GOOD}".replace("    return me.x\n", f"{own}    return me.x\n"), tmp_path)
 
     def test_no_such_brain(self):
         with pytest.raises(InputError, match="neither a shipped brain"):

@@ -327,6 +327,8 @@ BAD = {
     "bounds": (MINE.replace("def begin", "BOUNDS = (1, 0)\n\n\ndef begin"), "BOUNDS should be two numbers"),
     "imports": ("import os\n" + MINE, "line 1: imports os: a metric may import only math"),
     "calls": (MINE.replace("= estimate", "= open('x')"), "line 12: watch calls open: a metric may call its own"),
+    "hides": (MINE.replace("= estimate", "= eval"), "line 12: watch uses eval: a metric may call its own"),
+    "cycle": (MINE.replace("my.last = 0.0", "begin(my)"), "line 8: begin calls itself: functions of a metric"),
     "syntax": (MINE.replace("def begin(my):", "def begin(my)"), "line 7: not Python"),
     "list": (MINE.replace("= estimate", "= [estimate]"), "line 12: List in watch: a metric may not allocate"),
 }
@@ -421,7 +423,9 @@ def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
     assert tail
     asked = small(["mean-error"])
     asked["swarm"]["brain"] = "nan.py"
-    with pytest.raises(sc.InputError, match=r"brain 'nan\.py' fails in trial.*: an estimate is no finite number"):
+    with pytest.raises(
+        sc.InputError, match=r"brain 'nan\.py' fails in trial.*: robot 0, after round \d+: estimate gives nan"
+    ):
         sc.run(sc.Study(**asked))
 
 

@@ -1,11 +1,13 @@
-"""interval: what is refused, before anything runs, by the suite and where robots are asked."""
+"""Answers that are refused: of `interval` before anything runs, by the suite and where robots are asked; estimates."""
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
+from swarmcensus.brains.packing import Numbers
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees, compiles
@@ -27,7 +29,7 @@ def test_what_is_no_interval_is_told(what):
     given, shown = WRONG[what]
     used = brain(SAYS).with_parameters(given | {"since": 3.0})
     right = r"two numbers, 0 <= low <= high <= 1, are right, or \(0.0, 1.0\) if nothing is known"
-    said = f"brain 'brain.py' fails in trial 1 of .*: after {{}} interval gives {shown}: {right}$"
+    said = f"brain 'brain.py' fails in trial 1 of .*, after {{}}: interval gives {shown}: {right}$"
     (setting,) = fixed(used)
     with pytest.raises(InputError, match=said.format("round 3")):
         run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, (2, 3, 8)), GO)
@@ -38,6 +40,45 @@ def test_what_is_no_interval_is_told(what):
     assert fault
     assert "interval (line 29) gives (" in fault
     assert right.replace("\\", "") in fault
+
+
+ADDS = MEANS.replace("MEMORY", 'PARAMETERS = {"add": 0.0, "big": 0.0}\nMEMORY', 1).replace(
+    "return me.n / me.t if me.t > 0.0 else 0.5",
+    "return 0.5 + me.add + me.big * me.big - me.big * me.big if me.t >= 3.0 else 0.5",
+)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [({"add": 1.0}, "1.5"), ({"add": -5.5}, "-5"), ({"big": 1e200}, "nan"), ({"add": 1e-5 + 0.5}, "1.00001")],
+    ids=str,
+)
+def test_an_estimate_outside_0_to_1_fails_its_trial_wherever_robots_live(given, shown):
+    used = brain(ADDS).with_parameters(given)
+    said = rf"^brain 'brain.py' fails in trial 1 of .*: robot {{}}: estimate gives {shown}: a number in \[0, 1\] is"
+    metrics = Metrics(0.01, 10, (2,))
+    for one in (used, *([] if "big" in given else [used.with_numbers(Numbers("single"))])):
+        with pytest.raises(InputError, match=said.format("0, after round 3")):
+            run_batch(fixed(one)[0], SEED, 1, 2, metrics, GO)
+    with pytest.raises(InputError, match=said.format("0, after observation 3")):
+        run_batch(fixed(used)[0], SEED, 1, 1, metrics, GO, True)
+    with pytest.raises(InputError, match=said.format(r"\d, after tick \d+")):
+        run_ride([moving(used)], SEED, 1, metrics, GO)
+    steers = brain(ADDS + "\n\ndef steer(me):\n    return 0.1, 0.0\n").with_parameters(given)
+    with pytest.raises(InputError, match="estimate gives"):
+        run_ride([moving(steers)], SEED, 1, metrics, GO)
+    run_batch(fixed(brain(ADDS).with_parameters({"add": 0.5 + 1e-9}))[0], SEED, 1, 1, metrics, GO)  # rounding
+    liars = [{"robots": 2, "honest": False, "brain": used}]
+    assert run_batch(fixed(brain(MEANS, "means.py"), liars)[0], SEED, 1, 1, metrics, GO)
+
+
+@pytest.mark.interpreted
+def test_a_replay_shows_a_wrong_estimate_and_warns_of_it():
+    used = brain(ADDS).with_parameters({"add": 1.0})
+    with pytest.warns(UserWarning, match=r"robot 0, after round 3: estimate gives 1.5: a number in \[0, 1\] is right"):
+        trace = sc.infer(np.ones((4, 2)), None, 0.8, 1, used)
+    assert trace["estimate"].values[:, 0].tolist() == [0.5, 0.5, 0.5, 1.5, 1.5]
 
 
 @pytest.mark.parametrize(

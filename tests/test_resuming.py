@@ -27,6 +27,8 @@ from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status import status
+from swarmcensus.simulation import answers
+from swarmcensus.simulation.inputs import inputs_of
 from tests.long import in_two_sizes
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
@@ -719,10 +721,10 @@ def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
     run_batch = tasks.run_batch
 
     def spoiled(setting, seed, first, trials, *rest):
-        batch = run_batch(setting, seed, first, trials, *rest)
         if first <= 2 < first + trials and setting.robots == 20:
-            batch.final[2 - first, 5] = np.nan
-        return batch
+            wrong = np.where(np.arange(trials) == 2 - first, [[5.0], [7.0], [np.nan]], -1.0).T
+            answers.check_estimates(setting, inputs_of(setting, seed, first, trials), wrong)
+        return run_batch(setting, seed, first, trials, *rest)
 
     monkeypatch.setattr(tasks, "run_batch", spoiled)
     text = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
@@ -731,7 +733,7 @@ def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
     failed = json.loads(data.attrs["failed"])
     assert {one["trial"] for one in failed} == {2}
     assert len(failed) == 8 == data.attrs["trials_total"] - data.attrs["trials_done"]
-    assert "an estimate is no finite number" in failed[0]["why"]
+    assert "robot 5, after round 7: estimate gives nan" in failed[0]["why"]
     assert sc.load("a.nc").identical(data)
 
 

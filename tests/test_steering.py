@@ -290,7 +290,7 @@ def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatc
         with pytest.raises(sc.InputError) as caught:
             sc.run(study_of(folder, "BROKEN", density=1))
         assert "brain 'steered.py' fails in trial 0" in str(caught.value)
-        assert "steer returned a speed or a turn that is not a finite number" in str(caught.value)
+        assert "robot 0, after tick 1: steer gives (nan, 0): two finite numbers" in str(caught.value)
         with pytest.raises(sc.InputError, match=r"ZeroDivisionError.* at .*steered.py, line \d+: return 0.1 / "):
             sc.run(study_of(folder, "DIVIDES", density=1))
         monkeypatch.setattr(rides, "MOST_TILES", 0)

@@ -2,12 +2,16 @@
 
 import ast
 import builtins
+import codecs
+import graphlib
 import hashlib
+import io
 import keyword
 import math
 import operator
+import tokenize
 import types
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +30,13 @@ SEVERAL = ast.Tuple | ast.List
 SIGNS: dict[type, Callable[[Any], Any]] = {ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_}
 IMPORTS = ast.Import | ast.ImportFrom
 TOP_LEVEL = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.Assign, ast.Expr)
-ALLOCATES = (
-    ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp, ast.GeneratorExp, ast.Lambda,
-    ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal,
-    ast.Yield, ast.YieldFrom, ast.Await, ast.Try, ast.With, ast.AsyncWith, ast.AsyncFor, ast.JoinedStr,
+MATH = frozenset(name for name in dir(math) if name[0] != "_")
+IN_FUNCTIONS = (  # all else allocates, defines something, or is not on every robot
+    ast.Assign, ast.AugAssign, ast.AnnAssign, ast.Delete, ast.Expr, ast.Return, ast.Raise, ast.Assert, ast.Pass,
+    ast.If, ast.For, ast.While, ast.Break, ast.Continue, ast.Match, ast.match_case, ast.pattern,
+    ast.BinOp, ast.BoolOp, ast.UnaryOp, ast.Compare, ast.IfExp, ast.NamedExpr, ast.Call, ast.keyword,
+    ast.Name, ast.Constant, ast.Attribute, ast.Subscript, ast.Slice, ast.Tuple, ast.Starred,
+    ast.operator, ast.boolop, ast.unaryop, ast.cmpop, ast.expr_context,
 )  # fmt: skip
 
 
@@ -64,6 +71,11 @@ def digest(source: str) -> str:
 def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, Any]]:
     """Parse and check a source without running it; returns its syntax tree and its constants. Raises InputError."""
     try:
+        # Python decodes a file as its first lines say: what is a comment here could be code there
+        lines = io.BytesIO(source.replace("\r", "\n").encode())
+        encoding, _ = tokenize.detect_encoding(lines.readline)
+        if codecs.lookup(encoding).name != "utf-8":
+            raise SyntaxError(f"its first lines name the encoding {encoding}: utf-8 is right")
         tree = ast.parse(source, filename=str(path))
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         line = getattr(error, "lineno", None)
@@ -93,24 +105,28 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
         return InputError(f"{kind} file {path}, line {node.lineno}: {what}")
 
     a_kind = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
-    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     assigned = [target for node in tree.body if isinstance(node, ast.Assign) for target in node.targets]
     imported = [alias for node in tree.body if isinstance(node, IMPORTS) for alias in node.names]
     known = {*functions, *CALLS, *(target.id for target in assigned if isinstance(target, ast.Name))}
     known |= {alias.asname or alias.name for alias in imported}
-    known |= set(dir(math)) if "*" in known else set()
+    known |= MATH if "*" in known else set()
     constants: dict[str, Any] = {}
     for node in tree.body:
         if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
             raise error(node, f"{a_kind} file holds only constants and small functions")
         if isinstance(node, IMPORTS):
             modules = [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]
-            if any(module != "math" for module in modules):
+            if any(module != "math" for module in modules) or (isinstance(node, ast.ImportFrom) and node.level):
                 raise error(node, f"imports {', '.join(map(str, modules))}: {a_kind} may import only math")
+            if private := [alias.name for alias in node.names if alias.name[0] == "_"]:
+                raise error(node, f"imports {private[0]}, which belongs to Python: {a_kind} may import only math")
             constants |= _imported(node)
         if isinstance(node, ast.Assign):
             if not all(isinstance(target, ast.Name) for target in node.targets):
                 raise error(node, "a constant needs one plain name")
+            if twice := [one.id for one in node.targets if isinstance(one, ast.Name) and one.id in functions]:
+                raise error(node, f"{twice[0]} is also the name of a function: the constant needs another")
             try:
                 value = _constant(node.value, constants)
             except ArithmeticError as fault:
@@ -120,11 +136,16 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             constants |= {target.id: value for target in node.targets if isinstance(target, ast.Name)}
         if isinstance(node, ast.FunctionDef):
             _check_function(node, functions, known, a_kind, error)
+    _check_cycles(functions, a_kind, error)
     return constants
 
 
 def _check_function(
-    function: ast.FunctionDef, functions: set[str], known: set[str], a_kind: str, error: Callable[..., InputError]
+    function: ast.FunctionDef,
+    functions: Collection[str],
+    known: set[str],
+    a_kind: str,
+    error: Callable[..., InputError],
 ) -> None:
     """Check one function; `functions` are those of its file, and `known` are the names that the file defines."""
     name, arguments = function.name, function.args
@@ -136,21 +157,68 @@ def _check_function(
     positional = [*arguments.posonlyargs, *arguments.args]
     if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in positional), function.returns)):
         raise error(function, f"{name} has an annotation that is not a plain name")
-    annotated = [node for node in ast.walk(function) if isinstance(node, ast.AnnAssign)]
-    annotations = [part for node in annotated for part in ast.walk(node.annotation)]
-    local = {argument.arg for argument in (*positional, *arguments.kwonlyargs)}
-    local |= {assigned for node in ast.walk(function) for assigned in names_set_by(node)}
-    for node in (node for statement in function.body for node in ast.walk(statement)):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id not in known | local:
-            if hasattr(builtins, node.id) or node in annotations:
-                continue  # calls are checked below; annotations are not checked
+    nodes = [node for statement in function.body for node in ast.walk(statement)]
+    unread: list[ast.AST | None] = [
+        part for node in nodes if isinstance(node, ast.AnnAssign) for part in ast.walk(node.annotation)
+    ]
+    unread += [node.exc for node in nodes if isinstance(node, ast.Raise) and _is_error(node.exc)]
+    local = _local_names(function)
+    may = f"{a_kind} may call its own functions, math's, and {', '.join(CALLS)}"
+    for node in nodes:
+        if not isinstance(node, IN_FUNCTIONS):
+            where = node if isinstance(node, ast.stmt | ast.expr) else function
+            raise error(where, f"{type(node).__name__} in {name}: {a_kind} may not allocate or define anything")
+    for node in nodes:
+        if isinstance(node, ast.Call) and not _may_call(node.func, functions, local):
+            called = ast.unparse(node.func)
+            raise error(node, f"{name} calls {called}{', a local name' if called in local else ''}: {may}")
+        if isinstance(node, ast.Call) and node.keywords and ast.unparse(node.func) in {"min", "max"} - {*functions}:
+            raise error(node, f"{name} gives {ast.unparse(node.func)} a keyword: only values are right")
+        if isinstance(node, ast.Attribute) and (wrong := _wrong_attribute(node, local, known - {*functions, *CALLS})):
+            raise error(node, f"{name} uses {ast.unparse(node)}: {wrong}")
+        if isinstance(node, ast.Name) and node.id not in known | local and node not in unread:
+            if hasattr(builtins, node.id):
+                raise error(node, f"{name} uses {node.id}: {may}")
             hint = did_you_mean(node.id, known | local)
             raise error(node, f"{name} uses {node.id}, which is not defined: {hint}".rstrip(": "))
-        if isinstance(node, ALLOCATES):
-            raise error(node, f"{type(node).__name__} in {name}: {a_kind} may not allocate or define anything")
-        if isinstance(node, ast.Call) and not _may_call(node.func, functions):
-            may = f"{a_kind} may call its own functions, math's, and {', '.join(CALLS)}"
-            raise error(node, f"{name} calls {ast.unparse(node.func)}: {may}")
+
+
+def _local_names(function: ast.FunctionDef) -> set[str]:
+    """The arguments of a function, and the names that it sets."""
+    arguments = {part.arg for part in ast.walk(function.args) if isinstance(part, ast.arg)}
+    return arguments.union(*(names_set_by(node) for node in ast.walk(function)))
+
+
+def _wrong_attribute(node: ast.Attribute, local: set[str], others: set[str]) -> str:
+    """What is wrong with an attribute; empty if it is of a local name, or of `others` such as `math` and only read."""
+    of = node.value.id if isinstance(node.value, ast.Name) else ""
+    if node.attr.startswith("__"):
+        return "names that begin with __ belong to Python"
+    if of in local or (of in others and isinstance(node.ctx, ast.Load)):
+        return ""
+    return "only the record's fields may be set, and only these and what math has may be read"
+
+
+def _is_error(raised: ast.expr | None) -> bool:
+    """Whether this names one of Python's errors, but none that would end the program."""
+    error = getattr(builtins, raised.id, None) if isinstance(raised, ast.Name) else None
+    return isinstance(error, type) and issubclass(error, Exception)
+
+
+def _check_cycles(functions: Mapping[str, ast.FunctionDef], a_kind: str, error: Callable[..., InputError]) -> None:
+    """Refuse functions that call themselves, directly or through others: Python and robots have room for few calls."""
+    names: dict[str, dict[str, ast.Name]] = {}
+    for caller, function in functions.items():
+        others = functions.keys() - _local_names(function)
+        used = (node for node in ast.walk(function) if isinstance(node, ast.Name) and node.id in others)
+        names[caller] = {node.id: node for node in used}
+    try:
+        graphlib.TopologicalSorter(names).prepare()
+    except graphlib.CycleError as found:
+        first, *others = found.args[1][::-1]
+        which = "itself" if len(others) == 1 else ", which calls ".join(others)
+        what = f"{first} calls {which}: functions of {a_kind} may not call themselves, directly or through others"
+        raise error(names[first][others[0]], what) from None
 
 
 def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
@@ -159,7 +227,7 @@ def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
         return {alias.asname or alias.name: math for alias in node.names}
     names = {alias.asname or alias.name: alias.name for alias in node.names}
     if "*" in names:
-        names = {name: name for name in dir(math) if not name.startswith("_")}
+        names = {name: name for name in MATH}
     return {name: getattr(math, origin) for name, origin in names.items() if hasattr(math, origin)}
 
 
@@ -207,19 +275,15 @@ def _number(node: ast.expr, known: dict[str, Any]) -> Any:
     return value
 
 
-def _may_call(function: ast.expr, functions: set[str]) -> bool:
+def _may_call(function: ast.expr, functions: Collection[str], local: set[str]) -> bool:
     if isinstance(function, ast.Attribute):
-        return isinstance(function.value, ast.Name) and function.value.id == "math"
-    if isinstance(function, ast.Lambda):
-        return True  # refused because it is a lambda
-    return isinstance(function, ast.Name) and (
-        function.id in functions or function.id in CALLS or hasattr(math, function.id)
-    )
+        return isinstance(function.value, ast.Name) and function.value.id == "math" and "math" not in local
+    return isinstance(function, ast.Name) and function.id in {*functions, *CALLS, *MATH} - local
 
 
 def names_set_by(node: ast.AST) -> Iterator[str]:
     """The names that a syntax node assigns to."""
-    if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+    if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
         yield node.id
     elif isinstance(node, ast.MatchAs | ast.MatchStar) and node.name:
         yield node.name

@@ -48,6 +48,7 @@ def deploy(options: argparse.Namespace) -> int:
 
 def _deploy(options: argparse.Namespace) -> int:
     from swarmcensus import brains
+    from swarmcensus.conformance.quick import caution as check_quickly
     from swarmcensus.deployment.deploying import deploy as write
     from swarmcensus.deployment.folders import check_free
     from swarmcensus.deployment.format_errors import caution, measured, sentence
@@ -61,6 +62,7 @@ def _deploy(options: argparse.Namespace) -> int:
         brains.load(options.what), options.radio, options.b, options.w, options.message,
         10.0 if options.hz is None else options.hz, parameters_of(options.parameter or []), options.number, options.log,
     )  # fmt: skip
+    check_quickly([plan.brain])
     made = write(plan, options.to)
     if options.json:
         about = {"brain": plan.brain.label, "radio": plan.radio, "mark": plan.mark}

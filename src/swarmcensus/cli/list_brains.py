@@ -28,7 +28,11 @@ Row = dict[str, Any]
 def add_brains_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `brains`."""
     action = sub.add_mutually_exclusive_group()
-    action.add_argument("--check", metavar="FILE", help="run a brain or an adversary through the conformance suite")
+    action.add_argument(
+        "--check",
+        metavar="FILE",
+        help="run a brain or an adversary through the conformance suite, which executes it: only a file that you trust",
+    )
     action.add_argument("--show", metavar="BRAIN", help="print the source of a brain, or of an adversary and its brain")
     action.add_argument(
         "--cost",

@@ -108,8 +108,10 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
 
 def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded observations."""
+    from swarmcensus import brains
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
+    from swarmcensus.conformance.quick import caution
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings
     from swarmcensus.runs.progress import log_compilation
@@ -131,6 +133,7 @@ def infer(options: argparse.Namespace) -> int:
     try:
         accuracy = recordings.read_accuracy(options.accuracy)
         with log_compilation(Path(options.brain).name, "recorded data"):
+            caution([brains.load(options.brain)])
             trace = inferring.infer(readings, links, accuracy, options.every, options.brain)
     except InputError as error:  # name the file or option that the message is about
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)

@@ -23,7 +23,7 @@ MANY_NUMBERS = 250  # numbers in a mind from which on a check gets more time
 COMPILE_PATIENCE = 300.0  # seconds; shipped brains take 8 s and 0.6 GiB, including Numba itself
 MEMORY_BYTES = 2 << 30  # that a check may use, beyond what the process has
 COMPILE_MEMORY_BYTES = 4 << 30
-DEATHS = {"SIGSEGV": ": too deep a recursion", "SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
+DEATHS = {"SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
 KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
 CHILD = "import sys; from swarmcensus.conformance import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
 DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wears if none is named
@@ -128,12 +128,14 @@ def notes(path: str | Path, wearing: str = "") -> list[str]:
     return lacks + [f"{name} says nothing: the MESSAGE of {worn} has no {name.removeprefix('say_')}" for name in unsaid]
 
 
+def gist(fault: str) -> str:
+    """A fault without the history in which it was found."""
+    return fault.rpartition(" (")[0] or fault
+
+
 def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:
     """Run checks in this process; a known fault is not repeated, and a brain that does not compile is not run."""
     import numpy as np
-
-    def gist(fault: str) -> str:
-        return fault.rpartition(" (")[0] or fault  # without the history in which it was found
 
     try:
         brain = brain_to_check(path, wearing)

@@ -37,9 +37,11 @@ PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_a
 SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND = range(11)
 
 # what is known of each robot's decision: the option, -1 for none; when it first decided and last changed it, infinity
-# for never; when it was done, with which estimate, and whether it is; an invalid decision, -1 for none
-DECISION, DECIDED_IN, CHANGED, DONE_IN, DONE_ESTIMATE, IS_DONE, WRONG = range(7)
-VERDICTS = 7
+# for never; when it was done, with which estimate, and whether it is; its first invalid decision, -1 for none, and when
+DECISION, DECIDED_IN, CHANGED, DONE_IN, DONE_ESTIMATE, IS_DONE, WRONG, WRONG_IN = range(8)
+VERDICTS = 8
+
+SLACK = 1e-6  # by which rounding, in single precision too, may take an estimate out of [0, 1]
 
 # measures of robots' intervals at a checkpoint: the share that holds the truth, and the mean width
 COVERAGE, WIDTH = range(2)

@@ -31,6 +31,7 @@ from .minds import (
     copy_rows,
     count_clipped,
     count_known,
+    find_wrong,
     forget_verdicts,
     is_said,
     judge,
@@ -97,6 +98,7 @@ def simulate(
             forget_verdicts(counted.verdicts, counted.agreed)
             if counted.verdicts.shape[0] > 0:
                 judge_blank(swarm, memory, start, counted.verdicts)
+            find_wrong(swarm, start, 0, measures.wrong[trial])
             count_known(swarm, counted.counts, failures, rounds)
             count_heard(swarm, graph, radio, failures, max(rounds - radio.delay, 0), counted.counts)
             for i in range(robots):
@@ -141,6 +143,7 @@ def simulate(
                 if stop[0] != 0:
                     return False
                 if forward:
+                    find_wrong(swarm, rows[: last - first], first, measures.wrong[trial])
                     for c in range(checkpoints.size):
                         if first <= checkpoints[c] < last:
                             right = honest = 0

@@ -93,6 +93,7 @@ class Measures(NamedTuple):
     final: np.ndarray  # (trial, robot): the last estimate
     correct: np.ndarray  # (checkpoint, trial): the share of honest robots in the right bin
     kept: np.ndarray  # (checkpoint, trial, robot): estimates; no checkpoints if they are not kept
+    wrong: np.ndarray  # (trial, 3): the first estimate outside [0, 1]: robot (-1 if there is none), round, estimate
 
 
 class Tally(NamedTuple):

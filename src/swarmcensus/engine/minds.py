@@ -23,6 +23,7 @@ from swarmcensus.engine.constants import (
     SAID,
     SENSING,
     SENT,
+    SLACK,
     TALKING,
     WIDTH,
     WRONG,
@@ -253,6 +254,23 @@ def measure_intervals(swarm, memory, c, intervals):
     if counted > 0:
         intervals.sure[COVERAGE, c] = held / counted
         intervals.sure[WIDTH, c] = wide / counted
+
+
+@loop()
+def find_wrong(swarm, rows, first, wrong):
+    """Note the first estimate of an honest robot that is no number in [0, 1], in rows of the rounds from `first` on.
+
+    Estimates are counted without branches, so that the processor handles several at once.
+    """
+    flat, robots, amiss = rows.reshape(-1), rows.shape[1], 0
+    for k in range(flat.size):
+        amiss += not ((flat[k] >= -SLACK) & (flat[k] <= 1.0 + SLACK))
+    if amiss > 0 and wrong[0] < 0.0:
+        for k in range(flat.size):
+            honest = swarm.honest.size == 0 or swarm.honest[k % robots]
+            if honest and not -SLACK <= flat[k] <= 1.0 + SLACK:
+                wrong[0], wrong[1], wrong[2] = k % robots, first + k // robots, flat[k]
+                return
 
 
 @loop()

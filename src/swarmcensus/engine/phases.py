@@ -10,7 +10,17 @@ for negative indices. `luck` is a random word for each call of the brain, which 
 import numpy as np
 
 from swarmcensus.engine.calling import ARRAY, REAL, WHOLE, phase, seen_as
-from swarmcensus.engine.constants import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, IS_DONE, VERDICTS, WRONG
+from swarmcensus.engine.constants import (
+    CHANGED,
+    DECIDED_IN,
+    DECISION,
+    DONE_ESTIMATE,
+    DONE_IN,
+    IS_DONE,
+    VERDICTS,
+    WRONG,
+    WRONG_IN,
+)
 from swarmcensus.engine.return_values import chosen, ends_of
 
 from .mind import (
@@ -187,7 +197,9 @@ def judge(memory, rows, start, verdicts, now, first, last):
     for i in range(first, last):
         choice = 1.0 * decide(minds[i]) if now > 0.0 else -1.0
         if not (-1.0 <= choice < options and choice == np.floor(choice)):
-            known[i, WRONG] = choice
+            if known[i, WRONG] == -1.0:
+                known[i, WRONG] = choice
+                known[i, WRONG_IN] = now
         elif choice != known[i, DECISION]:
             if known[i, DECIDED_IN] == np.inf:
                 known[i, DECIDED_IN] = now

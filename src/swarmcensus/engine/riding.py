@@ -41,6 +41,7 @@ from .minds import (
     count_sent,
     draw_message_luck,
     drowned,
+    find_wrong,
     forget_verdicts,
     is_said,
     judge,
@@ -258,6 +259,7 @@ def steer_all(swarm, luck, memory, body, speeds, trial, tick, wishes):
         speed = wishes[1, i] * body[0].tick
         turn = wishes[2, i] * body[0].tick
         if not (abs(speed) < 1e300 and abs(turn) < 1e300):
+            wishes[0, i] = tick
             raise ValueError("steer returned a speed or a turn that is not a finite number")
         load = 0.0
         if speed != 0.0:
@@ -269,9 +271,14 @@ def steer_all(swarm, luck, memory, body, speeds, trial, tick, wishes):
 
 
 @entry
-def conclude(rows, start, delta, where, value):
-    """Convergence index and estimate there (robot) of whole curves: `start` is index 0, `rows` are 1 and on."""
+def conclude(swarm, rows, start, delta, where, value, wrong):
+    """Convergence index and estimate there (robot) of whole curves: `start` is index 0, `rows` are 1 and on.
+
+    `wrong` (3) gets the first invalid estimate, as in `Measures`.
+    """
     robots = rows.shape[1]
+    find_wrong(swarm, start, 0, wrong)
+    find_wrong(swarm, rows, 1, wrong)
     low = np.empty(robots)
     high = np.empty(robots)
     for i in range(robots):

@@ -16,7 +16,7 @@ from swarmcensus.planning.mission import Mission
 from swarmcensus.results.summaries import failed_trials
 from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.running import predicted_seconds, run
-from swarmcensus.simulation.trials import NOT_FINITE
+from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.statistics.intervals import estimate, expected_share
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -138,11 +138,11 @@ def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | Non
         try:
             data = run(study, jobs, show)
         except InputError as error:
-            if NOT_FINITE in str(error):
+            if NO_ESTIMATE in str(error):
                 return None
             raise
     for failure in failed_trials(data):
-        if NOT_FINITE not in failure["why"]:
+        if NO_ESTIMATE not in failure["why"]:
             raise InputError(f"some trials of the plan failed: {failure['why'][:200]}")
     return data
 

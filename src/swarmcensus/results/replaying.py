@@ -7,11 +7,12 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.conformance.quick import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
-from swarmcensus.simulation.inferring import trace_of
+from swarmcensus.simulation.inferring import trace_of, warn_of_estimates
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.swarming import ended, free
 from swarmcensus.simulation.trials import record_estimates, record_readings, record_trial
@@ -71,6 +72,7 @@ def _labelled(
     honest = _name_members(trace, chosen, study.seed, trial) if chosen.members else np.ones(chosen.robots, np.bool_)
     data = results if isinstance(results, xr.Dataset) else load(results)
     _check_same(data, setting, trial, trace, honest)
+    warn_of_estimates(chosen.brain.name, np.where(honest, trace["estimate"].values, 0.5))
     name = data.attrs["title"] if isinstance(results, xr.Dataset) else Path(results).stem
     name = name if study.name == UNNAMED else study.name
     brain = labels_in(data).get(chosen.brain.name, chosen.brain.name)
@@ -214,4 +216,6 @@ def _find(
     known = data["trial"].values
     if trial not in known:
         raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
-    return setting_of(data, setting, brain)
+    study, chosen = setting_of(data, setting, brain)
+    caution(chosen.brains)
+    return study, chosen

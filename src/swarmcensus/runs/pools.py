@@ -13,6 +13,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.fork import in_background
+from swarmcensus.conformance.quick import caution
 from swarmcensus.engine import code_cache, compiler
 from swarmcensus.engine.compiler import IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
@@ -94,10 +95,14 @@ def thread_count(jobs: int | None) -> int:
 def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, tuple[int, int]], None]) -> None:
     """Compile what all settings of some studies need, so that threads do not wait for one another.
 
+    Brain files that break their contract are warned of first.
+
     `show` is called with a note on the kind of swarm, and with how many kinds are done, of how many. If the process has
     no other threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles
     for networks.
     """
+    studies = list(studies)
+    caution(brain for study, _ in studies for brain in study.brains)
     tiny = [(setting, study) for study, settings in studies for setting in tiny_settings(settings)]
     new = [pair for pair in tiny if not _is_compiled(*pair)]
     for setting, study in tiny:

@@ -1,6 +1,5 @@
 """Cuts a study into tasks, bundles short ones, and runs bundles."""
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -25,7 +24,7 @@ from swarmcensus.engine.constants import (
 from swarmcensus.results.values import Columns, Piece
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.rides import run_ride
-from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame, run_batch, seconds, walk_seconds
+from swarmcensus.simulation.trials import Batch, Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.simulation.watches import MetricFails
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -216,13 +215,6 @@ def _run(
     local = task.kind == "local"
     pieces = []
     for number, batch in zip(task.settings, batches or [], strict=bool(batches)):
-        # summing is twice as fast as testing each number; a sum is infinite if a number is, or is absurdly large
-        if not math.isfinite(batch.error.sum() + batch.final.sum()) or (batch.kept is not None and not local):
-            setting, kept = settings[number], batch.kept
-            at_checkpoints = [] if kept is None or local else [kept[np.array(metrics.checkpoints) <= setting.rounds]]
-            if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *at_checkpoints)):
-                error = ArithmeticError(NOT_FINITE)
-                raise blame(setting, task.first, task.trials, error)
         pieces.append(Piece(number, task.first, columns(batch, local, metrics), local))
     return pieces
 

@@ -13,7 +13,9 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.tables import frame_table, is_frame
 from swarmcensus.engine import compiler
 from swarmcensus.engine.addresses import address
+from swarmcensus.engine.constants import SLACK
 from swarmcensus.simulation import oracle
+from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.simulation.recorded import readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
 from swarmcensus.worlds.edge_lists import LINKS, from_one, links_of, unlinked
@@ -35,6 +37,13 @@ def trace_of(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains
     trace["estimate"] = (dims, estimates, {"units": "1", "long_name": "the fill ratio that the robot believes in"})
     trace.attrs["brain"] = brain.name
     return trace
+
+
+def warn_of_estimates(name: str, estimates: np.ndarray) -> None:
+    """Warn of the first estimate (round, robot) that is no number in [0, 1]: a trace shows what a run refuses."""
+    for tick, robot in np.argwhere(~((estimates >= -SLACK) & (estimates <= 1.0 + SLACK)))[:1]:
+        what = f"robot {robot}, after round {tick}: estimate gives {estimates[tick, robot]:.9g}: {NO_ESTIMATE}"
+        warnings.warn(f"brain {name!r}, {what}", stacklevel=3)
 
 
 def infer(
@@ -94,6 +103,7 @@ def infer(
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
         fields, estimates = oracle.follow(used, b, w, readings, 1, int(every), periodic, steps, luck)
+    warn_of_estimates(used.name, estimates)
     trace = trace_of(fields, estimates, used)
     trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}
     return trace

@@ -1,11 +1,8 @@
-"""Robots' intervals at checkpoints: room for how they do, and a check that each is one."""
+"""Robots' intervals at checkpoints: room for how they do."""
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.brains.syntax import INTERVAL
 from swarmcensus.engine.layout import Intervals
-from swarmcensus.simulation.inputs import Inputs
 from swarmcensus.studies.settings import Setting
 
 ENDS = "interval_low", "interval_high"  # of a trace, beside a brain's own fields
@@ -22,14 +19,3 @@ def no_intervals(trials: int = 1) -> Intervals:
     """No checkpoints, so that no robot is asked for an interval."""
     none = np.empty((trials, 2, 0))
     return Intervals(np.empty(0, np.int64), np.empty(0), np.empty((2, 0)), none, np.full((trials, 4), -1.0))
-
-
-def check_intervals(setting: Setting, given: Inputs, intervals: Intervals) -> None:
-    """Raise InputError if a brain returned an invalid interval."""
-    for trial in np.flatnonzero(intervals.wrong[:, 0] >= 0.0)[:1]:
-        robot, tick, low, high = intervals.wrong[trial]
-        brain = setting.brains[given.group[trial, int(robot)]] if given.group.size else setting.brain
-        raise InputError(
-            f"brain {brain.name!r} fails in trial {given.first + trial} of {setting}: after "
-            f"{'tick' if setting.body else 'round'} {tick:g} interval gives ({low:g}, {high:g}): {INTERVAL}"
-        )

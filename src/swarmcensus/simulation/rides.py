@@ -1,19 +1,17 @@
 """Trials of moving robots. Trajectories do not depend on the brain, so each is simulated once for several settings."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from swarmcensus.basics.bins import right_bins
-from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.layout import Chunk, Recorded
+from swarmcensus.simulation.answers import check_estimates, check_intervals, check_verdicts, check_wishes
 from swarmcensus.simulation.inputs import Inputs, inputs_of
-from swarmcensus.simulation.intervals import check_intervals, intervals_of, no_intervals
+from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import (
-    check_verdicts,
     consensus_of,
     ended,
     fields_of,
@@ -21,7 +19,7 @@ from swarmcensus.simulation.swarming import (
     swarm_of,
     tally_of,
 )
-from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame, blaming
+from swarmcensus.simulation.trials import Batch, Metrics, blaming
 from swarmcensus.simulation.walking import set_out, walk
 from swarmcensus.simulation.watches import Truths, Watch, results_of
 from swarmcensus.studies.settings import Setting
@@ -69,7 +67,11 @@ class Rider:
         if wishes.size:
             assert self.setting.body is not None
             body, speeds = self.setting.body.numbers, self.given.speeds[0]
-            self.kernel.steer(self.swarm, self.minds.memory, body, speeds, self.trial, tick, wishes)
+            try:
+                self.kernel.steer(self.swarm, self.minds.memory, body, speeds, self.trial, tick, wishes)
+            except ValueError:
+                check_wishes(self.setting, self.given, wishes)
+                raise
 
     def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
         """The trial's metrics, as a batch of one."""
@@ -77,8 +79,9 @@ class Rider:
         truth = float(truths(self.setting.rounds))
         robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
         rows, tally = self.minds.rows, self.tally
-        where, value = np.zeros(robots, np.int64), np.zeros(robots)
-        self.kernel.conclude(rows, self.start, metrics.delta, where, value)
+        where, value, wrong = np.zeros(robots, np.int64), np.zeros(robots), np.full((1, 3), -1.0)
+        self.kernel.conclude(self.swarm, rows, self.start, metrics.delta, where, value, wrong[0])
+        check_estimates(self.setting, self.given, wrong)
         check_verdicts(self.setting, self.given, tally.verdicts[np.newaxis])
         check_intervals(self.setting, self.given, self.intervals)
         where, value, counts = where[honest], value[honest], tally.counts[:, honest]
@@ -96,12 +99,7 @@ class Rider:
         watches = [Watch(m, self.setting, self.trial, truths, metrics.delta, metrics.bins) for m in metrics.watched]
         for watch in watches:
             watch.see(np.ascontiguousarray(rows[:, honest]), 1)
-        try:
-            watched = results_of(watches)
-        except InputError as wrong:
-            if math.isfinite(rows.sum()):
-                raise
-            raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE)) from wrong
+        watched = results_of(watches)
         consensus = consensus_of(self.setting, tally.agreed[np.newaxis], truth)
         return Batch(
             where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, counts[np.newaxis],
@@ -154,11 +152,15 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
         setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, wishes_of(setting), given.speeds[0]
     )
     with blaming(setting, trial):
-        compiler.compile_world("steering").live(
-            rider.swarm, rider.minds, rider.sensors, given.radio, rider.stops, rider.tally,
-            rider.intervals.of_trial(0), bodies, neighbours, ground.all_tiles(), ground.turns(),
-            2 * neighbours.ears.size, trial, stop,
-        )  # fmt: skip
+        try:
+            compiler.compile_world("steering").live(
+                rider.swarm, rider.minds, rider.sensors, given.radio, rider.stops, rider.tally,
+                rider.intervals.of_trial(0), bodies, neighbours, ground.all_tiles(), ground.turns(),
+                2 * neighbours.ears.size, trial, stop,
+            )  # fmt: skip
+        except ValueError:
+            check_wishes(setting, given, bodies.wishes)
+            raise
     return None if stop[0] else rider.measure(metrics, ground)
 
 

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain
 from swarmcensus.engine import compiler
-from swarmcensus.engine.constants import VERDICTS, WRONG
+from swarmcensus.engine.constants import VERDICTS
 from swarmcensus.engine.layout import Minds, Swarm, Tally, runs_of
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import Inputs
@@ -98,17 +97,6 @@ def tally_of(setting: Setting, trials: int, local: bool = False) -> Tally:
     judged = not local and any(brain.decides or brain.ends for brain in setting.brains)
     verdicts = np.empty((trials, setting.robots if judged else 0, VERDICTS))
     return Tally(np.zeros((trials, 3, setting.robots), np.int64), verdicts, np.empty((trials, 2)))
-
-
-def check_verdicts(setting: Setting, given: Inputs, verdicts: np.ndarray) -> None:
-    """Raise InputError if a brain decided for an option that does not exist."""
-    wrong = np.argwhere(verdicts[..., WRONG] != -1.0) if verdicts.size else ()
-    for trial, robot in wrong[:1]:
-        brain = setting.brains[given.group[trial, robot]] if given.group.size else setting.brain
-        raise InputError(
-            f"brain {brain.name!r} fails in trial {given.first + trial} of {setting}: decide gives "
-            f"{verdicts[trial, robot, WRONG]:g}: -1 (undecided) or an option from 0 to {brain.options - 1} is right"
-        )
 
 
 def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarray:

@@ -16,10 +16,10 @@ from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import PART, VERDICTS
 from swarmcensus.engine.layout import Intervals, Measures, Minds, Segments, Swarm, Tally
 from swarmcensus.metrics import Metric
+from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import Inputs, inputs_of
-from swarmcensus.simulation.intervals import check_intervals, intervals_of, no_intervals
+from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import (
-    check_verdicts,
     consensus_of,
     ended,
     fields_of,
@@ -36,7 +36,6 @@ ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
 CROWD_BYTES = 1_000_000_000  # of these, where no other trial is run beside
 SHARED_BYTES = 250_000_000  # of each trial, where several threads share the memory
-NOT_FINITE = "an estimate is no finite number"
 
 
 @dataclass(frozen=True)
@@ -146,7 +145,6 @@ def _live(
     intervals = no_intervals(trials) if local else intervals_of(setting, checkpoints, truths, trials)
     watched = () if local else metrics.watched
     watches = [Watch(m, setting, first, setting.fill_ratios, metrics.delta, metrics.bins) for m in watched]
-    finite = True
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         with blaming(setting, first, trials):
@@ -154,19 +152,14 @@ def _live(
             finished = _simulate(setting, given, *groups, local, begin, end, stop)
         if not finished:
             return None
+        check_estimates(setting, given, measures.wrong, local)  # before a metric fails because of them
         seen = minds.rows[: rounds - begin * length]
         if honest is not None and watches:
             seen = np.ascontiguousarray(seen[:, honest])
         for watch in watches if begin < segments else ():
-            finite &= math.isfinite(seen.sum())
             watch.see(seen, begin * length + 1)
     del swarm, minds, room, groups  # before there is more: for a large swarm these are nearly all of the memory
-    try:
-        results = results_of(watches)
-    except InputError as error:
-        if finite:
-            raise
-        raise blame(setting, first, trials, ArithmeticError(NOT_FINITE)) from error
+    results = results_of(watches)
     check_verdicts(setting, given, tally.verdicts)
     check_intervals(setting, given, intervals)
     consensus = consensus_of(setting, tally.agreed, setting.fill_ratio)
@@ -194,6 +187,7 @@ def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
         np.zeros(shape),
         np.full((count, trials), np.nan),
         np.full((count if metrics.estimates else 0, *shape), np.nan),
+        np.full((trials, 3), -1.0),
     )
 
 
@@ -254,6 +248,8 @@ def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
     """Turn any error of a brain in here into an InputError that names it."""
     try:
         yield
+    except WrongAnswer:
+        raise
     except Exception as error:
         raise blame(setting, first, trials, error) from error
 

@@ -10,6 +10,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.packing import FORMATS, Format
+from swarmcensus.conformance.quick import caution
 from swarmcensus.deployment import on_node
 from swarmcensus.deployment.plans import LOWEST_HZ
 from swarmcensus.deployment.plans import Plan as DeployedPlan
@@ -106,6 +107,7 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
         raise InputError(f"--setting {number}: {study.name} has {counted(len(settings), 'setting')}, numbered from 0")
     setting = _in_bytes(settings[number])
     _check(setting, study, air)
+    caution(study.brains)
     _check_delay(setting, air)
     given = inputs_of(setting, seed, trial)
     members = _members(setting, given, micropython)

@@ -19,6 +19,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.brains import Adversary, adversary
+from swarmcensus.conformance.quick import caution
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -148,6 +149,7 @@ def _offer(
     if not numbers:
         raise InputError(f"{name}: there is no setting to watch")
     grids = [grid for study in studies for grid in study.grids]
+    caution((*(brain for study in studies for brain in study.brains), *more.values()))
     floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
     plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
     named = [topology for study in studies for topology in study.topologies]

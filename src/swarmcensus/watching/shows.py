@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from swarmcensus.basics.bins import right_bins
-from swarmcensus.engine.constants import LISTED
+from swarmcensus.engine.constants import LISTED, SLACK
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.living import Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
@@ -119,7 +119,9 @@ class Show:
         return encoded
 
     def _encode_anew(self, stretch: Stretch) -> Encoded:
-        x, rounds = stretch.estimates, np.arange(len(stretch.estimates)) + stretch.first
+        x = stretch.estimates
+        x = np.where((x >= -SLACK) & (x <= 1.0 + SLACK), x, np.nan)  # where it is no fill ratio there is no estimate
+        rounds = np.arange(len(stretch.estimates)) + stretch.first
         truths = self.truths(rounds)
         fields = {} if not self.layers & ~MOVES else self.fields(stretch, slice(None))
         decided, done, low, high = (fields.get(name, np.full(x.shape, np.nan)) for name in self._names)
