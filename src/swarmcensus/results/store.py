@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from xarray.backends import H5NetCDFStore
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write, reason
+from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
+from swarmcensus.results.hdf5 import Output, Remembering, broken_texts
 from swarmcensus.results.presence import check_there
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
@@ -167,17 +168,13 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     # as an attribute: otherwise xarray copies the array to look for missing values
     data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
     encoding = dict.fromkeys(integers, small)
-    try:
-        with (
-            atomic_write(path) as temporary,
-            _Remembering(temporary, "w", track_order=True) as file,
-            h5netcdf.File(file, "w") as netcdf,
-        ):
-            data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
-    except RuntimeError as error:  # raised by h5py if the file cannot be closed
-        if "errno" not in str(error):
-            raise
-        raise InputError(f"cannot write {path}: {reason(error)}") from error
+    with (
+        atomic_write(path) as temporary,
+        Output(temporary) as output,
+        Remembering(output, "w", track_order=True) as file,
+        h5netcdf.File(file, "w") as netcdf,
+    ):
+        data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -209,7 +206,9 @@ def read(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"results file {path}: {_absent(path)}")
     try:
-        with _Remembering(path, "r") as file:
+        if at := broken_texts(path):
+            raise ValueError(f"its texts at byte {at:,} are damaged")
+        with Remembering(path, "r") as file:
             if elsewhere := _not_here(file["/"]):  # h5netcdf fails later, outside this handler
                 raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
             with h5netcdf.File(file, "r") as netcdf:
@@ -236,24 +235,6 @@ def read(path: str | Path) -> xr.Dataset:
     if wrong := structure.unmask(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
-
-
-class _Remembering(h5py.File):  # type: ignore[misc]
-    """An HDF5 file that opens each object once; h5netcdf opens each variable some forty times."""
-
-    def __init__(self, path: Path, mode: str, **options: Any) -> None:
-        super().__init__(path, mode, **options)
-        self.changes = mode != "r"
-        self.seen: dict[str, tuple[Any, Any]] = {}
-
-    def __getitem__(self, name: Any) -> Any:
-        if not isinstance(name, str):  # a reference
-            return super().__getitem__(name)
-        # the link changes when an object is made anew
-        link = self.changes and name != "/" and self.id.links.get_info(name.encode()).u
-        if name not in self.seen or self.seen[name][0] != link:
-            self.seen[name] = link, super().__getitem__(name)
-        return self.seen[name][1]
 
 
 def _not_here(root: h5py.Group) -> str | None:
