@@ -60,6 +60,12 @@ def test_file_and_back(small_results, small_file):
         assert not {*NUMERIC} & {*plain.variables}
 
 
+def test_names_in_any_letters(small_results, tmp_path):
+    named = small_results.assign_coords(brain=("setting", np.full(small_results.sizes["setting"], "bräin.py", object)))
+    sc.save(named, tmp_path / "x.nc")
+    assert results.read(tmp_path / "x.nc")["brain"].values.tolist() == named["brain"].values.tolist()
+
+
 def test_a_time_that_is_missing_is_nan_in_python_and_a_whole_number_in_the_file(small_results, small_file, tmp_path):
     times = small_results["convergence_round"]
     exists = xr.DataArray(np.arange(12), dims="robot") < small_results["robots"]

@@ -54,6 +54,13 @@ class Output(io.FileIO):
             self.error = error
         return size
 
+    def readinto(self, buffer: Any, /) -> int:
+        """Read bytes; those that were not written are zeros, as HDF5 does not ask how many were read."""
+        view = memoryview(buffer).cast("B")
+        size = super().readinto(view) or 0
+        view[size:] = bytes(view.nbytes - size)
+        return view.nbytes
+
     def truncate(self, size: int | None = None, /) -> int:
         """Set the size, unless writing failed before."""
         try:

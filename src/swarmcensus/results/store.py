@@ -211,7 +211,7 @@ def read(path: str | Path) -> xr.Dataset:
         with Remembering(path, "r") as file:
             if elsewhere := _not_here(file["/"]):  # h5netcdf fails later, outside this handler
                 raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
-            with h5netcdf.File(file, "r") as netcdf:
+            with h5netcdf.File(file, "r", decode_vlen_strings=True) as netcdf:
                 data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
         texts = [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]
         # text has the type object in datasets that a run returns
