@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.options import option
+from swarmcensus.basics.printable import printable
 from swarmcensus.figures.page import RENDERING
 
 DPI = 150  # unless a style says otherwise
@@ -56,4 +57,6 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
         with atomic_write(place) as temporary, RENDERING, mpl.rc_context(SAVED):
             figure.savefig(temporary, format=extension, dpi=dots, metadata=undated)
+            if extension == "svg":  # XML allows no control characters, and names in others' results may hold some
+                temporary.write_bytes(printable(temporary.read_bytes().decode()).encode())
     return list(paths)
