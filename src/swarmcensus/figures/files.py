@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import numbers
 from collections.abc import Sequence
 from pathlib import Path
@@ -56,7 +57,9 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
         with atomic_write(place) as temporary, RENDERING, mpl.rc_context(SAVED):
-            figure.savefig(temporary, format=extension, dpi=dots, metadata=undated)
-            if extension == "svg":  # XML allows no control characters, and names in others' results may hold some
-                temporary.write_bytes(printable(temporary.read_bytes().decode()).encode())
+            drawn = io.BytesIO()  # a full disk confuses matplotlib's writer of PDFs
+            figure.savefig(drawn, format=extension, dpi=dots, metadata=undated)
+            data = drawn.getvalue()
+            # XML allows no control characters, and names in others' results may hold some
+            temporary.write_bytes(printable(data.decode()).encode() if extension == "svg" else data)
     return list(paths)
