@@ -90,6 +90,14 @@ def broken_texts(path: Path) -> int | None:
     return None
 
 
+def read_indices(file: h5py.File) -> None:
+    """Read the indices by order of creation, which whoever reads by names does not. Raises RuntimeError for damage."""
+    by_creation, as_it_is = h5py.h5.INDEX_CRT_ORDER, h5py.h5.ITER_NATIVE
+    file.id.links.iterate(lambda _: None, idx_type=by_creation, order=as_it_is)
+    for one in (file, *file.values()):
+        h5py.h5a.iterate(one.id, lambda _: None, index_type=by_creation, order=as_it_is)
+
+
 def _ends(file: io.BufferedReader, at: int) -> bool:
     """Whether the objects of a block of texts end: each has a header of 16 bytes, with its number and its size."""
     file.seek(at + 8)

@@ -18,7 +18,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
-from swarmcensus.results.hdf5 import Output, Remembering, broken_texts
+from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
 from swarmcensus.results.presence import check_there
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
@@ -190,6 +190,27 @@ def load(path: str | Path) -> xr.Dataset:
 def stored(path: str | Path) -> xr.Dataset:
     """Read a results file as it is kept. Raises InputError as `load` does."""
     return checked(read(path), path)
+
+
+def wrong_layout(path: str | Path, data: xr.Dataset) -> list[str]:
+    """What in a results file differs from what `save` writes, and is not in its dataset, as sentences.
+
+    Raises InputError for damage that is not met when the dataset is read.
+    """
+    wrong = []
+    try:
+        with h5py.File(path) as file:
+            read_indices(file)
+            for name, variable in data.data_vars.items():
+                given = str(file[str(name)].attrs.get("coordinates", ""))
+                want = {str(k) for k in variable.coords if k not in data.dims}
+                least = want & {*structure.TEXTS, *structure.NUMBERS}  # early files lack those of some settings
+                if not least <= {*given.split()} <= want:
+                    should = " ".join(sorted(want))
+                    wrong.append(f"{name}: coordinates is {given!r} in the file, and should be {should!r}")
+    except (OSError, RuntimeError) as error:
+        raise InputError(f"results file {path}: damaged: {error}") from error
+    return wrong
 
 
 def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
