@@ -176,16 +176,8 @@ def test_a_study_file_without_an_end(capsys):
     assert "study file /dev/zero: over 20 MB: should be text that a person wrote" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "error",
-    [
-        OSError(28, "No space left on device"),
-        OSError("Unable to create file (time = Mon\n, errno = 28, error message = 'No space left on device', buf = 0)"),
-        OSError(28, "Unable to synchronously create file (file write failed: errno = 28, error message = 'No space')"),
-    ],
-)
-def test_a_full_disk_is_told_in_one_line(error, tmp_path):
+def test_a_full_disk_is_told_in_one_line(tmp_path):
     said = r"^cannot write .*x\.nc: No space left on device$"
     with pytest.raises(sc.InputError, match=said), files.atomic_write(tmp_path / "x.nc"):
-        raise error
+        raise OSError(28, "No space left on device")
     assert list(tmp_path.iterdir()) == []

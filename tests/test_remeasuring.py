@@ -8,6 +8,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.watching.offers import offer_of
 
 FIXED = {
     "seed": 3,
@@ -172,7 +173,17 @@ def test_estimates_count_among_the_values_to_keep():
     tables = {"trials": 1000, "swarm": {"robots": 10_000, "accuracy": 0.7}, "world": FIXED["world"]}
     sc.Study(**tables)
     with pytest.raises(sc.InputError, match=r"is the most: fewer trials, settings, checkpoints or robots"):
-        sc.Study(**tables, measure={"estimates": True, "checkpoints": list(range(1, 1001))})
+        sc.run(sc.Study(**tables, measure={"estimates": True, "checkpoints": list(range(1, 1001))}))
+
+
+def test_a_study_of_too_many_trials_lends_one(tmp_path, capsys):
+    tables = {"seed": 1, "trials": 2**31 - 1, "swarm": {"robots": 4, "accuracy": 0.7}, "world": FIXED["world"]}
+    (tmp_path / "huge.toml").write_text(sc.Study(**tables, schedule={"rounds": 2}).text)
+    run = ["run", str(tmp_path / "huge.toml"), "--out", str(tmp_path / "x.nc"), "-q"]
+    assert main(run) == 2
+    assert "values to keep" in capsys.readouterr().err
+    assert main([*run, "--trials", "1"]) == 0
+    assert offer_of(tmp_path / "huge.toml").numbers
 
 
 @pytest.mark.long

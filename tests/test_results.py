@@ -2,6 +2,7 @@
 
 import json
 
+import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,7 +10,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results import measures
+from swarmcensus.results import hdf5, measures
 from swarmcensus.results import store as results
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.selecting import where
@@ -57,6 +58,12 @@ def test_file_and_back(small_results, small_file):
         for name in ("final_estimate", "convergence_round"):
             assert plain[name].variable.equals(small_results[name].variable)
         assert not {*NUMERIC} & {*plain.variables}
+
+
+def test_names_in_any_letters(small_results, tmp_path):
+    named = small_results.assign_coords(brain=("setting", np.full(small_results.sizes["setting"], "bräin.py", object)))
+    sc.save(named, tmp_path / "x.nc")
+    assert results.read(tmp_path / "x.nc")["brain"].values.tolist() == named["brain"].values.tolist()
 
 
 def test_a_time_that_is_missing_is_nan_in_python_and_a_whole_number_in_the_file(small_results, small_file, tmp_path):
@@ -108,7 +115,7 @@ def test_the_moments_of_normal_accuracies_are_those_of_many_robots(text):
     assert abs(drawn.std() - sd) < 4 * sd / drawn.size**0.5
 
 
-@pytest.mark.parametrize("damage", ["cut", "text", "empty", "other", "missing", "folder"])
+@pytest.mark.parametrize("damage", ["cut", "text", "empty", "other", "missing", "folder", "zeros"])
 def test_what_is_no_results_file(damage, small_file, tmp_path):
     path = tmp_path / "bad.nc"
     whole = small_file.read_bytes()
@@ -122,8 +129,35 @@ def test_what_is_no_results_file(damage, small_file, tmp_path):
         xr.Dataset({"x": 1}).to_netcdf(path, engine="h5netcdf")
     elif damage == "folder":
         path.mkdir()
+    elif damage == "zeros":  # as a failing disk leaves them, within a block of texts
+        at = whole.index(b"GCOL") + 16
+        path.write_bytes(whole[:at] + bytes(64) + whole[at + 64 :])
     with pytest.raises(sc.InputError, match=r"bad\.nc"):
         sc.load(path)
+
+
+def test_a_block_of_texts_is_found_wherever_it_is(small_file, tmp_path, monkeypatch):
+    whole = small_file.read_bytes()
+    at = whole.index(b"GCOL")
+    (tmp_path / "bad.nc").write_bytes(whole[: at + 16] + bytes(64) + whole[at + 80 :])
+    for size in (5, at + 1, at + 4, at + 5, 1 << 20):
+        monkeypatch.setattr(hdf5, "BLOCK", size)
+        assert hdf5.broken_texts(tmp_path / "bad.nc") == at
+        assert hdf5.broken_texts(small_file) is None
+
+
+def test_a_disk_that_is_full_leaves_no_file_open(small_results, tmp_path):
+    """HDF5 ends the process with a signal where such a file is still open at the end."""
+    resource = pytest.importorskip("resource")  # not on Windows
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (9_000, before[1]))
+    try:
+        with pytest.raises(sc.InputError, match="cannot write"):
+            sc.save(small_results, tmp_path / "x.nc")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert h5py.h5f.get_obj_count(h5py.h5f.OBJ_ALL, h5py.h5f.OBJ_FILE) == 0
+    assert not list(tmp_path.iterdir())
 
 
 def test_long_form(small_results):

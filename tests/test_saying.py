@@ -1,18 +1,27 @@
 """How much commands say: one JSON document, nothing but answers, or all that goes on."""
 
+import contextlib
+import io
 import json
 import logging
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
+from rich.live import Live
+from rich.text import Text
 
 import swarmcensus as sc
 from swarmcensus.basics.documents import json_value
+from swarmcensus.basics.printable import CONTROL, printable
+from swarmcensus.basics.readers import AS_TERMINAL
+from swarmcensus.basics.terminal import console
 from swarmcensus.cli import commands
 from swarmcensus.cli.commands import main
 
@@ -298,6 +307,48 @@ def test_a_full_disk_is_told_in_a_sentence(results):
     with open("/dev/full", "w") as full:
         done = subprocess.run([*SHELL, "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
     assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")
+
+
+EVIL = "\x1b[2J\x07\x7f\x9b1m\u202e\u2066"
+SHOWN = r"\u001b[2J"
+
+
+@pytest.fixture
+def hostile(results, tmp_path):
+    """Results of a stranger who has put escape sequences into names."""
+    path = tmp_path / "hostile.nc"
+    shutil.copy(results / "two.nc", path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["title"] = f"two{EVIL}"
+        file.attrs[f"note{EVIL}"] = "x"
+        file["brain"][0] = f"commons{EVIL}"
+    return path
+
+
+@pytest.mark.parametrize("columns", ["100", ""], ids=["terminal", "pipe"])
+def test_a_terminal_obeys_no_names(columns, hostile, capsys, monkeypatch):
+    monkeypatch.setenv(AS_TERMINAL, columns)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    for line in ("show", "show --json", "show --label x{0}", "compare", "merge --out {0}.png"):
+        name, *options = line.split()
+        with contextlib.suppress(SystemExit):
+            main([name, str(hostile), *(option.format(EVIL) for option in options)])
+        out, err = capsys.readouterr()
+        said = re.sub(r"\x1b\[[\d;]*m", "", out) + err  # without colours
+        assert SHOWN in said, line
+        assert not CONTROL.search(said), line
+        if line == "show --json":
+            assert json.loads(out)["title"] == f"two{EVIL}"
+
+
+def test_a_bar_obeys_no_names():
+    assert SHOWN in printable(EVIL)
+    file = io.StringIO()
+    out = console(file=file, force_terminal=True, force_jupyter=False)
+    with Live(console=out, auto_refresh=False) as live:
+        live.update(Text(EVIL), refresh=True)
+    assert SHOWN in file.getvalue()
+    assert "\x1b[2J" not in file.getvalue()
 
 
 def test_who_stops_it_before_it_began_reads_no_traceback():

@@ -34,18 +34,9 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         with contextlib.suppress(OSError):  # some systems cannot sync folders
             _sync(target.parent)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {reason(error)}") from error
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         temporary.unlink(missing_ok=True)
-
-
-def reason(error: Exception) -> str:
-    """The system's reason for an error, extracted also from the long texts of HDF5."""
-    number = re.search(r"errno = (\d+)", str(error))
-    if number:
-        return os.strerror(int(number[1]))
-    text = error.strerror if isinstance(error, OSError) else None
-    return text or str(error).partition("\n")[0]
 
 
 def remove_leftovers(path: str | Path) -> None:

@@ -5,10 +5,12 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
+from swarmcensus.basics.printable import printable
 from swarmcensus.basics.readers import MOST, asked_columns
 
 UNFOLDED = MOST  # columns: a file or a pipe has no width
@@ -18,17 +20,22 @@ FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out befor
 
 
 class _Console(Console):
-    """A console that passes on a broken pipe to the command; rich would exit with code 1."""
+    """A console for printable text. It passes on a broken pipe to the command; rich would exit with code 1."""
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        for segment in super().render(renderable, options):
+            yield segment if segment.control else segment._replace(text=printable(segment.text))
 
 
 def console(**options: Any) -> Console:
     """A console for standard output, or error. It folds lines only in a terminal, and prints texts without markup."""
     stream = sys.stderr if options.get("stderr") else sys.stdout
     width = asked_columns() or (None if stream.isatty() else UNFOLDED)
-    return _Console(**{"width": width, "highlight": False, "markup": False, "emoji": False} | options)
+    usual: dict[str, Any] = {"file": getattr(stream, "unescaped", stream), "width": width}
+    return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)
 
 
 def table(columns: Iterable[tuple[str, bool]], rows: Iterable[Iterable[str]]) -> Table:
@@ -37,7 +44,7 @@ def table(columns: Iterable[tuple[str, bool]], rows: Iterable[Iterable[str]]) ->
     for name, number in columns:
         out.add_column(name, justify="right" if number else "left", no_wrap=number, overflow="fold")
     for row in rows:
-        out.add_row(*map(Text, row))
+        out.add_row(*(Text(printable(cell)) for cell in row))
     return out
 
 

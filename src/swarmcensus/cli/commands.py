@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from swarmcensus.basics.errors import STOPPED, InputError, Interrupted
 from swarmcensus.basics.options import shell_options
+from swarmcensus.basics.printable import escaping
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli import (
     compare,
@@ -49,6 +50,7 @@ class Command(NamedTuple):
     table: bool = False
 
 
+@escaping()
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command, or print the help if there is none; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
     options = _cached_parser().parse_args(arguments)

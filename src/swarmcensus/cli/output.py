@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from swarmcensus.basics.printable import printable
 from swarmcensus.basics.readers import is_terminal
 
 if TYPE_CHECKING:
@@ -34,7 +35,8 @@ class _Voice(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         to_files = record.name == WROTE.name and not self.data
-        print(record.getMessage(), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
+        # a progress bar would take escape sequences for its own
+        print(printable(record.getMessage()), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
 
 
 @contextlib.contextmanager

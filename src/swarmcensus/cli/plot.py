@@ -195,21 +195,21 @@ def _failures(kind: str) -> Iterator[None]:
 @contextlib.contextmanager
 def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
     """Show what a kind that draws one trial waits for: the compiler, and the frames of a film."""
-    from rich.console import Console
     from rich.progress import Progress
 
+    from swarmcensus.basics.terminal import console
     from swarmcensus.runs.progress import log_compilation
 
     with contextlib.ExitStack() as stack:
         if "setting" in given:
             stack.enter_context(log_compilation(brain_of(data, given["setting"])))
         if "progress" in given:
-            console = Console(stderr=True)
+            out = console(stderr=True)
             bar = stack.enter_context(
                 Progress(
-                    console=console,
+                    console=out,
                     transient=True,
-                    disable=not (console.is_terminal and LOG.isEnabledFor(logging.INFO)),
+                    disable=not (out.is_terminal and LOG.isEnabledFor(logging.INFO)),
                 )
             )
             task = bar.add_task("drawing", total=None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import numbers
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +14,7 @@ from matplotlib.figure import Figure
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.options import option
+from swarmcensus.basics.printable import printable
 from swarmcensus.figures.page import RENDERING
 
 DPI = 150  # unless a style says otherwise
@@ -55,5 +57,9 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
         with atomic_write(place) as temporary, RENDERING, mpl.rc_context(SAVED):
-            figure.savefig(temporary, format=extension, dpi=dots, metadata=undated)
+            drawn = io.BytesIO()  # a full disk confuses matplotlib's writer of PDFs
+            figure.savefig(drawn, format=extension, dpi=dots, metadata=undated)
+            data = drawn.getvalue()
+            # XML allows no control characters, and names in others' results may hold some
+            temporary.write_bytes(printable(data.decode()).encode() if extension == "svg" else data)
     return list(paths)

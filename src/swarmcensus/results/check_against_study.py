@@ -39,7 +39,7 @@ UNCHECKED = (  # attributes that cannot be checked, and why
     (("additions",), "the versions of other packages; their files are compared"),
 )
 BOOKKEEPING = (
-    "how a file lays out what is compared: byte order, _FillValue, coordinates, and what netCDF and HDF5 note for "
+    "how a file lays out what is compared: byte order, _FillValue, free space, and what netCDF and HDF5 note for "
     "themselves"
 )
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from xarray.backends import H5NetCDFStore
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write, reason
+from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
+from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
 from swarmcensus.results.presence import check_there
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
@@ -167,17 +168,13 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     # as an attribute: otherwise xarray copies the array to look for missing values
     data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
     encoding = dict.fromkeys(integers, small)
-    try:
-        with (
-            atomic_write(path) as temporary,
-            _Remembering(temporary, "w", track_order=True) as file,
-            h5netcdf.File(file, "w") as netcdf,
-        ):
-            data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
-    except RuntimeError as error:  # raised by h5py if the file cannot be closed
-        if "errno" not in str(error):
-            raise
-        raise InputError(f"cannot write {path}: {reason(error)}") from error
+    with (
+        atomic_write(path) as temporary,
+        Output(temporary) as output,
+        Remembering(output, "w", track_order=True) as file,
+        h5netcdf.File(file, "w") as netcdf,
+    ):
+        data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -195,6 +192,27 @@ def stored(path: str | Path) -> xr.Dataset:
     return checked(read(path), path)
 
 
+def wrong_layout(path: str | Path, data: xr.Dataset) -> list[str]:
+    """What in a results file differs from what `save` writes, and is not in its dataset, as sentences.
+
+    Raises InputError for damage that is not met when the dataset is read.
+    """
+    wrong = []
+    try:
+        with h5py.File(path) as file:
+            read_indices(file)
+            for name, variable in data.data_vars.items():
+                given = str(file[str(name)].attrs.get("coordinates", ""))
+                want = {str(k) for k in variable.coords if k not in data.dims}
+                least = want & {*structure.TEXTS, *structure.NUMBERS}  # early files lack those of some settings
+                if not least <= {*given.split()} <= want:
+                    should = " ".join(sorted(want))
+                    wrong.append(f"{name}: coordinates is {given!r} in the file, and should be {should!r}")
+    except (OSError, RuntimeError) as error:
+        raise InputError(f"results file {path}: damaged: {error}") from error
+    return wrong
+
+
 def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
     """Check a dataset that was read from a file, and return it. Raises InputError if it was changed."""
     if wrong := structure.wrong(data):
@@ -209,10 +227,12 @@ def read(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"results file {path}: {_absent(path)}")
     try:
-        with _Remembering(path, "r") as file:
+        if at := broken_texts(path):
+            raise ValueError(f"its texts at byte {at:,} are damaged")
+        with Remembering(path, "r") as file:
             if elsewhere := _not_here(file["/"]):  # h5netcdf fails later, outside this handler
                 raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
-            with h5netcdf.File(file, "r") as netcdf:
+            with h5netcdf.File(file, "r", decode_vlen_strings=True) as netcdf:
                 data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
         texts = [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]
         # text has the type object in datasets that a run returns
@@ -236,24 +256,6 @@ def read(path: str | Path) -> xr.Dataset:
     if wrong := structure.unmask(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
-
-
-class _Remembering(h5py.File):  # type: ignore[misc]
-    """An HDF5 file that opens each object once; h5netcdf opens each variable some forty times."""
-
-    def __init__(self, path: Path, mode: str, **options: Any) -> None:
-        super().__init__(path, mode, **options)
-        self.changes = mode != "r"
-        self.seen: dict[str, tuple[Any, Any]] = {}
-
-    def __getitem__(self, name: Any) -> Any:
-        if not isinstance(name, str):  # a reference
-            return super().__getitem__(name)
-        # the link changes when an object is made anew
-        link = self.changes and name != "/" and self.id.links.get_info(name.encode()).u
-        if name not in self.seen or self.seen[name][0] != link:
-            self.seen[name] = link, super().__getitem__(name)
-        return self.seen[name][1]
 
 
 def _not_here(root: h5py.Group) -> str | None:

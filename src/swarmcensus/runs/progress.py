@@ -23,10 +23,10 @@ NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a bar: shorter runs need
 @contextlib.contextmanager
 def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
     """A callback for `run` that shows trials done, their rate and the time left: a bar on a terminal, else lines."""
-    from rich.console import Console
+    from swarmcensus.basics.terminal import console
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    out = console(stderr=True)
+    if not out.is_terminal:
         yield _plain_lines(label)
         return
     from rich.markup import escape
@@ -39,7 +39,7 @@ def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
         TextColumn("{task.fields[count]}  {task.fields[rate]}  {task.fields[left]}"),
     )
     # no thread redraws it: a process with several threads cannot be forked, and compiling forks
-    with Bar(*columns, console=console, transient=True, auto_refresh=False) as bar:
+    with Bar(*columns, console=out, transient=True, auto_refresh=False) as bar:
         task = bar.add_task(escape(label), total=None, count="", rate="", left="")
         begun, drawn = time.monotonic(), -math.inf
 

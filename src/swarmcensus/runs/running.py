@@ -56,6 +56,7 @@ def run(
     which carries the dataset of the finished trials. Raises InputError if nothing could be run.
     """
     study = study if isinstance(study, Study) else Study.load(study)
+    study.check_trials()
     jobs = pools.thread_count(jobs)
     if share is not None and study.until:
         raise InputError(

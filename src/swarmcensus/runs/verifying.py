@@ -19,7 +19,7 @@ from swarmcensus.results import structure
 from swarmcensus.results.check_against_study import settings_of, unchecked, unlike
 from swarmcensus.results.reading import packed
 from swarmcensus.results.source_study import Brains, metrics_may_run, must_be_read, studies_of
-from swarmcensus.results.store import provenance, stored
+from swarmcensus.results.store import provenance, stored, wrong_layout
 from swarmcensus.results.values import (
     ESTIMATES,
     EVERY,
@@ -97,6 +97,8 @@ def verify(
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
     labels = [*unlike(data, studies), *_rule_problems(data, studies)]
+    if not isinstance(results, xr.Dataset):
+        labels += wrong_layout(results, data)
     tried = data.variables["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():
         raise InputError("these results hold no finished trial")

@@ -62,26 +62,23 @@ class Study:
             settings = all_settings(self.grids, self.faults)
         except ValueError as error:
             raise InputError(f"{where}: {error}") from None
-        kept = len(self.checkpoints) if self.measure.estimates else 1
-        values = len(settings) * self.trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
-        if values > MOST_VALUES:
-            raise InputError(
-                f"{where}: {counted(len(settings), 'setting')} of {counted(self.trials, 'trial')} make "
-                f"{values:,} values to keep; {MOST_VALUES:,} is the most: fewer trials, "
-                f"settings{', checkpoints' * (kept > 1)} or robots"
-            )
+        self._check_size(where, len(settings), 1)
+        if not context.get("kept"):
+            self._warn(where)
+
+    def _warn(self, where: str) -> None:
         sizes = ((t, robots) for grid in self.grids for t in grid.world.topology for robots in grid.swarm.robots)
         for topology, robots in dict.fromkeys(sizes):
             if said := topology.unlinked(robots):
                 warnings.warn(
-                    f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}: {said}", stacklevel=2
+                    f"{where}: topology {topology.name!r} of {counted(robots, 'robot')}: {said}", stacklevel=4
                 )
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
             if accuracy.is_blind:
                 warnings.warn(
                     f"{where}: accuracy {accuracy} carries no information: "
                     "such a sensor says the same of black and white",
-                    stacklevel=2,
+                    stacklevel=4,
                 )
 
     def __repr__(self) -> str:
@@ -145,6 +142,20 @@ class Study:
             "metrics": {m.name: m for m in self.measure.metrics},
             "kept": True,
         }
+
+    def check_trials(self) -> None:
+        """Raise InputError if the results of all trials would be too large."""
+        self._check_size(f"study {self.name}", len(self.settings()), self.trials)
+
+    def _check_size(self, where: str, settings: int, trials: int) -> None:
+        kept = len(self.checkpoints) if self.measure.estimates else 1
+        values = settings * trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
+        if values > MOST_VALUES:
+            raise InputError(
+                f"{where}: {counted(settings, 'setting')} of {counted(trials, 'trial')} make "
+                f"{values:,} values to keep; {MOST_VALUES:,} is the most: fewer trials, "
+                f"settings{', checkpoints' * (kept > 1)} or robots"
+            )
 
     def stages(self) -> Iterator[int]:
         """The numbers of trials after which a setting may end: one, or several with a rule."""

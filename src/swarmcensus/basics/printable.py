@@ -1,0 +1,42 @@
+"""Text from others' files on a terminal: control characters in it are shown, and the terminal does not obey them."""
+
+import contextlib
+import re
+import sys
+from collections.abc import Iterator
+from typing import TextIO, cast
+
+# the control characters C0, DEL and C1 except tabs and line ends, and marks that reverse the direction of text
+CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]|\r(?!\n)")
+
+
+def printable(text: str) -> str:
+    r"""The text with control characters as JSON escapes them, such as \u001b."""
+    return CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+class Escaping:
+    """A stream of printable text on top of `unescaped`, which only tables write to, for their own colours."""
+
+    def __init__(self, unescaped: TextIO) -> None:
+        """Write to this stream."""
+        self.unescaped = unescaped
+
+    def write(self, text: str) -> int:
+        """Write text."""
+        return self.unescaped.write(printable(text))
+
+    def __getattr__(self, name: str) -> object:
+        """Everything else is the stream's."""
+        return getattr(self.unescaped, name)
+
+
+@contextlib.contextmanager
+def escaping() -> Iterator[None]:
+    """Escape what is written to standard output and error while the block lasts."""
+    before = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = (cast(TextIO, Escaping(stream)) for stream in before)
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
