@@ -47,6 +47,8 @@ LOST = "the cluster is gone: finished work is kept, and the same command continu
 class Workers:
     """The workers of a cluster, as a pool that runs bundles."""
 
+    grace_seconds = 5.0  # bundles are short, and are not told to end
+
     def __init__(self, client: Any, study: Study, expected: int, renew: Callable[[], str] = str) -> None:
         """Send the study to the scheduler.
 
@@ -86,6 +88,10 @@ class Workers:
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on a worker."""
         return self._executor.submit(run_remotely, self._key, bundle)  # type: ignore[no-any-return]
+
+    def so_far(self, future: Future[Outcome]) -> Outcome:
+        """Return nothing: a worker sends a bundle whole."""
+        return []
 
     def halt(self) -> None:
         """Do nothing: bundles are short, and the caller cancels those that wait."""

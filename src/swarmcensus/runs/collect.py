@@ -13,6 +13,7 @@ from swarmcensus.results.values import Values
 from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
+from swarmcensus.simulation import hanging
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -69,13 +70,14 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
                 break
             state.show(pool.note)
             _collect_finished(state, pool, waiting)
+            hanging.look()
     except KeyboardInterrupt:
         pool.halt()
-        for future in waiting:
-            future.cancel()
-        for future, bundle in waiting.items():
-            if not future.cancelled():
-                _store_outcome(state, pool, future, bundle)
+        begun = {future: bundle for future, bundle in waiting.items() if not future.cancel()}
+        ended = wait(begun, pool.grace_seconds).done
+        for future, bundle in begun.items():
+            outcome = _outcome_of(pool, future, bundle) if future in ended else pool.so_far(future)
+            _store_outcome(state, outcome, bundle)
         return True
     finally:
         for future in waiting:
@@ -87,23 +89,26 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
 def _collect_finished(state: State, pool: Pool, waiting: dict[Future[Outcome], Bundle]) -> None:
     """Wait a moment, store finished bundles, and release their memory."""
     for future in wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED).done:
-        _store_outcome(state, pool, future, waiting[future])
+        _store_outcome(state, _outcome_of(pool, future, waiting[future]), waiting[future])
         del waiting[future]  # only now: if Ctrl-C interrupts storing it, it is stored again
 
 
-def _store_outcome(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:
+def _outcome_of(pool: Pool, future: Future[Outcome], bundle: Bundle) -> Outcome:
     try:
-        outcome = future.result()
+        return future.result()
     except Exception as error:
         why = pool.why_lost(error)
         if why is None:
             raise
-        outcome = [
+        return [
             Failure(number, task.first + k, why)
             for task in bundle
             for number in task.settings
             for k in range(task.trials)
         ]
+
+
+def _store_outcome(state: State, outcome: Outcome, bundle: Bundle) -> None:
     pieces = [entry for entry in outcome if not isinstance(entry, Failure)]
     failures = [entry for entry in outcome if isinstance(entry, Failure)]
     for piece in pieces:

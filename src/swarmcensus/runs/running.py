@@ -6,7 +6,6 @@ import logging
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.basics.formatting import counted
+from swarmcensus.engine.threads import LeavableThreads
 from swarmcensus.results import store
 from swarmcensus.results.reading import readable
 from swarmcensus.results.values import ArrayStore, Values
@@ -190,7 +190,7 @@ def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[pools.Pool]:
         return
     if not _is_complete(state):
         pools.compile_for([(state.study, state.settings)], state.show)
-    with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as executor:
+    with LeavableThreads(jobs) as executor:
         threads = pools.Threads(executor, jobs, state.study, state.settings)
         try:
             yield threads

@@ -12,6 +12,7 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.addresses import address
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.swarming import fields_of, free, swarm
 
@@ -76,7 +77,7 @@ def infer(
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
             alike = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
-            compiler.compile_world("kernel").follow(
+            interruptible(compiler.compile_world("kernel").follow)(
                 alike, outbox, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends, history,
                 estimates,
             )  # fmt: skip

@@ -10,6 +10,7 @@ from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.layout import Chunk, Recorded
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.intervals import check_intervals, intervals_of, no_intervals
 from swarmcensus.simulation.swarming import (
@@ -201,6 +202,7 @@ class Ride:
     true_fill_ratio: np.ndarray  # (tick)
 
 
+@interruptible
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     """Run one trial of moving robots again, and keep all of it."""
     stop = np.zeros(1, np.uint8)
