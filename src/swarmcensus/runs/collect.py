@@ -31,6 +31,7 @@ class Progress:
     work_total: float
     note: str = ""  # what happens while no trials run, such as compiling
     stage: str = ""  # which of several parts this is
+    part: str = ""  # what the totals are of, in words, if work that nobody can foretell may follow
     steps: tuple[int, int] = (0, 0)  # steps of the note: how many are done, of how many
 
 
@@ -53,10 +54,11 @@ class State:
     total: int = 0
     work_done: float = 0.0
     work_total: float = 0.0
+    part: str = ""
 
     def show(self, note: str = "", steps: tuple[int, int] = (0, 0)) -> None:
         """Report the run's progress."""
-        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, steps=steps))
+        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, part=self.part, steps=steps))
 
 
 def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:

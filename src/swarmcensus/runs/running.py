@@ -227,6 +227,7 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
         tasks = plan_tasks(state.settings, lacking, local, bundle_seconds)
         state.done, state.total = _so_far(state, trials, unsettled)
         state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
+        state.part = "this stage" if trials < state.study.trials else ""
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
         if stage == 0:
