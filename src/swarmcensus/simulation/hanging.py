@@ -19,6 +19,7 @@ from swarmcensus.studies.settings import Setting
 PATIENCE = 5.0  # seconds that machine code may take before its brains are examined
 MOST_LINES = 3_000_000  # in one call of a brain's function: a second of CPython, some milliseconds of machine code
 MOST_SECONDS = 15.0  # of CPython for one examination
+EXAMINES = "swarmcensus examines"  # what such threads are called
 
 LOG = logging.getLogger(__name__)
 _EXAMINED: set[str] = set()  # hashes of brains: each is examined once
@@ -60,7 +61,7 @@ def examine(settings: Sequence[Setting], seed: int, trials: Sequence[int], runs:
         new = {brain.sha256 for brain in setting.brains if brain.name not in brains.shipped()} - _EXAMINED
         if new:
             _EXAMINED.update(new)
-            threading.Thread(target=_examine, args=(setting, seed, trials, runs), daemon=True).start()
+            threading.Thread(None, _examine, EXAMINES, (setting, seed, trials, runs), daemon=True).start()
 
 
 def _examine(setting: Setting, seed: int, trials: Sequence[int], runs: Callable[[], bool]) -> None:
