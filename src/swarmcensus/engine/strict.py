@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.engine.code_cache import not_compiled
 from swarmcensus.engine.compiling import compiled
 
 DOMAIN, RANGE = "math domain error", "math range error"
@@ -103,7 +104,9 @@ vars(MATH).update(vars(math) | OF_MATH)
 
 
 def make_strict(brain: types.ModuleType) -> None:
-    """Give the functions of a brain's file, which are not compiled yet, what is in here."""
+    """Give the functions of a brain's file, which are not compiled yet, what is in here; CPython needs none of it."""
+    if not_compiled():
+        return
     for name, value in list(vars(brain).items()):
         if value is math:
             setattr(brain, name, MATH)

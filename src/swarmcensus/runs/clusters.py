@@ -47,8 +47,6 @@ LOST = "the cluster is gone: finished work is kept, and the same command continu
 class Workers:
     """The workers of a cluster, as a pool that runs bundles."""
 
-    grace_seconds = 2.0  # bundles are short, and are not told to end
-
     def __init__(self, client: Any, study: Study, expected: int, renew: Callable[[], str] = str) -> None:
         """Send the study to the scheduler.
 

@@ -1,6 +1,7 @@
 """Hands bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
 
 import logging
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import AbstractContextManager
@@ -19,6 +20,7 @@ from swarmcensus.studies.study import Study
 
 LOG = logging.getLogger(__name__)
 WAIT_SECONDS = 0.1
+GRACE_SECONDS = 0.5  # of a processor, for bundles to end after Ctrl-C: a round takes less
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
     except KeyboardInterrupt:
         pool.halt()
         begun = {future: bundle for future, bundle in waiting.items() if not future.cancel()}
-        ended = wait(begun, pool.grace_seconds).done
+        ended = _ended(begun)
         for future, bundle in begun.items():
             outcome = _outcome_of(pool, future, bundle) if future in ended else pool.so_far(future)
             _store_outcome(state, outcome, bundle)
@@ -86,6 +88,17 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
             future.cancel()
     state.show()
     return False
+
+
+def _ended(begun: dict[Future[Outcome], Bundle]) -> set[Future[Outcome]]:
+    """Which of some bundles have ended soon; those whose brain never returns are not waited for."""
+    wall, cpu, ended = time.monotonic(), time.process_time(), set[Future[Outcome]]()
+    while len(ended) < len(begun):
+        ended = wait(begun, WAIT_SECONDS).done
+        waited, worked = time.monotonic() - wall, time.process_time() - cpu
+        if min(waited, worked) > GRACE_SECONDS or waited > 4 * GRACE_SECONDS:
+            break
+    return ended
 
 
 def _collect_finished(state: State, pool: Pool, waiting: dict[Future[Outcome], Bundle]) -> None:

@@ -48,8 +48,6 @@ class Pool(Protocol):
     def so_far(self, future: Future[Outcome]) -> Outcome:
         """What is known of a bundle that is given up while it runs."""
 
-    grace_seconds: float  # for bundles to end after `halt`, before they are given up
-
     def halt(self) -> None:
         """Make running bundles end soon, with what they have finished."""
 
@@ -61,7 +59,6 @@ class Threads:
     """Threads of this process: the engine releases Python's lock while it computes."""
 
     note = ""
-    grace_seconds = 0.5  # a round takes less; a brain that never returns takes for ever
 
     def __init__(self, executor: Executor, jobs: int, study: Study, settings: list[Setting]) -> None:
         """Use the executor's threads, of which `jobs` will be busy at once."""
