@@ -10,6 +10,8 @@ from dataclasses import replace
 from types import FrameType, SimpleNamespace
 from typing import Any
 
+from numba.core.compiler_lock import global_compiler_lock
+
 from swarmcensus import brains
 from swarmcensus.brains import Brain
 from swarmcensus.engine.threads import WHILE_WAITING
@@ -46,6 +48,9 @@ def watched(settings: Sequence[Setting], seed: int, first: int, trials: int = 1)
 
 def look() -> None:
     """Examine brains whose machine code has been running for long; a line on stderr names one that does not return."""
+    if not global_compiler_lock._lock.acquire(blocking=False):  # compiling takes long, and no brain
+        return
+    global_compiler_lock._lock.release()
     for thread, run in list(_running.items()):
         begun, settings, seed, trials = run
         if time.monotonic() - begun > PATIENCE:
