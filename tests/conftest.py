@@ -33,6 +33,8 @@ hypothesis.settings.load_profile("here")
 
 
 def pytest_configure(config):
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell has what it starts in the background ignore Ctrl-C
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # here, in xdist's workers and in what tests start
     interpreted.register(config)
     config.pluginmanager.register(Long(config))
 
@@ -111,14 +113,6 @@ def untraced(untraced_processes):
     sys.settrace(None)
     yield
     sys.settrace(trace)
-
-
-@pytest.fixture
-def ctrl_c():
-    """Ctrl-C is heard here and in processes begun here: a shell has what it begins in the background ignore it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture

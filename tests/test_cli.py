@@ -292,7 +292,7 @@ def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_b
     assert list((here / "scratch").iterdir()) == []
 
 
-def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here, ctrl_c):
+def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     """A study of minutes; the interrupt comes once it is under way."""
     text = SMALL.replace("trials = 4", "trials = 300").replace("rounds                 = 60", "rounds = 200_000")
     (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))

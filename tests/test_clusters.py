@@ -398,7 +398,7 @@ def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monke
 
 @pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_what_ends_a_run_cancels_its_jobs_and_keeps_what_is_done(slurm, ctrl_c, number):
+def test_what_ends_a_run_cancels_its_jobs_and_keeps_what_is_done(slurm, number):
     """The fixture sees to it that none is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
     before = signal.getsignal(number)
     with pytest.raises(Interrupted) as stopped:

@@ -245,3 +245,11 @@ def test_the_page_has_the_errors_of_all_brains_that_hear_neighbours():
     named = {row[0].strip("| `") for row in rows}
     assert named == set(brains.shipped()) - {"oracle", "leaver"}
     assert sum(row[0].startswith("| `commons`") for row in rows) == 3
+
+
+def test_an_error_in_single_precision_has_the_line_of_the_file():
+    source = brains.load("alone").source.replace("    me.t += looks\n", "    me.t += looks\n    me.n /= me.t - looks\n")
+    used = brains.parse(source, "mine", Path("mine.py")).with_numbers(Numbers(precision="single"))
+    with pytest.raises(ZeroDivisionError) as failed:
+        used.functions.observe(used.robot(0.7, 0.7), 1.0, 1.0)
+    assert source.splitlines()[failed.traceback[-1].lineno] == "    me.n /= me.t - looks"

@@ -303,3 +303,23 @@ def test_where_no_cache_can_be_kept_nothing_is_compiled_beside(tmp_path):
     for place, said in (("file", "False"), ("folder", "True")):
         done = python(code, env=os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / place)})
         assert done.stdout.split() == [said], done.stderr
+
+
+def test_powers_are_looked_at_where_operands_can_be_repeated():
+    source = """STEP = 2.0 ** -20
+def plain(x):
+    return x ** 0.5
+def writes(me):
+    me.x = 1.0
+    return me.x
+def calls(me):
+    return writes(me)
+def fuse(me):
+    me.x **= 2
+    return plain(me.x) ** 2 + calls(me) ** 2
+"""
+    lines = codegen.essence(source).splitlines()
+    assert "STEP = 2.0 ** (-20)" in lines
+    assert "    return power_of_cpython(x ** 0.5, x, 0.5)" in lines
+    assert "    return power_of_cpython(plain(me.x) ** 2, plain(me.x), 2) + calls(me) ** 2" in lines
+    assert "    me.x **= 2" in lines

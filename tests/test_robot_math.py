@@ -6,14 +6,17 @@ import os
 import re
 import shutil
 import subprocess
+import types
 from pathlib import Path
 
+import numba
 import pytest
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import adversary, robot_math
 from swarmcensus.conformance import suite
+from swarmcensus.engine import codegen, strict
 
 PACKAGE = "@micropython/micropython-webassembly-pyscript"  # found by node through NODE_PATH
 ASK = f"""
@@ -177,3 +180,48 @@ def test_what_avr_libc_declares():
     not_of_c = {"degrees", "radians"}
     names_in_c = {name: "tgamma" if name == "gamma" else name for name in robot_math.FUNCTIONS if name not in not_of_c}
     assert {name for name, in_c in names_in_c.items() if in_c not in declared} == {*robot_math.NOT_ON_AVR}
+
+
+NUMBERS = (0.0, 1.0, -1.0, 0.5, -0.5, -2.5, 3.0, 171.7, -1000.0, 1000.0, 1e308, math.inf, -math.inf, math.nan)
+OF_TWO = ("fmod", "ldexp", "pow", "**", "powi")
+CALLS = [
+    *(f"math.{name}(x)" for name in strict.OF_MATH if name not in OF_TWO),
+    "int(x)", "round(x)", "math.fmod(x, y)", "math.ldexp(x, int(min(max(y, -2000.0), 2000.0)))",
+    "math.pow(x, y)", "pow(x, y)", "x ** y", "x ** 2",
+    "x // y", "x % y",
+]  # fmt: skip
+
+
+def outcome(call, *given):
+    """What a call returns, or the type of its error; a complex number, which no mind can hold, is an error too."""
+    try:
+        result = call(*given)
+    except (ValueError, OverflowError, ZeroDivisionError) as error:
+        return type(error)
+    return ValueError if isinstance(result, complex) else float(result)
+
+
+@pytest.mark.long
+def test_machine_code_raises_where_cpython_does():
+    """Every function on edges of its domain; all in one function, which is compiled once."""
+    body = "".join(f"    if k == {k}:\n        return 1.0 * ({call})\n" for k, call in enumerate(CALLS))
+    source = f"import math\ndef call(k, x, y):\n{body}    return 0.0\n"
+    usual, made = {}, types.ModuleType("mine")
+    exec(source, usual)
+    exec(codegen.essence(source), vars(made))
+    strict.make_strict(made)
+    machine = numba.njit(error_model="python")(made.call)
+    for k, name in enumerate(CALLS):
+        for x in NUMBERS:
+            for y in NUMBERS if "y" in name else (0.0,):
+                expected, found = outcome(usual["call"], k, x, y), outcome(machine, k, x, y)
+                if isinstance(expected, float) and abs(expected) > 2**62 and name[:4] in ("int(", "roun", "math"):
+                    continue  # whole numbers of 64 bits end there
+                if {expected, found} == {OverflowError, ValueError} and name in ("x ** y", "pow(x, y)") and x < 0:
+                    continue  # a complex number that is too large
+                same = (
+                    found is expected
+                    if isinstance(expected, type)
+                    else found == pytest.approx(expected, 1e-13, nan_ok=True)
+                )
+                assert same, (name, x, y, expected, found)

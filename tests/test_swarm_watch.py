@@ -24,7 +24,7 @@ pytestmark = [
 
 
 @pytest.fixture
-def started(tmp_path, ctrl_c):
+def started(tmp_path):
     """Starts a swarm with its page; returns the process, what a page needs to talk to it, and the line of the page."""
     running = []
 

@@ -222,7 +222,7 @@ def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
 
 
 @pytest.mark.long
-def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
+def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long):
     process = begun(*LONG, "--out", "cut.toml")
     wait_for(process, 60)
     process.send_signal(signal.SIGINT)

@@ -124,3 +124,35 @@ def test_who_waits_for_a_copy_is_called_meanwhile(monkeypatch):
     assert ended() == 7
     if sys.platform == "linux" and os.cpu_count() > 1:
         assert calls
+
+
+def paces(monkeypatch, steps):
+    """What is shown of the time left after each of some steps, which are a second and a progress."""
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    pace, seen = progress._Pace(), []
+    for second, step in steps:
+        now[0] = float(second)
+        seen.append(pace.of(step)[1])
+    return seen
+
+
+def test_what_was_found_says_nothing_of_the_time_left(monkeypatch):
+    """Half is done already, and the other half takes 100 seconds."""
+    compiling = Progress(0, 0, 0.0, 0.0, "compiling")
+    steps = [(0, compiling), (30, compiling), (30, Progress(50, 100, 5.0, 10.0)), (40, Progress(55, 100, 5.5, 10.0))]
+    assert paces(monkeypatch, steps) == ["", "", "", "1:30 left"]
+
+
+def test_where_more_may_follow_the_time_left_is_that_of_a_part(monkeypatch):
+    """The second part takes ten times as long, which nobody knew before."""
+    first, second = (lambda done: Progress(done, 10, float(done), 10.0, part="this step") for _ in range(2))
+    steps = [(0, first(0)), (5, first(5)), (10, first(10)), (10, second(0)), (20, second(1))]
+    half = "0:05 left of this step, 0:05 so far"
+    assert paces(monkeypatch, steps) == [
+        "",
+        half,
+        "0:00 left of this step, 0:10 so far",
+        "",
+        "1:30 left of this step, 0:20 so far",
+    ]

@@ -367,7 +367,6 @@ def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, ended):
     assert answers == [200, 200]
 
 
-@pytest.mark.usefixtures("ctrl_c")
 @pytest.mark.long(only=["1"])
 @pytest.mark.parametrize("times", [1, 3])
 def test_ctrl_c_ends_it_at_once_whatever_is_computed(times):

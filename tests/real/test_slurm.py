@@ -198,7 +198,7 @@ def test_why_jobs_wait_is_said(slurm):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_run_that_is_stopped_cancels_its_jobs(slurm, ctrl_c, number):
+def test_a_run_that_is_stopped_cancels_its_jobs(slurm, number):
     with running("two.toml") as process:
         until(lambda: "starting" in Path("said").read_text(), "workers are there")
         process.send_signal(number)

@@ -41,6 +41,9 @@ def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = 
             succeeded, result = receiver.recv()
         except (EOFError, pickle.UnpicklingError):  # the copy was killed
             return work()
+        except KeyboardInterrupt:  # the copy may hear nothing of it
+            copy.terminate()
+            raise
         finally:
             receiver.close()
             copy.join()

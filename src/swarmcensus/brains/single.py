@@ -6,9 +6,11 @@ in CPython, and in machine code with float32 instructions. Functions of `math` a
 """
 
 import ast
+import copy
 import ctypes
 import functools
 from pathlib import Path
+from typing import Any
 
 from swarmcensus import robot
 from swarmcensus.brains.kinds import REAL, WHOLE, Kind, Kinds, arguments_of
@@ -34,7 +36,7 @@ def codec_source(precision: str) -> str:
 
 def in_single(tree: ast.Module, kinds: Kinds) -> ast.Module:
     """The source in single precision, with calls of `rounded_to_single`; `kinds` are those of `tree`."""
-    made: ast.Module = _Rounding(kinds).visit(ast.parse(ast.unparse(tree)))
+    made: ast.Module = _Rounding(kinds).visit(copy.deepcopy(tree))  # with the lines of the file
     made.body.insert(0, ast.ImportFrom(__name__, [ast.alias(ROUND)], 0))
     return ast.fix_missing_locations(made)
 
@@ -126,7 +128,8 @@ class _Rounding(ast.NodeTransformer):
         return node
 
     def visit_AugAssign(self, node: ast.AugAssign) -> ast.Assign:
-        read = ast.parse(ast.unparse(node.target), mode="eval").body
+        read: Any = copy.deepcopy(node.target)
+        read.ctx = ast.Load()
         value = self.visit(ast.BinOp(read, node.op, node.value))
         return ast.Assign([self.visit(node.target)], value, lineno=node.lineno)
 

@@ -17,6 +17,7 @@ from swarmcensus.conformance.sample_minds import ACCURACIES, SEED, Fault
 from swarmcensus.engine import codegen, compiler
 from swarmcensus.engine.compiling import INSIDE
 from swarmcensus.engine.constants import LUCK_STEER
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.inferring import infer
 from swarmcensus.simulation.swarming import swarm
@@ -78,6 +79,7 @@ def agrees(brain: Brain) -> None:
         wishes_agree(brain, slow, b, w)
 
 
+@interruptible
 def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
     """How minds (robot, field) steer, compiled, without limits of wheels.
 

@@ -14,6 +14,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic
 
 from swarmcensus.engine.code_cache import not_compiled, sealed
@@ -149,7 +150,7 @@ class Phase(NamedTuple):
         """The address of its machine code, compiled or loaded now; the function itself if Numba is switched off."""
         if not hasattr(self.function, "compile"):
             return self.function
-        with _one_at_a_time():
+        with global_compiler_lock, _one_at_a_time():  # other threads compile loops as usual
             self.function.compile(self.takes)
         made = self.function.overloads[self.takes]
         return made.library.get_pointer_to_function(made.fndesc.llvm_func_name)

@@ -35,6 +35,7 @@ SOURCES = (
     "calling.py",
     "layout.py",
     "compiling.py",
+    "strict.py",
     "changes.py",
     "records.py",
 )  # what all code depends on

@@ -12,8 +12,10 @@ from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
 from swarmcensus.brains.packing import MOST, READ, STEPS, Part
 from swarmcensus.brains.single import ROUND
 from swarmcensus.engine.constants import NOISE, SAID
+from swarmcensus.engine.strict import POWER
 from swarmcensus.metrics import Metric
 
+BEFORE = "base_of_power"
 CLIPPED, OWED, UNUSED = "_clipped", "_owed_{}", "_unused_"  # of a mind, where its messages have a format
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
@@ -24,6 +26,7 @@ from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import {chance}
 from swarmcensus.engine.records import record_type
 from swarmcensus.engine.return_values import spoken, whole_vector
+from swarmcensus.engine.strict import make_strict
 
 from numpy import float32, float64  # noqa: F401
 
@@ -31,6 +34,7 @@ from . import {files}
 
 record = record_type({record})
 {rounding}
+make_strict(brain)
 for file in ({files},):
     for name, value in list(vars(file).items()):
         if isinstance(value, type(lambda: None)):
@@ -133,9 +137,50 @@ def essence(source: str) -> str:
             body = [one for one in node.body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
             node.body = body or [ast.Pass()]
     try:
-        return ast.unparse(tree)
+        powers = _Powers(tree)
+        tree.body = [powers.visit(node) if isinstance(node, ast.FunctionDef) else node for node in tree.body]
+        return ast.unparse(ast.fix_missing_locations(tree))
     except RecursionError:  # an expression of hundreds of terms
         return source
+
+
+class _Powers(ast.NodeTransformer):
+    """Has the result of each `a ** b` looked at: machine code goes on with infinity or NaN where CPython raises.
+
+    The operation itself stays as it is, because Numba treats constant exponents differently. Operands are repeated, so
+    they have no effects: powers of what helpers return that write to a record or a vector are left alone.
+    """
+
+    def __init__(self, tree: ast.Module) -> None:
+        helpers = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+        self.writing = {name for name, node in helpers.items() if any(map(_writes, ast.walk(node)))}
+        for _ in helpers:  # and those that call them
+            self.writing |= {name for name, node in helpers.items() if _names_in(node) & self.writing}
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        used = _names_in(node)
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Pow) or used & self.writing:
+            return node
+        return ast.Call(ast.Name(POWER, ast.Load()), [node, node.left, node.right], [])
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> Any:
+        used = _names_in(node)
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Pow) or used & self.writing:
+            return node
+        target = ast.parse(ast.unparse(node.target), mode="eval").body
+        before = [ast.Name(BEFORE + end, ast.Store()) for end in ("", "_exponent")]
+        kept = [ast.Assign([name], value) for name, value in zip(before, (target, node.value), strict=True)]
+        return [*kept, node, ast.Expr(ast.Call(ast.Name(POWER, ast.Load()), [target, *before], []))]
+
+
+def _writes(node: ast.AST) -> bool:
+    return isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store)
+
+
+def _names_in(tree: ast.AST) -> set[str]:
+    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
 
 
 def _is_declaration(node: ast.stmt, read: set[str]) -> bool:

@@ -131,11 +131,14 @@ def _simulate(
     settings = {name: study.settings() for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
     work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
+    work |= {name: 0.0 for name in studies if not fresh and data_path(out, name).exists()}
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()
     with reporting("reproduce") as progress:
 
         def show(now: Progress) -> None:
+            if not now.note:
+                work[[*studies][len(datasets)]] = now.work_total  # without what was found
             before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
             total, work_total = sum(trials.values()), sum(work.values())
             done, work_done = int(before) + now.done, work_before + now.work_done

@@ -12,7 +12,7 @@ from swarmcensus.planning.areas import NoNetwork
 from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.planning.plans import Plan, Question, Row
 from swarmcensus.planning.predictions import with_worst_accuracy
-from swarmcensus.planning.search import BEGUN, Search, Unreachable
+from swarmcensus.planning.search import Search, Unreachable
 from swarmcensus.planning.shortest_time import shortest
 from swarmcensus.planning.smallest_swarm import enough, smallest
 from swarmcensus.runs.collect import Progress
@@ -43,16 +43,15 @@ def plan(
     else:
         tables = dict(mission)
     checked = mission_of(tables, where, base)
-    question, rows, so_far = question_of(checked), [], BEGUN
+    question, rows = question_of(checked), []
     for world in with_worst_accuracy(checked).worlds:
-        search = Search(world, thread_count(jobs), progress or (lambda _: None), so_far)
+        search = Search(world, thread_count(jobs), progress or (lambda _: None))
         try:
             rows += _rows(search, question)
         except Unreachable as reason:
             raise InputError(f"{where}: the goal cannot be reached, because {reason}") from None
         except NoNetwork as error:
             raise InputError(f"{where}: {error}") from None
-        so_far = search.so_far
     if question != "enough" and all(row.answer == "not reached" for row in rows):
         raise InputError(f"{where}: the goal cannot be reached, because {_how_close(checked, rows)}")
     return Plan(question, checked, rows, text_of(tables))

@@ -29,7 +29,6 @@ CONFIRMED = 3  # fill ratios that are simulated in all trials, of those that may
 
 
 LOG = logging.getLogger(__name__)
-BEGUN = Progress(0, 0, 0.0, 0.0)
 
 
 class Unreachable(Exception):
@@ -53,7 +52,6 @@ class Search:
     mission: Mission
     jobs: int
     show: Show
-    so_far: Progress = BEGUN  # progress of earlier runs, to which later runs add theirs
     cases: list[Case] = field(init=False)
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
@@ -132,22 +130,11 @@ class Search:
         minutes = times[-1] * mission.round_minutes
         what = "first look" if trials < mission.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
-        latest = before = self.so_far
 
-        def show(progress: Progress) -> None:
-            nonlocal latest
-            latest = replace(
-                progress,
-                done=before.done + progress.done,
-                total=before.done + progress.total,
-                work_done=before.work_done + progress.work_done,
-                work_total=before.work_done + progress.work_total,
-                stage=stage,
-            )
-            self.show(latest)
+        def show(progress: Progress) -> None:  # how many steps follow depends on what this one finds
+            self.show(replace(progress, stage=stage, part="this step"))
 
         found_curves = curves(mission, study, self.jobs, show)
-        self.so_far = latest
         for curve in found_curves:
             lie = f" among {curve.case.lie.label}" if curve.case.lie else ""
             right = f"{100 * curve.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"

@@ -3,7 +3,7 @@
 import json
 import shlex
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ from swarmcensus.ranking.scores import DIVISIONS, Scores, scores_of
 from swarmcensus.ranking.table import as_text, flat, rows
 from swarmcensus.results.merging import merge
 from swarmcensus.results.store import load
-from swarmcensus.runs.collect import Reporting
+from swarmcensus.runs.collect import Progress, Reporting
 from swarmcensus.runs.progress import bar_or_nothing
 from swarmcensus.runs.running import run
 from swarmcensus.studies.study import Study
@@ -92,11 +92,12 @@ def leaderboard(
     for name in studies:
         check_writable(data_path(out, name))
     parts = {}
-    for name in sorted(studies, key=lambda name: name == OFFICIAL):  # own brains first: failures show soon
+    for k, name in enumerate(sorted(studies, key=lambda name: name == OFFICIAL)):  # own first: failures show soon
         study, path = studies[name], data_path(out, name)
         restart = fresh or (name != OFFICIAL and _changed(path, study, say))
         with reporting(f"leaderboard, {name}") as progress:
-            parts[name] = run(study, jobs, progress, out=path, fresh=restart, say=say)
+            part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
+            parts[name] = run(study, jobs, _showing(progress, part), out=path, fresh=restart, say=say)
     data = merge([parts[name] for name in studies]) if own_files else parts[OFFICIAL]
     brains = [brain for study in studies.values() for brain in study.brains]
     opinions = {brain.name for brain in brains if brain.is_opinion}
@@ -116,6 +117,11 @@ def leaderboard(
         text = page([*scores.values()], [*losses.values()], shlex.join(words), shipped.seed, shipped.trials, FIGURE)
         temporary.write_text(text, encoding="utf-8")
     return Board(data, board, scores[board], losses[board], out / PAGE)
+
+
+def _showing(show: Callable[[Progress], None], part: str) -> Callable[[Progress], None]:
+    """A callback that shows the progress of one of several runs as that of a part."""
+    return lambda now: show(replace(now, part=now.part or part))
 
 
 def _changed(path: Path, study: Study, say: Callable[[str], None]) -> bool:

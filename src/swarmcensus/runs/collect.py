@@ -1,6 +1,7 @@
 """Hands bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
 
 import logging
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import AbstractContextManager
@@ -13,11 +14,13 @@ from swarmcensus.results.values import Values
 from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
+from swarmcensus.simulation import hanging
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
 LOG = logging.getLogger(__name__)
 WAIT_SECONDS = 0.1
+GRACE_SECONDS = 0.5  # of a processor, for bundles to end after Ctrl-C: a round takes less
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,7 @@ class Progress:
     work_total: float
     note: str = ""  # what happens while no trials run, such as compiling
     stage: str = ""  # which of several parts this is
+    part: str = ""  # what the totals are of, in words, if work that nobody can foretell may follow
     steps: tuple[int, int] = (0, 0)  # steps of the note: how many are done, of how many
 
 
@@ -52,10 +56,11 @@ class State:
     total: int = 0
     work_done: float = 0.0
     work_total: float = 0.0
+    part: str = ""
 
     def show(self, note: str = "", steps: tuple[int, int] = (0, 0)) -> None:
         """Report the run's progress."""
-        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, steps=steps))
+        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, part=self.part, steps=steps))
 
 
 def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
@@ -69,13 +74,14 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
                 break
             state.show(pool.note)
             _collect_finished(state, pool, waiting)
+            hanging.look()
     except KeyboardInterrupt:
         pool.halt()
-        for future in waiting:
-            future.cancel()
-        for future, bundle in waiting.items():
-            if not future.cancelled():
-                _store_outcome(state, pool, future, bundle)
+        begun = {future: bundle for future, bundle in waiting.items() if not future.cancel()}
+        ended = _ended(begun)
+        for future, bundle in begun.items():
+            outcome = _outcome_of(pool, future, bundle) if future in ended else pool.so_far(future)
+            _store_outcome(state, outcome, bundle)
         return True
     finally:
         for future in waiting:
@@ -84,26 +90,40 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
     return False
 
 
+def _ended(begun: dict[Future[Outcome], Bundle]) -> set[Future[Outcome]]:
+    """Which of some bundles have ended soon; those whose brain never returns are not waited for."""
+    wall, cpu, ended = time.monotonic(), time.process_time(), set[Future[Outcome]]()
+    while len(ended) < len(begun):
+        ended = wait(begun, WAIT_SECONDS).done
+        waited, worked = time.monotonic() - wall, time.process_time() - cpu
+        if min(waited, worked) > GRACE_SECONDS or waited > 4 * GRACE_SECONDS:
+            break
+    return ended
+
+
 def _collect_finished(state: State, pool: Pool, waiting: dict[Future[Outcome], Bundle]) -> None:
     """Wait a moment, store finished bundles, and release their memory."""
     for future in wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED).done:
-        _store_outcome(state, pool, future, waiting[future])
+        _store_outcome(state, _outcome_of(pool, future, waiting[future]), waiting[future])
         del waiting[future]  # only now: if Ctrl-C interrupts storing it, it is stored again
 
 
-def _store_outcome(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:
+def _outcome_of(pool: Pool, future: Future[Outcome], bundle: Bundle) -> Outcome:
     try:
-        outcome = future.result()
+        return future.result()
     except Exception as error:
         why = pool.why_lost(error)
         if why is None:
             raise
-        outcome = [
+        return [
             Failure(number, task.first + k, why)
             for task in bundle
             for number in task.settings
             for k in range(task.trials)
         ]
+
+
+def _store_outcome(state: State, outcome: Outcome, bundle: Bundle) -> None:
     pieces = [entry for entry in outcome if not isinstance(entry, Failure)]
     failures = [entry for entry in outcome if isinstance(entry, Failure)]
     for piece in pieces:

@@ -10,7 +10,9 @@ from dataclasses import replace
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.runs.tasks import Task, metrics_of
+from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import run_batch
 from swarmcensus.studies.settings import Setting
@@ -100,12 +102,14 @@ def _slowdown(study: Study, settings: Sequence[Setting], task: Task) -> float:
         return 1.0
 
 
+@interruptible
 def _measured_seconds(study: Study, settings: Sequence[Setting], kind: str, rounds: int, trials: int) -> float:
     """The processor time of some trials in seconds; the time on the clock may include other programs."""
     parts, stop = [replace(setting, rounds=rounds) for setting in settings], np.zeros(1, np.uint8)
     begun = time.thread_time()
-    if kind == "ride":
-        run_ride(parts, study.seed, 0, metrics_of(study), stop)
-    else:
-        run_batch(parts[0], study.seed, 0, trials, metrics_of(study), stop, kind == "local")
+    with watched(settings, study.seed, 0, trials):
+        if kind == "ride":
+            run_ride(parts, study.seed, 0, metrics_of(study), stop)
+        else:
+            run_batch(parts[0], study.seed, 0, trials, metrics_of(study), stop, kind == "local")
     return time.thread_time() - begun

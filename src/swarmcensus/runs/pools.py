@@ -5,9 +5,10 @@ import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Executor, Future
 from dataclasses import replace
 from typing import Literal, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from swarmcensus.basics.fork import in_background
 from swarmcensus.conformance.quick import caution
 from swarmcensus.engine import code_cache, compiler
 from swarmcensus.engine.compiler import IN_SUMS_OF_ALL, ONE_BY_ONE
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -44,6 +46,9 @@ class Pool(Protocol):
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start running a bundle."""
 
+    def so_far(self, future: Future[Outcome]) -> Outcome:
+        """What is known of a bundle that is given up while it runs."""
+
     def halt(self) -> None:
         """Make running bundles end soon, with what they have finished."""
 
@@ -56,16 +61,24 @@ class Threads:
 
     note = ""
 
-    def __init__(self, executor: ThreadPoolExecutor, jobs: int, study: Study, settings: list[Setting]) -> None:
+    def __init__(self, executor: Executor, jobs: int, study: Study, settings: list[Setting]) -> None:
         """Use the executor's threads, of which `jobs` will be busy at once."""
         self.executor, self.queue_length, self.jobs = executor, 4 * jobs, jobs
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
         self.metrics = metrics_of(study)
+        self._outcomes: WeakKeyDictionary[Future[Outcome], Outcome] = WeakKeyDictionary()
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread."""
-        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop, self.jobs)
+        outcome: Outcome = []
+        future = self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop, self.jobs, outcome)
+        self._outcomes[future] = outcome
+        return future
+
+    def so_far(self, future: Future[Outcome]) -> Outcome:
+        """What a bundle has done."""
+        return list(self._outcomes[future])
 
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
@@ -175,6 +188,7 @@ def _is_compiled(setting: Setting, study: Study) -> bool:
     return minds and _engine_is_compiled(setting)
 
 
+@interruptible
 def _run_once(setting: Setting, study: Study) -> None:
     """Run one trial of a tiny setting; if its brain fails, the real run reports it."""
     kinds: list[Literal["ride", "batch", "local"]] = ["ride"] if setting.body else ["batch"]

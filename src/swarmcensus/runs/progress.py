@@ -41,13 +41,12 @@ def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
     # no thread redraws it: a process with several threads cannot be forked, and compiling forks
     with Bar(*columns, console=out, transient=True, auto_refresh=False) as bar:
         task = bar.add_task(escape(label), total=None, count="", rate="", left="")
-        begun, drawn = time.monotonic(), -math.inf
+        pace, drawn = _Pace(), -math.inf
 
         def show(progress: Progress) -> None:
-            nonlocal begun, drawn
+            nonlocal drawn
             now, several = time.monotonic(), progress.steps[1] > 1
-            begun = begun if progress.work_done else now
-            rate, left = _pace(progress, now - begun)
+            rate, left = pace.of(progress)
             done, total = progress.steps if several else (progress.done, progress.total)
             bar.update(
                 task,
@@ -88,7 +87,7 @@ def in_notebook() -> bool:
 def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
     """A bar under a notebook's cell, unless the run is short; at the end one line remains."""
     display: Any = importlib.import_module("IPython.display").display  # a notebook always has it
-    begun = time.monotonic()
+    begun, pace = time.monotonic(), _Pace()
     last: Progress | None = None
     handle: Any = None
 
@@ -103,12 +102,12 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
 
     def show(progress: Progress) -> None:
         nonlocal last
-        last, elapsed = progress, time.monotonic() - begun
-        if handle is None and elapsed < NOTEBOOK_DELAY:
+        last, speed = progress, pace.of(progress)
+        if handle is None and time.monotonic() - begun < NOTEBOOK_DELAY:
             return
-        pace = progress.note or ", ".join(filter(None, _pace(progress, elapsed)))
+        how = progress.note or ", ".join(filter(None, speed))
         trials = f"{progress.done:,} of {counted(progress.total, 'trial')}" if progress.total else ""
-        text = ": ".join(filter(None, [label, ", ".join(filter(None, [trials, pace]))]))
+        text = ": ".join(filter(None, [label, ", ".join(filter(None, [trials, how]))]))
         put(text, progress.work_done, max(progress.work_total, 1e-9))
 
     try:
@@ -119,29 +118,46 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
 
 
 def _plain_lines(label: str) -> Callable[[Progress], None]:
-    begun = last = time.monotonic()
+    last, pace = time.monotonic(), _Pace()
     before = "", "", False
 
     def show(progress: Progress) -> None:
-        nonlocal last, before, begun
-        now, several = time.monotonic(), progress.steps[1] > 1
-        begun = begun if progress.work_done else now
+        nonlocal last, before
+        now, several, speed = time.monotonic(), progress.steps[1] > 1, pace.of(progress)
         this = "" if several else progress.note, progress.stage, several
         if this != before or ((several or not progress.note) and now - last >= LINE_SECONDS):
             last, before = now, this
-            pace = progress.note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
+            how = progress.note or ", ".join(filter(None, speed)) or "starting"
             trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
             stage = f"{progress.stage}: " if progress.stage else ""
-            print(f"{label}: {stage}{trials}{pace}", file=sys.stderr, flush=True)
+            print(f"{label}: {stage}{trials}{how}", file=sys.stderr, flush=True)
 
     return show
 
 
-def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
-    if not progress.work_done or not elapsed:
-        return "", ""
-    left = elapsed * (progress.work_total - progress.work_done) / progress.work_done
-    return f"{progress.done / elapsed:,.0f}/s", f"{clock(left)} left"
+class _Pace:
+    """The rate of a run's trials and the time left, measured since its first trial or that of its present part.
+
+    What was found on disk took no time, and what it takes to compile says nothing about trials.
+    """
+
+    def __init__(self) -> None:
+        self.started = self.begun = time.monotonic()
+        self.found: tuple[int, float] | None = None  # trials and work that were done then
+
+    def of(self, progress: Progress) -> tuple[str, str]:
+        """Both as text; empty while nothing is known."""
+        now = time.monotonic()
+        new = self.found is None or progress.work_done <= self.found[1]
+        if new or progress.note:
+            self.begun, self.found = now, None if progress.note else (progress.done, progress.work_done)
+        if self.found is None or now == self.begun:
+            return "", ""
+        trials, work = progress.done - self.found[0], progress.work_done - self.found[1]
+        left = clock((now - self.begun) * (progress.work_total - progress.work_done) / work) + " left"
+        if progress.part:
+            left += f" of {progress.part}, {clock(now - self.started)} so far"
+        return f"{trials / (now - self.begun):,.0f}/s", left
 
 
 @contextlib.contextmanager

@@ -6,7 +6,6 @@ import logging
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.basics.formatting import counted
+from swarmcensus.engine.threads import LeavableThreads
 from swarmcensus.results import store
 from swarmcensus.results.reading import readable
 from swarmcensus.results.values import ArrayStore, Values
@@ -191,7 +191,7 @@ def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[pools.Pool]:
         return
     if not _is_complete(state):
         pools.compile_for([(state.study, state.settings)], state.show)
-    with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as executor:
+    with LeavableThreads(jobs) as executor:
         threads = pools.Threads(executor, jobs, state.study, state.settings)
         try:
             yield threads
@@ -228,6 +228,7 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
         tasks = plan_tasks(state.settings, lacking, local, bundle_seconds)
         state.done, state.total = _so_far(state, trials, unsettled)
         state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
+        state.part = "this stage" if trials < state.study.trials else ""
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
         if stage == 0:

@@ -23,6 +23,7 @@ from swarmcensus.engine.constants import (
 )
 from swarmcensus.results.values import Columns, Piece
 from swarmcensus.simulation.blaming import line_of_failure
+from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Batch, Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.simulation.watches import MetricFails
@@ -169,12 +170,13 @@ def run_bundle(
     metrics: Metrics,
     stop: NDArray[np.uint8],
     threads: int = 1,
+    outcome: Outcome | None = None,
 ) -> Outcome:
     """Run tasks one after another, while `stop` (uint8, shape (1,)) is 0; a failing trial does not affect others.
 
-    `threads` is how many threads do this at once and share the memory.
+    `threads` is how many threads do this at once and share the memory. What is done is added to `outcome` at once.
     """
-    outcome: Outcome = []
+    outcome = [] if outcome is None else outcome
     for task in bundle:
         if stop[0]:
             break
@@ -205,14 +207,13 @@ def _single_trials(task: Task) -> list[Task]:
 def _run(
     settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], threads: int
 ) -> list[Piece]:
-    chosen = [settings[n] for n in task.settings]
-    if task.kind == "ride":
-        batches = run_ride(chosen, seed, task.first, metrics, stop)
-    else:
-        local = task.kind == "local"
-        batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, threads)
-        batches = None if batch is None else [batch] * len(chosen)
-    local = task.kind == "local"
+    chosen, local = [settings[n] for n in task.settings], task.kind == "local"
+    with watched(chosen, seed, task.first, task.trials):
+        if task.kind == "ride":
+            batches = run_ride(chosen, seed, task.first, metrics, stop)
+        else:
+            batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, threads)
+            batches = None if batch is None else [batch] * len(chosen)
     pieces = []
     for number, batch in zip(task.settings, batches or [], strict=bool(batches)):
         pieces.append(Piece(number, task.first, columns(batch, local, metrics), local))

@@ -29,14 +29,14 @@ def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Contai
     if setting.robots * setting.rounds > MOST_STEPS:
         return ""
     try:
-        _live(setting, seed, trial, checkpoints)
+        run_in_cpython(setting, seed, trial, checkpoints)
     except Exception as error:
         lines = (line_of(error, brain.path) for brain in setting.brains)
         return next(filter(None, lines), "")
     return ""
 
 
-def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) -> None:
+def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> None:
     """Run the trial's minds step by step, like the engine."""
     from swarmcensus.engine.failures import works
     from swarmcensus.engine.minds import heard_by
@@ -52,6 +52,8 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     for me in minds:
         for name, value in schedule_of(setting).items():
             setattr(me, name, value)
+    for one, me in zip(brain, minds, strict=True):
+        one.functions.estimate(me)
     delay = setting.message_delay
     first_heard = delay + (setting.body is None)  # moving robots also hear messages from before the first tick
     looks, threshold, key = setting.observations_per_round, given.radio.threshold, given.radio.key

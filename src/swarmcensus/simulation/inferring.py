@@ -14,6 +14,7 @@ from swarmcensus.basics.tables import frame_table, is_frame
 from swarmcensus.engine import compiler
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import SLACK
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.simulation.recorded import readings_of
@@ -93,7 +94,7 @@ def infer(
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
             alike = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
-            compiler.compile_world("kernel").follow(
+            interruptible(compiler.compile_world("kernel").follow)(
                 alike, outbox, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends, history,
                 estimates,
             )  # fmt: skip

@@ -15,6 +15,8 @@ from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.failures import works
 from swarmcensus.engine.layout import Chunk, Recorded, Swarm, Tally
+from swarmcensus.engine.threads import interruptible
+from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, wishes_of
 from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
@@ -64,6 +66,7 @@ class World(Protocol):
 class Life:
     """One trial of a setting: `at(k)` is its k-th stretch of `length` rounds."""
 
+    @interruptible
     def __init__(self, setting: Setting, seed: int, trial: int) -> None:
         """Start its minds. Raises InputError if a brain does not compile, or the robots do not fit in the arena."""
         self.setting, self.seed, self.trial = setting, seed, trial
@@ -81,6 +84,7 @@ class Life:
             pass
         return self._kept[k]
 
+    @interruptible
     def approach(self, k: int) -> bool:
         """Run one stretch on the way to the k-th; returns whether that is reached."""
         if k not in self._kept:
@@ -91,7 +95,8 @@ class Life:
                 self._next = near
             now, self._next = self._next, ASTRAY  # a brain may fail half-way
             first = now * self.length + 1
-            self._keep(now, self._world.on(first, min(self.length, self.setting.rounds + 1 - first)))
+            with watched([self.setting], self.seed, self.trial):
+                self._keep(now, self._world.on(first, min(self.length, self.setting.rounds + 1 - first)))
             self._next = now + 1
             self._copy()
         if k in self._kept:

@@ -8,6 +8,7 @@ import numpy as np
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine import compiler
 from swarmcensus.engine.layout import Chunk, Recorded
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation.answers import check_estimates, check_intervals, check_verdicts, check_wishes
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
@@ -203,6 +204,7 @@ class Ride:
     true_fill_ratio: np.ndarray  # (tick)
 
 
+@interruptible
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     """Run one trial of moving robots again, and keep all of it."""
     stop = np.zeros(1, np.uint8)

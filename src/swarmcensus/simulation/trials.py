@@ -15,6 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import PART, VERDICTS
 from swarmcensus.engine.layout import Intervals, Measures, Minds, Segments, Swarm, Tally
+from swarmcensus.engine.threads import interruptible
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import Inputs, inputs_of
@@ -264,6 +265,7 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
     return InputError(f"brain {' or '.join(repr(brain.name) for brain in crew)} fails in {which} of {setting}: {what}")
 
 
+@interruptible
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """One trial in full: what minds hold (round, robot), estimates (round, robot), black readings (round, robot).
 
@@ -286,6 +288,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     return fields, estimates, blacks
 
 
+@interruptible
 def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
     """The estimates (round, robot) of one trial, index 0 before any observation, as `record_trial` gives them.
 

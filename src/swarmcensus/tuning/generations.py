@@ -115,7 +115,15 @@ class _SearchRun:
             else:
                 work = before / each * cost + progress.work_done, total / each * cost
             self.show(
-                replace(progress, done=done, total=total or done, work_done=work[0], work_total=work[1], stage=stage)
+                replace(
+                    progress,
+                    done=done,
+                    total=total or done,
+                    work_done=work[0],
+                    work_total=work[1],
+                    stage=stage,
+                    part="the search",
+                )
             )
 
         return show

@@ -2,13 +2,13 @@
 
 import copy
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
+from swarmcensus.engine.threads import LeavableThreads
 from swarmcensus.results import store
 from swarmcensus.results.measures import OURS, Measure, chosen, inputs_of, lacks, numbers
 from swarmcensus.results.values import LOCAL, Values
@@ -54,12 +54,12 @@ class Training:
 
     def __enter__(self) -> Self:
         """Create the threads."""
-        self._executor = ThreadPoolExecutor(self.jobs, thread_name_prefix="swarmcensus")
+        self._executor = LeavableThreads(self.jobs)
         return self
 
     def __exit__(self, *_: object) -> None:
         """End them."""
-        self._executor.shutdown(cancel_futures=True)
+        self._executor.shutdown()
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""

@@ -14,6 +14,7 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.simulation import hanging
 from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.exporting import page_of
 from swarmcensus.watching.offers import PLAYED, Offer
@@ -249,6 +250,7 @@ def serve(served: Served) -> None:
     """
     with serving(served) as thread, contextlib.suppress(KeyboardInterrupt):
         while thread.is_alive():
+            hanging.look()
             time.sleep(0.5)  # not join: in Python 3.11 a join that Ctrl-C interrupts marks the thread as ended
 
 

@@ -1,0 +1,80 @@
+"""Threads that Ctrl-C can leave behind: machine code that never returns must not keep a process from ending."""
+
+import concurrent.futures
+import contextvars
+import functools
+import queue
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any, ParamSpec, TypeVar
+
+from swarmcensus.engine.code_cache import not_compiled
+
+Result = TypeVar("Result")
+Given = ParamSpec("Given")
+LOOK_SECONDS = 0.5  # between two calls of WHILE_WAITING
+LEAVE_SECONDS = 0.5  # for threads to end, before they are left behind
+WHILE_WAITING: list[Callable[[], None]] = []  # called now and then while an interruptible function runs
+
+
+class LeavableThreads(concurrent.futures.Executor):
+    """Daemon threads that run what is submitted: unlike with ThreadPoolExecutor, nothing waits for one that hangs."""
+
+    def __init__(self, count: int) -> None:
+        """Start them."""
+        self._work: queue.SimpleQueue[tuple[Future[Any], Callable[[], Any]] | None] = queue.SimpleQueue()
+        self._threads = [threading.Thread(target=self._run, name="swarmcensus", daemon=True) for _ in range(count)]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, function: Callable[..., Result], /, *given: Any, **named: Any) -> Future[Result]:
+        """Run a function as soon as a thread is free."""
+        future: Future[Result] = Future()
+        self._work.put((future, functools.partial(function, *given, **named)))
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the threads once all submitted work is done, and wait for them, but not long."""
+        for _ in self._threads:
+            self._work.put(None)
+        for thread in self._threads if wait else ():
+            thread.join(LEAVE_SECONDS / len(self._threads))
+
+    def _run(self) -> None:
+        while (item := self._work.get()) is not None:
+            future, work = item
+            if future.set_running_or_notify_cancel():
+                _fulfil(future, work)
+            del future, work, item
+
+
+def interruptible(function: Callable[Given, Result]) -> Callable[Given, Result]:
+    """Make a function that runs machine code end with KeyboardInterrupt at once at Ctrl-C.
+
+    Python hears of Ctrl-C in the main thread only, and between calls of machine code. So a call in the main thread runs
+    in a thread of its own, which is left behind then.
+    """
+
+    @functools.wraps(function)
+    def call(*given: Given.args, **named: Given.kwargs) -> Result:
+        if threading.current_thread() is not threading.main_thread() or not_compiled():
+            return function(*given, **named)
+        future: Future[Result] = Future()
+        work = functools.partial(contextvars.copy_context().run, function, *given, **named)
+        thread = threading.Thread(target=_fulfil, args=(future, work), name="swarmcensus", daemon=True)
+        thread.start()
+        while not concurrent.futures.wait((future,), LOOK_SECONDS).done:
+            for look in WHILE_WAITING:
+                look()
+        thread.join()  # a process with several threads cannot be forked
+        return future.result()
+
+    return call
+
+
+def _fulfil(future: Future[Any], work: Callable[[], Any]) -> None:
+    try:
+        future.set_result(work())
+    except BaseException as error:
+        future.set_exception(error)

@@ -1,0 +1,149 @@
+"""Brains whose functions do not return: Ctrl-C ends what runs them, and a line names the function."""
+
+import logging
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import Interrupted
+from swarmcensus.engine import threads
+from swarmcensus.runs import tasks
+from swarmcensus.simulation import hanging
+
+ENDLESS = (
+    brains.load("alone").source.replace(
+        "    me.t += looks\n", "    me.t += looks\n    while me.t > 50.0:\n        me.x = me.x\n"
+    )
+)  # fmt: skip
+STUDY = {
+    "trials": 2,
+    "seed": 1,
+    "world": {"topology": "ring", "fill_ratio": 0.5},
+    "schedule": {"rounds": 10, "observations_per_round": 10},
+}
+
+
+def study_of(folder, source=ENDLESS, robots=4, **more):
+    (folder / "mine.py").write_text(source)
+    swarm = {"robots": robots, "accuracy": 0.7, "brain": ["minimalistic", str(folder / "mine.py")]}
+    return sc.Study(**STUDY | more, swarm=swarm)
+
+
+def interrupt_soon():
+    """Press Ctrl-C in a tenth of a second."""
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+
+
+@pytest.fixture
+def hangs():
+    """An event that machine code waits for in place of a loop that never ends; the test's end sets it."""
+    event = threading.Event()
+    yield event
+    event.set()
+
+
+@pytest.mark.skipif(threads.not_compiled(), reason="CPython itself hears Ctrl-C")
+def test_the_main_thread_leaves_machine_code_behind(hangs):
+    assert threads.interruptible(lambda: threading.current_thread())() is not threading.main_thread()
+    interrupt_soon()
+    with pytest.raises(KeyboardInterrupt):
+        threads.interruptible(hangs.wait)()
+
+
+def test_errors_come_through():
+    with pytest.raises(ZeroDivisionError):
+        threads.interruptible(lambda: 1 / 0)()
+
+
+def test_threads_that_hang_are_left_behind(hangs):
+    begun = time.monotonic()
+    with threads.LeavableThreads(2) as executor:
+        stuck, done = executor.submit(hangs.wait), executor.submit(int, "7")
+        assert done.result() == 7
+    assert time.monotonic() - begun < 5
+    assert stuck.running()
+
+
+def test_finished_trials_of_a_bundle_that_hangs_are_kept(hangs, monkeypatch, tmp_path):
+    run_batch = tasks.run_batch
+
+    def batch(setting, *given):
+        if setting.brain.name != "minimalistic":
+            interrupt_soon()
+            hangs.wait()
+        return run_batch(setting, *given)
+
+    monkeypatch.setattr(tasks, "run_batch", batch)
+    monkeypatch.setattr("swarmcensus.runs.pools._run_once", lambda *_: None)
+    with pytest.raises(Interrupted) as stopped:
+        sc.run(study_of(tmp_path), jobs=1, progress=False)
+    assert stopped.value.done == 2
+
+
+def said_of(caplog, *given, runs=lambda: True):
+    """What is said once all examinations have ended."""
+    with caplog.at_level(logging.WARNING, "swarmcensus"):
+        hanging._EXAMINED.clear()
+        hanging.examine(*given, runs)
+        while any(thread.name == hanging.EXAMINES for thread in threading.enumerate()):
+            time.sleep(0.01)
+    return [record.getMessage() for record in caplog.records]
+
+
+@pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["fixed", "moving"])
+def test_the_function_is_named(world, caplog, monkeypatch, tmp_path):
+    monkeypatch.setattr(hanging, "MOST_LINES", 10_000)
+    schedule = {"ticks": 60} if "density" in world else STUDY["schedule"]
+    study = study_of(tmp_path, ENDLESS.replace("50.0", "5.0"), world=world | {"fill_ratio": 0.5}, schedule=schedule)
+    [line] = said_of(caplog, study.settings(), study.seed, [0])
+    assert "mine.py': observe has run more than 10,000 lines in one call" in line
+    assert f"swarmcensus brains --check {tmp_path / 'mine.py'}" in line
+
+
+@pytest.mark.parametrize("why", ["it returns", "it takes long", "it has ended"])
+def test_a_healthy_brain_is_not_named(why, caplog, monkeypatch, tmp_path):
+    monkeypatch.setattr(hanging, "MOST_LINES", 10_000)
+    monkeypatch.setattr(hanging, "MOST_SECONDS", 0.0 if why == "it takes long" else 10.0)
+    study = study_of(tmp_path, ENDLESS.replace("50.0", "1e9") if why == "it returns" else ENDLESS)
+    assert said_of(caplog, study.settings(), study.seed, [0], runs=lambda: why != "it has ended") == []
+
+
+@pytest.mark.long
+def test_ctrl_c_ends_a_run_that_hangs(tmp_path):
+    study_of(tmp_path)
+    (tmp_path / "endless.toml").write_text(
+        'trials = 2\n[swarm]\nbrain = ["minimalistic", "mine.py"]\nrobots = 4\naccuracy = 0.7\n'
+        '[world]\ntopology = "ring"\nfill_ratio = 0.5\n[schedule]\nrounds = 10\n'
+    )
+    code = (
+        "from swarmcensus.simulation import hanging; hanging.PATIENCE = 0.5; "
+        "from swarmcensus.cli import program; program.program()"
+    )
+    words = [sys.executable, "-c", code, "run", "endless.toml", "--jobs", "1"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as running:
+        try:
+            lines = []
+            for line in running.stderr:
+                lines.append(line)
+                if "mine.py': observe has run" in line:
+                    break
+            begun = time.monotonic()
+            running.send_signal(signal.SIGINT)
+            assert running.wait(20) == 130
+            took = time.monotonic() - begun
+            lines.append(running.stderr.read())
+        finally:
+            running.kill()
+    said = "".join(lines)
+    assert "kept 2 of 4 trials in endless.nc: the same command continues" in said
+    assert "Traceback" not in said
+    assert took < 10  # half a second for threads to end, then saving
+    assert Path(tmp_path / "endless.nc").exists()
