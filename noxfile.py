@@ -54,7 +54,7 @@ def package(session: nox.Session) -> None:
     session.chdir(folder)
     program = str(scripts / "swarmcensus")
     session.env["SWARMCENSUS_CACHE"] = str(folder / "cache")
-    for words in ("--help", "doctor", "studies", "new study first.toml", "run first.toml --trials 2"):
+    for words in ("--help", "doctor", "studies", "new study", "run my_study.toml --trials 2"):
         session.run(program, *words.split(), external=True)
 
 
