@@ -31,8 +31,14 @@ class _Voice(logging.Handler):
         """`data` is whether programs read stdout, so that nothing but the answer is printed there."""
         super().__init__()
         self.data = data
+        self.seen: set[str] = set()  # what matplotlib warned of: it repeats itself with each text that it draws
 
     def emit(self, record: logging.LogRecord) -> None:
+        if record.name.startswith("matplotlib"):
+            if record.getMessage() not in self.seen:
+                self.seen.add(record.getMessage())
+                print(f"warning: {record.getMessage()}", file=sys.stderr, flush=True)
+            return
         to_files = record.name == WROTE.name and not self.data
         print(record.getMessage(), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
 
@@ -43,14 +49,17 @@ def speaking(options: argparse.Namespace) -> Iterator[None]:
     level = logging.ERROR if options.quiet else logging.DEBUG if options.verbose else logging.INFO
     voice, before = _Voice(options.json or (options.table and not is_terminal())), LOG.level
     LOG.setLevel(level)
-    LOG.addHandler(voice)
+    voice.setLevel(level)
+    for log in (LOG, logging.getLogger("matplotlib")):
+        log.addHandler(voice)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: LOG.warning("warning: %s", message)
             yield
     finally:
-        LOG.removeHandler(voice)
+        for log in (LOG, logging.getLogger("matplotlib")):
+            log.removeHandler(voice)
         LOG.setLevel(before)
 
 
