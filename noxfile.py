@@ -21,6 +21,12 @@ def tests(session: nox.Session) -> None:
     session.run("pytest", "-n", "2", *session.posargs)
 
 
+@nox.session(python=False)
+def lowest(session: nox.Session) -> None:
+    """Main paths with the lowest versions of what the core needs; `nox -s lowest -- all`: quick tests, all extras."""
+    session.run("bash", "tools/lowest.sh", *session.posargs, external=True)
+
+
 @nox.session
 def lint(session: nox.Session) -> None:
     """Style, types and the order of rooms."""
@@ -54,7 +60,7 @@ def package(session: nox.Session) -> None:
     session.chdir(folder)
     program = str(scripts / "swarmcensus")
     session.env["SWARMCENSUS_CACHE"] = str(folder / "cache")
-    for words in ("--help", "doctor", "studies", "new study first.toml", "run first.toml --trials 2"):
+    for words in ("--help", "doctor", "studies", "new study", "run my_study.toml --trials 2"):
         session.run(program, *words.split(), external=True)
 
 

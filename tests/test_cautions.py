@@ -2,6 +2,7 @@
 
 import tomllib
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -60,6 +61,18 @@ def test_shares_are_of_the_robots_that_were_run(small_results):
     when[:] = 0
     with pytest.warns(UserWarning, match=r"^settings 0, 1, 2, 3, 4, 5, 6, 7, \.\.\.: up to 100 % of"):
         warn_of_start(data)
+
+
+def test_python_warns_of_what_the_shell_warns_of():
+    study = sc.Study.parse(STUDY.replace("= 400", "= 2").replace("= 20", "= 1").replace("0.5, 0.7", "0.7"))
+    with pytest.warns(UserWarning, match="fill ratio 0.7 lies on the edge between two of the 10 bins") as given:
+        results = sc.run(study, jobs=1)
+    assert [Path(one.filename).name for one in given] == ["test_cautions.py"], "once, at the caller's line"
+    with pytest.warns(UserWarning, match="fill ratio 0.7 lies on the edge"):
+        sc.summary(results)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sc.run(study, jobs=1, cautions=False)
 
 
 def test_truths_on_the_edge_of_a_bin_are_warned_of(tmp_path, monkeypatch, capsys):

@@ -36,6 +36,7 @@ OTHER_PROGRAMS = {
     "export",
     "make",
     "sh",
+    "tools/lowest.sh",
     "pip",
     "python",
     "pytest",

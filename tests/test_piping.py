@@ -1,12 +1,18 @@
 """What a pipe gets: tab-separated columns with a line of names and all digits, and nothing else on stdout."""
 
+import codecs
 import csv
 import io
+import json
+import os
+import subprocess
+import sys
 
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.basics.readers import AS_TERMINAL
+from swarmcensus.cli import program
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.output import print_rows
 from swarmcensus.vocabulary.coordinates import NUMERIC
@@ -115,3 +121,22 @@ def test_a_terminal_that_is_asked_for_has_columns(text, file, monkeypatch, capsy
     monkeypatch.setenv(AS_TERMINAL, text)
     assert main(["show", file]) == 2
     assert capsys.readouterr().err == f"swarmcensus: {AS_TERMINAL}={text}: should be a number of columns, such as 100\n"
+
+
+def test_letters_that_an_encoding_lacks_are_escaped_as_json_escapes_them(tmp_path):
+    codecs.register_error("swarmcensus", program._escaped)
+    assert json.loads('"é 𝄞"'.encode("ascii", "swarmcensus")) == "é 𝄞"
+    environment = os.environ | {"PYTHONIOENCODING": "cp1252"}
+    command = [sys.executable, "-m", "swarmcensus", "new", "study", "é π.toml"]
+    for code, stream, says in ((0, "stdout", "é \\u03c0.toml: next, "), (2, "stderr", "é \\u03c0.toml already exists")):
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True)
+        assert done.returncode == code
+        assert says in getattr(done, stream).decode("cp1252")
+
+
+def test_a_name_that_is_no_text_is_one_sentence(tmp_path, capsys):
+    assert main(["new", "study", str(tmp_path / os.fsdecode(b"\xe9.toml"))]) == 2
+    assert "\\udce9.toml" in (error := capsys.readouterr().err)
+    assert error.count("\n") == 1
+    assert "encoding" in error
+    assert not list(tmp_path.iterdir())

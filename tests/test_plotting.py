@@ -1,5 +1,10 @@
 """`plot`, `replay` and `infer` on the command line: options that mean nothing, checks in their order, what is said."""
 
+import os
+import subprocess
+import sys
+
+import matplotlib as mpl
 import numba
 import pytest
 import xarray as xr
@@ -175,3 +180,35 @@ def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, c
     assert main(command) == 0
     what = "recorded data" if command[0] == "infer" else "replay"
     assert capsys.readouterr().err == f"compiling what {what} needs for minimalistic, once on this machine\n"
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        ({"text.usetex": True, "savefig.bbox": "tight", "figure.constrained_layout.use": True}, ""),
+        ({"path.effects": "nonsense"}, "matplotlib cannot draw with these settings"),
+    ],
+)
+def test_settings_of_matplotlib_that_would_break_figures(settings, says, small_file, here, capsys):
+    """As a person's matplotlibrc has them; LaTeX is not there, or does not know names with underscores."""
+    command = ["plot", str(small_file), "--kind", "heatmap", "--where", 'topology == "ring" and robots == 5', "--out"]
+    plain, drawn = ([*command, name] for name in ("plain.png", "drawn.png"))
+    with mpl.rc_context(settings):
+        assert main(drawn) == (2 if says else 0)
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.count("\n") == bool(says)
+    if not says:
+        assert main(plain) == 0
+        assert (here / "plain.png").read_bytes() == (here / "drawn.png").read_bytes()
+    else:
+        assert not list(here.iterdir())
+
+
+def test_settings_that_matplotlib_cannot_read_are_one_sentence(small_file, here):
+    (here / "matplotlibrc").write_bytes(b"font.size: 9 # \xe9")
+    command = [sys.executable, "-m", "swarmcensus", "plot", str(small_file), "--quiet", "--out", "x.png"]
+    done = subprocess.run(command, env=os.environ | {"MPLBACKEND": "no such"}, capture_output=True, text=True)
+    assert done.returncode == 2
+    assert "matplotlib cannot read its settings, matplotlibrc" in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -285,7 +285,7 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
     code, out, err = said("plot two.nc --kind lnes")
     assert (code, out) == (2, "")
     page = (Path(__file__).parent.parent / "docs" / "command-line.md").read_text(encoding="utf-8")
-    assert f"$ swarmcensus plot first.nc --kind lnes\n{err}" in page
+    assert f"$ swarmcensus plot my_study.nc --kind lnes\n{err}" in page
 
 
 SHELL = [sys.executable, "-m", "swarmcensus"]

@@ -1,10 +1,12 @@
 """What one begins with: `new`, `studies` and `doctor`."""
 
 import json
+import re
 import shlex
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -41,6 +43,21 @@ def test_what_a_new_study_has_in_comments_is_right_too(here):
     found = Study.parse("\n".join(still))
     assert {setting.topology.name for setting in found.settings()} == {"moving"}
     assert all(setting.members and setting.faults for setting in found.settings())
+
+
+def test_the_first_studies_of_readme_page_and_tutorial_have_different_names(here):
+    """They fit into one folder."""
+    root = Path(__file__).parent.parent
+    readme, page, tutorial = (
+        (root / name).read_text(encoding="utf-8")
+        for name in ("README.md", "docs/getting-started.md", "docs/tutorials/first-study.md")
+    )
+    main(["new", "study"])
+    [made] = (path.name for path in here.iterdir())
+    named = re.findall(r"Save as `(.*?)`", readme) + re.findall(r"%%writefile (\S+)", tutorial) + [made]
+    assert len(named) == len(set(named)) == 3
+    for name, text in zip(named, (readme, tutorial, page), strict=True):
+        assert f"swarmcensus run {name}" in text
 
 
 def test_a_new_brain_keeps_the_contract(here, capsys):

@@ -1,6 +1,7 @@
 """Names of options in messages: `--against` for the command line, `against=` for Python."""
 
 import contextlib
+import os
 import shlex
 from collections.abc import Collection, Iterator
 from contextvars import ContextVar
@@ -23,6 +24,16 @@ def in_shell() -> bool:
     return _OPTIONS.get() is not None
 
 
+def command(*words: object) -> str:
+    """A command to be copied into a shell, quoted as the shells of this system read it."""
+    texts = list(map(str, words))
+    if os.name != "nt":
+        return shlex.join(texts)
+    from subprocess import list2cmdline  # slow to import
+
+    return list2cmdline(texts)
+
+
 def option(name: str, value: object = None) -> str:
     """An option as the user would write it: `--against swift`, or `against='swift'` in Python; True is a flag.
 
@@ -32,6 +43,6 @@ def option(name: str, value: object = None) -> str:
     if options is None:
         return f"{name}=" if value is None else f"{name}={value!r}"
     if name not in options and "set" in options:
-        return f"--set {shlex.quote(f'{name}={value}') if value is not None else f'{name}='}"
+        return f"--set {command(f'{name}={value}') if value is not None else f'{name}='}"
     flag = f"--{name.replace('_', '-')}"
-    return flag if value is None or value is True else f"{flag} {shlex.quote(str(value))}"
+    return flag if value is None or value is True else f"{flag} {command(value)}"

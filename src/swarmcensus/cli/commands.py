@@ -5,6 +5,7 @@ import contextlib
 import functools
 import os
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -81,6 +82,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = error.strerror or str(error)
         _complain(f"{error.filename}: {what}" if error.filename else what)
         return 2
+    except UnicodeEncodeError as error:  # of bytes that are no text in the encoding of this system's file names
+        said = ascii(error.object[max(0, error.start - 20) : error.end + 20])
+        _complain(f"{said} is no text in this system's encoding: use other names, or set PYTHONUTF8=1")
+        return 2
     except MemoryError:
         print("swarmcensus: not enough memory: try fewer robots, rounds, settings or trials", file=sys.stderr)
         return 2
@@ -88,6 +93,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if os.environ.get("SWARMCENSUS_DEBUG"):
             raise
         what = str(error).strip().splitlines()[0] if str(error).strip() else ""
+        if any(frame.name == "_rc_params_in_file" for frame in traceback.extract_tb(error.__traceback__)):
+            _complain(f"matplotlib cannot read its settings, matplotlibrc: {what}")
+            return 2
         print(
             f"swarmcensus: {type(error).__name__}: {what} (internal error: SWARMCENSUS_DEBUG=1 shows where)",
             file=sys.stderr,

@@ -32,11 +32,17 @@ class _Voice(logging.Handler):
         """`data` is whether programs read stdout, so that nothing but the answer is printed there."""
         super().__init__()
         self.data = data
+        self.seen: set[str] = set()  # what matplotlib warned of: it repeats itself with each text that it draws
 
     def emit(self, record: logging.LogRecord) -> None:
-        to_files = record.name == WROTE.name and not self.data
+        line, to_files = record.getMessage(), record.name == WROTE.name and not self.data
+        if record.name.startswith("matplotlib"):
+            line = f"warning: {line}"
+            if line in self.seen:
+                return
+            self.seen.add(line)
         # a progress bar would take escape sequences for its own
-        print(printable(record.getMessage()), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
+        print(printable(line), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
 
 
 @contextlib.contextmanager
@@ -45,14 +51,17 @@ def speaking(options: argparse.Namespace) -> Iterator[None]:
     level = logging.ERROR if options.quiet else logging.DEBUG if options.verbose else logging.INFO
     voice, before = _Voice(options.json or (options.table and not is_terminal())), LOG.level
     LOG.setLevel(level)
-    LOG.addHandler(voice)
+    voice.setLevel(level)
+    for log in (LOG, logging.getLogger("matplotlib")):
+        log.addHandler(voice)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: LOG.warning("warning: %s", message)
             yield
     finally:
-        LOG.removeHandler(voice)
+        for log in (LOG, logging.getLogger("matplotlib")):
+            log.removeHandler(voice)
         LOG.setLevel(before)
 
 

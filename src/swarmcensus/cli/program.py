@@ -5,6 +5,7 @@ which the end of the process makes needless, a quarter.
 """
 
 import atexit
+import codecs
 import gc
 import os
 import signal
@@ -23,6 +24,8 @@ def program() -> NoReturn:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # a shell closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - as long as the process
+    os.environ["MPLBACKEND"] = "agg"  # figures become files, and matplotlib refuses to load with an unknown one
+    _write_in_any_encoding()
     try:
         from swarmcensus.cli.commands import main
 
@@ -41,3 +44,16 @@ def program() -> NoReturn:
     except (OSError, ValueError):  # the reader of our output has gone
         sys.exit(code)
     os._exit(code)
+
+
+def _write_in_any_encoding() -> None:
+    """Write letters that the encoding of standard output or error lacks as JSON escapes them: \\u00e9 for é."""
+    codecs.register_error("swarmcensus", _escaped)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="swarmcensus")  # type: ignore[union-attr]
+
+
+def _escaped(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeEncodeError)
+    units = error.object[error.start : error.end].encode("utf-16-be", "surrogatepass").hex()
+    return "".join(f"\\u{units[k : k + 4]}" for k in range(0, len(units), 4)), error.end

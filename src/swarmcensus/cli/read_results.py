@@ -46,7 +46,7 @@ def show(options: argparse.Namespace) -> int:
     """Print a summary of a results file."""
     from swarmcensus.cli import tables
     from swarmcensus.results import summaries
-    from swarmcensus.results.cautions import warn_of_edges, warn_of_start
+    from swarmcensus.results.cautions import warn_of
     from swarmcensus.results.source_study import round_of
 
     stored, data = read(options)
@@ -68,8 +68,7 @@ def show(options: argparse.Namespace) -> int:
     if options.json:
         return 0
     tables.failures(data)
-    warn_of_start(data)
-    warn_of_edges(data)
+    warn_of(data)
     return 0
 
 

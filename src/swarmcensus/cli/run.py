@@ -91,7 +91,6 @@ def run(options: argparse.Namespace) -> int:
     study = study.with_(trials=options.trials, seed=options.seed)
     # After the checks above, since these imports are slow:
     from swarmcensus.cli.tables import as_rows, failures, settings
-    from swarmcensus.results.cautions import warn_of_edges, warn_of_start
     from swarmcensus.results.reading import packed
     from swarmcensus.results.summaries import as_dict
     from swarmcensus.runs.running import run as run_study
@@ -115,8 +114,6 @@ def run(options: argparse.Namespace) -> int:
     data = packed(results)
     if options.json or not options.quiet:  # the answer is the file, so that --quiet prints nothing
         present(options, "summary", lambda: as_dict(data, data), lambda: as_rows(data), lambda: settings(data, out))
-    warn_of_start(data)
-    warn_of_edges(data)
     trials = "up to " * bool(study.until) + counted(study.trials, "trial")
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
     wrote(f"{out}: {part}{counted(data.sizes['setting'], 'setting')} of {trials}, {elapsed(time.monotonic() - begun)}")

@@ -1,7 +1,6 @@
 """The options of commands that read results, RESULTS.nc, `--where`, `--bins` and `--delta`, and what they select."""
 
 import argparse
-import shlex
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -10,6 +9,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import command
 from swarmcensus.cli.options import from_zero, label
 from swarmcensus.cli.output import say
 
@@ -83,9 +83,9 @@ def read(options: argparse.Namespace) -> Source:
     return Source(stored, where(stored, options.where))
 
 
-def again(options: argparse.Namespace, command: str, more: Iterable[str] = ()) -> str:
+def again(options: argparse.Namespace, name: str, more: Iterable[str] = ()) -> str:
     """The shell line of this command on these results: with the source options and those named in `more`."""
-    words = ["swarmcensus", command, str(options.results)]
+    words = ["swarmcensus", name, str(options.results)]
     for name in ("where", "bins", "delta", *more):
         values = getattr(options, name)
         if values is True:
@@ -94,4 +94,4 @@ def again(options: argparse.Namespace, command: str, more: Iterable[str] = ()) -
             value = "=".join(value) if isinstance(value, tuple) else value
             if value is not None and not isinstance(value, bool):
                 words += [f"--{name}", str(value)]
-    return shlex.join(words)
+    return command(*words)

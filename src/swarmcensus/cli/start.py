@@ -7,7 +7,6 @@ import itertools
 import os
 import platform
 import re
-import shlex
 import shutil
 import sys
 from collections.abc import Iterator
@@ -17,6 +16,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import command
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli.output import answer, wrote
 
@@ -48,7 +48,7 @@ def new(options: argparse.Namespace) -> int:
     text = starter.read_text(encoding="utf-8").replace("THIS_FILE", out.name)
     with atomic_write(out) as temporary:
         temporary.write_text(text.replace('name   = "mine"', f'name   = "{_plain(out.stem)}"'), encoding="utf-8")
-    wrote(f"{out}: next, swarmcensus {NEXT[options.what]} {shlex.quote(str(out))}")
+    wrote(f"{out}: next, swarmcensus {NEXT[options.what]} {command(out)}")
     return 0
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import STOPPED, InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import command
 from swarmcensus.cli.deploy import number
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
@@ -121,7 +122,7 @@ def _tell(options: argparse.Namespace, plan: "Plan", folder: Path, outcome: "Out
     else:
         print("\n".join(summary(plan, outcome)))
     logs = len(list(folder.glob("robot-*.log")))  # fewer if it was stopped before all had begun
-    wrote(f"{folder}: {counted(logs, 'log')}" + (f"; next: swarmcensus relive {folder}" if logs else ""))
+    wrote(f"{folder}: {counted(logs, 'log')}" + (f"; next: {command('swarmcensus', 'relive', folder)}" if logs else ""))
 
 
 def _study(options: argparse.Namespace) -> "Study":

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import shlex
 import sys
 import tomllib
 from itertools import chain
@@ -13,12 +12,13 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
+from swarmcensus.basics.options import command
 from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, NUMBER, Column, console, fitted, left_out, table
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, records, restated, summary
+from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, records, restated, table_of
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.statistics.intervals import FEWEST
 from swarmcensus.vocabulary.coordinates import NUMERIC
@@ -61,7 +61,7 @@ def settings(
 
     `again` is the shell line of the command. On a narrow terminal intervals are left out, and then other columns.
     """
-    frame = summary(data.isel(setting=slice(limit or None)), checkpoint=checkpoint)
+    frame = table_of(data.isel(setting=slice(limit or None)), checkpoint)
     varied, same = varied_and_same(data)
     out = console()
     left = [Column("setting", frame["setting"].astype(str).tolist())]
@@ -77,7 +77,7 @@ def settings(
     if len(frame) < data.sizes["setting"]:
         out.print(
             f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; show all: "
-            f"{again or shlex.join(['swarmcensus', 'show', str(path)])} --limit 0",
+            f"{again or command('swarmcensus', 'show', path)} --limit 0",
             soft_wrap=True,  # to be copied
         )
 

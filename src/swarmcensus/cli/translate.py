@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import command
 from swarmcensus.cli.output import answer, say, wrote
 
 NUMBERS = {"float": "single", "double": "double"}  # types of C, and the precisions they have
@@ -59,7 +60,7 @@ def translate(options: argparse.Namespace) -> int:
         about = {"brain": brain.label, "number": options.number, "message": options.message}
         size = {"memory_bytes": brain.memory_bytes, "message_bytes": brain.message_bytes}
         answer("translation", about | size | {"files": [str(path) for path in paths]})
-    say(f"next: make -C {folder} check, which compares the C with Python bit for bit")
+    say(f"next: {command('make', '-C', folder, 'check')}, which compares the C with Python bit for bit")
     return 0
 
 

@@ -3,10 +3,10 @@
 import csv
 import functools
 import math
-import shlex
 from pathlib import Path
 from typing import NamedTuple
 
+from swarmcensus.basics.options import command
 from swarmcensus.brains import Brain, load, shipped
 from swarmcensus.deployment.plans import SENT, Plan, fitting
 
@@ -78,7 +78,7 @@ def sentence(plan: Plan) -> str:
 
 def _how_to_find_out(brain: Brain) -> str:
     study = "" if brain.steers else ", and studies/formats.toml with it among the brains"  # whose robots do not move
-    return f"try swarmcensus brains --check {shlex.quote(brain.name)} --single{study}"
+    return f"try {command('swarmcensus', 'brains', '--check', brain.name, '--single')}{study}"
 
 
 @functools.cache

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import command
 from swarmcensus.brains import Brain
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.deployment.messages import messages_of, owing
@@ -25,7 +26,8 @@ def expected(brain: Brain) -> str:
     except Exception as error:
         what = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
         raise InputError(
-            f"brain {brain.name!r} fails in the self-test: {what}; swarmcensus brains --check {brain.name} shows where"
+            f"brain {brain.name!r} fails in the self-test: {what}; "
+            f"{command('swarmcensus', 'brains', '--check', brain.name)} shows where"
         ) from error
 
 

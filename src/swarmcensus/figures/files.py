@@ -15,7 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.options import option
 from swarmcensus.basics.printable import printable
-from swarmcensus.figures.page import RENDERING
+from swarmcensus.figures.page import drawing
 
 DPI = 150  # unless a style says otherwise
 MOST_PIXELS = 400_000_000  # 1.6 GB while a figure is drawn
@@ -56,7 +56,7 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
-        with atomic_write(place) as temporary, RENDERING, mpl.rc_context(SAVED):
+        with atomic_write(place) as temporary, drawing(SAVED):
             drawn = io.BytesIO()  # a full disk confuses matplotlib's writer of PDFs
             figure.savefig(drawn, format=extension, dpi=dots, metadata=undated)
             data = drawn.getvalue()

@@ -48,10 +48,10 @@ def _summary(data: Any) -> dict[str, Any]:
     if "swarmcensus_version" not in data.attrs or "setting" not in data.dims:
         return {}
     from swarmcensus.figures.coordinates import varies
-    from swarmcensus.results.summaries import done, medians_in, summary
+    from swarmcensus.results.summaries import done, medians_in, table_of
 
     count = data.sizes["setting"]
-    frame = summary(data.isel(setting=slice(0, MOST_SETTINGS)))
+    frame = table_of(data.isel(setting=slice(0, MOST_SETTINGS)))
     measured = [name for name in (*medians_in(data), "correct", "coverage", "interval_width") if name in frame]
     table = frame[["setting", *varies(data), "trials"]].copy()
     if frame["failed"].any():

@@ -61,6 +61,11 @@ class Page(NamedTuple):
 USUAL = Page()
 # matplotlib's settings and its reader of formulas are global: threads that draw texts or save take turns.
 RENDERING = threading.RLock()
+# Settings that figures do not follow. Names of brains are no LaTeX, sheets have their own layout, and axes formulas:
+OWN: Any = {
+    "text.usetex": False, "text.parse_math": True, "figure.constrained_layout.use": False, "figure.autolayout": False,
+    "savefig.bbox": None,
+}  # fmt: skip
 _PAGE: ContextVar[Page] = ContextVar("page", default=USUAL)
 Kind = TypeVar("Kind", bound=Callable[..., Any])
 
@@ -103,6 +108,26 @@ def scale() -> float:
     return letters() / LETTERS
 
 
+@contextlib.contextmanager
+def drawing(more: Any = None) -> Iterator[None]:
+    """Draw in a block with matplotlib's settings as they are, but for those that figures do not follow, and `more`.
+
+    Raises InputError for what matplotlib cannot draw with settings other than its defaults.
+    """
+    with RENDERING, mpl.rc_context(OWN | (more or {})):
+        try:
+            yield
+        except InputError:
+            raise
+        except (AttributeError, RuntimeError, TypeError, ValueError) as error:
+            ours, usual = OWN | (more or {}) | {"backend": None}, mpl.rcParamsDefault  # reading a backend imports it
+            if all(name in ours or mpl.rcParams[name] == usual[name] for name in usual):
+                raise
+            raise InputError(
+                f"matplotlib cannot draw with these settings, of a style or of {mpl.matplotlib_fname()}: {error}"
+            ) from error
+
+
 def on_page(draw: Kind) -> Kind:
     """Let a kind of figure take the options of `PageOptions`. Raises InputError for impossible and unknown ones."""
     known = [name for name, each in inspect.signature(draw).parameters.items() if each.kind != each.VAR_KEYWORD][1:]
@@ -124,13 +149,14 @@ def on_page(draw: Kind) -> Kind:
             results = with_labels(results, labels)
         wanted = _page_of(**given)
         if wanted == USUAL:
-            return draw(results, **options)
-        with _turned(wanted):
+            with drawing():
+                return draw(results, **options)
+        with drawing(), _turned(wanted):
             figure = draw(results, **options)
         if not isinstance(figure, Figure) or own_axes:
             return figure
         if wanted.height is not None and (panel := _panel_height(figure, wanted.height)) is not None:
-            with _turned(wanted._replace(high=panel)):
+            with drawing(), _turned(wanted._replace(high=panel)):
                 figure = draw(results, **options)
         wide, high = figure.get_size_inches()
         figure.set_size_inches(wanted.width or wide, wanted.height or high)  # kinds of other packages know no page

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
+from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.planning.plans import Plan, Row
 
@@ -30,6 +31,7 @@ ALIKE = 0.02  # relative difference of theory's minutes up to which they share a
 Line = tuple[str, str, float | None]  # brain, topology and density
 
 
+@drawing()
 def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> Figure:
     """Draw the minutes that a plan needs against the number of robots.
 

@@ -5,7 +5,6 @@ To add a part of the paper's evaluation, add study files to studies/paper, figur
 """
 
 import contextlib
-import shlex
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -17,6 +16,7 @@ from swarmcensus.basics.files import atomic_write, check_own, check_writable, da
 from swarmcensus.basics.fork import in_background
 from swarmcensus.basics.formatting import elapsed
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import command
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
 from swarmcensus.paper.figures import PaperFigure
@@ -116,7 +116,7 @@ def _command(this: Evaluation, out: Path, trials: int | None, seed: int | None, 
     words = ["swarmcensus", "reproduce", *([this.name] if this is not PAPER else []), "--out", str(out)]
     for option, value in (("--trials", trials), ("--seed", seed)):
         words += [option, str(value)] if value is not None else []
-    return shlex.join(words + (["--only", *parts] if len(parts) < len(this.parts) else []))
+    return command(*words, *(["--only", *parts] if len(parts) < len(this.parts) else []))
 
 
 def _simulate(
@@ -152,7 +152,9 @@ def _simulate(
             compile_for([(study, settings[name]) for name, study in studies.items()], tell)
             compiled = time.monotonic()
         for name, study in studies.items():
-            datasets[name] = run(study, jobs=jobs, progress=show, out=data_path(out, name), fresh=fresh, say=say)
+            datasets[name] = run(
+                study, jobs=jobs, progress=show, out=data_path(out, name), fresh=fresh, say=say, cautions=False
+            )
     return datasets, compiled - begun, time.monotonic() - compiled
 
 

@@ -112,7 +112,7 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list
     if mission.known.lying:
         data = _among_liars(study, jobs, show)
     else:
-        data = run(study, jobs, show)
+        data = run(study, jobs, show, cautions=False)
         if "failed" in data.attrs:
             raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
     found_curves = []
@@ -136,7 +136,7 @@ def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | Non
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*failed", UserWarning)
         try:
-            data = run(study, jobs, show)
+            data = run(study, jobs, show, cautions=False)
         except InputError as error:
             if NO_ESTIMATE in str(error):
                 return None

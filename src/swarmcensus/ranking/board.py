@@ -1,7 +1,6 @@
 """`leaderboard`: run shipped brains and brains of your own in the same worlds, score them and write the page."""
 
 import json
-import shlex
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,6 +12,7 @@ import xarray as xr
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_own, check_writable, data_path, shipped_study
+from swarmcensus.basics.options import command
 from swarmcensus.ranking.losses import Losses, losses_of
 from swarmcensus.ranking.page import TITLE, page
 from swarmcensus.ranking.scores import DIVISIONS, Scores, scores_of
@@ -97,7 +97,8 @@ def leaderboard(
         restart = fresh or (name != OFFICIAL and _changed(path, study, say))
         with reporting(f"leaderboard, {name}") as progress:
             part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
-            parts[name] = run(study, jobs, _showing(progress, part), out=path, fresh=restart, say=say)
+            show = _showing(progress, part)
+            parts[name] = run(study, jobs, show, out=path, fresh=restart, say=say, cautions=False)
     data = merge([parts[name] for name in studies]) if own_files else parts[OFFICIAL]
     brains = [brain for study in studies.values() for brain in study.brains]
     opinions = {brain.name for brain in brains if brain.is_opinion}
@@ -112,9 +113,12 @@ def leaderboard(
     words += [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
               for word in (option, str(value))]  # fmt: skip
     shipped = studies[OFFICIAL]
-    _draw([*scores.values()], own, out / FIGURE)
+    from swarmcensus.figures.page import drawing  # imports matplotlib
+
+    with drawing():
+        _draw([*scores.values()], own, out / FIGURE)
     with atomic_write(out / PAGE) as temporary:
-        text = page([*scores.values()], [*losses.values()], shlex.join(words), shipped.seed, shipped.trials, FIGURE)
+        text = page([*scores.values()], [*losses.values()], command(*words), shipped.seed, shipped.trials, FIGURE)
         temporary.write_text(text, encoding="utf-8")
     return Board(data, board, scores[board], losses[board], out / PAGE)
 

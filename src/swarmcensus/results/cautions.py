@@ -26,7 +26,13 @@ def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
     return share
 
 
-def warn_of_start(data: xr.Dataset) -> None:
+def warn_of(data: xr.Dataset) -> None:
+    """Give all warnings about these results, for the line that called the caller."""
+    warn_of_start(data, stacklevel=4)
+    warn_of_edges(data, stacklevel=4)
+
+
+def warn_of_start(data: xr.Dataset, stacklevel: int = 2) -> None:
     """Warn about settings in which 5 % of the robots or more converged before their first observation."""
     shares = settled_at_start(data)
     found = np.flatnonzero(shares >= LEAST)
@@ -40,11 +46,11 @@ def warn_of_start(data: xr.Dataset) -> None:
         f"setting{'s' if found.size > 1 else ''} {named}: {highest} of the robots have K = 0: their estimates never "
         f"left what they believed before any observation by delta{delta} or more. There, K does not "
         "tell how fast robots learn: choose another fill ratio, or a smaller delta under [measure]",
-        stacklevel=2,
+        stacklevel=stacklevel,
     )
 
 
-def warn_of_edges(data: xr.Dataset) -> None:
+def warn_of_edges(data: xr.Dataset, stacklevel: int = 2) -> None:
     """Warn about fill ratios on the edge between two bins: estimates just below it count as wrong."""
     if data.attrs["truth"] != "nominal":  # each trial has its own true fill ratio
         return
@@ -59,5 +65,5 @@ def warn_of_edges(data: xr.Dataset) -> None:
         f"fill ratio {named} {'lies' if len(found) == 1 else 'lie'} on the edge between two of the {bins} bins: about "
         "half of good estimates are in the wrong one. Choose another number of bins under [measure], or another fill "
         "ratio",
-        stacklevel=2,
+        stacklevel=stacklevel,
     )

@@ -6,6 +6,7 @@ from pathlib import Path
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_no_log
 from swarmcensus.basics.hints import did_you_mean_file
+from swarmcensus.basics.options import command
 
 
 def folder_of(out: Path) -> Path:
@@ -18,7 +19,7 @@ def check_there(path: Path) -> None:
     """Raise InputError if there is neither a results file nor the shards of its run."""
     check_no_log(path)
     if path.suffix == ".toml" and path.is_file():
-        raise InputError(f"{path} is a study, not results: first run it with swarmcensus run {path}")
+        raise InputError(f"{path} is a study, not results: first run it with {command('swarmcensus', 'run', path)}")
     if path.is_file() or (path.name and folder_of(path).is_dir()):
         return
     what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"

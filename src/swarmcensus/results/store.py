@@ -16,6 +16,7 @@ from xarray.backends import H5NetCDFStore
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
+from swarmcensus.basics.options import command
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
 from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
@@ -282,11 +283,10 @@ def _absent(path: Path) -> str:
         return "it is a folder"
     if not (folder / "run.json").is_file():
         return "there is no such file"
+    status = command("swarmcensus", "status", path)
     if shards.is_busy(folder):
-        return (
-            f"not written yet, a run is at work on it: see swarmcensus status {path}; Ctrl-C there writes what is done"
-        )
-    return f"not written yet, its run was cut off: the same swarmcensus run goes on (swarmcensus status {path})"
+        return f"not written yet, a run is at work on it: see {status}; Ctrl-C there writes what is done"
+    return f"not written yet, its run was cut off: the same swarmcensus run goes on ({status})"
 
 
 def frame(data: xr.Dataset) -> "pd.DataFrame":

@@ -15,6 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.results import measures, selecting
+from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.store import load
 from swarmcensus.results.values import INTERVALS, bounds_in, metrics_in, robots_in
 from swarmcensus.statistics.intervals import LEVEL, estimate
@@ -46,11 +47,18 @@ def summary(
     (default: the last one that the setting reaches); so are `coverage` (a mean) and `interval_width` (a median) if
     brains have intervals. `done` is the share of robots that were done. `where` selects settings, as in
     `swarmcensus show`. The coordinates that vary come first, and values, each before its interval, last: pandas shows
-    the first and last columns of a wide table. Raises InputError.
+    the first and last columns of a wide table. Warns as `run` does. Raises InputError.
     """
+    data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    warn_of(data)
+    return table_of(data, checkpoint)
+
+
+def table_of(data: xr.Dataset, checkpoint: int | None = None) -> "pd.DataFrame":
+    """The table of `summary`, without warnings."""
     import pandas as pd
 
-    data = _ready(selecting.where(load(results) if isinstance(results, str | Path) else results, where))
+    data = _ready(data)
     columns = _with_intervals(data, checkpoint)
     along = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in NUMERIC]
     varied = [name for name in along if len(set(data[name].values.astype(str).tolist())) > 1]

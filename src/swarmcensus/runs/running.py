@@ -17,6 +17,7 @@ from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.basics.formatting import counted
 from swarmcensus.engine.threads import LeavableThreads
 from swarmcensus.results import store
+from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.reading import readable
 from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools
@@ -42,6 +43,7 @@ def run(
     cluster: str | None = None,
     share: tuple[int, int] | None = None,
     say: Callable[[str], None] | None = None,
+    cautions: bool = True,
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
@@ -52,8 +54,9 @@ def run(
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
-    A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C raises Interrupted,
-    which carries the dataset of the finished trials. Raises InputError if nothing could be run.
+    Unless `cautions` is False, warnings name settings whose results are easily misread, such as a fill ratio on the
+    edge between two bins. A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C
+    raises Interrupted, which carries the dataset of the finished trials. Raises InputError if nothing could be run.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.check_trials()
@@ -123,6 +126,8 @@ def run(
             state.output.finish(data)
     if interrupted:
         raise Interrupted(readable(data, arrays), data.attrs["trials_done"], data.attrs["trials_total"])
+    if cautions:
+        warn_of(data)
     return readable(data, arrays)
 
 

@@ -11,6 +11,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import command
 from swarmcensus.results import shards
 from swarmcensus.results.store import stored
 from swarmcensus.results.structure import failures, finished
@@ -83,7 +84,7 @@ def status(out: str | Path) -> Status:
     if "merged" in data.attrs and how_to_continue:
         texts = json.loads(data.attrs["merged"])
         which = "its study" if len(texts) == 1 else f"one study that holds all settings of the {len(texts)} merged"
-        how_to_continue = f"swarmcensus run of {which}, with --out {out}, goes on from here"
+        how_to_continue = f"swarmcensus run of {which}, with {command('--out', out)}, goes on from here"
     elif "share" in data.attrs and how_to_continue:
         finished_count, wanted = _share_progress(data)
         share = f"share {data.attrs['share']}: {finished_count:,} of its {counted(wanted, 'trial')} done"

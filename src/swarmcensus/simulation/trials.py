@@ -12,6 +12,7 @@ import numpy as np
 
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import command
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import PART, VERDICTS
 from swarmcensus.engine.layout import Intervals, Measures, Minds, Segments, Swarm, Tally
@@ -261,7 +262,8 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
     which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
     what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
     if isinstance(error, compiler.NotCompiled):
-        crew, what = (error.brain,), f"it cannot be compiled: swarmcensus brains --check {error.brain.path} says why"
+        check = command("swarmcensus", "brains", "--check", error.brain.path)
+        crew, what = (error.brain,), f"it cannot be compiled: {check} says why"
     return InputError(f"brain {' or '.join(repr(brain.name) for brain in crew)} fails in {which} of {setting}: {what}")
 
 

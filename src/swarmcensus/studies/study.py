@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import command
 from swarmcensus.basics.plugins import Plugins
 from swarmcensus.basics.templates import render
 from swarmcensus.brains import Adversary, Brain, adversary
@@ -97,7 +98,7 @@ class Study:
         """
         where, name = f"study file {path}", Path(path).stem
         if Path(path).suffix == ".nc" and Path(path).is_file():
-            raise InputError(f"{path} holds results, not a study: see them with swarmcensus show {path}")
+            raise InputError(f"{path} holds results, not a study: see them with {command('swarmcensus', 'show', path)}")
         text = text_of_file(path, where)
         if "name" not in read_toml(text, where) and name.isprintable():
             text = f"name = {to_toml_value(name)}\n{text}"

@@ -204,8 +204,8 @@ def evaluate(
 ) -> xr.Dataset:
     """Run an evaluation; with `out` finished trials are kept there and not run again. Raises Interrupted."""
     if out is None:
-        return run(study, jobs, show)
-    return run(study, jobs, show, out=out, fresh=fresh or _is_of_another(out, study), say=say)
+        return run(study, jobs, show, cautions=False)
+    return run(study, jobs, show, out=out, fresh=fresh or _is_of_another(out, study), say=say, cautions=False)
 
 
 def check_replaceable(out: Path) -> None:

@@ -22,7 +22,7 @@ from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
-from swarmcensus.figures.page import PageOptions, letters, on_page
+from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
@@ -82,6 +82,7 @@ def decisions(
     return decisions_grid(panels_of(results, (color,), panels), color=color, theory=theory, title=title, ax=ax)
 
 
+@drawing()
 def decisions_grid(
     panels: Sequence[Panel | tuple[Any, ...]],
     *,

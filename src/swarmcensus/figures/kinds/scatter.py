@@ -22,7 +22,7 @@ from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
 from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
-from swarmcensus.figures.page import PageOptions, letters, on_page
+from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
@@ -94,6 +94,7 @@ def scatter(
     return scatter_grid(parts, color=color, scale=scale, theory=theory, title=title, ax=ax)
 
 
+@drawing()
 def scatter_grid(
     panels: Sequence[Panel | tuple[Any, ...]],
     *,
