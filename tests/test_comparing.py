@@ -214,7 +214,9 @@ def test_pairs_are_what_scipy_says_trial_by_trial():
         off = np.round(one - other, 12)
         low = row["measure"] == "final_error"
         assert row["difference"] == pytest.approx(np.median(off) if low else off.mean(), abs=1e-11)
-        assert row["one_value"] == pytest.approx(np.median(one) if low else one.mean())
+        place = row["world"] * 4 + NAMES.index(row["one"])
+        errors = np.abs(data["final_estimate"].values[place] - 0.55)
+        assert row["one_value"] == pytest.approx(np.median(errors) if low else one.mean())
         better, equal = ((off < 0) if low else (off > 0)).mean(), (off == 0).mean()
         assert row["superiority"] == pytest.approx(better + equal / 2)
         if low:
@@ -230,6 +232,17 @@ def test_pairs_are_what_scipy_says_trial_by_trial():
         )
     assert (frame["told_apart"] <= (frame["p_holm"] <= 0.05)).all()
     assert frame["told_apart"].any()
+
+
+def test_cells_are_those_of_a_summary():
+    data = made_up(brains=2, trials=9, robots=4, gap=0.3)
+    compared = sc.compare(data, ["final_error", "convergence_round", "correct", "convergence_error"]).table
+    shown = sc.summary(data).set_index("setting").loc[compared["setting"]]
+    for name in ("final_error", "convergence_round", "correct", "convergence_error"):
+        for end in ("", "_low", "_high"):
+            assert compared[name + end].tolist() == shown[name + end].tolist()
+    of_trials = np.median(measures.numbers(data, "final_error"), axis=1)
+    assert (compared["final_error"].to_numpy() != of_trials[compared["setting"]]).all()  # another median
 
 
 def test_average_ranks_are_those_of_each_trial_and_world():
@@ -331,7 +344,7 @@ def test_who_alone_has_numbers_is_neither_first_nor_behind():
     data["consensus_round"][1], data["consensus_right"][1] = np.nan, np.nan
     found = sc.compare(data, ["final_error", "consensus_round"])
     assert found.table["consensus_round_standing"].tolist() == ["", ""]
-    assert "consensus: no two contenders have numbers of it in the same world" in found.verdict
+    assert "right consensus: no two contenders have numbers of it in the same world" in found.verdict
 
 
 def test_a_constant_difference_has_a_p_and_no_interval():

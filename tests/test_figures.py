@@ -5,6 +5,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import pytest
@@ -778,8 +779,8 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, mon
     (path,) = figures.save(figure, tmp_path / "decisions", ["png"])
     before = path.read_bytes()
 
-    def fail(place: Path, **_: object) -> None:
-        Path(place).write_bytes(before[:100])
+    def fail(place: BinaryIO, **_: object) -> None:
+        place.write(before[:100])
         raise RuntimeError("the disk is full")
 
     monkeypatch.setattr(figure, "savefig", fail)

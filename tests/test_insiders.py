@@ -144,7 +144,7 @@ def test_a_brain_that_it_does_not_fit_is_told_with_the_line(lies, source, said):
         ),
         (
             "say_x = 1.0\n\n\ndef lie(me, x):\n    return x\n\n\ndef say_x(me, v):\n    return v\n",
-            "say_x is 1.0, not a",
+            "say_x is also the name of a function",
         ),
     ],
 )

@@ -115,10 +115,12 @@ def test_a_notebook_s_bar_leaves_a_line_and_a_short_run_nothing(display, monkeyp
     with progress.bar_or_nothing("<mine>") as show:
         show(Progress(0, 0, 0.0, 0.0, "compiling"))
         show(Progress(1, 4, 0.25, 1.0))
+        show(Progress(2, 4, 0.5, 1.0))
     texts = [one["text/plain"] for one in display]
     assert texts[0] == "<mine>: compiling"
-    assert texts[1].startswith("<mine>: 1 of 4 trials, ")
-    assert texts[2] == "<mine>: 1 of 4 trials in 0:00"
+    assert texts[1] == "<mine>: 1 of 4 trials"  # no rate yet
+    assert texts[2].startswith("<mine>: 2 of 4 trials, ")
+    assert texts[3] == "<mine>: 2 of 4 trials in 0:00"
     assert '<progress max="1.0" value="0.25">' in display[1]["text/html"]
     assert "&lt;mine&gt;" in display[1]["text/html"]
 

@@ -223,7 +223,7 @@ def test_theory_says_what_it_leaves_out(here, capsys):
 
 
 def test_a_narrow_terminal_has_no_columns_of_theory(here, monkeypatch, capsys):
-    monkeypatch.setattr("swarmcensus.basics.terminal.console", lambda: Console(width=80))
+    monkeypatch.setattr("swarmcensus.basics.terminal.console", lambda **_: Console(width=80))
     assert main(["plan", "m.toml", "--minutes", "5"]) == 0
     out = capsys.readouterr().out
     assert "theory" not in out

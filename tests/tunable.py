@@ -11,6 +11,8 @@ import swarmcensus as sc
 
 SOURCE = '''"""What tuning is tried on."""
 
+import math
+
 PARAMETERS = {"weight": 0.0, "a": 0.6, "pair": (0.25, 0.5), "noise": 0.0, "shift": 0.0, "idle": 1.0, "many": 3.0}
 MEMORY = {"t": 0.0, "n": 0.0, "z": 0.0}
 MESSAGE = ("n",)
@@ -41,7 +43,10 @@ def estimate(me):
     off += 0.01 * (me.many - 3.0) * (me.many - 3.0)
     if me.t > 0.0:
         off += me.weight * (me.n / me.t - 0.5)
-    return 0.5 + off + me.noise * (me.z - 0.5)
+    off += me.noise * (me.z - 0.5)
+    if abs(off) > 0.4:  # far off, it nears 0 or 1
+        off = math.copysign(0.5 - 0.04 / abs(off), off)
+    return 0.5 + off
 '''
 STUDY = """
 name   = "tunable"

@@ -45,7 +45,7 @@ def export(options: argparse.Namespace) -> int:
         what = "robots' logs are written as mcap" if logs else "results are written as csv or parquet"
         raise InputError(f"{source}: {what}, not by {asked}")
     stem = source.resolve().name if logs else source.stem
-    out = options.out or Path(f"{stem}.{kind}")
+    out = options.out or source.parent / f"{stem}.{kind}"  # each folder keeps its own
     if (ending in FORMATS and ending != kind) or (logs and ending not in ("", "mcap")):
         raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
     check_writable(out, source, *logs)

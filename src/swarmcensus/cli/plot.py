@@ -91,7 +91,7 @@ def plot(options: argparse.Namespace) -> int:
     draw = find(options.kind)
     given = _given(options, draw)
     suffix = Path(given.get("out") or "").suffix
-    out = options.out or Path(f"{options.results.stem}-{options.kind}{suffix}")
+    out = options.out or options.results.with_name(f"{options.results.stem}-{options.kind}{suffix}")
     if "out" in given:  # this kind writes its file itself
         given["out"] = out
     else:

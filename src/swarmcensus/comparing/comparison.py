@@ -1,6 +1,7 @@
 """Which brain is better in which world, by how much and at what cost, and what should be kept in mind: `sc.compare`."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,7 +30,7 @@ from swarmcensus.results.cautions import settled_at_start
 from swarmcensus.results.labels import labels_in, renamed
 from swarmcensus.results.measures import COSTS, SIZES, Measure
 from swarmcensus.results.store import load
-from swarmcensus.results.summaries import asked_anew, done, failed_trials
+from swarmcensus.results.summaries import asked_anew, cells, done, failed_trials
 from swarmcensus.statistics.bootstrap import centres
 
 if TYPE_CHECKING:
@@ -141,7 +142,10 @@ def compare_dataset(
         ContestInput(each, measure.statistic, measure.low, measure.share)
         for each, measure in zip(numbers, measured, strict=True)
     ]
-    all_contests = contests(inputs, against=reference)
+    all_contests = [
+        _as_shown(contest, measure.name, data, grid)
+        for contest, measure in zip(contests(inputs, against=reference), measured, strict=True)
+    ]
     costs = {
         name: centres(grid.spread(measures.numbers(data, name)), "mean")
         for name in COSTS
@@ -152,6 +156,19 @@ def compare_dataset(
     cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs)]
     title = str(data.attrs.get("title", ""))
     return Comparison(title, grid, measured, all_contests, costs, sizes, settings, cautions, reference)
+
+
+def _as_shown(contest: Contest, name: str, data: xr.Dataset, grid: Grid) -> Contest:
+    """A contest with the values and intervals that `swarmcensus show` has, where that has the measure.
+
+    These are medians over all robots of all trials; tests pair trials, by the median robot of each.
+    """
+    found = None if name == "consensus_round" else cells(data, name)  # a summary also has those on wrong options
+    if found is None:
+        return contest
+    value, *ends = map(grid.spread, found)
+    low, high = (np.where(np.isnan(end), own, end) for end, own in zip(ends, contest.value_ends, strict=True))
+    return replace(contest, values=value, value_ends=(low, high))
 
 
 def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]) -> int:

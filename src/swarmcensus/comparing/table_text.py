@@ -100,7 +100,7 @@ def meanings(standings: Standings, intervals: bool = True) -> list[str]:
     """What the columns and marks mean; `intervals` says whether they are shown."""
     trials = standings.contests[0].trials[standings.settings >= 0]
     few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
-        "; [95 %]: bootstrap over trials; always: in every trial" * intervals
+        "; [95 %]: over trials; always: in every trial" * intervals
     )  # fmt: skip
     several = bool(trials.min() < trials.max())
     many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
@@ -112,7 +112,7 @@ def meanings(standings: Standings, intervals: bool = True) -> list[str]:
     tests = test_count(standings.contests)
     return [
         "; ".join(columns),
-        f"values: median over {many} of the median robot (means for shares and for messages and bytes){few}",
+        f"values: median over all robots of {many} (means for shares and for messages and bytes){few}",
         f"{legend(standings)}; {counted(tests, 'test')}, corrected by Holm's method",
     ]
 

@@ -11,8 +11,7 @@ import numpy as np
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
 from swarmcensus.brains.packing import MOST, READ, STEPS, Part
 from swarmcensus.brains.single import ROUND
-from swarmcensus.engine.constants import NOISE, SAID
-from swarmcensus.engine.strict import POWER
+from swarmcensus.engine.constants import NOISE, POWER, SAID
 from swarmcensus.metrics import Metric
 
 BEFORE = "base_of_power"

@@ -48,3 +48,5 @@ COVERAGE, WIDTH = range(2)
 
 # what a word of luck is for
 LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE = range(5)
+
+POWER = "power_of_cpython"  # what checks powers, in the source of a compiled brain

@@ -12,6 +12,7 @@ import numpy as np
 
 from swarmcensus.engine.code_cache import not_compiled
 from swarmcensus.engine.compiling import compiled
+from swarmcensus.engine.constants import POWER
 
 DOMAIN, RANGE = "math domain error", "math range error"
 
@@ -88,7 +89,6 @@ def _pow(base, exponent):
     return power(base**exponent, base, exponent)
 
 
-POWER = "power_of_cpython"  # what `power` is called in the source of a brain
 nearest, power = compiled(_to_whole(round)), compiled(_power)
 KINDS: tuple[tuple[Callable[[Any], Any], tuple[str, ...]], ...] = (
     (_of_one, ("acos", "acosh", "asin", "atanh", "cos", "log", "log10", "log2", "sin", "sqrt", "tan")),

@@ -18,6 +18,7 @@ from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.store import load
 from swarmcensus.results.values import INTERVALS, bounds_in, metrics_in, robots_in
+from swarmcensus.statistics.bootstrap import centres
 from swarmcensus.statistics.intervals import LEVEL, estimate
 from swarmcensus.vocabulary.coordinates import NUMERIC
 from swarmcensus.vocabulary.quantities import QUANTITIES
@@ -114,6 +115,21 @@ def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
     if "half_width" in data:
         columns["half_width"] = data["half_width"].values
     return columns
+
+
+def cells(data: xr.Dataset, name: str) -> tuple[NDArray[np.float64], ...] | None:
+    """The value of a measure as the summary has it, and the ends of its interval, each (setting,); None of other means.
+
+    Measures that no summary has, such as `done_error`, are worked out alike.
+    """
+    data, statistic = measures.with_measure(data, name), measures.statistic_of(name)
+    if "checkpoint" in data[name].dims:
+        value = centres(measures.numbers(data, name), statistic)
+    elif statistic == "median":
+        value = _medians(data, name, done(data))
+    else:
+        return None
+    return value, *_intervals(data, name, None).T
 
 
 def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:

@@ -209,7 +209,8 @@ ALL = (
     ),
     Quantity(
         "consensus_round", "the first round after which they did; infinite: never", "decisions", PER_TRIAL, "rounds",
-        never=True, label="consensus", low=True, summary=True, compared="round of a consensus on the right option",
+        never=True, label="right consensus", low=True, summary=True,
+        compared="round of a consensus on the right option",
         page="the round of that agreement; infinite for never",
     ),
     Quantity(
