@@ -20,7 +20,7 @@ def add_export_options(sub: argparse.ArgumentParser) -> None:
         "--to", choices=FORMATS, help="format (default: by the ending of --out, else csv; of robots' logs mcap)"
     )
     sub.add_argument(
-        "--out", type=Path, metavar="FILE", help="file to write (default: the input's name and .TO, in this folder)"
+        "--out", type=Path, metavar="FILE", help="file to write (default: the input's name and .TO, next to it)"
     )
 
 

@@ -79,7 +79,7 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="FILE",
-        help="file to write (default: RESULTS-KIND.png and .svg, or .mp4; also .pdf, .gif)",
+        help="file to write (default: RESULTS-KIND.png and .svg, or .mp4, next to RESULTS; also .pdf, .gif)",
     )
 
 

@@ -78,6 +78,7 @@ def swarm(options: argparse.Namespace) -> int:
     """Run a swarm of processes."""
     from swarmcensus.cli.swarm_table import showing
     from swarmcensus.deployment.folders import check_free
+    from swarmcensus.engine.threads import interruptible
     from swarmcensus.swarm.children import check_system
     from swarmcensus.swarm.faults import faults_of
     from swarmcensus.swarm.plans import plan_of
@@ -90,7 +91,7 @@ def swarm(options: argparse.Namespace) -> int:
         raise InputError(f"--out {folder} is the folder that you are in: it should name a new one, such as swarm")
     study, air = _study(options), _air(options)
     seed = study.seed if options.seed is None else options.seed
-    plan = plan_of(study, options.setting or 0, seed, options.trial, air, options.micropython)
+    plan = interruptible(plan_of)(study, options.setting or 0, seed, options.trial, air, options.micropython)
     faults = faults_of(options.at, plan.setting.robots, plan.period, plan.seconds)
     stopped = ""
     with contextlib.closing(Page(options, folder)) as page:

@@ -11,7 +11,7 @@ import numpy as np
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
 from swarmcensus.brains.packing import MOST, READ, STEPS, Part
 from swarmcensus.brains.single import ROUND
-from swarmcensus.engine.constants import NOISE, POWER, SAID
+from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID
 from swarmcensus.metrics import Metric
 
 BEFORE = "base_of_power"
@@ -146,8 +146,8 @@ def essence(source: str) -> str:
 class _Powers(ast.NodeTransformer):
     """Has the result of each `a ** b` looked at: machine code goes on with infinity or NaN where CPython raises.
 
-    The operation itself stays as it is, because Numba treats constant exponents differently. Operands are repeated, so
-    they have no effects: powers of what helpers return that write to a record or a vector are left alone.
+    Whole exponents stay in the operation, because Numba multiplies there. So the base is repeated, and has no effects:
+    such powers of what helpers return that write to a record or a vector are left alone.
     """
 
     def __init__(self, tree: ast.Module) -> None:
@@ -159,7 +159,11 @@ class _Powers(ast.NodeTransformer):
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
         used = _names_in(node)
         self.generic_visit(node)
-        if not isinstance(node.op, ast.Pow) or used & self.writing:
+        if not isinstance(node.op, ast.Pow):
+            return node
+        if not _is_whole(node.right):
+            return ast.Call(ast.Name(RAISED, ast.Load()), [node.left, node.right], [])
+        if used & self.writing:
             return node
         return ast.Call(ast.Name(POWER, ast.Load()), [node, node.left, node.right], [])
 
@@ -172,6 +176,11 @@ class _Powers(ast.NodeTransformer):
         before = [ast.Name(BEFORE + end, ast.Store()) for end in ("", "_exponent")]
         kept = [ast.Assign([name], value) for name, value in zip(before, (target, node.value), strict=True)]
         return [*kept, node, ast.Expr(ast.Call(ast.Name(POWER, ast.Load()), [target, *before], []))]
+
+
+def _is_whole(node: ast.expr) -> bool:
+    number = node.operand if isinstance(node, ast.UnaryOp) else node
+    return isinstance(number, ast.Constant) and isinstance(number.value, int)
 
 
 def _writes(node: ast.AST) -> bool:

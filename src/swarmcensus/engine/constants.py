@@ -49,4 +49,5 @@ COVERAGE, WIDTH = range(2)
 # what a word of luck is for
 LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE = range(5)
 
-POWER = "power_of_cpython"  # what checks powers, in the source of a compiled brain
+# what checks powers, in the source of a compiled brain: the result of one, and one as a whole
+POWER, RAISED = "power_of_cpython", "raised"

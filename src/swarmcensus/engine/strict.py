@@ -12,7 +12,7 @@ import numpy as np
 
 from swarmcensus.engine.code_cache import not_compiled
 from swarmcensus.engine.compiling import compiled
-from swarmcensus.engine.constants import POWER
+from swarmcensus.engine.constants import POWER, RAISED
 
 DOMAIN, RANGE = "math domain error", "math range error"
 
@@ -85,11 +85,12 @@ def _power(result, base, exponent):
     return result
 
 
-def _pow(base, exponent):
+def _raised(base, exponent):
     return power(base**exponent, base, exponent)
 
 
 nearest, power = compiled(_to_whole(round)), compiled(_power)
+raised = compiled(_raised)
 KINDS: tuple[tuple[Callable[[Any], Any], tuple[str, ...]], ...] = (
     (_of_one, ("acos", "acosh", "asin", "atanh", "cos", "log", "log10", "log2", "sin", "sqrt", "tan")),
     (_growing, ("cosh", "exp", "expm1", "gamma", "lgamma", "sinh")),
@@ -98,7 +99,7 @@ KINDS: tuple[tuple[Callable[[Any], Any], tuple[str, ...]], ...] = (
 )
 OF_MATH = {name: compiled(made(getattr(math, name))) for made, names in KINDS for name in names}
 OF_MATH["fmod"] = compiled(_of_two(np.fmod))  # Numba has no math.fmod
-OF_PYTHON = {"int": compiled(_to_whole(int)), "round": compiled(_round), "pow": compiled(_pow), POWER: power}
+OF_PYTHON = {"int": compiled(_to_whole(int)), "round": compiled(_round), "pow": raised, RAISED: raised, POWER: power}
 MATH = types.ModuleType("math")
 vars(MATH).update(vars(math) | OF_MATH)
 
