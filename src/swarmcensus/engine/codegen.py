@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
+from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, is_shipped, length, slots
 from swarmcensus.brains.packing import MOST, READ, STEPS, Part
 from swarmcensus.brains.single import ROUND
 from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID
@@ -18,6 +18,10 @@ BEFORE = "base_of_power"
 CLIPPED, OWED, UNUSED = "_clipped", "_owed_{}", "_unused_"  # of a mind, where its messages have a format
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
+STRICT = """
+from swarmcensus.engine.strict import make_strict
+make_strict(brain)
+"""
 MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
 from swarmcensus.engine.calling import blank_mind, word_at
@@ -25,7 +29,6 @@ from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import {chance}
 from swarmcensus.engine.records import record_type
 from swarmcensus.engine.return_values import spoken, whole_vector
-from swarmcensus.engine.strict import make_strict
 
 from numpy import float32, float64  # noqa: F401
 
@@ -33,7 +36,7 @@ from . import {files}
 
 record = record_type({record})
 {rounding}
-make_strict(brain)
+{strict}
 for file in ({files},):
     for name, value in list(vars(file).items()):
         if isinstance(value, type(lambda: None)):
@@ -126,8 +129,11 @@ after = {after}
 '''
 
 
-def essence(source: str) -> str:
-    """The parts of a brain's file that machine code depends on: no comments, docstrings, or numbers of declarations."""
+def essence(source: str, strict: bool = True) -> str:
+    """The parts of a brain's file that machine code depends on: no comments, docstrings, or numbers of declarations.
+
+    With `strict`, powers are checked.
+    """
     tree = ast.parse(source)
     read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
     tree.body = [node for node in tree.body if not _is_declaration(node, read)]
@@ -137,7 +143,7 @@ def essence(source: str) -> str:
             node.body = body or [ast.Pass()]
     try:
         powers = _Powers(tree)
-        tree.body = [powers.visit(node) if isinstance(node, ast.FunctionDef) else node for node in tree.body]
+        tree.body = [powers.visit(node) if strict and isinstance(node, ast.FunctionDef) else node for node in tree.body]
         return ast.unparse(ast.fix_missing_locations(tree))
     except RecursionError:  # an expression of hundreds of terms
         return source
@@ -262,6 +268,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
     return MIND.format(
         files=", ".join(files),
         chance=chance,
+        strict="" if is_shipped(brain) else STRICT,
         rounding=SINGLE.format(targets="".join(f"{file}.{ROUND} = " for file in files)) if rounds else "",
         record=record_fields(brain),
         checked=any(fields_of(brain).values()) or any(brain.message.values()),

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.basics.errors import without_colours
-from swarmcensus.brains import Brain, numbers
+from swarmcensus.brains import Brain, is_shipped, numbers
 from swarmcensus.brains.single import codec_source
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
@@ -161,7 +161,7 @@ def _loop_files() -> dict[str, str]:
 def _brain_files(brain: Brain, exact: bool = False, mixed: bool = False) -> dict[str, str]:
     return {
         "__init__.py": "",
-        "brain.py": brain.running_source if exact else codegen.essence(brain.running_source),
+        "brain.py": brain.running_source if exact else codegen.essence(brain.running_source, not is_shipped(brain)),
         "mind.py": codegen.of_brain(brain, mixed),
         "phases.py": source("phases.py"),
     } | ({"codec.py": codec_source(brain.numbers.precision)} if brain.parts else {})

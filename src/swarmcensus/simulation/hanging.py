@@ -63,7 +63,7 @@ WHILE_WAITING.append(look)
 def examine(settings: Sequence[Setting], seed: int, trials: Sequence[int], runs: Callable[[], bool]) -> None:
     """Look for a function that does not return, in a thread, while the trials go on; shipped brains are trusted."""
     for setting in settings:
-        new = {brain.sha256 for brain in setting.brains if brain.name not in brains.shipped()} - _EXAMINED
+        new = {brain.sha256 for brain in setting.brains if not brains.is_shipped(brain)} - _EXAMINED
         if new:
             _EXAMINED.update(new)
             threading.Thread(None, _examine, EXAMINES, (setting, seed, trials, runs), daemon=True).start()
