@@ -23,7 +23,7 @@ def tests(session: nox.Session) -> None:
 
 @nox.session(python=False)
 def lowest(session: nox.Session) -> None:
-    """Main paths with the lowest versions of what the core needs; `nox -s lowest -- all`: quick tests, all extras."""
+    """The quick tests with the lowest versions of all extras; `nox -s lowest -- core`: main paths of the core alone."""
     session.run("bash", "tools/lowest.sh", *session.posargs, external=True)
 
 

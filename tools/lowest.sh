@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Tests with the lowest versions that pyproject.toml allows, in an environment of their own:
-#   tools/lowest.sh        main paths with the core alone; what .ci/run does
-#   tools/lowest.sh all    the quick tests with all extras
+#   tools/lowest.sh         the quick tests with all extras
+#   tools/lowest.sh core    main paths with the core alone; what .ci/run does
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,7 +13,7 @@ if [ -d "$environment/Scripts" ]; then scripts="$environment/Scripts"; fi # as i
 unset PIP_CONSTRAINT # the versions that are tested otherwise
 "$scripts/python" -m pip install uv
 export UV_PYTHON="$scripts/python"
-if [ "${1:-core}" = all ]; then
+if [ "${1:-all}" = all ]; then
 	"$scripts/uv" pip install --quiet --resolution lowest-direct '.[test,parquet,film,cluster,tune,ros,watch]'
 	"$scripts/python" -m pytest -n 2 -m "not long"
 else
