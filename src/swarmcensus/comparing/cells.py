@@ -50,7 +50,8 @@ def columns(standings: Standings, worlds: int) -> dict[str, list[Cell]]:
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
         low, high = (ends[at] for ends in contest.value_ends)
         standing = standings.standing(contest)[at]
-        texts = numbers(contest.values[at], low, high, contest.trials[at], measure)
+        most = 100.0 if measure.share else np.inf
+        texts = numbers(contest.values[at], low, high, contest.trials[at], measure, NEVER, most)
         cells[column_head(measure)] = [Cell(*text, str(way)) for text, way in zip(texts, standing, strict=True)]
     for name, values in (standings.costs | standings.sizes).items():
         if name in COSTS and name not in [measure.name for measure in standings.measures]:
@@ -59,11 +60,18 @@ def columns(standings: Standings, worlds: int) -> dict[str, list[Cell]]:
 
 
 def numbers(
-    values: Floats, low: Floats, high: Floats, trials: NDArray[np.int64], measure: Measure, endless: str = NEVER
+    values: Floats,
+    low: Floats,
+    high: Floats,
+    trials: NDArray[np.int64],
+    measure: Measure,
+    endless: str,
+    most: float = np.inf,
 ) -> list[tuple[str, str]]:
     """Values and their intervals as text, with two digits of the median interval (one digit for rounds).
 
-    Infinite numbers are shown as `endless`. If all trials are the same, the interval is "always".
+    Infinite numbers are shown as `endless`. Values of `most`, which nothing exceeds, have a lower end only. If all
+    trials are the same, the interval is "always".
     """
     times = 100.0 if measure.share else 1.0
     with np.errstate(invalid="ignore"):  # both ends may be infinite
@@ -79,8 +87,8 @@ def numbers(
         decimals = int(measure.share)
     out = []
     ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # + 0.0 avoids -0.00
-    for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
-        text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals))
+    for value, least, greatest, count in zip(*ends, trials.tolist(), strict=True):
+        text, interval = (part.replace("inf", endless) for part in rounded(value, least, greatest, decimals, most))
         if np.isnan(least):
             interval = (ALWAYS if count >= FEWEST and not np.isnan(value) else "-") * bool(
                 widths.size or count >= FEWEST

@@ -6,10 +6,10 @@ from itertools import pairwise
 from rich.console import Console
 from rich.table import Table
 
-from swarmcensus.basics.formatting import counted, grouped
+from swarmcensus.basics.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fits, fitted, left_out
 from swarmcensus.basics.terminal import table as table_of
-from swarmcensus.comparing.cells import COSTS, MARKS, Cell, column_head, columns, legend, range_text, rows_of
+from swarmcensus.comparing.cells import ALWAYS, COSTS, MARKS, Cell, column_head, columns, legend, range_text, rows_of
 from swarmcensus.comparing.pair_tests import test_count
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.comparing.verdicts import findings
@@ -99,20 +99,22 @@ def world_columns(standings: Standings, worlds: int) -> list[list[Column]]:
 def meanings(standings: Standings, intervals: bool = True) -> list[str]:
     """What the columns and marks mean; `intervals` says whether they are shown."""
     trials = standings.contests[0].trials[standings.settings >= 0]
-    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
-        "; [95 %]: over trials; always: in every trial" * intervals
-    )  # fmt: skip
+    shown = {cell.interval for cells in columns(standings, len(standings.settings)).values() for cell in cells}
+    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else "; [95 %]: over trials" * intervals
+    few += f"; {ALWAYS}: in every trial" * (intervals and ALWAYS in shown)
+    one_sided = intervals and any(text.startswith("[>=") for text in shown)
     several = bool(trials.min() < trials.max())
     many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
-    columns = [
+    heads = [
         f"{column_head(measure)}: {measure.meaning}"
         + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
         for measure in standings.measures
     ]
     tests = test_count(standings.contests)
     return [
-        "; ".join(columns),
+        "; ".join(heads),
         f"values: median over all robots of {many} (means for shares and for messages and bytes){few}",
+        *([f"[>= x]: {ONE_SIDED}"] if one_sided else []),
         f"{legend(standings)}; {counted(tests, 'test')}, corrected by Holm's method",
     ]
 
