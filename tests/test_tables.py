@@ -147,6 +147,7 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (recordings.read_observations, "%time,field.data\n16048,1\n", "columns 'time', 'field.data': .*step,robot"),
         (recordings.read_observations, "robot 0,robot 1\n0,1\n1,white\n", "line 3: 'white': should be 0"),
         (recordings.read_observations, "1,1,\n0,1,\n", "last column is empty"),
+        (recordings.read_observations, "step\n0\n1\n", "no observations: .*robot 0,robot 1"),
         (recordings.read_observations, "Column1,robot 0,robot 1\n7,0,1\n", "column 'Column1'"),
         (recordings.read_observations, "0.0,1.0,2.0\n0,1,1\n", "columns '1.0', '2.0'"),
         (recordings.read_observations, "robot 0\n1\n\n0\n", "line 3 is empty: write NA"),

@@ -27,7 +27,7 @@ def readings_of(table: Table) -> np.ndarray:
     """Observations (step, robot): 0 white, 1 black, NaN none. Raises InputError."""
     if table.names is None and table.rows:
         table = _unnamed(table)
-    if not table.rows:
+    if not table.rows or not table.width:
         raise InputError(f"{table.source}: no observations: there should be {RIGHT}, and rows")
     if table.gap:
         raise InputError(f"{table.source}, line {table.gap} is empty: write NA where a robot observed nothing")
