@@ -67,6 +67,15 @@ def test_what_cannot_be_written_stays_as_it_is(kind, small_file, tmp_path, capsy
     assert sorted(os.listdir(tmp_path)) == before
 
 
+def test_figures_of_results_with_points_in_their_names_are_written_next_to_them(small_file, tmp_path, capsys):
+    results = tmp_path / "a.v2.nc"
+    results.write_bytes(small_file.read_bytes())
+    assert main(["plot", str(results), "--kind", "decisions"]) == 0
+    assert {p.name for p in tmp_path.iterdir()} == {"a.v2.nc", "a.v2-decisions.png", "a.v2-decisions.svg"}
+    assert main(["plot", str(results), "--out", str(tmp_path / "a.v2")]) == 2
+    assert "figures are written as" in capsys.readouterr().err
+
+
 def test_an_interrupted_writer_leaves_nothing(tmp_path):
     def write():
         with files.atomic_write(tmp_path / "x.csv") as temporary:

@@ -190,6 +190,13 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatc
     assert len(read(tmp_path / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
 
 
+def test_the_file_lies_next_to_the_folder_also_from_within(folder, tmp_path, monkeypatch):
+    pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
+    monkeypatch.chdir(folder)
+    assert main(["export", "."]) == 0
+    assert (tmp_path / "day.mcap").is_file()
+
+
 def test_order_is_that_of_time(folder, tmp_path):
     exported(folder, tmp_path)
     from mcap.stream_reader import StreamReader

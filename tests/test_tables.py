@@ -40,6 +40,8 @@ LINKS = {
     "R": ('"","from","to"\n"1",0,1\n"2",1,2\n', PATH),
     "R table": ('"V1" "V2"\n"1" 0 1\n"2" 1 2\n', PATH),
     "Excel": ("\ufeffSource;Target\r\n0;1\r\n1;2\r\n", PATH),
+    "Excel with its separator": ("sep=;\r\nSource;Target\r\n0;1\r\n1;2\r\n", PATH),
+    "three decimals": ("i;j\n0,000;1,000\n1,000;2,000\n", PATH),
     "Excel text": ("source\ttarget\r\n0\t1\r\n1\t2\r\n".encode("utf-16"), PATH),
     "Gephi": (GEPHI.format("Undirected"), PATH),
     "igraph": ("2 0\n0 1\n", [[2, 0], [0, 1]]),
@@ -50,6 +52,7 @@ LINKS = {
     "separators at the ends": ("i,j\n0,1,\n1,2,\n", PATH),
     "a separator after names": ("i,j,\n0,1\n", [[0, 1]]),
     "whole numbers with a point": ("target,source\n1.0,0.0\n", [[0, 1]]),
+    "messages of Gephi": ("Step,Sender,Receiver,Type\n2,0,1,Directed\n", [[2, 0, 1]]),
     "no messages": ("step,sender,receiver\n", []),
 }
 
@@ -77,6 +80,7 @@ OBSERVATIONS = {
     "NumPy": ("1.000000000000000000e+00 0.000000000000000000e+00\nnan 1.0e+00\n", [[1, 0], [NAN, 1]]),
     "NumPy with names": ("# robot1 robot0\n0 1\n1 1\n", [[1, 0], [1, 1]]),
     "one robot": (NAMED[["robot 2"]].rename(columns={"robot 2": "0_"}).to_csv(index=False) + "\n\n", [[1], [NAN], [0]]),
+    "e-pucks": ("e-puck2_1,e-puck2_0\n0,1\n1,1\n", [[1, 0], [1, 1]]),
     "comments": ("# in the hall\nrobot 0,robot 1\n0,1\n# pause\n1,1\n", [[0, 1], [1, 1]]),
 }
 
@@ -107,6 +111,13 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (recordings.read_links, "i,i\n0,1\n", "two columns are named 'i'"),
         (recordings.read_links, "source,target\nA,B\n", "line 2: 'A': should be a whole number from 0"),
         (recordings.read_links, GEPHI.format("Directed"), "line 2: 'Directed': .*step,sender,receiver"),
+        (recordings.read_links, 'source\ttarget\n0\t"1,000"\n1\t2\n', "line 2: '1,000': .* mark of thousands"),
+        (recordings.read_links, "source;target\n0;999\n1;1.000\n", "line 3: '1.000': .* mark of thousands"),
+        (recordings.read_links, "i,j\nTRUE,FALSE\n", "line 2: 'TRUE': should be a whole number"),
+        (recordings.read_links, "index,i,j\n5,0,1\n", "first column is named 'index'.*leave it out"),
+        (recordings.read_links, "step,sender,receiver,type\n0,0,1,Undirected\n", "a message for each direction"),
+        (topology, "%%MatrixMarket matrix coordinate real general\n3 3 1\n1 2 1\n", "a matrix of Matrix Market"),
+        (topology, nx.to_sparse6_bytes(nx.path_graph(3)), "looks like graph6 or sparse6"),
         (recordings.read_links, "größe\n".encode("latin1"), "cannot be read as text in UTF-8"),
         (recordings.read_links, 'i,j\n0,"1\n2,3\n', "a cell in quotes goes on"),
         (topology, GEPHI.format("Directed"), "line 2: 'Directed': .*directed = true"),
@@ -136,8 +147,12 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (recordings.read_observations, "%time,field.data\n16048,1\n", "columns 'time', 'field.data': .*step,robot"),
         (recordings.read_observations, "robot 0,robot 1\n0,1\n1,white\n", "line 3: 'white': should be 0"),
         (recordings.read_observations, "1,1,\n0,1,\n", "last column is empty"),
+        (recordings.read_observations, "step\n0\n1\n", "no observations: .*robot 0,robot 1"),
+        (recordings.read_observations, "Column1,robot 0,robot 1\n7,0,1\n", "column 'Column1'"),
+        (recordings.read_observations, "0.0,1.0,2.0\n0,1,1\n", "columns '1.0', '2.0'"),
         (recordings.read_observations, "robot 0\n1\n\n0\n", "line 3 is empty: write NA"),
         (recordings.read_accuracy, "0,1\n0.9,0.8\n", BOTH.format("0,1")),
+        (recordings.read_accuracy, "0,0.9\n1,0.8\n", "may be b or the numbers of robots"),
         (recordings.read_accuracy, "robot,b\n3,0.9\n", "column 'robot'"),
         (recordings.read_accuracy, "b,w\n0.9,\n", "line 2: '': should be a number"),
     ],
@@ -169,6 +184,27 @@ def test_data_frames_and_graphs_are_read_by_their_names():
     for links, said in ((heavy, "'distance'"), (nx.DiGraph(PATH), "directed"), (nx.MultiGraph(PATH * 2), "parallel")):
         with pytest.raises(sc.InputError, match=f"links: .*{said}"):
             inferred(SEEN, links)
+
+
+def test_arrays_and_graphs_are_not_guessed():
+    missing = np.ma.masked_array(np.nan_to_num(SEEN), np.isnan(SEEN))
+    assert inferred(SEEN, PATH).equals(inferred(missing, PATH))
+    names = nx.parse_edgelist(["2 0", "0 1"])  # its nodes are texts
+    for links, said in (
+        (names, "node '2' of the graph: .*nodetype=int"),
+        (nx.Graph([(-1, 0)]), "node -1"),
+        (nx.to_numpy_array(nx.path_graph(3), dtype=bool), "whole numbers"),
+        ([[0, 2**70]], "whole numbers"),
+        ([[0, NAN]], "whole numbers"),
+        (pd.DataFrame(), "0 columns without names"),
+    ):
+        with pytest.raises(sc.InputError, match=f"links: .*{said}"):
+            inferred(SEEN, links)
+
+
+def test_an_accuracy_file_that_is_missing_is_named():
+    with pytest.raises(sc.InputError, match=r"'nowhere\.csv': there is no such file"):
+        recordings.read_accuracy("nowhere.csv")
 
 
 def test_robots_without_links_are_named():

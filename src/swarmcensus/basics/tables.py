@@ -19,14 +19,20 @@ from swarmcensus.basics.formatting import counted
 SEPARATORS = "\t;,"  # the first that is there; else spaces
 COMMENTS = ("#", "%")
 MISSING = ("", "na", "n/a", "#n/a", "nan", "null", "none", "<na>")
-WORDS = dict.fromkeys(MISSING, np.nan) | {"true": 1.0, "false": 0.0}
+TRUTHS = {"true": 1.0, "false": 0.0}
+WORDS = dict.fromkeys(MISSING, np.nan) | TRUTHS
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII)
+THREE_DIGITS = re.compile(r"[+-]?\d+[.,]\d{3}", re.ASCII)  # decimals, or the end of thousands
+SEPARATOR_LINE = re.compile('"?sep=."?', re.IGNORECASE)  # the first line of a table for Excel
 ATTRIBUTES = re.compile(r"\s*\{(.*)\}$")  # of an edge, as networkx writes them
 ROW_NUMBERS = ("", "unnamed0", "index")  # names of a column that counts rows, in pandas and R
 MOST_WHOLE = 2.0**53  # beyond it, not every whole number is a float
 FORMATS = {  # how files begin that are no tables
     "<": "XML, such as GraphML or GEXF",
     "*": "a network of Pajek",
+    "%%matrixmarket": "a matrix of Matrix Market",
+    ">>": "graph6 or sparse6",
+    "/*": "DOT",
     "graph": "GML or DOT",
     "digraph": "DOT",
     "strict": "DOT",
@@ -57,11 +63,10 @@ class Table(NamedTuple):
         digits = "".join(cells)
         if all(cells) and digits.isascii() and digits.isdigit():  # as most tables are: quickly
             return np.array(list(map(float, cells)))
-        comma = self.separator in (";", "\t")
         out = np.empty(len(cells))
         for n, cell in enumerate(cells):
             try:
-                out[n] = number(cell, comma)
+                out[n] = number(cell, self.has_commas)
             except ValueError:
                 raise self.wrong(n, k, right) from None
         return out
@@ -73,6 +78,14 @@ class Table(NamedTuple):
         wrong = ~((values >= 0.0) & (values < MOST_WHOLE) & (values == np.floor(values)))
         if wrong.any():
             raise self.wrong(int(np.argmax(wrong)), k, right)
+        cells = {str(row[k]) for row in self.rows}
+        unclear = {cell for cell in cells if cell.strip().lower() in TRUTHS}
+        marked = {cell for cell in cells if THREE_DIGITS.fullmatch(cell.strip())}
+        if self.has_commas and len(marked) < len(cells):  # else all cells have three decimals
+            unclear |= marked
+            right += ", without a mark of thousands or decimals"
+        if unclear:
+            raise self.wrong(next(n for n, row in enumerate(self.rows) if str(row[k]) in unclear), k, right)
         return values.astype(np.int64)
 
     def wrong(self, row: int, k: int, right: str) -> InputError:
@@ -100,6 +113,11 @@ class Table(NamedTuple):
         """How many columns there are."""
         return len(self.names if self.names is not None else self.rows[0] if self.rows else ())
 
+    @property
+    def has_commas(self) -> bool:
+        """Whether numbers may have decimal commas."""
+        return self.separator in (";", "\t")
+
     def is_empty(self, k: int) -> bool:
         """Whether no cell of a column has a value."""
         return all(str(row[k]).strip().lower() in MISSING for row in self.rows)
@@ -125,7 +143,7 @@ class Table(NamedTuple):
 
     def refuse(self, columns: Sequence[int], right: str) -> NoReturn:
         """Raise InputError for columns that are not understood, or for too many without names."""
-        if self.names is None:
+        if not self.names:
             there = counted(self.width, "column")
             raise InputError(f"{self.source}: {there} without names: the first line should name {right}")
         names = ", ".join(repr(self.names[k]) for k in columns)
@@ -171,11 +189,13 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
     """
     lines = _text(Path(path)).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     lines = [line.strip(" ") for line in lines]
+    lines[0] = "" if SEPARATOR_LINE.fullmatch(lines[0]) else lines[0]
     numbers = [n for n, line in enumerate(lines, start=1) if line and not line.startswith(COMMENTS)]
     if not numbers:
         return Table(str(path), None, [])
     texts = [_without_attributes(path, n, lines[n - 1]) for n in numbers]
-    if kind := next((kind for start, kind in FORMATS.items() if texts[0].lower().startswith(start)), ""):
+    starts = (lines[0].lower(), texts[0].lower())
+    if kind := next((kind for start, kind in FORMATS.items() if any(line.startswith(start) for line in starts)), ""):
         raise InputError(f"{path}: looks like {kind}: {AS_TABLE}")
     separator = _separator(texts)
     comments = [line.lstrip("".join(COMMENTS) + " ") for line in lines[: numbers[0] - 1] if line]
@@ -267,7 +287,11 @@ def _without_row_numbers(table: Table) -> Table:
     names = [plain(name) for name in table.names or ()]
     if names and names[0] in ROW_NUMBERS:
         if not table.counts(0, (0, 1)):
-            raise InputError(f"{table.source}: the first column has no name, and does not count rows: name it")
+            said = f"is named {table.names[0]!r}" if table.names and table.names[0] else "has no name"
+            raise InputError(
+                f"{table.source}: the first column {said}, and does not count rows: leave it out if it is an index "
+                f"(index=False in pandas, row.names=FALSE in R), or name all columns by what they are"
+            )
         table, names = table.without(0), names[1:]
     if twice := {name for name in names if names.count(name) > 1}:
         raise InputError(f"{table.source}: two columns are named {min(twice)!r}")

@@ -44,8 +44,8 @@ def export(options: argparse.Namespace) -> int:
         asked = f"--to {kind}" if options.to else f"--out {options.out}"
         what = "robots' logs are written as mcap" if logs else "results are written as csv or parquet"
         raise InputError(f"{source}: {what}, not by {asked}")
-    stem = source.resolve().name if logs else source.stem
-    out = options.out or source.parent / f"{stem}.{kind}"  # each folder keeps its own
+    whole = source if source.name not in ("", "..") else source.resolve()
+    out = options.out or whole.parent / f"{whole.name if logs else source.stem}.{kind}"  # each folder keeps its own
     if (ending in FORMATS and ending != kind) or (logs and ending not in ("", "mcap")):
         raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
     check_writable(out, source, *logs)

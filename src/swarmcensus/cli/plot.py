@@ -95,7 +95,7 @@ def plot(options: argparse.Namespace) -> int:
     if "out" in given:  # this kind writes its file itself
         given["out"] = out
     else:
-        figure_files(out)
+        figure_files(out, is_stem=options.out is None)
     stored, data = read(options)
     say_partial(stored, options.results)
     if options.setting in stored["setting"].values and options.setting not in data["setting"].values:
@@ -108,7 +108,7 @@ def plot(options: argparse.Namespace) -> int:
         if "out" in given:
             wrote(f"{out}: {counted(drawn, 'frame')}" if isinstance(drawn, int) else out)
         else:
-            save_figure(_as_figure(drawn, options.kind), out, dpi=options.dpi)
+            save_figure(_as_figure(drawn, options.kind), out, dpi=options.dpi, is_stem=options.out is None)
     return 0
 
 
@@ -231,21 +231,28 @@ def brain_of(data: Any, setting: int | None = None) -> str:
     return "the brain" if len({*names}) > 1 else "".join(names[:1].tolist())
 
 
-def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"), dpi: int | None = None) -> None:
+def save_figure(
+    figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"), dpi: int | None = None, is_stem: bool = False
+) -> None:
     """Write a figure in the format of its suffix, or without a suffix in all of `default`, and print the paths."""
     from swarmcensus.figures.files import save
 
-    for path in save(figure, *figure_files(out, default), dpi=dpi):
+    for path in save(figure, *figure_files(out, default, is_stem=is_stem), dpi=dpi):
         wrote(path)
 
 
-def figure_files(out: Path, default: tuple[str, ...] = ("png", "svg"), *inputs: Path) -> tuple[Path, tuple[str, ...]]:
-    """The path without its suffix, and the formats to write. Raises InputError if they cannot be written."""
+def figure_files(
+    out: Path, default: tuple[str, ...] = ("png", "svg"), *inputs: Path, is_stem: bool = False
+) -> tuple[Path, tuple[str, ...]]:
+    """The path without its suffix, and the formats to write. Raises InputError if they cannot be written.
+
+    With `is_stem` what follows a point in the name is no suffix.
+    """
     from swarmcensus.basics.files import check_writable
 
     if not out.suffix and (out.is_dir() or out.name in ("", "..")):
         raise InputError(f"cannot write {out}: it is a folder")
-    suffix = out.suffix.lower().lstrip(".")
+    suffix = "" if is_stem else out.suffix.lower().lstrip(".")
     if suffix and suffix not in ("png", "svg", "pdf"):
         raise InputError(f"{out}: figures are written as .png, .svg or .pdf")
     stem, formats = (out.with_suffix(""), (suffix,)) if suffix else (out, default)

@@ -36,7 +36,10 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     except ValueError:
         values = []
     if len(values) not in (1, 2):
-        raise InputError(f"accuracy {text!r}: should be 0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row a robot")
+        raise InputError(
+            f"accuracy {text!r}: there is no such file: should be 0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row "
+            "for each robot"
+        )
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
@@ -53,6 +56,11 @@ def _accuracies(table: Table) -> tuple[np.ndarray, np.ndarray]:
         table.refuse(range(table.width), ACCURACY)
     if table.names is None:
         table.check_heading("b,w"[: 2 * table.width - 1], "accuracies")
+        if table.width == 2 and table.counts(0):
+            raise InputError(
+                f"{table.source}: the first column may be b or the numbers of robots: add a line b,w or robot,accuracy "
+                "above it"
+            )
     columns = [table.column(k) for k in np.argsort(names)]  # b comes before w
     for k, values in enumerate(columns):
         if np.isnan(values).any():

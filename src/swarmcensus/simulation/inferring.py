@@ -57,11 +57,11 @@ def infer(
 ) -> xr.Dataset:
     """Run a brain on recorded observations and links instead of a simulated world, and return a trace.
 
-    - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation; or a data frame with the
-      columns of a file.
+    - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation (in a masked array also
+      what is masked); or a data frame with the columns of a file.
     - `links`: undirected edges (edge, 2) along which robots exchange messages at the end of every round, or rows
       (message, 3) of step, sender and receiver, each heard at its step; or a data frame with the columns of a file, or
-      an undirected networkx graph; None for robots that never communicate.
+      an undirected networkx graph of robots' numbers; None for robots that never communicate.
     - `accuracy`: a number or an array (robot,) if b = w, or a tuple (b, w) of these.
     - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
       last round without messages.
@@ -110,11 +110,16 @@ def infer(
     return trace
 
 
+def _unmasked(values: Any) -> Any:
+    """The values of an array, with NaN for those that are masked."""
+    return np.ma.filled(values.astype(np.float64), np.nan) if isinstance(values, np.ma.MaskedArray) else values
+
+
 def _readings(observations: Any) -> np.ndarray:
     if is_frame(observations):
         return readings_of(frame_table(observations, "observations"))
     try:
-        readings = np.ascontiguousarray(observations, np.float64)
+        readings = np.ascontiguousarray(_unmasked(observations), np.float64)
     except (TypeError, ValueError):
         raise InputError("observations: should be an array of 0, 1 and NaN") from None
     if readings.ndim != 2 or 0 in readings.shape:
@@ -137,7 +142,7 @@ def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
     out = []
     for side in sides:
         try:
-            values = np.asarray(side, np.float64)
+            values = np.asarray(_unmasked(side), np.float64)
             if values.shape not in ((), (robots,)):
                 raise ValueError
             values = np.array(np.broadcast_to(values, (robots,)))
@@ -160,16 +165,23 @@ def _rows(links: Any) -> np.ndarray:
     if hasattr(links, "nodes") and hasattr(links, "is_directed"):
         if links.is_directed():
             raise InputError("links: a directed graph: give messages, as rows of step, sender, receiver")
+        for node in links.nodes:
+            if isinstance(node, bool) or not isinstance(node, int | np.integer) or node < 0:
+                raise InputError(
+                    f"links: node {node!r} of the graph: should be the number of a robot, from 0: read the graph with "
+                    "nodetype=int, or use networkx.relabel_nodes"
+                )
         try:
             links = numbered(links, own=True)
         except ValueError as error:
             raise InputError(f"links: {error}") from None
     try:
-        rows = np.asarray(links)
-        whole = rows.astype(np.int64)
-        if rows.size and not (whole == rows).all():
+        rows = np.asarray(_unmasked(links))
+        with np.errstate(invalid="ignore"):
+            whole = rows.astype(np.int64)
+        if rows.size and (rows.dtype == bool or not (whole == rows).all()):
             raise ValueError
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError("links: should be an array of whole numbers") from None
     if not whole.size:
         return np.zeros((0, 2), np.int64)

@@ -1,6 +1,7 @@
 """Observations of real robots, from a table: a column for each robot, or a row for each observation."""
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +14,7 @@ LONG = ("step", "robot")
 READINGS = ("observation", "reading", "black", "value")  # names of the readings' column
 RIGHT = "robot 0,robot 1,... or step,robot,observation"
 READING = "0 (white), 1 (black) or empty"
-ROBOT = re.compile("([^0-9]*)([0-9]{1,9})")  # a plain name
+ROBOT = re.compile(r"(.*[^0-9]|)([0-9]{1,9})[\W_]*", re.DOTALL)  # a name: what it begins with, and the robot's number
 MOST_READINGS = 2**27
 
 
@@ -26,7 +27,7 @@ def readings_of(table: Table) -> np.ndarray:
     """Observations (step, robot): 0 white, 1 black, NaN none. Raises InputError."""
     if table.names is None and table.rows:
         table = _unnamed(table)
-    if not table.rows:
+    if not table.rows or not table.width:
         raise InputError(f"{table.source}: no observations: there should be {RIGHT}, and rows")
     if table.gap:
         raise InputError(f"{table.source}, line {table.gap} is empty: write NA where a robot observed nothing")
@@ -39,8 +40,10 @@ def readings_of(table: Table) -> np.ndarray:
         if not table.counts(names.index("step")):
             raise InputError(f"{table.source}: column 'step': should be 0, 1, 2, ...; or name the columns {RIGHT}")
         return readings_of(table.without(names.index("step")))
-    found = [ROBOT.fullmatch(name) for name in names]
-    strange = [k for k, match in enumerate(found) if match is None or match[1] != (found[0] or match)[1]]
+    found = [ROBOT.fullmatch(name) for name in table.names]
+    stems = [plain(match[1]) if match else None for match in found]
+    usual = Counter(stem for stem in stems if stem is not None).most_common(1)
+    strange = [k for k, stem in enumerate(stems) if stem is None or stem != usual[0][0]]
     if strange:
         table.refuse(strange, RIGHT)
     numbers = np.array([int(match[2]) for match in found if match])

@@ -16,7 +16,8 @@ ENDS = (*DIRECTED, ("i", "j"), ("u", "v"), ("a", "b"), ("node1", "node2"), ("v1"
 STEP, WEIGHT, TYPE = "step", "weight", "type"
 SILENT = ("id", "edgeid", "label")  # columns of Gephi and igraph that say nothing of links
 KNOWN = {*(name for pair in ENDS for name in pair), STEP, WEIGHT, TYPE, *SILENT}
-LINKS = "i,j for edges, or step,sender,receiver for messages"
+MESSAGES = "step,sender,receiver"
+LINKS = f"i,j for edges, or {MESSAGES} for messages"
 MOST_NAMED = 8  # robots in a warning
 
 
@@ -85,7 +86,7 @@ def links_of(table: Table, right: str, directed: bool = False, messages: bool = 
         if (weights[~np.isnan(weights)] != 1.0).any():
             raise InputError(f"{table.source}: column {WEIGHT!r}: {WEIGHTS}: leave it out if it says nothing of them")
     if TYPE in names:
-        _check_types(table, names.index(TYPE), directed, messages)
+        _check_types(table, names.index(TYPE), directed or has_steps, messages)
     return np.stack([table.whole(names.index(name)) for name in chosen], axis=1)
 
 
@@ -94,7 +95,10 @@ def _check_types(table: Table, k: int, directed: bool, messages: bool) -> None:
     right = "directed" if directed else "undirected"
     for n, row in enumerate(table.rows):
         if plain(str(row[k])) != right:
-            remedy = "give messages, with the columns step,sender,receiver" if messages else "see directed = true"
+            if messages:
+                remedy = "give a message for each direction" if directed else f"give messages, as {MESSAGES}"
+            else:
+                remedy = "see directed = true"
             raise InputError(f"{table.where(n)}: {row[k]!r}: all links are {right} here: {remedy}")
 
 
