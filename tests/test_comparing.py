@@ -246,13 +246,13 @@ def test_cells_are_those_of_a_summary():
     assert (compared["final_error"].to_numpy() != of_trials[compared["setting"]]).all()  # another median
 
 
-def test_means_have_the_intervals_of_a_figure():
+@pytest.mark.parametrize("name", ["right_side", "decided", "consensus_right", "messages_sent", "bytes_sent"])
+def test_means_have_the_intervals_of_a_figure(name):
     data = made_up(brains=2, trials=9, robots=4, gap=0.3)
-    rows = sc.compare(data, "right_side").table.set_index("setting")
-    for place, setting in enumerate(data["setting"].values.tolist()):
-        shares = measures.numbers(data, "right_side")[place]
-        expected = estimate(shares[:, np.newaxis], "mean", share=True)
-        assert tuple(rows.loc[setting, ["right_side", "right_side_low", "right_side_high"]]) == pytest.approx(expected)
+    rows = sc.compare(data, name).table.set_index("setting")
+    for setting, of_trials in enumerate(measures.numbers(data, name)):
+        expected = estimate(of_trials[:, np.newaxis], "mean", share=measures.is_share(name))
+        assert rows.loc[setting, [name, f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([*expected])
 
 
 def test_what_is_missing_is_no_number():
