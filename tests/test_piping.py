@@ -145,6 +145,13 @@ def test_json_is_utf_8_in_any_encoding(monkeypatch):
         assert (b"\\u00e9" in written) == (encoding != "utf-8")
 
 
+def test_an_option_after_two_dashes_is_sent_before_them(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", "--", "study.toml", "--trials", "2"])
+    said = "swarmcensus run: --trials stands after --, where only names of files do: options come before it\n"
+    assert capsys.readouterr().err == said
+
+
 def test_a_name_that_is_no_text_is_one_sentence(tmp_path, capsys):
     assert main(["new", "study", str(tmp_path / os.fsdecode(b"\xe9.toml"))]) == 2
     assert "\\udce9.toml" in (error := capsys.readouterr().err)
