@@ -16,6 +16,7 @@ from swarmcensus.comparing.contenders import grid_of
 from swarmcensus.comparing.tables import escaped, latex
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import centres, intervals
+from swarmcensus.statistics.intervals import estimate
 from swarmcensus.statistics.significance import holm
 from tests.contending import made_up, without
 from tests.test_signed_ranks import by_every_sign
@@ -243,6 +244,38 @@ def test_cells_are_those_of_a_summary():
             assert compared[name + end].tolist() == shown[name + end].tolist()
     of_trials = np.median(measures.numbers(data, "final_error"), axis=1)
     assert (compared["final_error"].to_numpy() != of_trials[compared["setting"]]).all()  # another median
+
+
+@pytest.mark.parametrize("name", ["right_side", "decided", "consensus_right", "messages_sent", "bytes_sent"])
+def test_means_have_the_intervals_of_a_figure(name):
+    data = made_up(brains=2, trials=9, robots=4, gap=0.3)
+    rows = sc.compare(data, name).table.set_index("setting")
+    for setting, of_trials in enumerate(measures.numbers(data, name)):
+        expected = estimate(of_trials[:, np.newaxis], "mean", share=measures.is_share(name))
+        assert rows.loc[setting, [name, f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([*expected])
+
+
+def test_what_is_missing_is_no_number():
+    data = made_up(brains=2, trials=9, robots=4)
+    steps = np.full(data["convergence_round"].shape, 70, np.int32)
+    steps[0] = -1  # a merged study may lack local estimates
+    data["local_convergence_step"] = data["convergence_round"].dims, steps
+    names = [f"local_convergence_step{end}" for end in ("", "_low", "_high")]
+    shown = sc.summary(data).set_index("setting")[names]
+    assert shown.iloc[0].isna().all()
+    assert shown.iloc[1].notna().all()
+    compared = sc.compare(data, "local_convergence_step").table.set_index("setting")
+    assert compared.loc[shown.index[0], names].isna().all()
+
+
+def test_a_share_of_all_has_a_lower_end_only():
+    data = made_up(brains=2, trials=9, robots=4)
+    data["correct"][:] = 1.0
+    found = sc.compare(data, "correct")
+    low = 100.0 * found.table["correct_low"][0]
+    assert f"[>= {low:.1f}]" in repr(found)
+    assert "[>= x]: the same in all trials" in repr(found)
+    assert rf"[$\geq$ {low:.1f}]" in latex(found)
 
 
 def test_average_ranks_are_those_of_each_trial_and_world():

@@ -14,7 +14,7 @@ import swarmcensus as sc
 from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli import program
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.output import print_rows
+from swarmcensus.cli.output import answer, print_rows
 from swarmcensus.vocabulary.coordinates import NUMERIC
 
 STUDY = """
@@ -132,6 +132,24 @@ def test_letters_that_an_encoding_lacks_are_escaped_as_json_escapes_them(tmp_pat
         done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True)
         assert done.returncode == code
         assert says in getattr(done, stream).decode("cp1252")
+
+
+def test_json_is_utf_8_in_any_encoding(monkeypatch):
+    for encoding in ("utf-8", "cp1252", "ascii", "latin-1"):
+        with io.TextIOWrapper(io.BytesIO(), encoding) as out, monkeypatch.context() as patch:
+            patch.setattr(sys, "stdout", out)
+            answer("summary", {"title": "é 𝄞"})
+            out.flush()
+            written = out.buffer.getvalue()
+        assert json.loads(written.decode())["title"] == "é 𝄞"
+        assert (b"\\u00e9" in written) == (encoding != "utf-8")
+
+
+def test_an_option_after_two_dashes_is_sent_before_them(capsys):
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", "--", "study.toml", "--trials", "2"])
+    said = "swarmcensus run: --trials stands after --, where only names of files do: options come before it\n"
+    assert capsys.readouterr().err == said
 
 
 def test_a_name_that_is_no_text_is_one_sentence(tmp_path, capsys):

@@ -24,6 +24,8 @@ class Parser(argparse.ArgumentParser):
         if rest:
             unknown = next((argument for argument in rest if argument.startswith("-")), rest[0])
             name = unknown.partition("=")[0]
+            if name in self._option_string_actions:
+                self.error(f"{_shown(name)} stands after --, where only names of files do: options come before it")
             hint = did_you_mean(name, (o for o in self._option_string_actions if o.startswith("--")))
             what = "is no option of this command" if unknown.startswith("-") else "is an argument too many"
             self.error(f"{_shown(name)} {what}: {hint or self._help()}")

@@ -7,6 +7,7 @@ All packages log to the logger `swarmcensus` and below: INFO is printed by defau
 """
 
 import argparse
+import codecs
 import contextlib
 import logging
 import sys
@@ -79,7 +80,7 @@ def answer(kind: str, about: Mapping[str, Any]) -> None:
     """Print the document of --json on stdout."""
     from swarmcensus.basics.documents import document
 
-    print(document(kind, about))
+    print(document(kind, about, ascii_only=codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"))
 
 
 def present(

@@ -60,20 +60,15 @@ def columns(standings: Standings, worlds: int) -> dict[str, list[Cell]]:
 
 
 def numbers(
-    values: Floats,
-    low: Floats,
-    high: Floats,
-    trials: NDArray[np.int64],
-    measure: Measure,
-    endless: str,
-    most: float = np.inf,
+    values: Floats, low: Floats, high: Floats, trials: NDArray[np.int64], measure: Measure, differences: bool = False
 ) -> list[tuple[str, str]]:
     """Values and their intervals as text, with two digits of the median interval (one digit for rounds).
 
-    Infinite numbers are shown as `endless`. Values of `most`, which nothing exceeds, have a lower end only. If all
-    trials are the same, the interval is "always".
+    Infinite numbers are "never", of `differences` "inf"; those that are the same in all trials have "always" for an
+    interval. A share of 1 has a lower end only, as in `swarmcensus show`.
     """
-    times = 100.0 if measure.share else 1.0
+    times, endless = 100.0 if measure.share else 1.0, "inf" if differences else NEVER
+    largest = times if measure.share and not differences else np.inf
     with np.errstate(invalid="ignore"):  # both ends may be infinite
         widths = times * (high - low)
     widths = widths[np.isfinite(widths)]
@@ -87,10 +82,10 @@ def numbers(
         decimals = int(measure.share)
     out = []
     ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # + 0.0 avoids -0.00
-    for value, least, greatest, count in zip(*ends, trials.tolist(), strict=True):
-        text, interval = (part.replace("inf", endless) for part in rounded(value, least, greatest, decimals, most))
+    for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
+        text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals, largest))
         if np.isnan(least):
-            interval = (ALWAYS if count >= FEWEST and not np.isnan(value) else "-") * bool(
+            interval = (ALWAYS if differences and count >= FEWEST and not np.isnan(value) else "-") * bool(
                 widths.size or count >= FEWEST
             )
         out.append(("-" if np.isnan(value) else text, interval))
@@ -109,6 +104,15 @@ def range_text(values: Floats) -> str:
         return ""
     low, high = amount(known.min()), amount(known.max())
     return low if low == high else f"{low} to {high}"
+
+
+def one_sided(standings: Standings, worlds: int) -> bool:
+    """Whether a share is 1 in all trials of a contender in the first `worlds` worlds, and has an interval."""
+    return any(
+        ((contest.values == 1.0) & ~np.isnan(contest.value_ends[0]))[:worlds].any()
+        for measure, contest in zip(standings.measures, standings.contests, strict=True)
+        if measure.share
+    )
 
 
 def legend(standings: Standings) -> str:
@@ -136,7 +140,7 @@ def pair_rows(standings: Standings, worlds: int) -> list[tuple[str, ...]]:
         world, pair = at = np.nonzero(~np.isnan(contest.corrected[:worlds]))
         better = contest.tests.below if contest.low else contest.tests.above
         low, high = (ends[at] for ends in contest.difference_ends)
-        texts = numbers(contest.difference[at], low, high, trials[at], measure, "inf")
+        texts = numbers(contest.difference[at], low, high, trials[at], measure, differences=True)
         for k, (w, p) in enumerate(zip(world.tolist(), pair.tolist(), strict=True)):
             first, second = (standings.contenders[c] for c in pairs_of(len(standings.contenders))[p])
             equal = contest.tests.equal[w, p]

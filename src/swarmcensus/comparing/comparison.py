@@ -159,15 +159,11 @@ def compare_dataset(
 
 
 def _as_shown(contest: Contest, name: str, data: xr.Dataset, grid: Grid) -> Contest:
-    """A contest with the values and intervals that `swarmcensus show` has, where that has the measure.
+    """A contest with the values and intervals that summaries and figures have.
 
-    These are medians over all robots of all trials; tests pair trials, by the median robot of each.
+    Their medians are over all robots of all trials; tests pair trials, by the median robot of each.
     """
-    found = None if name == "consensus_round" else cells(data, name)  # a summary also has those on wrong options
-    if found is None:
-        return contest
-    value, *ends = map(grid.spread, found)
-    low, high = (np.where(np.isnan(end), own, end) for end, own in zip(ends, contest.value_ends, strict=True))
+    value, low, high = map(grid.spread, cells(data, name))
     return replace(contest, values=value, value_ends=(low, high))
 
 

@@ -24,7 +24,7 @@ def as_html(standings: Standings) -> str:
     return render(
         Path(__file__).with_name("comparison.html.jinja"), title=standings.title, columns=columns,
         rows=list(zip(*(column.cells for column in columns), strict=True)), above=table_text.same(standings),
-        below=[*table_text.meanings(standings), *more], said=said(standings),
+        below=[*table_text.meanings(standings, worlds), *more], said=said(standings),
     )  # fmt: skip
 
 

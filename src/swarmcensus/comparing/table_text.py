@@ -9,7 +9,7 @@ from rich.table import Table
 from swarmcensus.basics.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, Column, console, fits, fitted, left_out
 from swarmcensus.basics.terminal import table as table_of
-from swarmcensus.comparing.cells import ALWAYS, COSTS, MARKS, Cell, column_head, columns, legend, range_text, rows_of
+from swarmcensus.comparing.cells import COSTS, MARKS, Cell, column_head, columns, legend, one_sided, range_text, rows_of
 from swarmcensus.comparing.pair_tests import test_count
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.comparing.verdicts import findings
@@ -40,7 +40,7 @@ def print_worlds(standings: Standings, out: Console, limit: int, all_columns: st
         out.print(line, style="dim")
     for page in tables:
         out.print(page)
-    for line in [*left_out(lacking, out, all_columns), *meanings(standings, INTERVALS not in lacking)]:
+    for line in [*left_out(lacking, out, all_columns), *meanings(standings, worlds, INTERVALS not in lacking)]:
         out.print(line, style="dim")
     if worlds < len(standings.grid.worlds):
         out.print(f"{worlds:,} of {counted(len(standings.grid.worlds), 'world')}; {all_worlds}", soft_wrap=True)
@@ -96,13 +96,12 @@ def world_columns(standings: Standings, worlds: int) -> list[list[Column]]:
     ]
 
 
-def meanings(standings: Standings, intervals: bool = True) -> list[str]:
-    """What the columns and marks mean; `intervals` says whether they are shown."""
+def meanings(standings: Standings, worlds: int, intervals: bool = True) -> list[str]:
+    """What the columns and marks of the first `worlds` worlds mean; `intervals` says whether they are shown."""
     trials = standings.contests[0].trials[standings.settings >= 0]
-    shown = {cell.interval for cells in columns(standings, len(standings.settings)).values() for cell in cells}
-    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else "; [95 %]: over trials" * intervals
-    few += f"; {ALWAYS}: in every trial" * (intervals and ALWAYS in shown)
-    one_sided = intervals and any(text.startswith("[>=") for text in shown)
+    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
+        "; [95 %]: over trials" * intervals
+    )  # fmt: skip
     several = bool(trials.min() < trials.max())
     many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
     heads = [
@@ -114,7 +113,7 @@ def meanings(standings: Standings, intervals: bool = True) -> list[str]:
     return [
         "; ".join(heads),
         f"values: median over all robots of {many} (means for shares and for messages and bytes){few}",
-        *([f"[>= x]: {ONE_SIDED}"] if one_sided else []),
+        *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided(standings, worlds) else []),
         f"{legend(standings)}; {counted(tests, 'test')}, corrected by Holm's method",
     ]
 

@@ -178,4 +178,5 @@ def _cell(cell: Cell) -> str:
     strong = rf"\textbf{{{value}}}" if cell.standing in ("best", "better") else value
     value = rf"{strong}$^{{{MARKS[cell.standing]}}}$" if cell.standing in MARKS else value
     lacks = cell.interval in ("", "-")
-    return value if lacks else f"{value} {{\\footnotesize {escaped(cell.interval).replace('-', '$-$')}}}"
+    interval = escaped(cell.interval).replace("-", "$-$").replace(escaped(">="), r"$\geq$")
+    return value if lacks else f"{value} {{\\footnotesize {interval}}}"

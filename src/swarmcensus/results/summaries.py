@@ -17,7 +17,7 @@ from swarmcensus.basics.options import option
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.store import load
-from swarmcensus.results.values import INTERVALS, bounds_in, metrics_in, robots_in
+from swarmcensus.results.values import INTERVALS, bounds_in, is_missing, metrics_in, robots_in
 from swarmcensus.statistics.bootstrap import centres
 from swarmcensus.statistics.intervals import LEVEL, estimate
 from swarmcensus.vocabulary.coordinates import NUMERIC
@@ -117,19 +117,21 @@ def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
     return columns
 
 
-def cells(data: xr.Dataset, name: str) -> tuple[NDArray[np.float64], ...] | None:
-    """The value of a measure as the summary has it, and the ends of its interval, each (setting,); None of other means.
+def cells(data: xr.Dataset, name: str) -> tuple[NDArray[np.float64], ...]:
+    """The value of a measure as summaries and figures have it, and the ends of its interval, each (setting,).
 
-    Measures that no summary has, such as `done_error`, are worked out alike.
+    Medians are over all robots of all trials. Means, and the round of a right consensus, are of one number a trial.
     """
     data, statistic = measures.with_measure(data, name), measures.statistic_of(name)
     if "checkpoint" in data[name].dims:
-        value = centres(measures.numbers(data, name), statistic)
-    elif statistic == "median":
-        value = _medians(data, name, done(data))
-    else:
-        return None
-    return value, *_intervals(data, name, None).T
+        return centres(measures.numbers(data, name), statistic), *_intervals(data, name, None).T
+    if statistic == "median" and name != "consensus_round":  # a summary also has those on wrong options
+        return _medians(data, name, done(data)), *_intervals(data, name, None).T
+    numbers = measures.numbers(data, name)
+    ends = np.full((len(numbers), 2), np.nan)
+    for row, trials in enumerate(numbers):
+        _, *ends[row] = estimate(trials[~np.isnan(trials), np.newaxis], statistic, share=measures.is_share(name))
+    return centres(numbers, statistic), *_within_bounds(data, name, ends).T
 
 
 def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
@@ -233,7 +235,7 @@ def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.
     for first in range(0, settings, step):
         rows = slice(first, first + step)
         here = ran[rows, :, np.newaxis] & (np.arange(widest) < robots[rows, np.newaxis, np.newaxis])
-        here &= array[rows] == array[rows]  # not every merged study asks for every metric
+        here &= ~is_missing(array[rows])  # not every merged study asks for every metric, or for local estimates
         values = np.sort(np.where(here, array[rows], np.inf).reshape(len(here), -1), axis=1)
         count = here.sum(axis=(1, 2))[:, np.newaxis]
         middle = np.take_along_axis(values, np.concatenate([(count - 1) // 2, count // 2], axis=1), axis=1)
@@ -253,8 +255,14 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
     else:
         array, robots = _by_robot(data, name), robots_in(data).values.tolist()
         for row, trials in enumerate(ran):
-            kept = array[row, trials, : robots[row]].astype(np.float64)
-            _, *ends[row] = estimate(kept[~np.isnan(kept[:, 0])], "median")
+            kept = array[row, trials, : robots[row]]
+            kept = np.where(is_missing(kept), np.nan, kept)
+            _, *ends[row] = estimate(kept[~np.isnan(kept).all(axis=1)], "median")  # none if only some robots lack it
+    return _within_bounds(data, name, ends)
+
+
+def _within_bounds(data: xr.Dataset, name: str, ends: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The ends of intervals, (setting, 2), within the bounds of the quantity."""
     least, most = bounds_in(data, name)
     return np.asarray(np.clip(ends, least, np.reshape(most, (-1, 1))))
 
