@@ -50,8 +50,7 @@ def columns(standings: Standings, worlds: int) -> dict[str, list[Cell]]:
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
         low, high = (ends[at] for ends in contest.value_ends)
         standing = standings.standing(contest)[at]
-        most = 100.0 if measure.share else np.inf
-        texts = numbers(contest.values[at], low, high, contest.trials[at], measure, NEVER, most)
+        texts = numbers(contest.values[at], low, high, contest.trials[at], measure)
         cells[column_head(measure)] = [Cell(*text, str(way)) for text, way in zip(texts, standing, strict=True)]
     for name, values in (standings.costs | standings.sizes).items():
         if name in COSTS and name not in [measure.name for measure in standings.measures]:
