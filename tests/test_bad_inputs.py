@@ -31,6 +31,24 @@ def test_loading_a_brain_computes_and_calls_nothing(line):
         brains.parse(f"{line}\n{BRAIN}", "mine.py", "mine.py")
 
 
+@pytest.mark.parametrize("name", ["OPTIONS", "ROLES", "FIELD"])
+def test_constants_in_constants_are_counted(name):
+    huge = "(" * 9 + "1,)" + " * 10000,)" * 8 + " * 10000"
+    source = (
+        BRAIN.replace("MEMORY = {", f'MEMORY = {{"y": {huge}, ') if name == "FIELD" else f"{BRAIN}\n{name} = {huge}"
+    )
+    with pytest.raises(sc.InputError, match=r"mine\.py, line \d+: a constant holds more than 1,000,000 numbers"):
+        brains.parse(source, "mine.py", "mine.py")
+
+
+@pytest.mark.parametrize("key", ["__class__", "__slots__", "\uff54"])
+@pytest.mark.parametrize("table", ["MEMORY", "PARAMETERS"])
+def test_fields_have_names_that_python_keeps(table, key):
+    source = BRAIN.replace("MEMORY = {", f"MEMORY = {{{key!r}: 0.0, ") if table == "MEMORY" else ""
+    with pytest.raises(sc.InputError, match=rf"{table} key {key!r}.* Python"):
+        brains.parse(source or f"{BRAIN}\nPARAMETERS = {{{key!r}: 0.0}}", "mine.py", "mine.py")
+
+
 def test_constants_may_be_plain_arithmetic():
     brain = brains.parse(f"import math\nA = -2.0 * math.pi\nB = (A / 3, 2**10)\n{BRAIN}", "mine.py", "mine.py")
     assert brain.functions.B[1] == 1024

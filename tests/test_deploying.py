@@ -125,6 +125,19 @@ def test_a_folder_in_use_is_left_alone(tmp_path, capsys):
     assert {path.name for path in tmp_path.iterdir()} == {"mine", "empty"}
 
 
+@pytest.mark.parametrize("radio", ["udp", "kilobot"])
+def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
+    """Neither docstrings nor comments end where the name says so."""
+    file = tmp_path / 'a"""\nimport evil\n"""\n#include evil\\.py'
+    file.write_text(brains.load("minimalistic").source)
+    robot = tmp_path / "robot"
+    assert main(["deploy", str(file), "--to", str(robot), "--radio", radio, "--b", "0.9", "--w", "0.8"]) == 0
+    texts = {path.name: path.read_text() for path in robot.iterdir() if path.name != "README.md"}
+    code = re.compile(r"^(import evil|#include evil)", re.MULTILINE)
+    assert [name for name, text in texts.items() if code.search(text)] == []
+    assert any("import evil" in text for text in texts.values())
+
+
 def test_files_appear_whole_or_not_at_all(tmp_path, capsys, monkeypatch):
     write = Path.write_text
 

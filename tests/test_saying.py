@@ -309,7 +309,7 @@ def test_a_full_disk_is_told_in_a_sentence(results):
     assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")
 
 
-EVIL = "\x1b[2J\x07\x7f\x9b1m\u202e\u2066"
+EVIL = "\x1b[2J\x07\x7f\x9b1m\u202e\u2066\u061c\u200f"
 SHOWN = r"\u001b[2J"
 
 
@@ -343,6 +343,7 @@ def test_a_terminal_obeys_no_names(columns, hostile, capsys, monkeypatch):
 
 def test_a_bar_obeys_no_names():
     assert SHOWN in printable(EVIL)
+    assert printable(EVIL).isascii()
     file = io.StringIO()
     out = console(file=file, force_terminal=True, force_jupyter=False)
     with Live(console=out, auto_refresh=False) as live:

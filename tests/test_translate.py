@@ -490,3 +490,21 @@ def test_the_makefile_compiles_as_the_page_says(tmp_path):
     done = subprocess.run(["make", "-C", tmp_path, "check"], capture_output=True, text=True, check=True)
     assert "-ffp-contract=off" in done.stdout
     assert "same bits as in Python" in done.stdout
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_files_in_c_appear_together_or_not_at_all(tmp_path, monkeypatch, is_new):
+    folder, write_text = tmp_path / "c", Path.write_text
+    if not is_new:
+        folder.mkdir()
+
+    def full(path, text, **given):
+        if path.suffix == ".txt":
+            raise OSError(28, "No space left on device")
+        return write_text(path, text, **given)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(InputError, match=r"cannot write .*expected\.txt: No space left on device"):
+        write(load("alone"), folder)
+    assert folder.exists() is not is_new
+    assert list(tmp_path.rglob("*.*")) == []

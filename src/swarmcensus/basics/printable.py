@@ -6,8 +6,9 @@ import sys
 from collections.abc import Iterator
 from typing import TextIO, cast
 
-# the control characters C0, DEL and C1 except tabs and line ends, and marks that reverse the direction of text
-CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]|\r(?!\n)")
+# the control characters C0, DEL and C1 except tabs and line ends, and marks that change the direction of text
+DIRECTIONS = "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"
+CONTROL = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f{DIRECTIONS}]|\r(?!\n)")
 
 
 def printable(text: str) -> str:

@@ -22,6 +22,7 @@ from swarmcensus.basics.plugins import Plugins
 CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len")
 LARGEST = 2.0**1023  # the largest constant, so that arithmetic with constants stays quick
 LONGEST = 10_000  # items of a repeated tuple
+MOST = 1_000_000  # numbers and texts in a constant
 ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
@@ -241,19 +242,19 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and known.get(node.value.id) is math:
         value = getattr(math, node.attr, None)
     elif isinstance(node, SEVERAL):
-        return tuple(_constant(item, known) for item in node.elts)
+        return _bounded([_constant(item, known) for item in node.elts])
     elif isinstance(node, ast.Dict) and None not in node.keys:
         keys = [_constant(key, known) for key in node.keys]
         if not all(isinstance(key, int | float | str) for key in keys):
             raise ValueError("keys of a dict should be numbers or texts")
-        return dict(zip(keys, (_constant(item, known) for item in node.values), strict=True))
+        return dict(zip(keys, _bounded([_constant(item, known) for item in node.values]), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
         times = _number(node.right, known)
         if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
             raise ValueError(f"a tuple may be repeated a whole number of times, to {LONGEST:,} items at most")
-        return tuple(_constant(item, known) for item in node.left.elts) * times
+        return _bounded([_constant(item, known) for item in node.left.elts], times) * times
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = _number(node.left, known), _number(node.right, known)
         if isinstance(node.op, ast.Pow) and float(abs(left)) > 1.0 and right * math.log2(abs(left)) > 1023.0:
@@ -266,6 +267,22 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
     if isinstance(value, int) and abs(value) > LARGEST:
         raise ValueError("a constant is too large")
     return value
+
+
+def _bounded(items: list[Any], times: int = 1) -> tuple[Any, ...]:
+    """The items as a tuple, to be repeated. Raises ValueError if they hold too much: printing it would not end."""
+    size = 0
+    for item in items:
+        size += _size(item)
+        if size * times > MOST:
+            raise ValueError(f"a constant holds more than {MOST:,} numbers and texts")
+    return tuple(items)
+
+
+def _size(value: Any) -> int:
+    """How many numbers and texts a constant holds; one that is repeated counts each time."""
+    parts = value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else ()
+    return max(sum(map(_size, parts)), 1)
 
 
 def _number(node: ast.expr, known: dict[str, Any]) -> Any:

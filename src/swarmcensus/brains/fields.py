@@ -1,6 +1,7 @@
 """The fields of a robot's memory: each is a number, or a vector, which is a fixed number of numbers."""
 
 import math
+import unicodedata
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
@@ -91,6 +92,10 @@ def fields_of(given: Any, what: str, taken: tuple[str, ...]) -> dict[str, Value]
     for key, value in given.items():
         if not safe_source.is_name(key):
             raise ValueError(f"{what} key {key!r} is not a name")
+        if key.startswith("__"):
+            raise ValueError(f"{what} key {key!r}: names that begin with __ belong to Python")
+        if (plain := unicodedata.normalize("NFKC", key)) != key:
+            raise ValueError(f"{what} key {key!r} is written {plain!r} in Python's names")
         if key in taken:
             raise ValueError(f"{what} key {key!r} is reserved by the engine")
         try:

@@ -5,6 +5,8 @@ import re
 import tokenize
 from collections.abc import Iterator
 
+from swarmcensus.basics.printable import printable
+
 
 class Comments:
     """The comments of a source; each is given out once."""
@@ -33,3 +35,8 @@ class Comments:
 def plain(text: str) -> str:
     """A text that can follow // in C: a line must not end in a backslash, and ?? may begin a trigraph."""
     return re.sub(r"\?(?=\?)", "? ", text.strip().rstrip("\\ \t\f\v"))
+
+
+def quoted(label: str) -> str:
+    """A brain's label, which has its file's name, for a comment or docstring: it ends neither, and is one line."""
+    return plain(printable(" ".join(label.split()).replace("\\", "/").replace('"', "'")))

@@ -12,7 +12,7 @@ from swarmcensus.brains.fields import Value, length
 from swarmcensus.brains.kinds import REAL, VECTOR
 from swarmcensus.brains.syntax import functions_of
 from swarmcensus.deployment import helpers, messages
-from swarmcensus.deployment.comments import Comments, plain
+from swarmcensus.deployment.comments import Comments, plain, quoted
 from swarmcensus.deployment.reserved import OF_FIELDS
 from swarmcensus.deployment.signatures import signature
 from swarmcensus.deployment.statements import Function
@@ -88,7 +88,7 @@ def _header(brain: Brain) -> str:
     math = unit.functions_of_math | codec.functions_of_math
     structs = [_struct(r) for r in unit.records.values()]
     document = [f"// {plain(line)}".rstrip() for line in (ast.get_docstring(tree) or "").splitlines()]
-    about = ABOUT.format(version=__version__, label=brain.label, number=number, message=brain.numbers.message)
+    about = ABOUT.format(version=__version__, label=quoted(brain.label), number=number, message=brain.numbers.message)
     has_tables = any("BRAIN_TABLE" in table for table in tables)
     parts = [
         "\n".join([*document, "//", about.rstrip()]),

@@ -8,6 +8,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.deployment.chips import KILOBOT, avr_size, for_avr, missing
+from swarmcensus.deployment.comments import quoted
 from swarmcensus.deployment.folders import write_texts
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.micropython_files import BOARDS
@@ -61,8 +62,9 @@ def kilobot_files(plan: Plan) -> dict[str, str]:
     if plan.hz > TICKS_A_SECOND:
         raise InputError(f"--hz {plan.hz:g}: a Kilobot has at most {TICKS_A_SECOND} ticks a second")
     settings = SETTINGS.format(
-        brain=brain.label, b=_literal(plan.b), w=_literal(plan.w), period=max(1, round(TICKS_A_SECOND / plan.hz)),
-        second=TICKS_A_SECOND, mark=plan.mark & 0xFF, luck=int(brain.uses.luck), named=int(brain.uses.name),
+        brain=quoted(brain.label), b=_literal(plan.b), w=_literal(plan.w),
+        period=max(1, round(TICKS_A_SECOND / plan.hz)), second=TICKS_A_SECOND, mark=plan.mark & 0xFF,
+        luck=int(brain.uses.luck), named=int(brain.uses.name),
         done="done(&me)" if brain.ends else "false",
     )  # fmt: skip
     return {
@@ -70,7 +72,7 @@ def kilobot_files(plan: Plan) -> dict[str, str]:
         "settings.h": settings,
         "main.c": (BOARDS / "kilobot.c").read_text(encoding="utf-8"),
         "Makefile": (BOARDS / "kilobot.mk").read_text(encoding="utf-8"),
-        "README.md": README.format(brain=brain.label, body=plan.brain.message_bytes),
+        "README.md": README.format(brain=quoted(brain.label), body=plan.brain.message_bytes),
     }
 
 

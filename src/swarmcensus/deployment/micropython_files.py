@@ -4,6 +4,7 @@ import pprint
 from pathlib import Path
 
 from swarmcensus.brains.packing import FORMATS
+from swarmcensus.deployment.comments import quoted
 from swarmcensus.deployment.plans import RADIOS, Plan
 from swarmcensus.robot import codec, log, runtime
 
@@ -48,15 +49,16 @@ def micropython_files(plan: Plan) -> dict[str, str]:
     needed, _, rest = radio.partition("\n\n")
     imports = "\n".join(sorted([*needed.splitlines(), "from binascii import crc32", "import random", "import time"]))
     parts = [
-        HEAD.format(brain=plan.brain.label, radio=RADIOS[plan.radio].what, imports=imports),
+        HEAD.format(brain=quoted(plan.brain.label), radio=RADIOS[plan.radio].what, imports=imports),
         (BOARDS / "sensor.py").read_text(encoding="utf-8"),
         rest.strip("\n") + "\n\n",
         (BOARDS / "loop.py").read_text(encoding="utf-8"),
     ]
     checked = f"{runtime.CHECKSUM} of them are a checksum" if plan.checked else "the radio has a checksum of its own"
     readme = README.format(
-        brain=plan.brain.label, radio=RADIOS[plan.radio].what, body=plan.brain.message_bytes, size=plan.datagram_bytes,
-        checked=checked, save=plan.save_every, logged=LOGGED.format(log=plan.log) if plan.log else "",
+        brain=quoted(plan.brain.label), radio=RADIOS[plan.radio].what, body=plan.brain.message_bytes,
+        size=plan.datagram_bytes, checked=checked, save=plan.save_every,
+        logged=LOGGED.format(log=plan.log) if plan.log else "",
     )  # fmt: skip
     logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if plan.log else {}
     return {
@@ -99,4 +101,4 @@ def settings_text(plan: Plan) -> str:
         f"{name} = {pprint.pformat(value, width=100)}{f'  # {what}' if what else ''}"
         for name, (value, what) in values.items()
     ]
-    return "\n".join([f'"""The settings of a robot with the brain {brain.label}."""', "", *lines, ""])
+    return "\n".join([f'"""The settings of a robot with the brain {quoted(brain.label)}."""', "", *lines, ""])

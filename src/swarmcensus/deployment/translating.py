@@ -1,5 +1,6 @@
 """The files of a brain in C: its header, a self-test, what the test should print, and a Makefile."""
 
+import contextlib
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
@@ -50,7 +51,14 @@ def write(brain: Brain, folder: Path) -> list[Path]:
         raise InputError(f"{folder} holds {others[0]!r}, which is no part of a translation: name a new folder")
     texts = translate(brain)
     paths = [folder / name for name in texts]
-    for path, text in zip(paths, texts.values(), strict=True):
-        with atomic_write(path) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
+    is_new = not folder.exists()
+    try:
+        with contextlib.ExitStack() as stack:  # all or none
+            for path, text in zip(paths, texts.values(), strict=True):
+                stack.enter_context(atomic_write(path)).write_text(text, encoding="utf-8", newline="\n")
+    except InputError:
+        if is_new:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+        raise
     return paths
