@@ -15,6 +15,7 @@ from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.constants import POWER, RAISED
 
 DOMAIN, RANGE = "math domain error", "math range error"
+LARGEST = 2.0**63
 
 
 def _of_one(usual: Any) -> Any:
@@ -63,6 +64,8 @@ def _to_whole(usual: Any) -> Any:
             if math.isnan(x):
                 raise ValueError("cannot convert float NaN to integer")
             raise OverflowError("cannot convert float infinity to integer")
+        if abs(x) >= LARGEST:  # CPython goes on, and robots do not
+            raise OverflowError("a whole number has more than 64 bits")
         return usual(x)
 
     return strict
