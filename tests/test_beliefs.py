@@ -1,7 +1,6 @@
 """What wrong beliefs cost: the closed form against the likelihood and the simulation, and the figure of both."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
