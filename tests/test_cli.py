@@ -190,7 +190,7 @@ def test_bad_studies(change, said, here, capsys):
         (["show", "/dev/null"], "results file /dev/null: it is no file"),
         (["export", "good.nc", "--out", "hello.toml/x.csv"], "cannot write"),
         (["infer", "none.csv", "--accuracy", "0.8"], "none.csv: cannot be read"),
-        (["infer", "obs.csv", "--accuracy", "x"], "accuracy 'x': should be"),
+        (["infer", "obs.csv", "--accuracy", "x"], "accuracy 'x': there is no such file: should be"),
         (["infer", "obs.csv", "--accuracy", "0.8", "--links", "bad.csv"], "names a robot that is not there"),
         (["infer", "obs.csv", "--accuracy", "0.8", "--every", "0"], "whole number from 1"),
         (["infer", "obs.csv", "--accuracy", "0.8", "--out", "x.txt"], "written as .csv or .nc"),

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from swarmcensus.comparing.contenders import Grid
 from swarmcensus.comparing.pair_tests import Contest, pairs_of, world_ranks
 from swarmcensus.results.measures import Measure
+from swarmcensus.statistics.significance import differences
 
 Floats = NDArray[np.float64]
 RANKED = ("best", "level", "behind")
@@ -60,16 +61,18 @@ class Standings:
                 continue
             first_is_better = (contest.tests.balance[:, k] < 0) == contest.low
             contender, better = (second, ~first_is_better) if first == reference else (first, first_is_better)
-            way = np.where(contest.apart[:, k], np.where(better, "better", "worse"), "level")
+            way = np.where(self.apart(contest)[:, first, second], np.where(better, "better", "worse"), "level")
             out[:, contender] = np.where(np.isnan(contest.corrected[:, k]), "", way)
         return out
 
     def apart(self, contest: Contest) -> NDArray[np.bool_]:
-        """Which contenders are told apart in each world, (world, contender, contender)."""
+        """Which contenders are told apart in each world, (world, contender, contender): values and test must agree."""
         count = len(self.contenders)
         out = np.zeros((len(contest.values), count, count), np.bool_)
         for k, (first, second) in enumerate(pairs_of(count)):
-            out[:, first, second] = out[:, second, first] = contest.apart[:, k]
+            order = np.sign(differences(contest.values[:, first], contest.values[:, second]))
+            agree = order * np.sign(contest.tests.balance[:, k]) >= 0
+            out[:, first, second] = out[:, second, first] = contest.apart[:, k] & agree
         return out
 
     def apart_overall(self, contest: Contest) -> NDArray[np.bool_]:
