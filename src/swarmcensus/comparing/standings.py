@@ -55,13 +55,14 @@ class Standings:
         return np.select([best, behind, there], ["best", "behind", "level"], "")
 
     def _standing_against(self, contest: Contest, reference: int) -> NDArray[np.str_]:
+        apart = self.apart(contest)
         out = np.full(contest.values.shape, "", "<U6")
         for k, (first, second) in enumerate(pairs_of(len(self.contenders))):
             if reference not in (first, second) or np.isnan(contest.corrected[:, k]).all():
                 continue
             first_is_better = (contest.tests.balance[:, k] < 0) == contest.low
             contender, better = (second, ~first_is_better) if first == reference else (first, first_is_better)
-            way = np.where(self.apart(contest)[:, first, second], np.where(better, "better", "worse"), "level")
+            way = np.where(apart[:, first, second], np.where(better, "better", "worse"), "level")
             out[:, contender] = np.where(np.isnan(contest.corrected[:, k]), "", way)
         return out
 
