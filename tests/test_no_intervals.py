@@ -129,7 +129,7 @@ def test_it_only_reads():
 
 @pytest.mark.long
 def test_what_differs_in_machine_code_and_what_does_not_compile_is_told():
-    body = "    return 0.0, 1.0 if math.floor(1e25 + me.t) > 0 else 0.5\n"  # beyond 64 bits
+    body = "    return 0.0, 1.0 if (math.floor(me.t) + 3) * 4611686018427387904 > 0 else 0.5\n"  # beyond 64 bits
     whole = brain(changed(("MEMORY =", "import math\n\nMEMORY =")) + f"\n\ndef interval(me):\n{body}")
     fault = suite.fault_of(agrees, whole)
     assert fault
