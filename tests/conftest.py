@@ -19,12 +19,12 @@ from swarmcensus import brains
 from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.basics.terminal import UNFOLDED
 from swarmcensus.simulation.living import Life
-from tests import interpreted
-from tests.long import Long
+from tests.support import interpreted
+from tests.support.long import Long
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should depend on no setting, here and in processes begun here
-os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pipes is tests/test_piping.py
+os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pipes is tests/cli/test_piping.py
 
 
 # how long a draw takes is the machine's business

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from tests.test_docs import ROOT, blocks
+from tests.docs.test_pages import ROOT, blocks
 
 
 def skip_without(program, *options):
