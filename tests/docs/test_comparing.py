@@ -11,7 +11,8 @@ from swarmcensus import metrics
 from swarmcensus.cli.commands import main
 from swarmcensus.results.measures import OURS
 from swarmcensus.statistics.significance import fewest_trials
-from tests.docs.test_pages import ROOT, blocks, commands
+from tests.support.pages import blocks, commands
+from tests.support.places import ROOT
 
 PAGE = ROOT / "docs" / "comparing.md"
 

@@ -2,7 +2,6 @@
 
 import re
 import runpy
-import shlex
 import shutil
 import tomllib
 from pathlib import Path
@@ -22,11 +21,9 @@ from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.worlds.bodies import Body
-from tests.conftest import OUR_C_LIBRARY
+from tests.support.pages import BLOCK, OUR_C_LIBRARY, PAGES, assert_shown, blocks, commands
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN = {"python", "toml", "console", "sh"}
 SHOWN = {"text", "csv", "r", "matlab", "c"}
 OTHER_PROGRAMS = {
@@ -50,10 +47,6 @@ OTHER_PROGRAMS = {
     ".ci/run",
 }
 EXAMPLE = ROOT / "studies" / "example"
-
-
-def blocks(page, *languages):
-    return [text for language, text in BLOCK.findall(page.read_text(encoding="utf-8")) if language in languages]
 
 
 def with_blocks(*languages):
@@ -112,16 +105,6 @@ def test_python_runs(page, tmp_path, monkeypatch, capsys):
         below = page.read_text(encoding="utf-8").partition(text + "```\n\n```text\n")[2]
         if below:
             assert_shown(capsys.readouterr().out, below.partition("```")[0])
-
-
-def assert_shown(printed, shown):
-    """What is printed is what a page shows."""
-    if OUR_C_LIBRARY:
-        assert printed == shown
-    number = r"-?\d+\.\d+"
-    assert re.sub(number, "", printed) == re.sub(number, "", shown)
-    found, told = ([float(n) for n in re.findall(number, t)] for t in (printed, shown))
-    assert found == pytest.approx(told, abs=0.01)
 
 
 def test_a_page_that_shows_another_last_digit_is_found_out():
@@ -193,20 +176,6 @@ def test_toml_is_a_study_or_a_change_to_one(text):
             tables[key] = tables[key] | value if isinstance(tables.get(key), dict) else value
         found = tables
     assert Study.parse(to_toml(found), context={"base": EXAMPLE}).settings()
-
-
-def commands(text):
-    """The commands of a block, each a list of words; in a console they follow a $."""
-    lines = text.replace("\\\n", " ").splitlines()
-    if any(line.startswith("$ ") for line in lines):
-        lines = [line[2:] for line in lines if line.startswith("$ ")]
-    for line in lines:
-        words = shlex.split(line, comments=True)
-        while words:
-            end = next((k for k, word in enumerate(words) if word in ("&&", "|")), len(words))
-            command = words[:end]
-            yield command[: command.index(">")] if ">" in command else command
-            words = words[end + 1 :]
 
 
 PROGRAM = parser()

@@ -2,14 +2,14 @@
 
 import re
 import runpy
-from pathlib import Path
 
 import pytest
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary
+from tests.support.places import DOCS
 
-PAGE = Path(__file__).parents[2] / "docs" / "rivals.md"
+PAGE = DOCS / "rivals.md"
 TEXT = PAGE.read_text(encoding="utf-8")
 HOOK = runpy.run_path(str(PAGE.parents[1] / "docs_hooks" / "brain_files.py"))
 

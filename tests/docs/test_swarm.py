@@ -9,9 +9,9 @@ import pytest
 from swarmcensus.cli.commands import main, parser
 from swarmcensus.reliving.logs import read_log
 from swarmcensus.swarm.faults import ACTIONS
-from tests.docs.test_pages import blocks, commands
+from tests.support.pages import blocks, commands
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "a-swarm-on-your-desk.md"
 COMMANDS = [words[1:] for text in blocks(PAGE, "console") for words in commands(text)]
 

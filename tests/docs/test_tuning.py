@@ -6,7 +6,8 @@ import shutil
 import pytest
 
 from swarmcensus.cli.commands import main
-from tests.docs.test_pages import ROOT, blocks, commands
+from tests.support.pages import blocks, commands
+from tests.support.places import ROOT
 
 PAGE = ROOT / "docs" / "tuning.md"
 

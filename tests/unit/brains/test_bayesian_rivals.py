@@ -14,7 +14,8 @@ from swarmcensus.cli.commands import main
 from swarmcensus.conformance import message_checks
 from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.simulation.trials import record_trial
-from tests.docs.test_pages import ROOT, assert_shown, blocks
+from tests.support.pages import assert_shown, blocks
+from tests.support.places import ROOT
 from tests.support.small import SEED
 
 BAYES, CHANGING = brains.load("bayes-bots"), brains.load("changing-floor")

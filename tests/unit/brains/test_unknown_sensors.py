@@ -9,8 +9,8 @@ from scipy import special, stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.docs.test_pages import ROOT
 from tests.support.long import in_two_sizes
+from tests.support.places import ROOT
 
 ASDF, CPF, PAPER = (brains.load(name) for name in ("asdf", "bayes-cpf", "minimalistic"))
 

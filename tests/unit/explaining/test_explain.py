@@ -12,8 +12,8 @@ from swarmcensus import theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.explaining.expectations import ALONE, MIXED, NEAR, SWARM, expect
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[3]
 COMMONS = ROOT / "tests" / "support" / "commons.py"
 BASE = {
     "trials": 10, "seed": 3,

@@ -24,8 +24,9 @@ from swarmcensus.figures.kinds.lines import stretches
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.statistics.intervals import estimate
-from tests.docs.test_pages import ROOT, blocks, commands
-from tests.unit.figures.test_drawing import assert_fits, drawn, forget, study, texts
+from tests.support.drawing import assert_fits, drawn, forget, study, texts
+from tests.support.pages import blocks, commands
+from tests.support.places import ROOT
 
 OURS = ["arena", "beliefs", "compare", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
 
