@@ -247,15 +247,6 @@ def test_few_trials_have_no_interval(results):
     assert np.isnan(found.efficiency[1:]).all()
 
 
-def test_the_page_shows_what_is_printed(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["run", str(ROOT / "studies" / "ring.toml"), "--out", "ring.nc"]) == 0
-    capsys.readouterr()
-    assert main(["explain", "ring.nc", "--setting", "2"]) == 0
-    shown = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8").partition("explain ring.nc --setting 2\n")[2]
-    assert capsys.readouterr().out == shown.partition("```")[0]
-
-
 # ---- figures
 
 
