@@ -242,7 +242,7 @@ def test_every_part_of_a_message_is_coded_once():
 
 def test_the_page_has_the_errors_of_all_brains_that_hear_neighbours():
     page = (DOCS / "formats.md").read_text()
-    tables = page.partition("<!-- formats: python benchmarks/formats.py --write -->")[2].partition("<!-- end")[0]
+    tables = page.partition("<!-- formats: python benchmarks/pages.py formats --write -->")[2].partition("<!-- end")[0]
     rows = [line.split(" | ") for line in tables.splitlines() if line.startswith("| `")]
     assert {len(row) for row in rows} == {6}
     named = {row[0].strip("| `") for row in rows}

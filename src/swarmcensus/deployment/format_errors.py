@@ -1,4 +1,4 @@
-"""How wrong the shipped brains are after a day in each message format, as `python benchmarks/formats.py` found it."""
+"""How wrong the shipped brains are after a day in each message format, as `python benchmarks/pages.py formats` found."""
 
 import csv
 import functools
