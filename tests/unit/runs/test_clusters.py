@@ -20,8 +20,9 @@ from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
-from tests.support.clusters import LONG, Once, same, study
+from tests.support.clusters import LONG, Once, study
 from tests.support.places import EXAMPLE
+from tests.support.results import same
 from tests.support.small import FAILS
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")

@@ -261,15 +261,3 @@ def test_pages_and_figures_name_the_delay(file, capsys):
     assert figure.axes[0].get_xlabel() == "message delay (rounds)"
     said = "".join(axes.get_title(loc="left") for axes in sc.plot.decisions(sc.load(file)).axes)
     assert "delay 4" in said
-
-
-@pytest.mark.long
-def test_runs_are_resumed_and_verified(tmp_path, capsys):
-    (tmp_path / "s.toml").write_text(STUDY)
-    whole, parts = tmp_path / "whole.nc", tmp_path / "parts.nc"
-    for out, more in ((whole, []), (parts, ["--trials", "3"]), (parts, [])):
-        assert main(["run", str(tmp_path / "s.toml"), "--out", str(out), *more]) == 0
-    one, other = (sc.load(path).drop_attrs(deep=False) for path in (whole, parts))
-    assert one.identical(other)
-    assert main(["verify", str(whole)]) == 0
-    capsys.readouterr()

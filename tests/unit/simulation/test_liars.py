@@ -180,20 +180,6 @@ def test_a_change_is_noticed(here, data):
 
 
 @pytest.mark.long
-def test_resumed_and_merged(here, data, tmp_path):
-    out = tmp_path / "r.nc"
-    study = sc.Study.load("s.toml")
-    fewer = sc.run(study.with_(trials=2), jobs=1, out=out)
-    again = sc.run(study, jobs=1, out=out)
-    for name in ("final_estimate", "messages_heard"):
-        assert np.array_equal(again[name].values, data[name].values, equal_nan=True)
-    merged = merge([fewer, data])
-    assert np.array_equal(merged["final_estimate"].values, data["final_estimate"].values, equal_nan=True)
-    assert merged["liars"].values.tolist() == data["liars"].values.tolist()
-    assert verify(merged, sample=0.1, seed=1).labels == []
-
-
-@pytest.mark.long
 def test_merged_with_a_study_in_which_nobody_lies(here, data):
     plain = sc.Study.parse(STUDY.partition("[[members]]")[0].replace("robots   = 10", "robots   = 6")
                            + "[world]" + STUDY.partition("[world]")[2])  # fmt: skip
