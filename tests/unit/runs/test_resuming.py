@@ -519,10 +519,7 @@ def test_links_to_one_output_lock_each_other(here):
     Path("real").mkdir()
     Path("a.nc").symlink_to("real/b.nc")
     assert shards.folder_of(Path("a.nc")) == here / "real/b.nc.parts"
-    with (
-        hold_output(Path("a.nc"), study(), [], [], False, print),
-        pytest.raises(InputError, match="another run"),
-    ):
+    with hold_output(Path("a.nc"), study(), [], [], False, print), pytest.raises(InputError, match="another run"):
         run(study(), out="real/b.nc")
 
 

@@ -209,7 +209,7 @@ def test_other_bins_are_asked_of_the_truth_of_each_checkpoint():
     again = sc.run(changing([SLOW, 0.25], measure=measure | {"bins": 7}))
     assert (sc.remeasure(results, bins=7)["correct"].values == again["correct"].values).all()
     floor = sc.run(changing(SWITCH, world={"topology": "moving", "density": 8}, measure=measure | {"truth": "floor"}))
-    with pytest.raises(sc.InputError, match=r"bins = 7: decisions are compared with the floor at each"):
+    with pytest.raises(sc.InputError, match="bins = 7"):
         sc.remeasure(floor, bins=7)
     assert sc.remeasure(floor, delta=0.1).attrs["delta"] == 0.1
 

@@ -207,7 +207,7 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("honest = false", "", "members[0].brain = 'always-black': that is an adversary, which is not honest"),
+        ("honest = false", "", "members[0].brain = 'always-black'"),
         ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wears the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"grey.py"', "that is an adversary, which wears the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
