@@ -20,7 +20,7 @@ from swarmcensus.basics.options import command
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
 from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
-from swarmcensus.results.presence import check_there
+from swarmcensus.results.presence import check_there, folder_of
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
 from swarmcensus.studies.settings import Setting
@@ -278,7 +278,7 @@ def _absent(path: Path) -> str:
     """Why there is no results file."""
     from swarmcensus.results import shards
 
-    folder = shards.folder_of(path)
+    folder = folder_of(path)
     if path.is_dir():
         return "it is a folder"
     if not (folder / "run.json").is_file():
