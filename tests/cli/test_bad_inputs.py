@@ -13,7 +13,7 @@ from swarmcensus.results import store as results
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.studies import toml_text
-from tests.conftest import SMALL
+from tests.support.small import SMALL
 
 BRAIN = brains.load("minimalistic").source
 

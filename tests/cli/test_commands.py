@@ -12,7 +12,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import COMMANDS, main
-from tests.conftest import SMALL
+from tests.support.small import SMALL
 
 FIRST = ["good.nc", "--setting", "0", "--trial", "0"]
 HELLO = """

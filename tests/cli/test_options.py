@@ -8,8 +8,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.options import option, shell_options
 from swarmcensus.cli.commands import main
-from tests.conftest import SMALL
-from tests.unit.comparing.test_contests import made_up
+from tests.support.contending import made_up
+from tests.support.small import SMALL
 
 PACKAGE = Path(sc.__file__).parent
 OF_A_SHELL = {

@@ -24,6 +24,7 @@ from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.basics.terminal import console
 from swarmcensus.cli import commands
 from swarmcensus.cli.commands import main
+from tests.support.places import DOCS
 
 STUDY = """
 name = "two"
@@ -274,7 +275,7 @@ def test_a_summary_tells_who_was_done_and_what_was_done_to_robots(said, results)
 
 
 def test_the_page_of_the_command_line_lists_every_document():
-    page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    page = (DOCS / "command-line.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \| `swarmcensus [a-z]+ 1` \|", page, re.MULTILINE)
     assert {word.split()[0] for row in rows for word in re.findall(r"`(.*?)`", row)} == {
         name for name, command in commands.COMMANDS.items() if command.json
@@ -284,7 +285,7 @@ def test_the_page_of_the_command_line_lists_every_document():
 def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
     code, out, err = said("plot two.nc --kind lnes")
     assert (code, out) == (2, "")
-    page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    page = (DOCS / "command-line.md").read_text(encoding="utf-8")
     assert f"$ swarmcensus plot my_study.nc --kind lnes\n{err}" in page
 
 

@@ -12,7 +12,7 @@ from swarmcensus.reliving.lives import relive
 from swarmcensus.reliving.others import under
 from swarmcensus.results.store import load, read
 from swarmcensus.simulation.trials import record_trial
-from tests.unit.reliving.test_relive import SEED, estimates_of, logged, setting_of, told
+from tests.support.relived import SEED, estimates_of, logged, setting_of, told
 
 pytestmark = pytest.mark.interpreted
 

@@ -6,7 +6,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -17,6 +16,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.suite import examine
 from swarmcensus.studies.study import Study
+from tests.support.places import ROOT
 
 
 @pytest.fixture(autouse=True)
@@ -47,7 +47,7 @@ def test_what_a_new_study_has_in_comments_is_right_too(here):
 
 def test_the_first_studies_of_readme_page_and_tutorial_have_different_names(here):
     """They fit into one folder."""
-    root = Path(__file__).parents[2]
+    root = ROOT
     readme, page, tutorial = (
         (root / name).read_text(encoding="utf-8")
         for name in ("README.md", "docs/getting-started.md", "docs/tutorials/first-study.md")

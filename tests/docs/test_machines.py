@@ -2,7 +2,6 @@
 
 import importlib
 import re
-from pathlib import Path
 
 import numba
 import pytest
@@ -12,8 +11,8 @@ from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.deployment import selftest
 from tests.support.boards import needs_micropython
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "six-machines.md").read_text(encoding="utf-8")
 
 

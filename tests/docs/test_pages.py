@@ -1,71 +1,32 @@
-"""What README and docs/ show is so: examples run, commands parse, links lead somewhere, tables are complete."""
+"""Pages are whole: links lead somewhere, and tables and lists have all that the code has."""
 
 import re
 import runpy
-import shlex
-import shutil
 import tomllib
-from pathlib import Path
 
 import pytest
 
 import swarmcensus as sc
 from swarmcensus import metrics
-from swarmcensus.cli.commands import main, parser
+from swarmcensus.cli.commands import parser
 from swarmcensus.cli.plan import KEYS
 from swarmcensus.conformance import suite as conformance
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted, mission_of
+from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted
 from swarmcensus.results import structure
+from swarmcensus.results.measures import OURS
 from swarmcensus.runs.queues import Queue
+from swarmcensus.statistics.significance import fewest_trials
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
+from swarmcensus.swarm.faults import ACTIONS
 from swarmcensus.worlds.bodies import Body
-from tests.conftest import OUR_C_LIBRARY
+from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, page_named
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN = {"python", "toml", "console", "sh"}
 SHOWN = {"text", "csv", "r", "matlab", "c"}
-OTHER_PROGRAMS = {
-    "cut",
-    "less",
-    "npm",
-    "export",
-    "make",
-    "sh",
-    "tools/lowest.sh",
-    "pip",
-    "python",
-    "pytest",
-    "ruff",
-    "lint-imports",
-    "mypy",
-    "pre-commit",
-    "mkdocs",
-    "mpremote",
-    "source",
-    ".ci/run",
-}
 EXAMPLE = ROOT / "studies" / "example"
-
-
-def blocks(page, *languages):
-    return [text for language, text in BLOCK.findall(page.read_text(encoding="utf-8")) if language in languages]
-
-
-def with_blocks(*languages):
-    pages = [page for page in PAGES if blocks(page, *languages)]
-    return pytest.mark.parametrize("page", pages, ids=lambda page: page.name)
-
-
-def examples(*languages):
-    return pytest.mark.parametrize(
-        "text",
-        [pytest.param(t, id=f"{page.name}-{k}") for page in PAGES for k, t in enumerate(blocks(page, *languages))],
-    )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -73,62 +34,6 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
     text = page.read_text(encoding="utf-8")
     assert text.count("```") == 2 * len(BLOCK.findall(text))
     assert {language for language, _ in BLOCK.findall(text)} <= RUN | SHOWN
-
-
-@pytest.mark.long(
-    only=[
-        "beyond.md",
-        "beyond-changing.md",
-        "beyond-unknown-sensors.md",
-        "brain-contract.md",
-        "comparing.md",
-        "data-format.md",
-        "moving-robots.md",
-        "rivals-bayesian.md",
-        "rivals-consensus.md",
-        "rivals-opinions.md",
-        "rivals-others.md",
-        "strobel-2020.md",
-        "tuning.md",
-        "wrong-beliefs.md",
-    ]
-)
-@with_blocks("python")
-def test_python_runs(page, tmp_path, monkeypatch, capsys):
-    """The blocks of a page one after the other, in a folder with the example's files.
-
-    A text right below a block is what the block prints, word for word. With another C library walks are other walks:
-    there it is so in numbers to 0.01.
-    """
-    shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    for file in filter(Path.is_file, EXAMPLE.iterdir()):
-        shutil.copy(file, tmp_path)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
-    names = {"__name__": "example"}
-    for text in blocks(page, "python"):
-        capsys.readouterr()
-        exec(compile(text, page.name, "exec"), names)
-        below = page.read_text(encoding="utf-8").partition(text + "```\n\n```text\n")[2]
-        if below:
-            assert_shown(capsys.readouterr().out, below.partition("```")[0])
-
-
-def assert_shown(printed, shown):
-    """What is printed is what a page shows."""
-    if OUR_C_LIBRARY:
-        assert printed == shown
-    number = r"-?\d+\.\d+"
-    assert re.sub(number, "", printed) == re.sub(number, "", shown)
-    found, told = ([float(n) for n in re.findall(number, t)] for t in (printed, shown))
-    assert found == pytest.approx(told, abs=0.01)
-
-
-def test_a_page_that_shows_another_last_digit_is_found_out():
-    assert_shown("error 0.0204\n", "error 0.0204\n")
-    for wrong in ["errors 0.0204\n", *["error 0.0205\n"] * OUR_C_LIBRARY]:
-        with pytest.raises(AssertionError):
-            assert_shown("error 0.0204\n", wrong)
 
 
 def test_what_follows_from_wrong_beliefs_is_what_its_tables_say():
@@ -173,55 +78,6 @@ def test_the_steering_page_shows_what_the_paired_comparison_prints(tmp_path, mon
     assert_shown(re.sub(" +\n", "\n", capsys.readouterr().out), head + line)
 
 
-@examples("toml")
-def test_toml_is_a_study_or_a_change_to_one(text):
-    """Or a cluster; a block that is no whole study must turn a plain one into another that is right."""
-    tables = {
-        "trials": 1,
-        "swarm": {"robots": 20, "accuracy": 0.7},
-        "world": {"topology": "ring", "fill_ratio": 0.55},
-    }
-    found = tomllib.loads(text)
-    if "wanted" in found:
-        mission_of(found, base=EXAMPLE)
-        return
-    if "jobs" in found:
-        Queue.model_validate(found)
-        return
-    if not {"trials", "swarm", "world"} <= set(found):
-        for key, value in found.items():
-            tables[key] = tables[key] | value if isinstance(tables.get(key), dict) else value
-        found = tables
-    assert Study.parse(to_toml(found), context={"base": EXAMPLE}).settings()
-
-
-def commands(text):
-    """The commands of a block, each a list of words; in a console they follow a $."""
-    lines = text.replace("\\\n", " ").splitlines()
-    if any(line.startswith("$ ") for line in lines):
-        lines = [line[2:] for line in lines if line.startswith("$ ")]
-    for line in lines:
-        words = shlex.split(line, comments=True)
-        while words:
-            end = next((k for k, word in enumerate(words) if word in ("&&", "|")), len(words))
-            command = words[:end]
-            yield command[: command.index(">")] if ">" in command else command
-            words = words[end + 1 :]
-
-
-PROGRAM = parser()
-
-
-@examples("console", "sh")
-def test_commands_parse(text):
-    assert list(commands(text))
-    for program, *arguments in commands(text):
-        if program == "swarmcensus":
-            PROGRAM.parse_args(arguments)
-        else:
-            assert program in OTHER_PROGRAMS
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_lead_to_files_and_headings(page):
     for target in re.findall(r"\]\(([^)\s]+)\)", BLOCK.sub("", page.read_text(encoding="utf-8"))):
@@ -253,26 +109,6 @@ def test_the_planning_page_lists_every_key():
     assert all(f"`--{key.replace('_', '-')}`" in text for key in (*KEYS, "brain", "body"))
 
 
-@pytest.mark.parametrize(
-    ("right", "wrong"),
-    [
-        ("[schedule]", "[schedule]\nround = 3"),
-        ("accuracy = 0.7", ""),
-        ("fill_ratio = 0.5", "fill_ratio = 1.5"),
-        ("[schedule]", "[schedule]\n[measure]\ncheckpoints = [5, 2000]"),
-        ("[swarm]", "[swarm"),
-    ],
-)
-def test_the_study_page_shows_errors_as_they_are(right, wrong, tmp_path, monkeypatch, capsys):
-    page = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
-    plain = "trials = 1\n[swarm]\nrobots = 5\naccuracy = 0.7\n[world]\ntopology = 'ring'\nfill_ratio = 0.5"
-    plain += "\n[schedule]\n"
-    monkeypatch.chdir(tmp_path)
-    Path("s.toml").write_text(plain.replace(right, wrong), encoding="utf-8")
-    assert main(["run", "s.toml"]) == 2
-    assert capsys.readouterr().err in page
-
-
 def test_the_data_page_lists_all_that_a_dataset_holds():
     text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
     listed = set(re.findall(r"`(\w+)`", "".join(line for line in text.splitlines() if line.startswith("|"))))
@@ -300,21 +136,6 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
     assert study in (EXAMPLE / "compare.toml").read_text(encoding="utf-8")
     for name in ("keeps the contract", *conformance.checks()):
         assert f"| {name} |" in page.read_text(encoding="utf-8")
-
-
-@pytest.mark.long
-def test_the_brain_page_shows_what_brains_prints_in_a_narrow_terminal(monkeypatch, capsys):
-    """Each part that it shows; dots stand for the rest."""
-    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "80")
-    assert main(["brains"]) == 0
-    printed = re.sub(" +$", "", capsys.readouterr().out, flags=re.MULTILINE)
-    [shown] = (
-        t for t in blocks(ROOT / "docs" / "brain-contract.md", "console") if t.startswith("$ swarmcensus brains\n")
-    )
-    parts = shown.removeprefix("$ swarmcensus brains\n").split("...\n")
-    assert len(parts) == 4
-    for part in parts[:3]:
-        assert part in printed
 
 
 @pytest.mark.parametrize("script", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda script: script.stem)
@@ -346,42 +167,6 @@ def test_the_architecture_page_shows_the_rooms_in_the_order_that_is_held():
         assert (ROOT / "src" / "swarmcensus" / room / file).is_file(), file
 
 
-@pytest.mark.long
-def test_the_example_brain_conforms(untraced):
-    assert all(check.fault is None for check in conformance.check(EXAMPLE / "my_brain.py"))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("page", [ROOT / "README.md"], ids=lambda page: page.name)
-def test_the_brains_of_a_page_keep_the_contract(page, tmp_path):
-    """All checks but those that compile, which the example brain goes through."""
-    for text in blocks(page, "python"):
-        if "MEMORY" in text:
-            (tmp_path / "mine.py").write_text(text, encoding="utf-8")
-            assert all(check.fault is None for check in conformance.examine(tmp_path / "mine.py", PROMISES))
-
-
-def test_the_recorded_example_is_what_its_study_makes(tmp_path, monkeypatch, capsys):
-    """The commands of docs/data-format.md give the files of studies/example, and the numbers that it shows.
-
-    Where a change was meant to alter numbers, make both anew.
-    """
-    page = ROOT / "docs" / "data-format.md"
-    shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    monkeypatch.chdir(tmp_path)
-    example = tmp_path / "studies" / "example"
-    (example / "observations.csv").unlink()
-    (example / "links.csv").unlink()
-    assert main(["run", "studies/example/recorded.toml"]) == 0
-    [shown] = (t for t in blocks(page, "console") if "--recording" in t)
-    capsys.readouterr()
-    for _, *arguments in commands(shown):
-        assert main(arguments) == 0
-    assert (example / "observations.csv").read_bytes() == (EXAMPLE / "observations.csv").read_bytes()
-    assert (example / "links.csv").read_bytes() == (EXAMPLE / "links.csv").read_bytes()
-    assert capsys.readouterr().out.endswith(shown[shown.index("minimalistic on") :])
-
-
 def test_the_clusters_page_lists_every_key_and_shows_its_job(tmp_path, monkeypatch):
     page = ROOT / "docs" / "clusters.md"
     text = page.read_text(encoding="utf-8")
@@ -396,3 +181,32 @@ def test_the_clusters_page_lists_every_key_and_shows_its_job(tmp_path, monkeypat
     assert [line for line in script.replace(" lo", " ib0").splitlines() if line] == [
         line for line in shown.splitlines() if line
     ]
+
+
+def options_of(command):
+    """The long options of a command, without those of every command."""
+    given = parser()._subparsers._group_actions[0].choices[command]._option_string_actions
+    return {option for option in given if option.startswith("--")} - {"--help", "--quiet", "--verbose", "--json"}
+
+
+def test_the_comparing_page_lists_every_measure_and_which_way_is_better():
+    text = page_named("comparing").read_text(encoding="utf-8")
+    listed = {}
+    for names, better in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \| [^|]* \| (\w+) \|", text, re.MULTILINE):
+        listed |= dict.fromkeys(re.findall(r"\w+", names), better)
+    assert listed == {name: "low" if one.low else "high" for name, one in OURS.items()}
+    assert f"among 36 tests it takes {fewest_trials(36, 0.05)} trials" in " ".join(text.split())
+
+
+@pytest.mark.parametrize(("name", "command"), [("tuning", "tune"), ("a-swarm-on-your-desk", "swarm")])
+def test_a_page_of_a_command_names_every_option(name, command):
+    text = page_named(name).read_text(encoding="utf-8")
+    assert {option for option in options_of(command) if f"`{option}" not in text} == set()
+
+
+def test_the_swarm_page_names_every_fault_and_has_its_tables():
+    text = page_named("a-swarm-on-your-desk").read_text(encoding="utf-8")
+    assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
+    for name in ("costs", "simulator"):
+        table = text.partition(f"<!-- {name}: python benchmarks/swarm.py --write -->")[2].partition("<!-- end of")[0]
+        assert len(re.findall(r"^\|", table, re.MULTILINE)) > 6

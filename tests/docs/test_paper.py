@@ -7,7 +7,6 @@ their claims.json to docs/paper-claims.json and docs/paper-claims-120.json, and 
 import json
 import re
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +17,9 @@ from swarmcensus.paper import claims, report
 from swarmcensus.paper.evaluations import PAPER
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail
 from swarmcensus.paper.measures import NUMBERS
-from tests.conftest import OUR_C_LIBRARY
+from tests.support.pages import OUR_C_LIBRARY
+from tests.support.places import DOCS
 
-DOCS = Path(__file__).parents[2] / "docs"
 TEXT = (DOCS / "paper.md").read_text(encoding="utf-8")
 VERDICTS = {HOLDS: "holds", FAILS: "**does not hold**"}
 FOUND, MORE = (

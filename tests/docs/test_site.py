@@ -17,8 +17,8 @@ import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.cli.commands import COMMANDS
 from swarmcensus.studies.schema import schema
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 

@@ -3,15 +3,14 @@
 import re
 import runpy
 import tomllib
-from pathlib import Path
 
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import to_toml
+from tests.support.places import DOCS
 
-DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "which-brain.md").read_text(encoding="utf-8")
 BOARD = (DOCS / "leaderboard.md").read_text(encoding="utf-8")
 PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}

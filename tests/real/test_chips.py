@@ -2,7 +2,6 @@
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 
@@ -12,6 +11,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.deployment import chips
 from swarmcensus.deployment.costs import COLUMNS, cost
 from swarmcensus.deployment.selftest import is_exact
+from tests.support.places import DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, differs, load_busy, named
 
 AVR = pytest.mark.skipif(
@@ -62,7 +62,7 @@ def test_all_on_cortex(name, tmp_path):
 
 def page_of_costs():
     """The rows of the table of docs/in-c.md, by brain."""
-    page = (Path(__file__).parents[2] / "docs" / "in-c.md").read_text(encoding="utf-8")
+    page = (DOCS / "in-c.md").read_text(encoding="utf-8")
     rows = [
         re.split(r" *\| *", line)[1:-1] for line in page.splitlines() if line.startswith("| `") and line.count("|") > 9
     ]
@@ -77,7 +77,7 @@ def test_the_page_has_the_costs_of_all_brains():
 
 
 def test_the_advice_names_the_brains_for_which_a_kilobot_has_room():
-    page = (Path(__file__).parents[2] / "docs" / "which-brain.md").read_text(encoding="utf-8")
+    page = (DOCS / "which-brain.md").read_text(encoding="utf-8")
     named = page.partition("these brains fit:\n\n")[2].partition("\n\n")[0]
     fit = [name for name, cells in page_of_costs().items() if cells[-1] == "yes" and not load(name).is_oracle]
     assert sorted(re.findall("`(.*?)`", named)) == sorted(fit)
@@ -99,7 +99,7 @@ def test_costs():
 def test_a_shell_measures_brains(capsys, monkeypatch):
     """The shipped ones with the longest name and the longest words, and a file; the table has room in 100 columns."""
     monkeypatch.setenv("SWARMCENSUS_TERMINAL", "100")
-    own = str(Path(__file__).parents[2] / "studies" / "example" / "my_brain.py")
+    own = str(EXAMPLE / "my_brain.py")
     assert main(["brains", "--cost", "covariance-intersection", "bayes-bots"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 100
@@ -126,7 +126,7 @@ def test_a_shell_measures_brains(capsys, monkeypatch):
 
 @AVR
 def test_a_brain_that_no_chip_has_room_for_is_named(tmp_path, capsys):
-    own = (Path(__file__).parents[2] / "studies" / "example" / "my_brain.py").read_text(encoding="utf-8")
+    own = (EXAMPLE / "my_brain.py").read_text(encoding="utf-8")
     file = tmp_path / "large.py"
     for numbers in (4096, 4060):  # more than the chip has, and as much as would leave no room for a stack
         large = own.replace("MEMORY = {", f'MEMORY = {{"large": (0.0,) * {numbers}, ', 1)

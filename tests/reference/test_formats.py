@@ -22,6 +22,7 @@ from swarmcensus.watching.simulated import Simulated
 from tests.reference import formats as reference_formats
 from tests.reference import rounds as reference
 from tests.reference import walks as reference_walks
+from tests.support.places import DOCS
 from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of
 
 EVERY = [
@@ -240,7 +241,7 @@ def test_every_part_of_a_message_is_coded_once():
 
 
 def test_the_page_has_the_errors_of_all_brains_that_hear_neighbours():
-    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text()
+    page = (DOCS / "formats.md").read_text()
     tables = page.partition("<!-- formats: python benchmarks/formats.py --write -->")[2].partition("<!-- end")[0]
     rows = [line.split(" | ") for line in tables.splitlines() if line.startswith("| `")]
     assert {len(row) for row in rows} == {6}

@@ -13,6 +13,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
 from tests.reference import rounds as reference
+from tests.support.lives import local_curves
 from tests.support.small import FAULTS, GO, SEED, failing, heard_in, moving_of, settings_of
 
 CASES = [
@@ -116,19 +117,6 @@ def test_swarms_of_more_than_a_block_are_measured_like_others():
     assert (batch.convergence[0] == metrics.convergence(curves, 0.03)).all()
     alone = run_batch(setting, SEED, 0, 1, Metrics(0.03, 7, ()), GO, local=True)
     assert (alone.final[0] == local_curves(setting, 0)[-1]).all()
-
-
-def local_curves(setting, trial):
-    """Estimates of robots that hear nobody, after each single observation; faults count in rounds."""
-    failed, looks = failing(setting, trial), setting.observations_per_round
-    readings = record_readings(setting, SEED, trial)
-    for i, spells in enumerate(failed.sensing):
-        for since, until in spells:
-            readings[(since - 1) * looks : (until - 1) * looks, i] = np.nan
-    lone = reference.Minds(setting, SEED, trial, reference.failures(replace(setting, faults=()), [], trial), True)
-    for step, row in enumerate(readings, start=1):
-        lone.live(step, row.tolist(), 1, [[] for _ in row])
-    return np.array(lone.estimates)
 
 
 def test_estimates_are_kept_where_they_are_asked_for_alone():

@@ -20,7 +20,7 @@ from swarmcensus.worlds.bodies import Body
 from tests.reference import rounds as reference
 from tests.reference import walks as reference_walks
 from tests.support.small import FAULTS, GO, SEED, called, failing, moving_of
-from tests.unit.simulation.test_steering import STEER, WANTS
+from tests.support.steering import STEER, WANTS
 
 # ---- bodies
 

@@ -13,9 +13,8 @@ from swarmcensus.engine.constants import LUCK_ALONE, LUCK_ALONE_FUSE, LUCK_FUSE,
 from swarmcensus.simulation.oracle import own_luck
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
-from tests.support.second import brain, changed, fixed, moving
+from tests.support.second import LUCKY, OURS, brain, changed, fixed, moving
 from tests.support.small import SEED
-from tests.unit.simulation.test_luck import LUCKY, OURS
 
 ROUNDS, ROBOTS = 1000, 6
 P = 1e-4  # of each comparison

@@ -7,8 +7,8 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.lying import CONSTANT
 from tests.support.second import SEED, brain
-from tests.unit.brains.test_consensus_rivals import CONSTANT
 
 PLACES = brains.load("linear-consensus").functions
 P = 1e-3

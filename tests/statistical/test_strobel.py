@@ -1,15 +1,14 @@
 """The arena with robots that always say 0: what its page says of few and many liars, on few trials."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.brains.library import TITLES
 from swarmcensus.results import measures
+from tests.support.places import ROOT
 
-STUDY = Path(__file__).parents[2] / "studies" / "rivals" / "strobel-2020.toml"
+STUDY = ROOT / "studies" / "rivals" / "strobel-2020.toml"
 TRIALS = 6
 
 

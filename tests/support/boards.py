@@ -1,14 +1,12 @@
 """What tests of robots share: MicroPython on Node, and swarms of runtimes that hear each other in one process."""
 
-from pathlib import Path
-
 import pytest
 
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.deployment import on_node
 from swarmcensus.robot import runtime
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[2]
 ROBOT = ROOT / "src" / "swarmcensus" / "robot"
 MICROPYTHON = on_node.micropython()  # before a test changes the working directory
 

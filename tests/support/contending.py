@@ -1,9 +1,11 @@
 """Results of brains that decide, made up: what comparing is tried on where no simulation is needed."""
 
+import itertools
 import json
 
 import numpy as np
 import xarray as xr
+from scipy import stats
 
 ROBOT = ("setting", "trial", "robot")
 AT = ("setting", "checkpoint", "trial")
@@ -80,3 +82,13 @@ def without(data, setting, trials):
             )
             data[name] = data[name].transpose(*array.dims)
     return data
+
+
+def by_every_sign(off):
+    """The two-sided p of one row: of all 2^n ways to give the differences signs, those at least as far apart."""
+    off = np.array([one for one in off if one == one])
+    ranks = stats.rankdata(np.abs(off))[off != 0]
+    signs = np.sign(off[off != 0])
+    seen = abs(ranks @ signs)
+    ways = [abs(ranks @ np.array(one)) >= seen - 1e-9 for one in itertools.product((-1, 1), repeat=len(ranks))]
+    return np.mean(ways) if len(ranks) else 1.0

@@ -72,11 +72,6 @@ def decide(me):
 '''
 
 
-def brain(source, name="brain.py"):
-    """A brain of this source."""
-    return brains.parse(source, name, Path(name))
-
-
 def adversary_of(source, name="liar.py"):
     """An adversary of this source."""
     return adversary.parse(source, name, Path(name))
@@ -86,3 +81,42 @@ def worn(name, by="minimalistic", **parameters):
     """The brain of a shipped adversary and a brain."""
     used = brains.load(by) if isinstance(by, str) else by
     return brains.lying_brain(adversary.load(name).with_parameters(parameters), used)
+
+
+CONSTANT = '''"""A liar that says one number to everybody, from the first round on."""
+
+PARAMETERS = {"says": 1.0}
+MEMORY = {"t": 0.0}
+MESSAGE = ("x", "name")
+
+
+def observe(me, blacks, looks):
+    me.t += looks
+
+
+def broadcast(me):
+    return me.says, me.name
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return 0.5
+'''
+
+
+def liars(name, robots=2, **parameters):
+    return [{"robots": robots, "brain": {"file": name, **parameters}, "honest": False}]
+
+
+def robot(used, blacks, looks, b=0.9, w=0.8):
+    """A mind that has made these readings."""
+    me = used.robot(b, w, 3.0)
+    used.functions.observe(me, float(blacks), float(looks))
+    return me

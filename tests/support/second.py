@@ -280,3 +280,14 @@ def first(values, holds):
     """The round, from 1 on, of the first value that holds (round, robot), for each robot."""
     found = np.array([[holds(one) for one in row] for row in values])
     return np.where(found.any(axis=0), found.argmax(axis=0) + 1.0, np.inf)
+
+
+LUCKY = changed(
+    ("MEMORY = {", 'MEMORY = {"seen": 0.0, "heard": 0.0, "fused": 0.0, '),
+    ("me.n += blacks", "me.n += blacks\n    me.seen = me.luck"),
+    ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.heard = me.luck"),
+    ("def fuse(me):\n    pass", "def fuse(me):\n    me.fused = me.luck"),
+)
+
+
+OURS = ("seen", "heard", "fused")

@@ -6,6 +6,7 @@ import numba
 import numpy as np
 
 import swarmcensus as sc
+from swarmcensus import brains
 from swarmcensus.engine.addresses import address
 from tests.reference import rounds as reference
 
@@ -74,3 +75,48 @@ def changing(fill_ratio=SLOW, accuracy=0.9, world=(), **tables):
     schedule = {"ticks": 100} if moves else {"rounds": 100, "observations_per_round": 3}
     given = {"trials": 3, "seed": 7, "swarm": {"robots": 8, "accuracy": accuracy}, "schedule": schedule}
     return sc.Study(**given | {"world": {"topology": "ring", "fill_ratio": fill_ratio} | dict(world)} | tables)
+
+
+SMALL = """
+name   = "small"
+seed   = 7
+trials = 4
+
+[swarm]
+robots   = [5, 12]
+accuracy = [0.675, "U(0.525, 0.975)"]
+
+[world]
+topology   = ["full", "ring", "line", "scale-free"]
+fill_ratio = [0.55, 0.95]
+
+[schedule]
+rounds                 = 60
+observations_per_round = 10
+
+[measure]
+checkpoints = [10, 60]
+"""
+
+
+# the shipped brain, which now and then divides by zero after 600 readings: of one source, so as to be compiled once
+FAILS = brains.load("minimalistic").source.replace(
+    "    me.t += looks\n",
+    "    me.t += looks\n    if me.t == 600.0 and me.n > 275.0:\n        me.x = 1.0 / (me.t - me.t)\n",
+    1,
+)
+
+
+def beliefs_of(setting, study, trial):
+    """What each robot of a trial believes of its sensor, as `infer` takes it."""
+    _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(study.seed, trial, 1))
+    return np.broadcast_to(b, setting.robots), np.broadcast_to(w, setting.robots)
+
+
+RING = {"topology": "ring", "fill_ratio": 0.5}
+
+
+MOVING = {"topology": "moving", "fill_ratio": 0.5, "density": 1}
+
+
+BOTH = MOVING | {"topology": ["ring", "moving"]}

@@ -3,12 +3,12 @@
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numba
 import pytest
 
-HERE = Path(__file__).parents[2]
+from tests.support.places import ROOT
+
 CONFTEST = """
 from tests.support import interpreted
 from tests.support.long import Long
@@ -109,7 +109,7 @@ def test_numba_is_off_unless_the_environment_says_otherwise():
 def test_a_run(tmp_path, workers):
     (tmp_path / "conftest.py").write_text(CONFTEST)
     (tmp_path / "test_some.py").write_text(TESTS)
-    environment = os.environ | {"PYTHONPATH": str(HERE)}
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
     for name in [name for name in environment if name.startswith(("PYTEST_", "COV", "NUMBA_", "SWARMCENSUS_"))]:
         del environment[name]
     command = [sys.executable, "-m", "pytest", "-n", workers, "-v", "-p", "no:cacheprovider", "-m", "not long"]

@@ -9,8 +9,9 @@ from swarmcensus.brains.packing import Numbers
 from swarmcensus.deployment.selftest import compare, first_rounds
 from swarmcensus.deployment.translating import write
 from swarmcensus.robot.history import ROBOTS
+from tests.support.places import EXAMPLE
 
-EXAMPLES = Path(__file__).parents[2] / "studies" / "example"
+EXAMPLES = EXAMPLE
 OWN = ("forgetful", "histogram", "leader", "liar", "my_brain", "pairwise", "prior", "quiet", "shy", "sprt")
 BRAINS = [*shipped(), *(str(EXAMPLES / f"{name}.py") for name in OWN)]
 BUSY = {

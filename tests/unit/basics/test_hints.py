@@ -10,7 +10,7 @@ from swarmcensus.basics.hints import OTHER_WORDS, did_you_mean
 from swarmcensus.cli.commands import main
 from swarmcensus.results import structure
 from swarmcensus.results.selecting import where
-from tests.conftest import SMALL
+from tests.support.small import SMALL
 
 KNOWN = [*structure.TEXTS, *structure.NUMBERS, "setting"]
 

@@ -27,10 +27,11 @@ from swarmcensus.cli.commands import main
 from swarmcensus.figures import kinds
 from swarmcensus.worlds import patterns, spreading, wiring
 from tests.support.long import in_two_sizes
+from tests.support.places import DOCS
 
 # processes begun here go known ways: what is new in them is traced in this one
 pytestmark = pytest.mark.usefixtures("untraced_processes")
-PAGE = (Path(__file__).parents[3] / "docs" / "adding.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "adding.md").read_text(encoding="utf-8")
 EXAMPLES = {
     "lowest": "A metric",
     "torus": "A topology",

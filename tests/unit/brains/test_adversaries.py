@@ -13,26 +13,14 @@ from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees, step_by_step
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation.rides import record_ride, run_ride
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
-from tests.reference import rounds as reference
+from swarmcensus.simulation.trials import run_batch
 from tests.reference import walks as reference_walks
-from tests.support.lying import RICH, adversary_of, brain, worn
-from tests.support.second import MEANS, changed, fixed, moving
-from tests.support.small import FAULTS, GO, SEED, failing, heard_in
+from tests.support.lives import MEASURE, lived
+from tests.support.lying import RICH, adversary_of, liars, robot, worn
+from tests.support.second import MEANS, brain, changed, fixed, moving
+from tests.support.small import FAULTS, GO, SEED, failing
 
-MEASURE = Metrics(0.02, 10, (2, 8))
 NAMES = adversary.PLUGINS.shipped
-
-
-def liars(name, robots=2, **parameters):
-    return [{"robots": robots, "brain": {"file": name, **parameters}, "honest": False}]
-
-
-def robot(used, blacks, looks, b=0.9, w=0.8):
-    """A mind that has made these readings."""
-    me = used.robot(b, w, 3.0)
-    used.functions.observe(me, float(blacks), float(looks))
-    return me
 
 
 def rounds(used, me, luck):
@@ -511,19 +499,6 @@ def test_they_conform(name, rich, untraced):
     for what, test in tests.items():
         assert suite.fault_of(test, used) is None, what
     agrees(used)
-
-
-def lived(setting, trial=1):
-    """A trial in the engine and by brute force: estimates, and messages sent and heard of the honest."""
-    _, estimates, blacks = record_trial(setting, SEED, trial)
-    minds = reference.fixed(setting, SEED, trial, failing(setting, trial), heard_in(setting, trial), blacks)
-    batch = run_batch(setting, SEED, trial, 1, MEASURE, GO)
-    honest = setting.groups(SEED, trial, 1)[0] == 0
-    assert estimates == pytest.approx(np.array(minds.estimates), abs=1e-12)
-    assert batch.final[0] == pytest.approx(np.array(minds.estimates[-1])[honest], abs=1e-12)
-    assert batch.counts[0, SENT].tolist() == np.array(minds.sent)[honest].tolist()
-    assert batch.counts[0, HEARD].tolist() == np.array(minds.heard)[honest].tolist()
-    return batch, honest
 
 
 @pytest.mark.long(but_every=3)

@@ -10,11 +10,9 @@ from scipy.special import betainc
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.cli.commands import main
 from swarmcensus.conformance import message_checks
 from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.simulation.trials import record_trial
-from tests.docs.test_pages import ROOT, assert_shown, blocks
 from tests.support.small import SEED
 
 BAYES, CHANGING = brains.load("bayes-bots"), brains.load("changing-floor")
@@ -487,14 +485,3 @@ def test_other_parameters_conform_too(brain, parameters, untraced):
     used = brain.with_parameters(parameters)
     message_checks.any_order(used)
     agrees(used)
-
-
-@pytest.mark.long
-def test_the_page_shows_what_its_study_gives(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (shown,) = blocks(ROOT / "docs" / "rivals-bayesian.md", "console")
-    assert main(["run", str(ROOT / "studies" / "rivals" / "bayesian.toml")]) == 0
-    capsys.readouterr()
-    assert main(["show", "bayesian.nc"]) == 0
-    table = capsys.readouterr().out.partition("\n")[2]
-    assert_shown(table, shown.partition("bayesian.toml\n")[2].partition("$ ")[0])

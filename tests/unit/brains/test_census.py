@@ -1,7 +1,6 @@
 """census: ripe sums weigh readings by age, coins tell the noise, and a change is found and passed on."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +9,11 @@ from scipy.stats import f as f_ratio
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.places import EXAMPLE
 
 CENSUS = brains.load("census")
 DO = CENSUS.functions
-INSIDER = str(Path(__file__).parents[3] / "studies" / "example" / "insider.py")
+INSIDER = str(EXAMPLE / "insider.py")
 NEVER = {"file": "census", "z": 1e6, "confirm": 1e6}  # finds no change
 
 

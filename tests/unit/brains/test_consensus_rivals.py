@@ -12,37 +12,12 @@ from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.worlds import is_rs_robust
+from tests.support.lying import CONSTANT
 from tests.support.second import SEED, brain, fixed, moving
 
 LINEAR, WMSR, GATED = (brains.load(name) for name in ("linear-consensus", "w-msr", "gated-mean"))
 ALL = [LINEAR, WMSR, GATED]
 each = pytest.mark.parametrize("used", ALL, ids=lambda used: used.name)
-CONSTANT = '''"""A liar that says one number to everybody, from the first round on."""
-
-PARAMETERS = {"says": 1.0}
-MEMORY = {"t": 0.0}
-MESSAGE = ("x", "name")
-
-
-def observe(me, blacks, looks):
-    me.t += looks
-
-
-def broadcast(me):
-    return me.says, me.name
-
-
-def receive(me, message):
-    pass
-
-
-def fuse(me):
-    pass
-
-
-def estimate(me):
-    return 0.5
-'''
 
 
 def liars(robots, says=1.0):

@@ -1,7 +1,5 @@
 """The examples of the contract's second edition: they keep it, and are of use."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +8,8 @@ from swarmcensus import brains
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees
+from tests.support.places import EXAMPLE
 
-EXAMPLE = Path(__file__).parents[3] / "studies" / "example"
 BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]
 
 

@@ -12,9 +12,10 @@ from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.runs.verifying import verify
-from tests.support.lying import RICH, adversary_of, brain
-from tests.support.second import MEANS, fixed
-from tests.unit.brains.test_adversaries import lived, robot
+from tests.support.lives import lived
+from tests.support.lying import RICH, adversary_of, robot
+from tests.support.places import EXAMPLE
+from tests.support.second import MEANS, brain, fixed
 
 SOURCE = '''"""Knows: it says each of three fields by another rule, the other fields by their roles."""
 
@@ -217,7 +218,7 @@ def test_results_hold_an_insider_s_source_and_it_is_run_again_from_there(tmp_pat
 
 def test_the_shipped_insider_is_what_its_first_lines_say():
     """By hand: sums move by `step`, own sums by `own`, both further by `grow` a round, from round `sleeps` on."""
-    base = Path(__file__).parents[3] / "studies" / "example"
+    base = EXAMPLE
     lies = adversary.load("insider.py", base).with_parameters(
         {
             "step": 0.02,

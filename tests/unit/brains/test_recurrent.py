@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.docs.test_pages import ROOT
+from tests.support.places import ROOT
 
 NET = brains.load("recurrent")
 STUDIES = ROOT / "studies" / "rivals"

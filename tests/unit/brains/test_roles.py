@@ -4,8 +4,8 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
-from tests.support.lying import RICH, brain
-from tests.support.second import MEANS, changed
+from tests.support.lying import RICH
+from tests.support.second import MEANS, brain, changed
 
 BOTH = changed(("(estimate(me),)", "(estimate(me), me.n)"), ('("x",)', '("x", "n")'))
 

@@ -12,10 +12,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.conformance.machine_code import agrees
+from tests.support.lives import lived
 from tests.support.long import in_two_sizes
 from tests.support.lying import worn
 from tests.support.second import fixed
-from tests.unit.brains.test_adversaries import lived
 
 STEADFAST = brains.load("steadfast").functions
 GEOMETRIC = {"networkx": "random_geometric_graph", "radius": 0.4}

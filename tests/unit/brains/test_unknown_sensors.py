@@ -1,7 +1,6 @@
 """Robots that do not know their sensors: ASDF and BayesCPF, by hand, by brute force and as compiled."""
 
 import math
-import runpy
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from scipy import special, stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.docs.test_pages import ROOT
 from tests.support.long import in_two_sizes
 
 ASDF, CPF, PAPER = (brains.load(name) for name in ("asdf", "bayes-cpf", "minimalistic"))
@@ -347,13 +345,3 @@ def test_the_local_functions_are_those_of_the_paper():
         for me in (mends, follows):
             assert (me.x_hat, me.alpha) == pytest.approx((paper.x_hat, paper.alpha), rel=2e-4, abs=1e-4)
         assert lonely.x == pytest.approx(paper.x_hat, abs=1e-9)
-
-
-def test_the_page_names_every_parameter():
-    """As the site has it, with what the files of its brains say."""
-    hook = runpy.run_path(str(ROOT / "docs_hooks" / "brain_files.py"))["on_page_markdown"]
-    text = (ROOT / "docs" / "rivals-others.md").read_text(encoding="utf-8")
-    text = hook(text, page=None, config=None, files=None)
-    for name in ("asdf", "bayes-cpf", "recurrent"):
-        for parameter in brains.load(name).parameters:
-            assert f'"{parameter}"' in text

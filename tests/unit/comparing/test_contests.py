@@ -18,8 +18,7 @@ from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import centres, intervals
 from swarmcensus.statistics.intervals import estimate
 from swarmcensus.statistics.significance import holm
-from tests.support.contending import made_up, without
-from tests.unit.statistics.test_signed_ranks import by_every_sign
+from tests.support.contending import by_every_sign, made_up, without
 
 NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 

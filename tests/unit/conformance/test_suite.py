@@ -18,9 +18,10 @@ from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.suite import check, checks
 from tests.support.long import in_two_sizes
+from tests.support.places import DOCS, EXAMPLE
 
 GOOD = brains.load("minimalistic").source
-PAGE = Path(__file__).parents[3] / "docs" / "brain-contract.md"
+PAGE = DOCS / "brain-contract.md"
 TINY = '''"""The mean of one's own readings."""
 
 import math
@@ -682,7 +683,7 @@ def test_a_vector_s_numbers_are_looked_at_one_by_one(line, said, tmp_path):
     assert fault is None if said is None else said in fault
 
 
-EXAMPLES = Path(__file__).parents[3] / "studies" / "example"
+EXAMPLES = EXAMPLE
 
 
 def test_a_name_that_decides_who_is_heard_is_lawful():

@@ -11,8 +11,8 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.deployment import format_errors
 from swarmcensus.deployment.plans import SENT
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[3]
 OWN = ROOT / "studies" / "example" / "my_brain.py"
 
 

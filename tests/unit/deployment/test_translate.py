@@ -18,6 +18,7 @@ from swarmcensus.deployment.header import header
 from swarmcensus.deployment.messages import messages_of
 from swarmcensus.deployment.selftest import compare, is_exact
 from swarmcensus.deployment.translating import translate, write
+from tests.support.places import DOCS
 from tests.support.translated import BRAINS, CLOSE, compiled, differs, load_busy, named
 
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
@@ -436,7 +437,7 @@ def test_written_again(tmp_path):
 def test_the_page_shows_a_robot_that_works(tmp_path):
     brain = load("commons").with_numbers(Numbers("single", "ratio16"))
     (tmp_path / "brain.h").write_text(header(brain))
-    page = (Path(__file__).parents[3] / "docs" / "in-c.md").read_text()
+    page = (DOCS / "in-c.md").read_text()
     top, start, rest = page.partition("```c\n")[2].partition("```")[0].partition("brain_start")
     body = f'{start}{rest}printf("%.9g", x);\nreturn 0;'
     printed = compiled(tmp_path, f"#include <stdio.h>\n{top}int main(void) {{\n{body}\n}}\n", "-I", str(tmp_path))

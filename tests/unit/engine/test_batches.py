@@ -15,7 +15,7 @@ from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics
 from swarmcensus.simulation import trials as engine
 from swarmcensus.simulation.trials import Metrics, run_batch, segment_length
-from tests.conftest import FAILS, beliefs_of
+from tests.support.small import FAILS, beliefs_of
 
 GO = np.zeros(1, np.uint8)
 MEASURE = Metrics(0.01, 10, (10, 60))
@@ -148,7 +148,7 @@ class TestDeterminism:
             assert (whole.correct == np.concatenate([p.correct for p in parts], axis=1)).all()
 
     def test_order_and_subsets_of_settings(self, small_results):
-        from tests.conftest import SMALL
+        from tests.support.small import SMALL
 
         text = SMALL.replace('["full", "ring", "line", "scale-free"]', '["scale-free", "ring"]').replace(
             "[0.55, 0.95]", "[0.95]"

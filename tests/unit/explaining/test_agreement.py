@@ -5,7 +5,6 @@ Tests of draws state their error rate: the chance that what is right fails them,
 
 import itertools
 import json
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,8 +16,8 @@ from swarmcensus import brains, theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.explaining.exact_errors import exact_errors, prior_pull
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[3]
 TEN = {"rounds": 30, "observations_per_round": 10}
 
 

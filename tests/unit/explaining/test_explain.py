@@ -12,8 +12,8 @@ from swarmcensus import theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.explaining.expectations import ALONE, MIXED, NEAR, SWARM, expect
+from tests.support.places import ROOT
 
-ROOT = Path(__file__).parents[3]
 COMMONS = ROOT / "tests" / "support" / "commons.py"
 BASE = {
     "trials": 10, "seed": 3,
@@ -245,15 +245,6 @@ def test_few_trials_have_no_interval(results):
     found = sc.explain(results.isel(trial=slice(0, 4)), 0)
     assert np.isfinite(found.efficiency[0])
     assert np.isnan(found.efficiency[1:]).all()
-
-
-def test_the_page_shows_what_is_printed(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["run", str(ROOT / "studies" / "ring.toml"), "--out", "ring.nc"]) == 0
-    capsys.readouterr()
-    assert main(["explain", "ring.nc", "--setting", "2"]) == 0
-    shown = (ROOT / "docs" / "theory.md").read_text(encoding="utf-8").partition("explain ring.nc --setting 2\n")[2]
-    assert capsys.readouterr().out == shown.partition("```")[0]
 
 
 # ---- figures

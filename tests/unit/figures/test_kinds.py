@@ -5,7 +5,6 @@ import itertools
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -24,8 +23,8 @@ from swarmcensus.figures.kinds.lines import stretches
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.statistics.intervals import estimate
-from tests.docs.test_pages import ROOT, blocks, commands
-from tests.unit.figures.test_drawing import assert_fits, drawn, forget, study, texts
+from tests.support.drawing import assert_fits, drawn, forget, study, texts
+from tests.support.places import ROOT
 
 OURS = ["arena", "beliefs", "compare", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
 
@@ -262,25 +261,6 @@ def test_the_page_s_table_has_every_kind_and_all_its_options():
         for name in OURS
     }
     assert {kind: sorted(options) for kind, options in told.items()} == {k: sorted(v) for k, v in takes.items()}
-
-
-@pytest.mark.long
-def test_the_page_s_images_are_what_its_commands_draw(tmp_path, monkeypatch):
-    """Its numbers, that is: letters are drawn by a library of the machine."""
-    page = ROOT / "docs" / "plotting.md"
-    (run, plot), *_ = (list(commands(text)) for text in blocks(page, "console"))
-    assert run[1:] == ["run", "studies/sizes.toml"]
-    shutil.copytree(ROOT / "studies", tmp_path / "studies")
-    monkeypatch.chdir(tmp_path)
-    assert main(run[1:]) == main(plot[1:]) == 0
-    for text in blocks(page, "console")[1:]:
-        for command in commands(text):
-            assert main(command[1:]) == 0
-    for name in ("lines.png", "differences.png"):
-        with Image.open(name) as drawn, Image.open(ROOT / "docs" / "images" / name) as shown:
-            assert drawn.size == shown.size
-            differ = np.abs(np.asarray(drawn.convert("L"), int) - np.asarray(shown.convert("L"), int)) > 64
-        assert differ.mean() < 0.01
 
 
 # ---- one trial

@@ -11,7 +11,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.library import TITLES
 from swarmcensus.results.labels import renamed
 from tests.support.contending import made_up
-from tests.unit.figures.test_drawing import drawn, study, texts
+from tests.support.drawing import drawn, study, texts
 
 
 @pytest.fixture(scope="module")

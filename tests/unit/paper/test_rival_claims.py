@@ -9,7 +9,6 @@ import math
 from collections import Counter
 from dataclasses import replace
 from functools import cache, partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,9 +19,9 @@ from swarmcensus.basics.files import shipped_study
 from swarmcensus.paper import claims, report, rival_explanations, rival_measures
 from swarmcensus.paper.evaluations import RIVALS
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Evidence, Missing, outcome
-from tests.conftest import OUR_C_LIBRARY
+from tests.support.pages import OUR_C_LIBRARY
+from tests.support.places import DOCS
 
-DOCS = Path(__file__).parents[3] / "docs"
 STORED = json.loads((DOCS / "rivals-claims.json").read_text(encoding="utf-8"))
 FOUND = {claim["id"]: claim for claim in STORED["claims"]}
 KNOWN = {claim.id: claim for claim in RIVALS.claims}

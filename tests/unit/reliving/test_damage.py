@@ -18,7 +18,7 @@ from swarmcensus.reliving.logs import Gap, Heard, Tick, read_log
 from swarmcensus.reliving.others import under
 from swarmcensus.reliving.traces import as_logged, as_trace
 from tests.support.lockstep import Swarm
-from tests.unit.reliving.test_relive import SEED, estimates_of, logged, setting_of, told
+from tests.support.relived import SEED, estimates_of, logged, setting_of, told
 
 pytestmark = pytest.mark.interpreted
 

@@ -8,7 +8,7 @@ import pytest
 from swarmcensus.cli.commands import main
 from swarmcensus.reliving.logs import Gap, read_log
 from swarmcensus.robot.log import ENDING, MAGIC, OPENING, STATE, TICK, block
-from tests.unit.reliving.test_relive import logged, told
+from tests.support.relived import logged, told
 
 pytestmark = pytest.mark.interpreted
 TOO_LATE = block(TICK, struct.pack(OPENING, 100_000_000, 5, 0, 0, 0, 0) + struct.pack(ENDING, 0.5, 7))

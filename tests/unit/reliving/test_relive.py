@@ -1,47 +1,15 @@
 """Lives lived again from robots' logs: to the bit, under another brain, and after all that can happen to a log."""
 
-import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.reliving.folders import read_day
 from swarmcensus.reliving.lives import relive
 from swarmcensus.reliving.others import under
 from swarmcensus.simulation.trials import record_trial
-from tests.support.lockstep import Swarm
+from tests.support.relived import SEED, estimates_of, logged, setting_of, told
 
 pytestmark = pytest.mark.interpreted
-
-SEED = 3
-
-
-def setting_of(brain="commons", robots=5, rounds=40, message="float32", topology="ring", looks=1, **more):
-    world = {"message": message, "link_success": 0.7, "fill_ratio": 0.6, "topology": topology}
-    study = sc.Study(
-        trials=1, seed=SEED, swarm={"brain": brain, "robots": robots, "accuracy": 0.8,
-        "precision": more.pop("precision", "double")}, world=world,
-        schedule={"rounds": rounds, "observations_per_round": looks}, **more,
-    )  # fmt: skip
-    return study, study.settings()[0]
-
-
-def logged(folder, brain="commons", more=(), **given):
-    """Logs of a lockstep swarm, and its setting; the folder holds the brain's file."""
-    study, setting = setting_of(brain, **given)
-    swarm = Swarm(folder, setting, SEED, **dict(more))
-    (folder / "brain.py").write_text(setting.brain.source)
-    return study, setting, swarm
-
-
-def estimates_of(day, result, rounds):
-    """Estimates (round, robot) of days without restarts."""
-    out = np.full((rounds + 1, len(day.members)), np.nan)
-    for column, member in enumerate(day.members):
-        for at, value in result.estimates[member.number].items():
-            block = member.log.blocks[at]
-            out[block.tick, column] = value
-    return out
 
 
 CASES = [
@@ -92,12 +60,3 @@ def test_another_brain_lives_the_day_as_its_simulation(tmp_path, brain, other, m
     found = estimates_of(day, result, 40)
     assert (found == expected).all()
     assert (found != shown).any()
-
-
-def told(folder, study, /, **more):
-    """Write swarm.json."""
-    import json
-
-    about = {"format": 1, "title": "day", "brain": {"file": "brain.py"}, "fill_ratio": 0.6, "seed": SEED, "trial": 0,
-             "study": study.text, "robots": []} | more  # fmt: skip
-    (folder / "swarm.json").write_text(json.dumps(about))

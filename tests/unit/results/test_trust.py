@@ -5,7 +5,6 @@ import functools
 import json
 import re
 import shutil
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -25,8 +24,8 @@ from swarmcensus.runs import verifying
 from swarmcensus.worlds import networks, pictures
 from tests.support import second
 from tests.support.altering import alterations, of_the_whole
+from tests.support.places import DATA
 
-DATA = Path(__file__).parents[2] / "data"
 PLAIN = """
 name = "apart"
 seed = 3

@@ -17,6 +17,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import adversary, robot_math
 from swarmcensus.conformance import suite
 from swarmcensus.engine import codegen, strict
+from tests.support.places import DOCS
 
 PACKAGE = "@micropython/micropython-webassembly-pyscript"  # found by node through NODE_PATH
 ASK = f"""
@@ -164,7 +165,7 @@ def test_what_avr_boards_lack():
 
 
 def test_the_page_lists_all():
-    page = (Path(__file__).parents[3] / "docs" / "brain-contract.md").read_text(encoding="utf-8")
+    page = (DOCS / "brain-contract.md").read_text(encoding="utf-8")
     section = page.partition("### math\n")[2].partition("**The check")[0]
     allowed, _, others = section.partition("Others, such as")
     assert {*re.findall(r"`(\w+)`", allowed)} - {"math"} == {*robot_math.FUNCTIONS, *robot_math.CONSTANTS}

@@ -4,13 +4,13 @@ import importlib.util
 import random
 import sys
 import types
-from pathlib import Path
 
 import pytest
 
 from swarmcensus.cli.commands import main
+from tests.support.places import EXAMPLE
 
-NODE = Path(__file__).parents[3] / "studies" / "example" / "ros2_node.py"
+NODE = EXAMPLE / "ros2_node.py"
 ROBOTS, FILL_RATIO = 5, 0.3
 
 

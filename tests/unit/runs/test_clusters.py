@@ -21,11 +21,12 @@ from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
-from tests.conftest import FAILS
+from tests.support.clusters import LONG, Once, same, study
+from tests.support.places import EXAMPLE
+from tests.support.small import FAILS
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
-EXAMPLE = Path(__file__).parents[3] / "studies" / "example"
 FIXED = """
 name   = "sent"
 seed   = 7
@@ -69,22 +70,6 @@ at     = 50
 robots = 1
 stop   = "moving"
 """
-LONG = """
-name   = "long"
-seed   = 9
-trials = 200
-
-[swarm]
-robots   = 100
-accuracy = [0.6, 0.7]
-
-[world]
-topology   = ["ring", "line"]
-fill_ratio = 0.55
-
-[schedule]
-rounds = 1000
-"""
 
 
 @pytest.fixture(scope="module")
@@ -126,27 +111,6 @@ def tables(brain):
         "swarm": {"brain": brain, "robots": 2, "accuracy": 0.7},
         "world": {"topology": "ring", "fill_ratio": 0.5},
     }
-
-
-def study(text):
-    return sc.Study.parse(text, context={"base": Path.cwd()})
-
-
-def same(one, other):
-    """Equal to the last bit, but for what says when and by whom it was run."""
-    return one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
-
-
-class Once:
-    """A progress callback that does something once, when some trials are done and others are not."""
-
-    def __init__(self, act):
-        self.act, self.done = act, False
-
-    def __call__(self, progress):
-        if not self.done and 0 < progress.done < progress.total:
-            self.done = True
-            self.act()
 
 
 @pytest.mark.long

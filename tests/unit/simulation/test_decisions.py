@@ -17,10 +17,11 @@ from swarmcensus.results.replaying import recording
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from tests.support.places import EXAMPLE
 from tests.support.second import MEANS, brain, changed, fixed, moving
 from tests.support.small import GO, SEED
 
-SPRT = brains.load(Path(__file__).parents[3] / "studies" / "example" / "sprt.py")
+SPRT = brains.load(EXAMPLE / "sprt.py")
 MEASURE = Metrics(0.01, 10, (), decides=True, ends=True)
 DECIDES = MEANS + "\n\ndef decide(me):\n    return CHOICE\n"
 OPTIONS = ("MEMORY =", "OPTIONS = 4\nMEMORY =")

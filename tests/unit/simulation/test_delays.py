@@ -1,7 +1,6 @@
 """Messages that are rounds late on fixed networks: held against the reference and sums by hand, and what is told."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,13 +13,13 @@ from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.reference import rounds as reference
+from tests.support.lives import lived
+from tests.support.lying import liars
+from tests.support.places import ROOT
 from tests.support.second import changed, fixed
-from tests.support.small import FAULTS, GO, PASSING, SEED, failing, heard_in, moving_of, settings_of
-from tests.unit.brains.test_adversaries import liars, lived
-from tests.unit.studies.test_checks import BOTH, MOVING, RING
-from tests.unit.studies.test_checks import study as checked
+from tests.support.small import BOTH, FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, moving_of, settings_of
 
-COMMONS = Path(__file__).parents[2] / "support" / "commons.py"
+COMMONS = ROOT / "support" / "commons.py"
 BRAINS = ["minimalistic", "commons", "swift", "voter"]
 WORLDS = {
     "ring": {"topology": "ring"},
@@ -205,7 +204,7 @@ def test_the_line_that_fails_on_late_news_is_found(tmp_path):
 )  # fmt: skip
 def test_what_cannot_be_is_said_in_a_sentence(world, tables, said):
     with pytest.raises(sc.InputError) as caught:
-        checked(world, **tables)
+        sc.Study(**{"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": world} | tables)
     assert said in str(caught.value)
 
 

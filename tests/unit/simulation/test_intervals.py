@@ -248,7 +248,7 @@ def test_stopped_continued_merged_verified_and_read_again(here, monkeypatch, cap
 
 def test_a_run_that_was_killed_is_read_from_its_shards(here, monkeypatch):
     """At the checkpoints of the run that goes on, of which those of brains without an interval are missing still."""
-    from tests.unit.runs.test_resuming import cut_off
+    from tests.support.resuming import cut_off
 
     cut_off("a.nc", 60, STUDY)
     study = sc.Study.load("s.toml").with_(measure={"checkpoints": [5, 30]})

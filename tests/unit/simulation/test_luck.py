@@ -12,16 +12,8 @@ from swarmcensus.engine.random import chance
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.reference import rounds as reference
-from tests.support.second import ADDS, ALL, MEANS, STEER, brain, changed, fixed, moving
+from tests.support.second import ADDS, ALL, LUCKY, MEANS, OURS, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
-
-LUCKY = changed(
-    ("MEMORY = {", 'MEMORY = {"seen": 0.0, "heard": 0.0, "fused": 0.0, '),
-    ("me.n += blacks", "me.n += blacks\n    me.seen = me.luck"),
-    ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.heard = me.luck"),
-    ("def fuse(me):\n    pass", "def fuse(me):\n    me.fused = me.luck"),
-)
-OURS = ("seen", "heard", "fused")
 
 
 def lives(source, trial=0, **world):

@@ -16,8 +16,7 @@ from swarmcensus.simulation import metrics
 from swarmcensus.simulation.walking import walk
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
-from tests.conftest import beliefs_of
-from tests.support.small import called
+from tests.support.small import beliefs_of, called
 
 GO = np.zeros(1, np.uint8)
 KEY = address(5, "walk")

@@ -1,7 +1,5 @@
 """me.name: robots are told apart, and a brain that asks for it is not anonymous."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,10 +8,11 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
+from tests.support.places import EXAMPLE
 from tests.support.second import MEANS, brain, changed, fixed, moving
 from tests.support.small import SEED
 
-LEADER = brains.load(Path(__file__).parents[3] / "studies" / "example" / "leader.py")
+LEADER = brains.load(EXAMPLE / "leader.py")
 HEARS = changed(
     ("MEMORY = {", 'MEMORY = {"own": -1.0, "sum": 0.0, '),
     ("return (estimate(me),)", "return (me.name,)"),

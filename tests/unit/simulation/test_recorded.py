@@ -17,9 +17,9 @@ from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import Life
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
-from tests.conftest import FAILS
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
+from tests.support.small import FAILS
 
 pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
 

@@ -5,7 +5,6 @@ import re
 import runpy
 import subprocess
 import sys
-from pathlib import Path
 
 import numba
 import numpy as np
@@ -19,33 +18,9 @@ from swarmcensus.engine.return_values import chosen
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides
 from swarmcensus.worlds.bodies import Body
+from tests.support.places import EXAMPLE
+from tests.support.steering import STEER, WANTS
 
-# One brain, compiled once: what it wants is told by the accuracy on white that its robots believe in.
-STEER = """
-
-def steer(me):
-    if me.w == NEVER:
-        return None
-    if me.w == ABSURD:
-        if me.n % 2.0 < 1.0:
-            return 1e9, -1e9
-        return -1e9, 1e9
-    if me.w == CIRCLE:
-        return 0.05, 0.5
-    if me.w == STRAIGHT:
-        return 0.14, 0.0
-    if me.w == SPIN:
-        return 0.0, 0.5
-    if me.w == DIVIDES:
-        return 0.1 / (me.t - me.t), 0.0
-    if me.w == BROKEN:
-        return 1e308 * 10.0 - 1e308 * 10.0, 0.0
-    if me.n % 2.0 < 1.0:
-        return None
-    return 0.1, 1.0
-"""
-WANTS = {"NEVER": 0.6, "ABSURD": 0.65, "CIRCLE": 0.7, "STRAIGHT": 0.75, "BROKEN": 0.8, "SEEN": 0.85, "DIVIDES": 0.9,
-         "SPIN": 0.95}  # fmt: skip
 STUDY = """
 seed = 3
 trials = 2
@@ -143,7 +118,7 @@ def test_a_run_is_its_replay_and_what_the_brain_file_makes_of_it(folder, steered
 
 def test_the_paired_comparison_of_the_docs(folder, capsys):
     """A brain that differs from the other in nothing differs by nothing; medians are those of all robots and trials."""
-    path = Path(__file__).parents[3] / "studies" / "example" / "paired.py"
+    path = EXAMPLE / "paired.py"
     results = sc.run(study_of(folder, "NEVER", brain='["minimalistic", "steered.py"]', trials=6))
     sc.save(results, folder / "pair.nc")
     runpy.run_path(str(path))["main"](folder / "pair.nc", "minimalistic", "steered.py")

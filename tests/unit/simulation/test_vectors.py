@@ -13,12 +13,12 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.simulation.trials import record_trial, run_batch
-from tests.reference.test_optional_functions import MEASURE
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from tests.support.places import EXAMPLE
 from tests.support.second import ADDS, ALL, brain, changed, fixed
 from tests.support.small import GO, SEED
 
-EXAMPLE = Path(__file__).parents[3] / "studies" / "example"
+MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
 COUNTS = changed(
     ("MEMORY = {", 'MEMORY = {"seen": (0.0, 0.5), "heard": (0.0, 0.0), '),
     ('MESSAGE = ("x",)', 'MESSAGE = ("seen",)'),

@@ -17,18 +17,9 @@ from swarmcensus.statistics.significance import (
     midranks,
     signed_ranks,
 )
+from tests.support.contending import by_every_sign
 
 INF, NAN = math.inf, math.nan
-
-
-def by_every_sign(off):
-    """The two-sided p of one row: of all 2^n ways to give the differences signs, those at least as far apart."""
-    off = np.array([one for one in off if one == one])
-    ranks = stats.rankdata(np.abs(off))[off != 0]
-    signs = np.sign(off[off != 0])
-    seen = abs(ranks @ signs)
-    ways = [abs(ranks @ np.array(one)) >= seen - 1e-9 for one in itertools.product((-1, 1), repeat=len(ranks))]
-    return np.mean(ways) if len(ranks) else 1.0
 
 
 CASES = {

@@ -8,10 +8,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.results import store as files
-
-RING = {"topology": "ring", "fill_ratio": 0.5}
-MOVING = {"topology": "moving", "fill_ratio": 0.5, "density": 1}
-BOTH = MOVING | {"topology": ["ring", "moving"]}
+from tests.support.small import BOTH, MOVING, RING
 
 
 def study(world=RING, robots=5, **tables):

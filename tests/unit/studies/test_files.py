@@ -4,7 +4,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.studies import toml_text
-from tests.conftest import SMALL
+from tests.support.small import SMALL
 
 CONTEXT = "studies/x.toml: "
 

@@ -8,7 +8,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
-from tests.conftest import SMALL
+from tests.support.small import SMALL
 
 BASE = {
     "trials": 1,

@@ -12,7 +12,7 @@ from swarmcensus.basics.files import shipped_studies
 from swarmcensus.cli.commands import main
 from swarmcensus.planning import mission as of_missions
 from swarmcensus.studies.schema import schema
-from tests.docs.test_pages import PAGES, blocks
+from tests.support.pages import PAGES, blocks
 
 PLAIN = {
     "trials": 1,

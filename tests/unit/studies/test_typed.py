@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
-
-ROOT = Path(__file__).parents[3]
+from tests.support.places import ROOT
 
 PROGRAM = """
 import networkx as nx

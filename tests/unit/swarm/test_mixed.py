@@ -2,9 +2,10 @@
 
 import importlib
 import sys
-from pathlib import Path
 
 import pytest
+
+from tests.support.places import ROOT
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
 ROBOTS, ROUNDS = 8, 320
@@ -12,7 +13,7 @@ ROBOTS, ROUNDS = 8, 320
 
 @pytest.fixture
 def minds(monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).parents[3] / "benchmarks")
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
     return importlib.import_module("minds")
 
 

@@ -22,6 +22,7 @@ from swarmcensus.studies.study import Study
 from swarmcensus.swarm import air
 from swarmcensus.swarm.faults import faults_of
 from swarmcensus.swarm.plans import Air, plan_of
+from tests.support.watching import programs
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
 QUICK = ["--robots", "4", "--rounds", "50", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
@@ -34,12 +35,6 @@ def run(capsys, folder, *arguments, what="commons", quick=QUICK):
 
 def logs(folder):
     return [read_log(path) for path in sorted(Path(folder).glob("robot-*.log"))]
-
-
-def programs(folder, what="args"):
-    """The processes that run robots of this folder."""
-    found = subprocess.run(["ps", "-ww", "-eo", what], capture_output=True, text=True, check=True).stdout
-    return [line for line in found.splitlines() if "import node" in line and str(folder) in line]
 
 
 def study(**world):

@@ -13,7 +13,7 @@ from swarmcensus import theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.late_mixing import fits, late_moments
 from swarmcensus.theory.mixing import moments
-from tests.unit.theory.test_mixing import COMMONS, GRAPHS
+from tests.support.graphs import COMMONS, GRAPHS
 
 
 def by_brute_force(matrix, delay, last):

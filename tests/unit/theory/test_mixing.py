@@ -3,8 +3,6 @@
 Tests of draws state their error rate: the chance that what is right fails them, were the seed not fixed.
 """
 
-from pathlib import Path
-
 import networkx as nx
 import numpy as np
 import pytest
@@ -15,20 +13,7 @@ from swarmcensus import theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.matrices import geometric, spectrum_of
 from swarmcensus.theory.mixing import by_powers, moments
-
-COMMONS = Path(__file__).parents[2] / "support" / "commons.py"
-DIRECTED = nx.DiGraph([(0, 1), (1, 2), (2, 3), (3, 0), (0, 2), (4, 1), (2, 4)])
-GRAPHS = {
-    "one": nx.empty_graph(1),
-    "pair": nx.path_graph(2),
-    "star": nx.star_graph(7),
-    "line": nx.path_graph(9),
-    "apart": nx.disjoint_union(nx.path_graph(3), nx.star_graph(4)),
-    "tree": nx.barabasi_albert_graph(40, 1, seed=2),
-    "full": nx.complete_graph(6),
-    "directed": DIRECTED,
-    "sparse and directed": nx.DiGraph([(i, (i + 1) % 60) for i in range(60)]),
-}
+from tests.support.graphs import COMMONS, DIRECTED, GRAPHS
 
 
 def test_matrices_are_means_over_oneself_and_whom_one_hears():

@@ -1,7 +1,6 @@
 """Parameters and files of brains that are watched, when a trial settles, and the links of a chosen robot."""
 
 import json
-import os
 
 import numpy as np
 import pytest
@@ -16,15 +15,9 @@ from swarmcensus.watching.sessions import Session
 from swarmcensus.watching.settling import Settling
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.watching.simulated import Simulated
-from tests.unit.watching.test_scenes import parsed
+from tests.support.watching import parsed, save
 
 CENSUS = {"brain": "census", "topology": "ring", "robots": "6"}
-
-
-def save(file, text, second):
-    """Save a file, some seconds after it was saved before."""
-    file.write_text(text)
-    os.utime(file, (second, second))
 
 
 def ask(session, **words):

@@ -7,14 +7,14 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.watching.offers import offer_of
 from swarmcensus.watching.server import listen, serving
-from tests.unit.watching.test_brains import save
-from tests.unit.watching.test_page import at, browser, come, folder, page, playwright, served, until  # noqa: F401 - fixtures
-from tests.unit.watching.test_page import pytestmark as marks
+from tests.support.browsing import at, come, playwright, until
+from tests.support.browsing import pytestmark as marks
+from tests.support.watching import save
 
 pytestmark = marks
 
 
-def test_it_opens_playing_with_curves(page, served):  # noqa: F811
+def test_it_opens_playing_with_curves(page, served):
     come(page, served.address("setting=1"))
     until(page, "state.playing && state.drawn > 5 && state.charts.histories[0].of('median')[5] !== null", True)
     assert page.input_value("#colour") == "off"
@@ -27,7 +27,7 @@ def test_it_opens_playing_with_curves(page, served):  # noqa: F811
 
 
 @pytest.mark.long
-def test_read_outs_follow_the_slider(page, served):  # noqa: F811
+def test_read_outs_follow_the_slider(page, served):
     come(page, served.address("setting=1"), 0)
     for tick in (120, 7):
         page.locator("#moment").fill(str(tick))
@@ -42,7 +42,7 @@ def test_read_outs_follow_the_slider(page, served):  # noqa: F811
 
 
 @pytest.mark.long
-def test_an_address_holds_the_view(page, served):  # noqa: F811
+def test_an_address_holds_the_view(page, served):
     come(page, served.address("tick=40&robot=3&zoom=4&follow=1&log=1&full=1&speed=15"), 40)
     seen = "[state.view.zoom, $('follow').checked, $('log').checked, $('full').checked, state.speed, state.chosen]"
     assert page.evaluate(seen) == [4, True, True, True, 15, 3]
@@ -54,7 +54,7 @@ def test_an_address_holds_the_view(page, served):  # noqa: F811
 
 
 @pytest.mark.long
-def test_two_fingers_zoom(browser, served):  # noqa: F811
+def test_two_fingers_zoom(browser, served):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     phone = context.new_page()
     come(phone, served.address(), 0)
@@ -79,7 +79,7 @@ def test_two_fingers_zoom(browser, served):  # noqa: F811
 
 
 @pytest.mark.long
-def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):  # noqa: F811
+def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):
     mine = tmp_path / "mine.py"
     text = brains.load("census").source
     save(mine, text, 100)
@@ -105,7 +105,7 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):  # noqa: F811
 
 
 @pytest.mark.long
-def test_pictures_films_and_the_page_are_saved(page, served, tmp_path):  # noqa: F811
+def test_pictures_films_and_the_page_are_saved(page, served, tmp_path):
     come(page, served.address("setting=1&beside=commons&liars=0.3"), 0)
     page.click("#save summary")
     page.fill("#seconds", "1")

@@ -18,55 +18,11 @@ from swarmcensus.watching.offers import offer_of, wanted
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.sessions import Session
 from swarmcensus.watching.shows import Show
-from tests.unit.reliving.test_relive import logged, told
-from tests.unit.watching.test_scenes import parsed
+from tests.support.growing import ROUNDS, Day
+from tests.support.relived import logged, told
+from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
-ROUNDS = 40
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A day in which a robot was killed in the middle of a block and started again, and another one started late."""
-    folder = tmp_path_factory.mktemp("whole") / "day"
-    study, _, swarm = logged(folder, robots=4, rounds=ROUNDS, more={"saves": 4})
-    swarm.kill(3)
-    (folder / "robot-3.log").unlink()
-    swarm.run(9)
-    swarm.kill(1)
-    with (folder / "robot-1.log").open("r+b") as log:
-        log.truncate(log.seek(0, 2) - 3)
-    swarm.run(6)
-    swarm.start(1)
-    swarm.start(3)
-    swarm.run(8)
-    swarm.close()
-    told(folder, study, ended=1, result={"estimates": [0.5] * 4})
-    return folder
-
-
-class Day:
-    """A copy of a day whose logs grow as a test wants."""
-
-    def __init__(self, whole, folder):
-        self.folder, self.about = folder, json.loads((whole / "swarm.json").read_text())
-        folder.mkdir()
-        (folder / "brain.py").write_bytes((whole / "brain.py").read_bytes())
-        self.contents = {path.name: path.read_bytes() for path in whole.glob("*.log")}
-        self.grow(0.0)
-        self.tell({"ended": None, "result": {}})
-
-    def tell(self, change):
-        (self.folder / "swarm.json").write_text(json.dumps(self.about | change))
-
-    def grow(self, share):
-        """All logs have at least this share of their bytes now; one that begins late begins late here, too."""
-        for name, content in self.contents.items():
-            begins = 0.6 if name == "robot-3.log" else 0.0
-            size = max(200 if not begins else 0, int(len(content) * (share - begins) / (1.0 - begins)))
-            if size > 0:
-                with (self.folder / name).open("ab") as log:
-                    log.write(content[log.tell() : size])
 
 
 def asked(session, **words):

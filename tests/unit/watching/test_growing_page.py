@@ -6,15 +6,15 @@ import pytest
 
 from swarmcensus.watching.offers import offer_of
 from swarmcensus.watching.server import listen, serving
-from tests.unit.watching.test_growing import Day, whole  # noqa: F401 - a fixture
-from tests.unit.watching.test_page import browser, come, page, playwright, until  # noqa: F401 - fixtures
-from tests.unit.watching.test_page import pytestmark as marks
+from tests.support.browsing import come, playwright, until
+from tests.support.browsing import pytestmark as marks
+from tests.support.growing import Day
 
 pytestmark = [*marks, pytest.mark.interpreted]
 
 
 @pytest.fixture
-def watched(page, whole, tmp_path):  # noqa: F811
+def watched(page, whole, tmp_path):
     """The page of a day that grows, and the day."""
     day = Day(whole, tmp_path / "day")
     served = listen(offer_of(day.folder))

@@ -24,8 +24,8 @@ from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.sessions import Session
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.watching.simulated import Simulated
-from tests.unit.reliving.test_relive import SEED, logged, setting_of, told
-from tests.unit.watching.test_scenes import parsed
+from tests.support.relived import SEED, logged, setting_of, told
+from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
 ROUNDS = 30

@@ -3,7 +3,6 @@
 import dataclasses
 import functools
 import re
-import shutil
 import time
 
 import numpy as np
@@ -19,88 +18,15 @@ from swarmcensus.watching.offers import offer_of, wanted
 from swarmcensus.watching.server import listen, serving
 from swarmcensus.watching.sessions import Session
 from swarmcensus.worlds.bodies import Body
+from tests.support.browsing import at, come, playwright, pytestmark, until  # noqa: F401 - marks this file
+from tests.support.watching import PAGE_STUDY
 
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
-pytestmark = [
-    pytest.mark.skipif(BROWSER is None, reason="no Chromium here"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning"),
-]
 COUNTED = """(() => {
     window.asked = 0;
     const ask = state.source.ask.bind(state.source);
     state.source.ask = (...words) => { window.asked += 1; return ask(...words); };
 })()"""
 PUT = "const put = (key, value) => { $(`control-${key}`).value = value; change(key, value); };"
-STUDY = """
-trials = 3
-seed = 4
-swarm.robots = 12
-swarm.accuracy = 0.75
-world = {topology = ["moving", "ring"], density = 4.0, fill_ratio = 0.6}
-schedule = {rounds = 300, ticks = 300}
-"""
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    made = tmp_path_factory.mktemp("watch")
-    (made / "study.toml").write_text(STUDY)
-    return made
-
-
-@pytest.fixture(scope="module")
-def served(folder):
-    made = listen(offer_of(folder / "study.toml"))
-    with serving(made):
-        yield made
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with playwright.sync_playwright() as running:
-        opened = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
-        yield opened
-        opened.close()
-
-
-@pytest.fixture
-def page(browser):
-    """A page that must not complain."""
-    context = browser.new_context(viewport={"width": 1280, "height": 900}, permissions=["clipboard-write"])
-    made = context.new_page()
-    complaints = []
-    made.on(
-        "console", lambda message: complaints.append(message.text) if message.type in ("error", "warning") else None
-    )
-    made.on("pageerror", lambda error: complaints.append(str(error)))
-    yield made
-    context.close()
-    assert complaints == []
-
-
-def come(page, address, tick=None):
-    if tick is not None and "tick=" not in address:  # it would open playing
-        address = f"{address}{'&' if '#' in address else '#'}tick={tick}"
-    page.goto("about:blank")
-    page.goto(address)
-    page.wait_for_selector("#clock:not(:empty)", state="attached", timeout=60_000)
-    if tick is not None:
-        at(page, tick)
-
-
-def at(page, tick):
-    """Wait until a moment is shown."""
-    playwright.expect(page.locator("#clock")).to_have_text(re.compile(rf"^(tick|round) {tick:,} of"), timeout=20_000)
-
-
-def until(page, what, value):
-    """Wait until something in the page is so."""
-    for _ in range(200):
-        if page.evaluate(what) == value:
-            return
-        page.wait_for_timeout(50)
-    assert page.evaluate(what) == value
 
 
 def told(page, robot, tick):
@@ -118,7 +44,7 @@ def number(text):
 @pytest.mark.long(only=["0"])
 @pytest.mark.parametrize("setting", [0, 1])
 def test_a_robot_is_what_replay_says(page, served, setting):
-    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), setting, 2)
+    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), setting, 2)
     come(page, served.address(f"setting={setting}&trial=2&tick=120&robot=5"), 120)
     shown = told(page, 5, 120)
     for name in ("t", "n", "x_hat", "alpha", "x_bar", "beta", "x"):
@@ -127,7 +53,7 @@ def test_a_robot_is_what_replay_says(page, served, setting):
 
 @pytest.mark.long
 def test_what_a_robot_looked_at_is_where_its_sensor_was(page, served):
-    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(120 + 1))
+    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(120 + 1))
     come(page, served.address("trial=2&tick=120&robot=5"), 120)  # at once, and not on the way through all before
     until(page, "state.stages[0].before.length", 121)
     page.evaluate("state.stages[0].before.sort((a, b) => a.tick - b.tick)")
@@ -433,7 +359,7 @@ def test_an_export_opens_from_disk(page, folder, setting):
     assert not re.search(r"(src|href)=.https?:|url\(|import ", text.split('<script id="recorded"')[0])
     come(page, f"file://{path}", 77)
     come(page, f"file://{path}#tick=120&robot=5", 120)
-    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), setting, 2)
+    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), setting, 2)
     shown = told(page, 5, 120)
     for name in ("t", "n", "x_hat", "x"):
         assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)

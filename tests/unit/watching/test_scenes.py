@@ -1,7 +1,6 @@
 """What a page may ask for, what it is shown, and how it is answered: without a browser and without a server."""
 
 import base64
-import itertools
 import json
 import random
 import string
@@ -19,6 +18,7 @@ from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.sessions import MOST_TEXT, Session, spoken
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.watching.simulated import Simulated
+from tests.support.watching import parsed
 
 STUDY = """
 trials = 3
@@ -41,25 +41,6 @@ ticks = 60
 def offer(tmp_path):
     (tmp_path / "study.toml").write_text(STUDY)
     return offer_of(tmp_path / "study.toml")
-
-
-def parsed(message):
-    """A message of frames, read as the page does: numbers by column, and layers, flags and links by frame."""
-    _, side, count, robots, columns, layers, _, _ = np.frombuffer(message, "<u4", 8).tolist()
-    planes = 1 + 2 * bool(layers & 4) + 2 * bool(layers & 1)
-    at = 32
-    parts = []
-    for kind, size in (("<f8", count * columns), ("<u4", count), ("<u4", count + 1), ("<u2", count * planes * robots), ("u1", count * 2 * robots)):  # fmt: skip  # noqa: E501
-        parts.append(np.frombuffer(message, kind, size, at))
-        at += parts[-1].nbytes
-    numbers, ticks, starts, values, flags = parts
-    links = np.frombuffer(message, "<u2" if layers & 4 else "u1", starts[-1], at)
-    assert at + links.nbytes == len(message)
-    return {
-        "side": side, "ticks": ticks, "numbers": numbers.reshape(count, columns),
-        "layers": values.reshape(count, planes, robots), "flags": flags.reshape(count, 2, robots),
-        "links": [links[a:z] for a, z in itertools.pairwise(starts)],
-    }  # fmt: skip
 
 
 def test_a_small_swarm_is_offered_where_no_study_is():

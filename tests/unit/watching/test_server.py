@@ -20,7 +20,6 @@ import psutil
 import pytest
 import uvicorn
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import connect
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
@@ -31,6 +30,7 @@ from swarmcensus.watching.server import MOST_PAGES, listen, serve, serving
 from swarmcensus.watching.sessions import Session
 from swarmcensus.watching.shows import Show
 from tests.support.long import in_two_sizes
+from tests.support.watching import ask, talk
 
 # uvicorn itself still asks websockets for a part that is going out of use
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -48,30 +48,6 @@ def get(served, path, host=None, method="GET"):
         connection.request(method, path, headers={"Host": host or f"127.0.0.1:{served.port}"})
         with connection.getresponse() as answer:
             return answer.status, answer.read(), {name.lower(): value for name, value in answer.getheaders()}
-
-
-def talk(served, token=None, **more):
-    origin = more.pop("origin", f"http://127.0.0.1:{served.port}")
-    address = f"ws://127.0.0.1:{served.port}/live?token={served.token if token is None else token}"
-    return connect(address, origin=origin, max_size=None, proxy=None, compression=None, **more)
-
-
-def heard(page):
-    """The next part of an answer; that something is compiled is none."""
-    while '"compiling"' in str(said := page.recv(timeout=60)):
-        pass
-    return said
-
-
-def ask(page, **words):
-    while True:
-        page.send(json.dumps(words))
-        parts = [heard(page)]
-        while isinstance(parts[-1], bytes):
-            parts.append(heard(page))
-        end = json.loads(parts[-1])
-        if not end.get("going"):
-            return parts[:-1], end
 
 
 def frames(page, first, last, step=1):

@@ -14,8 +14,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from swarmcensus.cli.commands import main
-from tests.unit.swarm.test_processes import programs
-from tests.unit.watching.test_server import ask, talk
+from tests.support.watching import ask, programs, talk
 
 pytestmark = [
     pytest.mark.skipif(sys.platform == "win32", reason="processes with signals"),

@@ -1,7 +1,6 @@
 """Floors whose fill ratio changes: which tiles turn, and what is drawn of them."""
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,9 +14,10 @@ from swarmcensus.simulation import rides
 from swarmcensus.worlds import patterns
 from swarmcensus.worlds.changes import Change, along
 from swarmcensus.worlds.ground import Ground
+from tests.support.places import EXAMPLE
 from tests.support.small import SEED, SLOW, SWITCH, changing, moving_of
 
-IMAGE = str(Path(__file__).parents[3] / "studies" / "example" / "leaves.png")
+IMAGE = str(EXAMPLE / "leaves.png")
 
 
 @pytest.mark.parametrize(

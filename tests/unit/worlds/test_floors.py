@@ -25,7 +25,7 @@ from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.floors import clusters
 from swarmcensus.worlds.patterns import Floor, parse_floor
 from swarmcensus.worlds.pictures import MOST_PIXELS, read_image
-from tests.conftest import beliefs_of
+from tests.support.small import beliefs_of
 
 FILLS = (0.0, 0.05, 0.55, 0.95, 1.0)
 SIGMAS = 5.0  # a true statement fails once in 1.7 million draws
