@@ -18,6 +18,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.basics.terminal import UNFOLDED
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.living import Life
 from tests import interpreted
 from tests.long import Long
@@ -181,5 +182,5 @@ def small_file(small_results, tmp_path_factory):
 
 def beliefs_of(setting, study, trial):
     """What each robot of a trial believes of its sensor, as `infer` takes it."""
-    _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(study.seed, trial, 1))
+    _, _, b, w = (accuracy[0] for accuracy in sampling.accuracies(setting, study.seed, trial, 1))
     return np.broadcast_to(b, setting.robots), np.broadcast_to(w, setting.robots)
