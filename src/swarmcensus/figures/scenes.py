@@ -15,6 +15,7 @@ from swarmcensus.results import replaying
 from swarmcensus.results.selecting import require
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
+from swarmcensus.simulation import sampling
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.networks import MOVING
@@ -86,7 +87,7 @@ def scene_of(
     drawn = tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES
     if not drawn:
         return trace, None
-    ground = chosen.ground(trace.attrs["seed"], trial)
+    ground = sampling.ground(chosen, trace.attrs["seed"], trial)
     tiles = ground.all_tiles()
     return trace, ChangingFloor(tiles, ground.turns()) if chosen.change else tiles
 

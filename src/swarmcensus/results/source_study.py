@@ -20,6 +20,7 @@ from swarmcensus.basics.times import Time, in_ticks
 from swarmcensus.brains import adversary
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds.networks import MOVING
@@ -39,7 +40,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
         # usually its place in the grid; not in merged results
         order = [settings[number], *settings] if 0 <= number < len(settings) else settings
         for setting in order:
-            if setting.fingerprint(study.seed) == mark:
+            if addresses.fingerprint(setting, study.seed) == mark:
                 if run:
                     must_be_read(setting)
                 return study, setting
@@ -50,7 +51,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
 def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Study, Setting]]:
     """The studies and settings by number, as `setting_of`, but without running any brain. Raises InputError."""
     known = {
-        setting.fingerprint(study.seed): (study, setting)
+        addresses.fingerprint(setting, study.seed): (study, setting)
         for study in studies_of(data, run=False)
         for setting in study.settings()
     }

@@ -16,6 +16,7 @@ from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.failures import works
 from swarmcensus.engine.layout import Chunk, Recorded, Swarm, Tally
 from swarmcensus.engine.threads import interruptible
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, wishes_of
@@ -170,7 +171,7 @@ class _Moving:
         assert setting.body is not None
         self.setting, self.given = setting, given
         self.stop = np.zeros(1, np.uint8)
-        self.rider, self.ground = Rider(setting, given), setting.ground(seed, given.first)
+        self.rider, self.ground = Rider(setting, given), sampling.ground(setting, seed, given.first)
         # the engine writes estimates at their tick: pages of earlier stretches are given back after use
         rows = self.rider.minds.rows
         self.pages = mmap.mmap(-1, rows.nbytes)

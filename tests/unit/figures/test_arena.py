@@ -22,6 +22,7 @@ from swarmcensus.figures.kinds.arena import FINE, Arena, scene_of, snapshot
 from swarmcensus.figures.kinds.film import write_film
 from swarmcensus.results.recordings import write_trace
 from swarmcensus.results.source_study import studies_of
+from swarmcensus.simulation import sampling
 
 STUDY = """
 name = "pictures for $2 or $3"
@@ -78,7 +79,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
         if setting.body is None:
             continue
         trace = sc.replay(results, number, 1)
-        floor = setting.ground(study.seed, 1).all_tiles()
+        floor = sampling.ground(setting, study.seed, 1).all_tiles()
         x, y = trace.position.values[1:].transpose(2, 0, 1)
         c, s = np.cos(trace.heading.values[1:]), np.sin(trace.heading.values[1:])
         ahead, left = setting.body.sensor
@@ -93,7 +94,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
 def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
     (study,) = studies_of(results)
     setting = study.settings()[moving(results, 9, 0.95)]
-    first, second = (setting.ground(study.seed, trial).all_tiles() for trial in (0, 1))
+    first, second = (sampling.ground(setting, study.seed, trial).all_tiles() for trial in (0, 1))
     assert (first != second).any()
     assert set(np.unique(first)) == {0, 1}
     sd = np.sqrt(0.95 * 0.05 / first.size)
@@ -286,7 +287,7 @@ def faulty_scene(faults):
 
 def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
     study, trace, _ = faulty_scene(FAULTS)
-    first = study.settings()[0].stops(study.seed, 1)
+    first = sampling.stops(study.settings()[0], study.seed, 1)
     assert trace["stops"].dims == ("part", "robot")
     for part, row in (("moving", 0), ("sensing", 1), ("talking", 2)):
         told = trace["stops"].sel(part=part).values

@@ -13,6 +13,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.results import shards
 from swarmcensus.runs.running import run
+from swarmcensus.simulation import sampling
 from tests.support.long import in_two_sizes
 from tests.support.second import ADDS, ALL, STEER, TALKS
 
@@ -201,7 +202,7 @@ def test_replayed(here, known, name, step):
         trace = sc.replay(data, k, 2)
         setting = load(here, name).settings()[k]
         honest = np.array(
-            [m == 0 or setting.members[m - 1].honest for m in setting.groups(data.attrs["seed"], 2, 1)[0]]
+            [m == 0 or setting.members[m - 1].honest for m in sampling.groups(setting, data.attrs["seed"], 2, 1)[0]]
         )
         n = int(honest.sum())
         last = trace.isel({trace["estimate"].dims[0]: -1})

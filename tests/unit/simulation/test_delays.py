@@ -12,6 +12,7 @@ from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
 from tests.support.lives import lived
 from tests.support.lying import liars
@@ -64,7 +65,7 @@ def test_without_a_delay_all_is_as_before():
     """To the bit, and to the fingerprint by which finished trials are found."""
     plain, told, late = (settings_of(message_delay=delay) if delay else settings_of() for delay in ((), [0], [2]))
     assert plain == told
-    assert plain[0].fingerprint(1) == told[0].fingerprint(1) != late[0].fingerprint(1)
+    assert addresses.fingerprint(plain[0], 1) == addresses.fingerprint(told[0], 1) != addresses.fingerprint(late[0], 1)
     assert "message_delay" not in plain[0].coordinates
     assert str(late[0]) == str(plain[0]).replace(", C =", ", messages 2 rounds late, C =")
 
@@ -73,7 +74,7 @@ def test_late_messages_meet_the_same_luck_and_losses():
     """Settings that differ in the delay alone see the same tiles, and lose the messages of the same rounds."""
     now, late = settings_of(robots=8, rounds=60, link_success=0.5, message_delay=[0, 5])
     for key in ("readings_key", "losses_key"):
-        assert (getattr(now, key)(SEED) == getattr(late, key)(SEED)).all()
+        assert (getattr(addresses, key)(now, SEED) == getattr(addresses, key)(late, SEED)).all()
     counts = [run_batch(one, SEED, 0, 1, Metrics(0.01, 10, ()), GO).counts[0] for one in (now, late)]
     first = [run_batch(one, SEED, 0, 1, Metrics(0.01, 10, ()), GO).counts[0]
              for one in settings_of(robots=8, rounds=5, link_success=0.5)]  # fmt: skip

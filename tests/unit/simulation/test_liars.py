@@ -16,6 +16,7 @@ from swarmcensus.results.merging import merge
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.runs.verifying import verify
+from swarmcensus.studies import addresses
 from tests.support.second import MEANS
 
 pytestmark = pytest.mark.interpreted
@@ -211,7 +212,7 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     sent = pickle.dumps(clusters.payload_of(study))
     monkeypatch.chdir(tmp_path)  # where no such file lies
     there, settings = clusters.read_payload(pickle.loads(sent))
-    assert [s.fingerprint(5) for s in settings] == [s.fingerprint(5) for s in study.settings()]
+    assert [addresses.fingerprint(s, 5) for s in settings] == [addresses.fingerprint(s, 5) for s in study.settings()]
     assert {a.name: a.source for a in there.adversaries} == {a.name: a.source for a in study.adversaries}
 
 

@@ -6,6 +6,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.panels import panels_of
+from swarmcensus.studies import addresses
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.support.small import SMALL
@@ -157,7 +158,7 @@ def test_a_side_is_a_density_for_each_number_of_robots():
         assert arena.side(setting.robots, setting.density, Body()) == pytest.approx(side, rel=1e-12)
         assert setting.coordinates["side"] == side
     [equal] = study(MOVING, world={"density": made.settings()[3].density}, swarm={"robots": 25}).settings()
-    assert equal.fingerprint(1) == made.settings()[3].fingerprint(1)
+    assert addresses.fingerprint(equal, 1) == addresses.fingerprint(made.settings()[3], 1)
 
 
 @pytest.mark.parametrize("robots", [1, 5, 25, 333])
