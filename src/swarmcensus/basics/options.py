@@ -6,6 +6,8 @@ import shlex
 from collections.abc import Collection, Iterator
 from contextvars import ContextVar
 
+from swarmcensus.basics.errors import OptionError
+
 _OPTIONS: ContextVar[Collection[str] | None] = ContextVar("options", default=None)
 
 
@@ -39,6 +41,7 @@ def option(name: str, value: object = None) -> str:
 
     If the command has no such option, but draws figures, the text is `--set against=swift`.
     """
+    value = f"{value:g}" if isinstance(value, float) and in_shell() else value
     options = _OPTIONS.get()
     if options is None:
         return f"{name}=" if value is None else f"{name}={value!r}"
@@ -46,3 +49,8 @@ def option(name: str, value: object = None) -> str:
         return f"--set {command(f'{name}={value}') if value is not None else f'{name}='}"
     flag = f"--{name.replace('_', '-')}"
     return flag if value is None or value is True else f"{flag} {command(value)}"
+
+
+def wrong_option(name: str, value: object, what: object) -> OptionError:
+    """The error of an option: `--radio radar: should be udp`, or `radio='radar': should be udp` in Python."""
+    return OptionError(f"{option(name, value)}: {what}", key=name, value=value)

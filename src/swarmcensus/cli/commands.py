@@ -33,7 +33,7 @@ from swarmcensus.cli import (
     tune,
     watch,
 )
-from swarmcensus.cli.options import Parser, add_output_options
+from swarmcensus.cli.options import Parser, UsageError, add_output_options
 from swarmcensus.cli.output import speaking
 from swarmcensus.results.presence import check_there
 
@@ -54,16 +54,11 @@ class Command(NamedTuple):
 @escaping()
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command, or print the help if there is none; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
-    options = _cached_parser().parse_args(arguments)
-    if not hasattr(options, "run"):
-        _cached_parser().print_help()
-        return 0
     try:
-        with shell_options(vars(options)), speaking(options):
-            _look_for_results(options)
-            code = int(options.run(options) or 0)
-            sys.stdout.flush()  # a full disk is reported here
-            return code
+        return execute(arguments)
+    except UsageError as error:
+        print(f"{error.program}: {error}", file=sys.stderr)
+        return 2
     except InputError as error:
         _complain(error)
         return 2
@@ -101,6 +96,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
+
+
+def execute(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code. Raises InputError, in the words of the command line."""
+    options = _cached_parser().parse_args(arguments)
+    if not hasattr(options, "run"):
+        _cached_parser().print_help()
+        return 0
+    with shell_options(vars(options)), speaking(options):
+        _look_for_results(options)
+        code = int(options.run(options) or 0)
+        sys.stdout.flush()  # a full disk is reported here
+        return code
 
 
 def parser() -> argparse.ArgumentParser:

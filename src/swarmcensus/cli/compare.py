@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.output import present, say, wrote
 from swarmcensus.cli.source import MOST_ROWS, add_label_option, add_limit_option, add_source_options, again, read
@@ -54,7 +54,7 @@ def compare(options: argparse.Namespace) -> int:
     from swarmcensus.comparing.tables import write_csv, write_latex
 
     if options.by and options.pairs:
-        raise InputError("--by counts worlds, --pairs shows single worlds: give one of them")
+        raise OptionError("--by counts worlds, --pairs shows single worlds: give one of them", key="by")
     for path, suffix in ((options.csv, ".csv"), (options.latex, ".tex")):
         if path and path.suffix.lower() != suffix:
             flag = "--csv" if path is options.csv else "--latex"

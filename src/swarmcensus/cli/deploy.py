@@ -6,8 +6,9 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
 
@@ -99,7 +100,7 @@ def parameters_of(given: list[str]) -> dict[str, Any]:
         except ValueError:
             numbers = ()
         if not (name and equals and numbers):
-            raise InputError(f"--parameter {text}: should be NAME=VALUE, with commas between the numbers of a vector")
+            raise wrong_option("parameter", text, "should be NAME=VALUE, with commas between the numbers of a vector")
         values[name] = numbers if len(numbers) > 1 else numbers[0]
     return values
 
@@ -110,11 +111,11 @@ def _check(options: argparse.Namespace) -> int:
     making = ("to", "radio", "b", "w", "message", "hz", "parameter", "number", "log")
     given = [name for name in making if _is_given(options, name)]
     if given:
-        raise InputError(f"--{given[0]} does not go with --check")
+        raise OptionError(f"--{given[0]} does not go with --check", key=given[0])
     try:
         output = options.check.read_text(encoding="utf-8", errors="replace")
     except OSError as error:
-        raise InputError(f"--check {options.check}: {error.strerror}") from None
+        raise wrong_option("check", options.check, f"{error.strerror}") from None
     result = compare(output, Path(options.what))
     if options.json:
         answer("selftest", vars(result) | {"passes": result.passes, "wrong": [vars(d) for d in result.wrong]})

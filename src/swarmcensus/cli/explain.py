@@ -41,7 +41,7 @@ def add_explain_options(sub: argparse.ArgumentParser) -> None:
 
 def explain(options: argparse.Namespace) -> int:
     """Explain one setting, or compare all with theory."""
-    from swarmcensus.basics.errors import InputError
+    from swarmcensus.basics.errors import OptionError
     from swarmcensus.explaining import one_setting
     from swarmcensus.results.partial import say_partial
     from swarmcensus.results.summaries import asked_anew
@@ -50,7 +50,7 @@ def explain(options: argparse.Namespace) -> int:
         return _all(options)
     for name in ("where", "limit"):
         if getattr(options, name) is not None:
-            raise InputError(f"--{name} does not go with --setting, which shows one setting")
+            raise OptionError(f"--{name} does not go with --setting, which shows one setting", key=name)
     data = read(options).stored
     explanation = one_setting.explain(data, options.setting)
     say_partial(data, options.results)

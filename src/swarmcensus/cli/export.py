@@ -3,8 +3,9 @@
 import argparse
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.source import RESULTS_HELP, add_source_options, read
 
@@ -43,11 +44,11 @@ def export(options: argparse.Namespace) -> int:
     if kind not in formats:
         asked = f"--to {kind}" if options.to else f"--out {options.out}"
         what = "robots' logs are written as mcap" if logs else "results are written as csv or parquet"
-        raise InputError(f"{source}: {what}, not by {asked}")
+        raise InputError.of(source, f"{what}, not by {asked}")
     whole = source if source.name not in ("", "..") else source.resolve()
     out = options.out or whole.parent / f"{whole.name if logs else source.stem}.{kind}"  # each folder keeps its own
     if (ending in FORMATS and ending != kind) or (logs and ending not in ("", "mcap")):
-        raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
+        raise wrong_option("out", out, f"--to {kind} is written as .{kind}")
     check_writable(out, source, *logs)
     return _export_logs(options, out) if logs else _export_results(options, out, kind)
 
@@ -57,7 +58,7 @@ def _export_logs(options: argparse.Namespace, out: Path) -> int:
 
     for name in OF_RESULTS:
         if getattr(options, name) is not None:
-            raise InputError(f"--{name} is for results files: {options.results} holds robots' logs")
+            raise OptionError(f"--{name} is for results files: {options.results} holds robots' logs", key=name)
     written = write_mcap(options.results, out)
     if written.lost:
         say(f"{options.results}: logs are cut or damaged: {counted(written.lost, 'byte')} could not be read")

@@ -33,11 +33,11 @@ def leaderboard(options: argparse.Namespace) -> int:
     from swarmcensus.ranking.table import flat, print_board, sentences
 
     begun = time.monotonic()
-    board = leaderboard(
-        options.files, options.out, board=options.board, trials=options.trials,
-        seed=options.seed, jobs=options.jobs, fresh=options.fresh,
-        reporting=reporting, say=say,
-    )  # fmt: skip
+    with reporting("leaderboard") as progress:
+        board = leaderboard(
+            options.files, options.out, board=options.board, trials=options.trials, seed=options.seed,
+            jobs=options.jobs, fresh=options.fresh, progress=progress, say=say,
+        )  # fmt: skip
     present(
         options,
         "leaderboard",

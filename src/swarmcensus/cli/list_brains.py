@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.cli.cost_table import show_costs
 from swarmcensus.cli.output import answer, present, say
 
@@ -50,7 +50,7 @@ def add_brains_options(sub: argparse.ArgumentParser) -> None:
 def brains(options: argparse.Namespace) -> int:
     """List, show, check or measure brains and adversaries."""
     if options.single and options.check is None:
-        raise InputError("--single needs --check with a brain or an adversary")
+        raise OptionError("--single needs --check with a brain or an adversary", key="single")
     if options.check is None and options.show is None:
         if options.wearing:
             raise InputError(f"--wearing {options.wearing} needs --check or --show with an adversary")
@@ -74,7 +74,7 @@ def brains(options: argparse.Namespace) -> int:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
     if options.show is not None:
         if options.json:
-            raise InputError("--json does not go with --show, which prints a program")
+            raise OptionError("--json does not go with --show, which prints a program", key="json")
         sys.stdout.write(brain_to_check(options.show, options.wearing).source)
         return 0
     say(f"checking {options.check}, which is compiled for it: up to a minute")

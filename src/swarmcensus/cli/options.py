@@ -5,9 +5,19 @@ import re
 import shlex
 from typing import Any, NoReturn
 
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.hints import did_you_mean
 
 DIGITS = 18  # of a number, so that it fits into 64 bits
+
+
+class UsageError(OptionError):
+    """Arguments that the parser refuses; `program` is the command that they were given to, "swarmcensus run"."""
+
+    def __init__(self, message: str, program: str = "swarmcensus", **fields: Any) -> None:
+        """Keep the command too."""
+        super().__init__(message, **fields)
+        self.program = program
 
 
 class Parser(argparse.ArgumentParser):
@@ -44,7 +54,11 @@ class Parser(argparse.ArgumentParser):
             unknown = (name for name in names if name not in options)
             hint = next(filter(None, (did_you_mean(name, options) for name in unknown)), "")
             message = f"{message}: {hint or self._help()}"
-        self.exit(2, f"{self.prog}: {' '.join(message.split())}\n")
+        message = " ".join(message.split())
+        option = OPTION.match(message)
+        raise UsageError(
+            message, key=option and option[1].replace("-", "_"), value=option and option[2], program=self.prog
+        )
 
     def _help(self) -> str:
         return f"'{self.prog} --help' shows what there is"
@@ -68,6 +82,7 @@ class Parser(argparse.ArgumentParser):
 
 
 MISSING = "is missing"
+OPTION = re.compile(r"--([a-z-]+)(?: (\S+):)?")  # how a message begins that is of an option, with its value or without
 WORDS = (  # what argparse says, and what is said here
     (r"(?s)^argument ([^:]*/)?([^:]+): not allowed with argument ([^:]*/)?(.+)$", r"\2 does not go with \4"),
     (r"(?s)^argument ([^:]*/)?([^:]+): ignored explicit argument (.*)$", r"\2 takes no value, but has \3"),

@@ -5,7 +5,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import elapsed
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import present, reporting, say
 
@@ -97,7 +99,6 @@ def plan(options: argparse.Namespace) -> int:
     """Plan a mission, or print the schema of mission files."""
     if options.schema:
         return _schema(options)
-    from swarmcensus.basics.errors import InputError
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.plan_table import show
     from swarmcensus.planning.mission import load_mission, mission_of
@@ -112,7 +113,7 @@ def plan(options: argparse.Namespace) -> int:
         check_out(options.out, *inputs)
     if options.plot:
         if options.plot.suffix not in (".png", ".svg", ".pdf"):
-            raise InputError(f"--plot {options.plot}: a figure is written as .png, .svg or .pdf")
+            raise wrong_option("plot", options.plot, "a figure is written as .png, .svg or .pdf")
         check_writable(options.plot, *inputs)
         check_lines(mission_of(tables, where, base))
     begun = time.monotonic()
@@ -134,7 +135,6 @@ def plan(options: argparse.Namespace) -> int:
 def _schema(options: argparse.Namespace) -> int:
     import json
 
-    from swarmcensus.basics.errors import InputError
     from swarmcensus.planning.mission import schema
 
     if options.mission or options.out or options.plot or tables_of(options, {}):
@@ -148,7 +148,6 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
 
     A value that should be a table and is none stays as it is: `mission_of` refuses it and names the file.
     """
-    from swarmcensus.basics.errors import InputError
 
     merged = {key: dict(value) if isinstance(value, dict) else value for key, value in tables.items()}
 
@@ -172,7 +171,7 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
     for pair in options.body:
         name, equals, text = pair.partition("=")
         if not equals:
-            raise InputError(f"--body {pair}: should be such as speed=0.1")
+            raise wrong_option("body", pair, "should be such as speed=0.1")
         put("body", name, _value(name, text, f"--body {pair}"))
     for key in ("trials", "seed"):
         if getattr(options, key) is not None:
@@ -183,8 +182,6 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
 def _value(key: str, text: str, option: str = "") -> Any:
     """The value that an option means: a range has a colon, plain words need no quotation marks. Raises InputError."""
     import tomllib
-
-    from swarmcensus.basics.errors import InputError
 
     option = option or f"--{key.replace('_', '-')} {text}"
     wanted = "a number" + (f"; to give several, repeat --{key}" if key in SEVERAL else ", or a range such as 10:100")

@@ -8,8 +8,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import from_zero, name_list, positive, round_or_time, width
 from swarmcensus.cli.output import LOG, wrote
 from swarmcensus.cli.source import add_label_option, add_source_options, read
@@ -129,7 +130,7 @@ def _styled(style: str | None) -> Iterator[None]:
             known = [name for name in matplotlib.style.available if not name.startswith("_")]
             what = "cannot be read" if Path(style).is_file() else "is neither a style nor a file"
             hint = did_you_mean(style, known) or f"there are {', '.join(known)}"
-            raise InputError(f"--style {style}: {what}: {hint.strip()}") from error
+            raise wrong_option("style", style, f"{what}: {hint.strip()}") from error
         yield
 
 
@@ -148,15 +149,15 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
         remeasured = [name for name in DRAWN_BY if getattr(options, name) is not None]
         fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if options.kind not in DRAWN_BY[name]}
     for name, kinds in fitting.items():
-        raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
+        raise OptionError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}", key=name)
     if options.local and options.delta is not None:
         raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
     more = dict(map(_set, options.set))
     if len(more) < len(options.set):
-        raise InputError("--set gives an option twice")
+        raise OptionError("--set gives an option twice", key="set")
     for name in given.keys() & more:
-        raise InputError(f"--{name} and --set {name}=... set the same option: give one of them")
+        raise OptionError(f"--{name} and --set {name}=... set the same option: give one of them", key=name)
     try:
         return dict(read_keys(f"--kind {options.kind}", draw, given | more))
     except ValueError as error:
@@ -169,7 +170,7 @@ def _set(text: str) -> tuple[str, Any]:
 
     name, equals, value = text.partition("=")
     if not equals:
-        raise InputError(f"--set {text!r}: should be such as scale=linear")
+        raise OptionError(f"--set {text!r}: should be such as scale=linear", key="set", value=text)
     try:
         return name.strip(), tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
@@ -251,10 +252,10 @@ def figure_files(
     from swarmcensus.basics.files import check_writable
 
     if not out.suffix and (out.is_dir() or out.name in ("", "..")):
-        raise InputError(f"cannot write {out}: it is a folder")
+        raise InputError(f"cannot write {out}: it is a folder", file=out)
     suffix = "" if is_stem else out.suffix.lower().lstrip(".")
     if suffix and suffix not in ("png", "svg", "pdf"):
-        raise InputError(f"{out}: figures are written as .png, .svg or .pdf")
+        raise InputError.of(out, "figures are written as .png, .svg or .pdf")
     stem, formats = (out.with_suffix(""), (suffix,)) if suffix else (out, default)
     for ending in formats:
         check_writable(stem.with_name(f"{stem.name}.{ending}"), *inputs)

@@ -4,8 +4,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import from_zero, positive, round_or_time
 from swarmcensus.cli.output import answer, present, reporting, wrote
 from swarmcensus.cli.source import (
@@ -54,7 +55,7 @@ def show(options: argparse.Namespace) -> int:
     if options.sort:
         data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
     elif options.reverse:
-        raise InputError("--reverse needs --sort")
+        raise OptionError("--reverse needs --sort", key="reverse")
     shown = data.isel(setting=slice(options.limit or None))
     limit = MOST_ROWS if options.limit is None else options.limit
     title, line = tables.head(stored, options.results), again(options, "show", SHOW_OPTIONS)
@@ -86,7 +87,7 @@ def merge(options: argparse.Namespace) -> int:
     from swarmcensus.results import merging
 
     if options.out.suffix != ".nc":
-        raise InputError(f"--out {options.out}: results are written as .nc")
+        raise wrong_option("out", options.out, "results are written as .nc")
     data = merging.write(options.out, options.results, fresh=options.fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
     wrote(f"{options.out}: {counted(data.sizes['setting'], 'setting')}, {done:,} of {counted(total, 'trial')}")

@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.output import answer, say, wrote
 
 if TYPE_CHECKING:
@@ -82,25 +83,25 @@ def _check(options: argparse.Namespace) -> None:
     from swarmcensus.cli.plot import figure_files
 
     if options.fill_ratio is not None and not 0.0 <= options.fill_ratio <= 1.0:
-        raise InputError(f"--fill-ratio {options.fill_ratio:g}: should be a share of black, from 0 to 1")
+        raise wrong_option("fill_ratio", options.fill_ratio, "should be a share of black, from 0 to 1")
     for flag, value in (("--parameter", options.parameter), ("--message", options.message)):
         if value and not options.brain:
             raise InputError(f"{flag} goes with --brain")
     if options.parameter and len(options.brain) > 1:
-        raise InputError("--parameter goes with one --brain")
+        raise OptionError("--parameter goes with one --brain", key="parameter")
     if options.message and options.message not in FORMATS[1:]:
         hint = did_you_mean(options.message, FORMATS[1:])
-        raise InputError(f"--message {options.message}: {hint}should be one of {', '.join(FORMATS[1:])}")
+        raise wrong_option("message", options.message, f"{hint}should be one of {', '.join(FORMATS[1:])}")
     if (options.trace or options.plot) and len(options.brain) > 1:
         flag, other = ("trace", "") if options.trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
-        raise InputError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}")
+        raise OptionError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}", key=flag)
     for flag, path, suffixes in (("--out", options.out, (".nc",)), ("--trace", options.trace, (".nc", ".csv"))):
         if path and path.suffix not in suffixes:
             raise InputError(f"{flag} {path}: it is written as {' or '.join(suffixes)}")
         if path:
             check_writable(path)
     if options.out and options.trace and options.out.resolve() == options.trace.resolve():
-        raise InputError(f"--out and --trace both name {options.out}: they should name two files")
+        raise OptionError(f"--out and --trace both name {options.out}: they should name two files", key="out")
     if options.plot:
         figure_files(options.plot, ("png",))
 
@@ -115,14 +116,14 @@ def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
         try:
             brain = brain.with_parameters(parameters_of(options.parameter))
         except ValueError as error:
-            raise InputError(f"--parameter: {error}") from None
+            raise OptionError(f"--parameter: {error}", key="parameter") from None
         if brain.name == day.brain.name and brain.sha256 != day.brain.sha256:
             brain = replace(brain, name=f"{brain.name} (--brain)")
         found.append(brain)
     labels = [day.brain.label, *(brain.label for brain in found)]
     if twice := next((label for label in labels if labels.count(label) > 1 and options.out), None):
         why = "the robots' own brain is always there" if twice == day.brain.label else "give each --brain once"
-        raise InputError(f"--out {options.out}: {twice} would be there twice: {why}")
+        raise wrong_option("out", options.out, f"{twice} would be there twice: {why}")
     return found
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.plot import brain_of, figure_files, save_figure
 from swarmcensus.cli.source import RESULTS_HELP
@@ -157,7 +158,7 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
                 raise InputError(f"--{name} is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3")
         return read_observations(path), None
     if missing := [f"--{name}" for name in ("readings", "period") if getattr(options, name) is None]:
-        raise InputError(f"{path}: a bag needs {' and '.join(missing)}")
+        raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
     if options.links and options.messages:
         raise InputError(f"--links {options.links} and --messages {options.messages}: one of them is right")
     recorded = read_bag(path, options.readings, options.messages, options.period)
@@ -168,4 +169,4 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
 
 def _check_trace(out: Path) -> None:
     if out.suffix not in (".csv", ".nc"):
-        raise InputError(f"--out {out}: a trace is written as .csv or .nc")
+        raise wrong_option("out", out, "a trace is written as .csv or .nc")

@@ -4,8 +4,9 @@ import argparse
 import time
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.errors import Interrupted, OptionError
 from swarmcensus.basics.formatting import counted, elapsed
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import add_run_options, share
 from swarmcensus.cli.output import answer, present, reporting, say, wrote
 
@@ -32,18 +33,11 @@ def reproduce(options: argparse.Namespace) -> int:
     from swarmcensus.paper import report, reproducing
     from swarmcensus.statistics.intervals import FEWEST
 
-    done = reproducing.reproduce(
-        options.out,
-        of=options.of,
-        trials=options.trials,
-        seed=options.seed,
-        jobs=options.jobs,
-        only=options.only,
-        fresh=options.fresh,
-        pdf=options.pdf,
-        reporting=reporting,
-        say=wrote,
-    )
+    with reporting("reproduce") as progress:
+        done = reproducing.reproduce(
+            options.out, of=options.of, trials=options.trials, seed=options.seed, jobs=options.jobs,
+            only=options.only, fresh=options.fresh, pdf=options.pdf, progress=progress, say=wrote,
+        )  # fmt: skip
     if options.json:
         print(report.as_json(done.claims, done.datasets, done.of.source), end="")
     elif done.claims:
@@ -86,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
     study = Study.load(options.study)
     out = options.out or Path(options.study.stem + ".nc")
     if out.suffix != ".nc":
-        raise InputError(f"--out {out}: results are written as .nc")
+        raise wrong_option("out", out, "results are written as .nc")
     check_writable(out, options.study)
     study = study.with_(trials=options.trials, seed=options.seed)
     # After the checks above, since these imports are slow:
@@ -122,13 +116,15 @@ def run(options: argparse.Namespace) -> int:
 
 def _cluster(options: argparse.Namespace) -> str | None:
     if options.scheduler and options.cluster:
-        raise InputError("--scheduler and --cluster exclude each other: give one of them")
+        raise OptionError("--scheduler and --cluster exclude each other: give one of them", key="scheduler")
     if options.jobs and (options.scheduler or options.cluster):
-        raise InputError(
-            f"--jobs {options.jobs} sets the threads of this machine: it does not go with --scheduler or --cluster"
+        raise OptionError(
+            f"--jobs {options.jobs} sets the threads of this machine: it does not go with --scheduler or --cluster",
+            key="jobs",
+            value=options.jobs,
         )
     if options.scheduler and "://" not in options.scheduler:
-        raise InputError(f"--scheduler {options.scheduler}: should be an address such as tcp://host:8786")
+        raise wrong_option("scheduler", options.scheduler, "should be an address such as tcp://host:8786")
     return options.scheduler or options.cluster  # type: ignore[no-any-return]
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import xarray as xr
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.options import command
 from swarmcensus.cli.options import from_zero, label
 from swarmcensus.cli.output import say
@@ -78,7 +78,7 @@ def read(options: argparse.Namespace) -> Source:
     if given := getattr(options, "label", []):
         labels = dict(given)
         if len(labels) < len(given):
-            raise InputError("--label names a brain twice")
+            raise OptionError("--label names a brain twice", key="label")
         stored = with_labels(stored, labels)
     return Source(stored, where(stored, options.where))
 

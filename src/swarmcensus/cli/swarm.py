@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import STOPPED, InputError
+from swarmcensus.basics.errors import STOPPED, InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command
+from swarmcensus.basics.options import command, wrong_option
 from swarmcensus.cli.deploy import number
 from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
@@ -134,13 +134,13 @@ def _study(options: argparse.Namespace) -> "Study":
     if options.what.endswith((".toml", ".nc")):
         if given:
             flag = next(iter(given)).replace("_", "-")
-            raise InputError(f"--{flag} does not go with a study: write it into {options.what}")
+            raise OptionError(f"--{flag} does not go with a study: write it into {options.what}", key=flag)
         return Study.load(options.what)
     if options.setting is not None:
-        raise InputError("--setting goes with a study: swarmcensus swarm STUDY.toml --setting 0")
+        raise OptionError("--setting goes with a study: swarmcensus swarm STUDY.toml --setting 0", key="setting")
     values = OF_STUDIES | given
     if not 0.0 <= values["loss"] <= 1.0:
-        raise InputError(f"--loss {values['loss']:g}: should be a share of messages, from 0 to 1")
+        raise wrong_option("loss", values["loss"], "should be a share of messages, from 0 to 1")
     if values["topology"] == "moving":
         raise InputError("--topology moving: robots that move have no fixed neighbours: ring, full or a file")
     if values["message"] == "double":
@@ -173,7 +173,7 @@ def _air(options: argparse.Namespace) -> "Air":
 
     match = TIME.fullmatch(options.delay.strip())
     if match is None:
-        raise InputError(f"--delay {options.delay}: should be a time in ms or s, such as 50ms")
+        raise wrong_option("delay", options.delay, "should be a time in ms or s, such as 50ms")
     delay = round(float(match[1]) * (1000.0 if match[2] == "s" else 1.0))
     return Air(options.hz, delay, options.duplicate, options.jitter, options.host)
 

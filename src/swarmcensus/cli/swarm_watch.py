@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.cli.options import port
 from swarmcensus.cli.output import say
 
@@ -32,7 +32,9 @@ class Page:
         """Listen on the port. Raises InputError if options do not go together, or the page cannot be served."""
         if not options.watch and (options.port is not None or options.no_browser):
             given = "--port" if options.port is not None else "--no-browser"
-            raise InputError(f"{given} is for the live page: it goes with --watch")
+            raise OptionError(
+                f"{given} is for the live page: it goes with --watch", key=given.strip("-").replace("-", "_")
+            )
         self.options, self.folder = options, folder
         self._stack = contextlib.ExitStack()
         self._waits = bool(options.watch)

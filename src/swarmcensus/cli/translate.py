@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import command
+from swarmcensus.basics.errors import OptionError
+from swarmcensus.basics.options import command, wrong_option
 from swarmcensus.cli.output import answer, say, wrote
 
 NUMBERS = {"float": "single", "double": "double"}  # types of C, and the precisions they have
@@ -50,7 +50,7 @@ def translate(options: argparse.Namespace) -> int:
     try:
         brain = brain.with_parameters(given)
     except ValueError as error:
-        raise InputError(f"--parameter: {error}") from None
+        raise OptionError(f"--parameter: {error}", key="parameter") from None
     brain = brain.with_numbers(Numbers(precision=NUMBERS[options.number], message=options.message))  # type: ignore[arg-type]
     folder = options.out or Path(f"{Path(options.brain).stem}-c")
     paths = write(brain, folder)
@@ -72,5 +72,5 @@ def _parameter(text: str) -> tuple[str, float | tuple[float, ...]]:
     except ValueError:
         numbers = ()
     if not equals or not numbers:
-        raise InputError(f"--parameter {text}: a name and a number, such as every=10, are right")
+        raise wrong_option("parameter", text, "a name and a number, such as every=10, are right")
     return name.strip(), numbers if len(numbers) > 1 else numbers[0]

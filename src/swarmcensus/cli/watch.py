@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import port
 from swarmcensus.cli.output import say, wrote
 
@@ -61,7 +62,7 @@ def watch(options: argparse.Namespace) -> int:
     if options.brain and (options.of is None or not (options.of.suffix == ".nc" or options.of.is_dir())):
         query.setdefault("brain", str(options.brain[0]))
     if options.export is not None and options.export.suffix != ".html":
-        raise InputError(f"--export {options.export}: a page is written as .html")
+        raise wrong_option("export", options.export, "a page is written as .html")
     offer = offer_of(options.of, tuple(options.brain))
     if offer.logged:
         _tell_day(offer.logged)
@@ -145,8 +146,8 @@ def _query(options: argparse.Namespace) -> dict[str, str]:
     for pair in options.set:
         key, sign, value = pair.partition("=")
         if not sign or not key:
-            raise InputError(f"--set {pair}: should be such as robots=100")
+            raise wrong_option("set", pair, "should be such as robots=100")
         if key in given:
-            raise InputError(f"--set gives {key} twice")
+            raise OptionError(f"--set gives {key} twice", key="set")
         given[key] = value
     return query | given

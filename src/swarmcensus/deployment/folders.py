@@ -13,9 +13,9 @@ from swarmcensus.basics.errors import InputError
 def check_free(folder: Path, option: str = "--to") -> None:
     """Raise InputError unless the folder, which this option names, can be made: it is not there, or empty."""
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file: {option} should name a new folder")
+        raise InputError(f"{folder} is a file: {option} should name a new folder", file=folder)
     if folder.is_dir() and any(folder.iterdir()):
-        raise InputError(f"the folder {folder} is not empty: {option} should name a new folder")
+        raise InputError(f"the folder {folder} is not empty: {option} should name a new folder", file=folder)
 
 
 @contextlib.contextmanager
@@ -31,7 +31,7 @@ def new_folder(folder: Path, option: str = "--to") -> Iterator[Path]:
             target.rmdir()
         made.rename(target)
     except OSError as error:
-        raise InputError(f"cannot write {folder}: {error.strerror or error}") from error
+        raise InputError(f"cannot write {folder}: {error.strerror or error}", file=folder) from error
     finally:
         shutil.rmtree(made, ignore_errors=True)
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.deployment.chips import KILOBOT, avr_size, for_avr, missing
@@ -60,7 +61,7 @@ def kilobot_files(plan: Plan) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if the brain has no translation to C."""
     brain = plan.brain.with_numbers(Numbers(precision="single", message=plan.brain.numbers.message))
     if plan.hz > TICKS_A_SECOND:
-        raise InputError(f"--hz {plan.hz:g}: a Kilobot has at most {TICKS_A_SECOND} ticks a second")
+        raise wrong_option("hz", plan.hz, f"a Kilobot has at most {TICKS_A_SECOND} ticks a second")
     settings = SETTINGS.format(
         brain=quoted(brain.label), b=_literal(plan.b), w=_literal(plan.w),
         period=max(1, round(TICKS_A_SECOND / plan.hz)), second=TICKS_A_SECOND, mark=plan.mark & 0xFF,

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.robot.runtime import CHECKSUM, HEADER
@@ -73,19 +74,19 @@ def plan_for(
 ) -> Plan:  # fmt: skip
     """The plan of a robot. `message` is a format, by default float32, or ratio16 for a Kilobot. Raises InputError."""
     if radio not in RADIOS:
-        raise InputError(f"--radio {radio}: {did_you_mean(radio, RADIOS)}should be one of {', '.join(RADIOS)}")
+        raise wrong_option("radio", radio, f"{did_you_mean(radio, RADIOS)}should be one of {', '.join(RADIOS)}")
     message = message or ("ratio16" if radio == "kilobot" else "float32")
     if message not in SENT:
-        raise InputError(f"--message {message}: {did_you_mean(message, SENT)}should be one of {', '.join(SENT)}")
+        raise wrong_option("message", message, f"{did_you_mean(message, SENT)}should be one of {', '.join(SENT)}")
     for name, value in (("b", b), ("w", w)):
         if not 0.0 <= value <= 1.0:
-            raise InputError(f"--{name} {value:g}: should be a share of right readings, from 0 to 1")
+            raise wrong_option(name, value, "should be a share of right readings, from 0 to 1")
     if abs(b + w - 1.0) < 1e-12:
         raise InputError(f"--b {b:g} --w {w:g}: b + w = 1: such a sensor says the same of black and white")
     if not LOWEST_HZ <= hz <= HIGHEST_HZ:
-        raise InputError(f"--hz {hz:g}: should be ticks a second, from {LOWEST_HZ:g} to {HIGHEST_HZ:g}")
+        raise wrong_option("hz", hz, f"should be ticks a second, from {LOWEST_HZ:g} to {HIGHEST_HZ:g}")
     if number is not None and not 0 <= number <= 0xFFFF:
-        raise InputError(f"--number {number}: should be from 0 to 65535")
+        raise wrong_option("number", number, "should be from 0 to 65535")
     if number is not None and radio == "kilobot":
         raise InputError(f"--number {number} does not go with --radio kilobot: a Kilobot has a number of its own")
     if log is not None and radio == "kilobot":
@@ -95,7 +96,7 @@ def plan_for(
     try:
         brain = brain.with_parameters(parameters or {}).with_numbers(Numbers(message=message))  # type: ignore[arg-type]
     except ValueError as error:
-        raise InputError(f"--parameter: {error}") from None
+        raise OptionError(f"--parameter: {error}", key="parameter") from None
     size, largest = datagram_bytes(brain, radio), RADIOS[radio].largest
     if size > largest:
         sizes = [f"--message {format_} makes {bytes_}" for format_, bytes_ in fitting(brain, radio).items()]

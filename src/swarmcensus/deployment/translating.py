@@ -43,7 +43,7 @@ def translate(brain: Brain) -> dict[str, str]:
 def write(brain: Brain, folder: Path) -> list[Path]:
     """Write the files of a brain in C; older ones are replaced. Raises InputError if the folder holds other files."""
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder} is a file: a translation needs a folder")
+        raise InputError(f"{folder} is a file: a translation needs a folder", file=folder)
     others = (
         sorted(path.name for path in folder.iterdir() if path.name not in (*FILES, *MADE)) if folder.is_dir() else []
     )

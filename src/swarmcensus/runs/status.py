@@ -77,7 +77,7 @@ def status(out: str | Path) -> Status:
     if (folder / "run.json").is_file():
         return _status_of_run(out, folder)
     if not out.is_file():
-        raise InputError(f"{out}: there is no such file, and no run that writes it")
+        raise InputError.of(out, "there is no such file, and no run that writes it")
     data = stored(out)
     done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failures(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""

@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,8 @@ from swarmcensus.results.values import (
     kinds_in,
     same_bits,
 )
-from swarmcensus.runs.collect import Progress
+from swarmcensus.runs.collect import Report
+from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
@@ -84,12 +85,13 @@ def verify(
     brain: Brains = (),
     seed: int | None = None,
     jobs: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report | bool = True,
 ) -> Verification:
     """Run a random share `sample` of the stored trials again, at least one, and compare all measurements.
 
     With sample=1 all trials are run again. With a `seed` the choice is the same each time. Brains that do not ship must
-    be given as `brain`. Labels and attributes are always compared with the study. Raises InputError.
+    be given as `brain`. `progress` is as for `run`. Labels and attributes are always compared with the
+    study. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
         raise InputError(f"sample = {sample:g}: should be a share above 0, and at most 1")
@@ -113,12 +115,13 @@ def verify(
     differences: list[Difference] = []
     unmatched = np.asarray(wanted.any(axis=1))
     watched = list({metric.variable: metric for study in studies for metric in study.measure.metrics}.values())
-    for study in (_measuring_all_stored(data, study, watched) for study in studies):
-        places, settings = _settings_in(data, study, unmatched)
-        if settings:
-            metrics_may_run(study, brain)
-            unmatched[places] = False
-            differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
+    with showing(progress, "verify") as report:
+        for study in (_measuring_all_stored(data, study, watched) for study in studies):
+            places, settings = _settings_in(data, study, unmatched)
+            if settings:
+                metrics_may_run(study, brain)
+                unmatched[places] = False
+                differences += _compare(data, study, places, settings, wanted[places], jobs, report)
     wanted[unmatched] = False  # these settings are of none of the studies, as `labels` say
     differences.sort(key=lambda d: (d.setting, d.trial))
     notes = list(_notes(data, studies))
@@ -216,7 +219,7 @@ def _compare(
     settings: list[Setting],
     wanted: NDArray[np.bool_],
     jobs: int | None,
-    progress: Callable[[Progress], None] | None,
+    progress: Report,
 ) -> list[Difference]:
     local, merged = "local_convergence_step" in data, "merged" in data.attrs
     trials = data.variables["trial"].values

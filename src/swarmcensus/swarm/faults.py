@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.hints import did_you_mean
 
 ACTIONS = ("kill", "restart", "stop", "continue", "partition", "heal", "start", "garbage")
@@ -39,7 +39,7 @@ def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) ->
     faults = [_fault(text, robots, period) for text in texts]
     for fault in faults:
         if not fault.seconds < seconds:
-            raise InputError(f'--at "{fault.text}": the swarm ends at {seconds:g} s')
+            raise OptionError(f'--at "{fault.text}": the swarm ends at {seconds:g} s', key="at", value=fault.text)
     faults.sort(key=lambda fault: fault.seconds)
     _check_order(faults)
     return faults
@@ -48,16 +48,18 @@ def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) ->
 def _fault(text: str, robots: int, period: int) -> Fault:
     match = FORM.fullmatch(" ".join(text.split()))
     if match is None:
-        raise InputError(f'--at "{text}": should be such as {RIGHT}')
+        raise OptionError(f'--at "{text}": should be such as {RIGHT}', key="at", value=text)
     number, unit, action, who, blank = match.groups()
     if action not in ACTIONS:
         raise InputError(f'--at "{text}": {did_you_mean(action, ACTIONS)}should be one of {", ".join(ACTIONS)}')
     if (who is None) != (action in ALONE):
-        raise InputError(
-            f'--at "{text}": {action} names {"no robots" if action in ALONE else "robots, such as 3 or 0-9"}'
+        raise OptionError(
+            f'--at "{text}": {action} names {"no robots" if action in ALONE else "robots, such as 3 or 0-9"}',
+            key="at",
+            value=text,
         )
     if blank and action != "restart":
-        raise InputError(f'--at "{text}": blank goes with restart')
+        raise OptionError(f'--at "{text}": blank goes with restart', key="at", value=text)
     seconds = float(number) * (SECONDS[unit] if unit in SECONDS else period / 1000.0)
     chosen = _robots(who or "", robots, text)
     if action == "partition" and len(chosen) == robots:
@@ -92,17 +94,17 @@ def _check_order(faults: Sequence[Fault]) -> None:
             if (state in ("has not started", "is killed") and fault.action in ("kill", "stop")) or (
                 fault.action == "stop" and state == "is stopped"
             ):
-                raise InputError(f'--at "{fault.text}": robot {robot} {state} then')
+                raise OptionError(f'--at "{fault.text}": robot {robot} {state} then', key="at", value=fault.text)
             if allowed and state != allowed:
-                raise InputError(f'--at "{fault.text}": robot {robot} {state} then')
+                raise OptionError(f'--at "{fault.text}": robot {robot} {state} then', key="at", value=fault.text)
             if fault.action == "restart" and state == "has not started":
-                raise InputError(f'--at "{fault.text}": robot {robot} {state} then')
+                raise OptionError(f'--at "{fault.text}": robot {robot} {state} then', key="at", value=fault.text)
             if fault.action in ("start", "continue", "restart"):
                 gone.pop(robot, None)
             elif fault.action in ("kill", "stop"):
                 gone[robot] = "is killed" if fault.action == "kill" else "is stopped"
         if fault.action == "heal" and not is_cut:
-            raise InputError(f'--at "{fault.text}": nothing is parted then')
+            raise OptionError(f'--at "{fault.text}": nothing is parted then', key="at", value=fault.text)
         is_cut = fault.action == "partition" or (is_cut and fault.action != "heal")
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.deployment.plans import datagram_bytes
 from swarmcensus.swarm.children import Children, check_system, seconds_of_children
 from swarmcensus.swarm.faults import Fault, late_starters
@@ -128,7 +129,7 @@ def _socket(host: str) -> socket.socket:
         made.bind((host, 0))
     except OSError as error:
         made.close()
-        raise InputError(f"--host {host}: {error.strerror or error}: should be an address of this machine") from None
+        raise wrong_option("host", host, f"{error.strerror or error}: should be an address of this machine") from None
     made.setblocking(False)
     return made
 

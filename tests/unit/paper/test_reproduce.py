@@ -188,18 +188,7 @@ def said_in(line):
 
 def test_a_part_runs_only_what_it_needs(tmp_path):
     said, bars = [], []
-
-    class Bar:
-        def __init__(self, label):
-            assert label
-
-        def __enter__(self):
-            return bars.append
-
-        def __exit__(self, *_):
-            pass
-
-    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", reporting=Bar, say=said.append)
+    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", progress=bars.append, say=said.append)
     assert list(done.datasets) == ["moving"]
     assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg"}
     assert not (tmp_path / "claims.json").exists()
