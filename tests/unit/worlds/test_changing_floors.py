@@ -7,9 +7,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.figures.kinds.arena import Arena, scene_of
+from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.kinds.curves import curves
-from swarmcensus.figures.kinds.film import write_film
+from swarmcensus.figures.kinds.film import film
+from swarmcensus.figures.scenes import FLOOR, TURNS, scene_of
 from swarmcensus.simulation import rides, sampling
 from swarmcensus.studies import addresses
 from swarmcensus.worlds import patterns
@@ -81,11 +82,11 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
         ]
     assert len(arena.axes.child_axes) == 1
     assert arena.paint(100) is False
-    empty = Arena(trace, None)
+    empty = Arena(trace.drop_vars([FLOOR, TURNS]))
     before = empty.axes.get_facecolor()
     empty.show(100)
     assert empty.axes.get_facecolor() != before
-    assert write_film(trace, floor, tmp_path / "f.gif", first=29, last=33) == 3
+    assert film(trace, out=tmp_path / "f.gif", first=29, last=33) == 3
 
 
 def test_a_floor_that_cannot_tell_which_tiles_turn_is_refused(tmp_path, monkeypatch):
