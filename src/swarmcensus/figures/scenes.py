@@ -70,12 +70,12 @@ def scene_of(
     assert chosen.body is not None
     trace = replaying.replay(data, setting, trial, brain, links=True)
     trace.attrs["tick_seconds"] = chosen.body.tick
-    drawn = tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES
-    if not drawn:
-        return trace, None
-    ground = sampling.ground(chosen, trace.attrs["seed"], trial)
-    tiles = ground.all_tiles()
-    return trace, ChangingFloor(tiles, ground.turns()) if chosen.change else tiles
+    if tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES:
+        ground = sampling.ground(chosen, trace.attrs["seed"], trial)
+        trace[FLOOR] = ("row", "column"), ground.all_tiles()
+        if chosen.change:
+            trace[TURNS] = ("row", "column"), ground.turns()
+    return trace
 
 
 def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None) -> xr.Dataset:

@@ -278,7 +278,7 @@ def faulty_scene(faults):
 
 
 def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
-    study, trace, _ = faulty_scene(FAULTS)
+    study, trace = faulty_scene(FAULTS)
     first = sampling.stops(study.settings()[0], study.seed, 1)
     assert trace["stops"].dims == ("part", "robot")
     for part, row in (("moving", 0), ("sensing", 1), ("talking", 2)):

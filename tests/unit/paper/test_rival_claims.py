@@ -19,7 +19,18 @@ from swarmcensus.basics.files import shipped_study
 from swarmcensus.paper import report, rival_explanations, rival_measures
 from swarmcensus.paper.evaluations import RIVALS
 from swarmcensus.paper.evidence import (
-from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Evidence, Missing, outcome
+    FAILS,
+    HOLDS,
+    NO,
+    OPEN,
+    UNMEASURED,
+    YES,
+    Detail,
+    Evidence,
+    Missing,
+    check,
+    outcome,
+)
 from tests.support.pages import OUR_C_LIBRARY
 from tests.support.places import DOCS
 

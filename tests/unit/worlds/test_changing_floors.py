@@ -70,9 +70,9 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
     figure = curves(results, setting=0)
     (truth,) = [line for line in figure.axes[0].lines if line.get_label() == "truth"]
     assert truth.get_ydata() == pytest.approx(along(Change(0.85, 0.25, 31, 71).course, np.arange(101)))
-    trace, floor = scene_of(results, 0)
+    trace = scene_of(results, 0)
     ground = sampling.ground(changing(SLOW, {"start": 0.9, "drift": -0.002}, world).settings()[0], 7, 0)
-    arena = Arena(trace, floor)
+    arena = Arena(trace)
     for tick in (5, 50, 100):
         arena.show(tick)
         drawn = np.asarray(arena.image.get_array())
