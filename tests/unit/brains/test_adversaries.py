@@ -8,8 +8,6 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import adversary
 from swarmcensus.brains.adversary_source import HELPERS
 from swarmcensus.cli.commands import main
-from swarmcensus.conformance import suite
-from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees, step_by_step
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import sampling
@@ -435,11 +433,6 @@ def test_who_never_speaks_never_lies():
     assert used.functions.broadcast(robot(used, 3, 4)) is None
 
 
-@pytest.mark.long
-def test_who_never_speaks_is_the_same_in_machine_code(untraced):
-    agrees(worn("always-black", by="alone"))
-
-
 @pytest.mark.interpreted
 @pytest.mark.long(but=["belief-sharing", "commons", "minimalistic", "steadfast", "sure", "tracking", "voter", "w-msr"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
@@ -489,17 +482,6 @@ def test_nobody_wears_an_oracle(capsys):
 
 
 # ---- held against the suite, the engine and brute force
-
-
-@pytest.mark.long(but=["minimalistic-jammer"])
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("rich", [False, True], ids=["minimalistic", "rich"])
-def test_they_conform(name, rich, untraced):
-    used = worn(name, by=brain(RICH) if rich else "minimalistic")
-    tests = {k: v for k, v in PROMISES.items() if not (rich and k.startswith("readings at once"))}
-    for what, test in tests.items():
-        assert suite.fault_of(test, used) is None, what
-    agrees(used)
 
 
 @pytest.mark.long(but_every=3)

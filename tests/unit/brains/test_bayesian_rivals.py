@@ -10,8 +10,6 @@ from scipy.special import betainc
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.conformance import message_checks
-from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.simulation.trials import record_trial
 from tests.support.small import SEED
 
@@ -467,21 +465,3 @@ class TestBeliefSharing:
         assert (functions.decide(me), functions.broadcast(me)) == (7.0, (7.0,))
         functions.fuse(me)
         assert np.array(me.n) == pytest.approx(n / n.sum(), rel=1e-12)  # nothing heard: as it was
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("brain", "parameters"),
-    [
-        (BAYES, {"every": 3, "feedback": 2, "prior": 1, "patience": 4, "threshold": 0.7}),
-        (CHANGING, {"every": 1, "detect": 1, "tell": 5, "alarm": 1.5, "debiased": 1}),
-        (SHARING, {"every": 1, "debiased": 1}),
-        (INDEXED, {"every": 1, "debiased": 1}),
-    ],
-    ids=lambda value: getattr(value, "name", ""),
-)
-def test_other_parameters_conform_too(brain, parameters, untraced):
-    """What the check of the defaults hardly meets: many observations, resets, soft feedback, steps in every round."""
-    used = brain.with_parameters(parameters)
-    message_checks.any_order(used)
-    agrees(used)

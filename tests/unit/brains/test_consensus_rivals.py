@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
@@ -60,16 +58,6 @@ def by_hand(seen, hears, honest, says, keeps):
 def neighbours(topology, robots):
     graph = nx.complete_graph(robots) if topology == "full" else nx.cycle_graph(robots)
     return [list(graph[i]) for i in range(robots)]
-
-
-@pytest.mark.long
-@each
-def test_they_conform_with_short_phases_too(used, untraced):
-    """With the phases of the file, nobody speaks within what the check lives through: what is heard is tried here."""
-    short = used.with_parameters({"phase": 2.0, "debiased": 1.0})
-    for name in ("gives finite messages and estimates in [0, 1]", "messages mean the same in any order"):
-        PROMISES[name](short)
-    agrees(short)
 
 
 @pytest.mark.long(but=["None-2-full", "1-1-ring", "2-3-full", "30-1-ring"])

@@ -5,9 +5,6 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.conformance import suite
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.conformance.machine_code import agrees
 from tests.support.places import EXAMPLE
 
 BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]
@@ -24,14 +21,6 @@ def quiet_and_sure():
     """Two of the brains of the second edition's study."""
     brain = [{"file": "quiet.py", "step": [0.005, 0.05]}, "sprt.py"]
     return ran("second-edition", swarm={"brain": brain, "robots": 50, "accuracy": 0.7})
-
-
-@pytest.mark.long(but=["quiet"])
-@pytest.mark.parametrize("name", BRAINS)
-def test_they_conform(name, untraced):
-    faults = [one for one in suite.examine(EXAMPLE / f"{name}.py", PROMISES) if one.fault]
-    assert not faults
-    agrees(brains.load(EXAMPLE / f"{name}.py"))
 
 
 def test_each_uses_what_it_is_there_to_show():

@@ -6,35 +6,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.conformance import suite
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.conformance.machine_code import agrees
-from tests.support.opinions import BINARY, DANCERS, QUICK, SWITCHERS, TELLERS, quick, robot, rounds, telling
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", QUICK)
-def test_they_keep_the_contract_where_phases_are_short(name, untraced):
-    brain = quick(name, debiased=1.0)
-    assert [fault for one in PROMISES.values() if (fault := suite.fault_of(one, brain))] == []
-    agrees(brain)
-
-
-@pytest.mark.long(but=["voter"])
-@pytest.mark.parametrize("name", QUICK)
-def test_engine_and_cpython_live_the_same_lives(name):
-    """Seven robots that all hear each other: 60 rounds of 3 readings, to the bit."""
-    readings = np.random.default_rng(3).integers(0, 2, (180, 7)).astype(float)
-    links = [[i, j] for i in range(7) for j in range(i)]
-    slow, fast = (
-        sc.infer(readings, links, (0.9, 0.7), 3, brain=quick(name, debiased=1.0), compiled=compiled)
-        for compiled in (False, True)
-    )
-    for field in slow.data_vars:
-        np.testing.assert_array_equal(slow[field], fast[field], err_msg=str(field))
-    assert len(np.unique(slow["estimate"])) > 1
+from tests.support.opinions import BINARY, DANCERS, QUICK, SWITCHERS, TELLERS, robot, rounds, telling
 
 
 @pytest.mark.parametrize("name", BINARY)

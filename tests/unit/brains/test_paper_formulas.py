@@ -211,10 +211,6 @@ class TestContract:
         path.write_text(source)
         return brains.load(path)
 
-    def test_sizes(self):
-        assert MINIMALISTIC.memory_bytes == 4 * 12
-        assert MINIMALISTIC.message_bytes == 8
-
     def test_a_mind_holds_its_memory_and_nothing_else(self):
         me = MINIMALISTIC.robot(0.8, 0.8)
         with pytest.raises(AttributeError):

@@ -174,16 +174,3 @@ def test_where_nobody_is_wrong_it_is_little_worse_than_commons(topology):
     error = abs(sc.run(study)["final_estimate"].values - 0.55)
     assert np.median(error[1]) < 1.25 * np.median(error[0])
     assert error[1].max() < 0.05
-
-
-def test_compiled_it_is_what_cpython_runs_while_robots_go_and_come():
-    chance = np.random.default_rng(9)
-    black = np.where(np.arange(6) == 0, 0.1, 0.8)
-    readings = (chance.random((300, 6)) < black).astype(float)
-    readings[100:, 0] = chance.random(200) < 0.95
-    ring = [[k, (k + 1) % 6] for k in range(6)]
-    slow = sc.infer(readings, ring, 0.9, 2, brain=TAUGHT, compiled=False)
-    fast = sc.infer(readings, ring, 0.9, 2, brain=TAUGHT)
-    for field in TAUGHT.memory:
-        assert fast[field].values == pytest.approx(slow[field].values, rel=1e-9, abs=1e-9)
-    assert slow["out"].values[:, 0].max() == 1.0

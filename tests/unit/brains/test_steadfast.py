@@ -11,10 +11,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.conformance.machine_code import agrees
 from tests.support.lives import lived
 from tests.support.long import in_two_sizes
-from tests.support.lying import worn
 from tests.support.second import fixed
 
 STEADFAST = brains.load("steadfast").functions
@@ -164,11 +162,6 @@ def test_swarms_with_liars_live_as_by_brute_force(name):
     members = [{"robots": 2, "brain": {"file": name}, "honest": False}]
     (setting,) = fixed("steadfast", robots=7, rounds=10, looks=2, members=members, topology="full")
     lived(setting)
-
-
-@pytest.mark.long
-def test_a_worn_brain_is_the_same_in_machine_code():
-    agrees(worn("shouter", by="steadfast"))
 
 
 def errors(brain, kinds=(), share=0.2, trials=20, f=0.55, topology=GEOMETRIC):

@@ -142,17 +142,3 @@ def test_a_robot_that_begins_anew_by_mistake_gets_the_sums_back():
     assert RUN.estimate(lost) == pytest.approx(0.6, abs=1e-3)
     assert lost.long_v > 600.0
     assert min(me.long_v for me in minds) > 600.0
-
-
-@pytest.mark.parametrize("accuracy", [0.9, 0.2])
-def test_compiled_it_is_what_cpython_runs_through_a_change(accuracy):
-    chance = np.random.default_rng(9)
-    black = np.where(np.arange(160) < 80, 0.8, 0.2)
-    black = accuracy * black + (1 - accuracy) * (1 - black)
-    readings = (chance.random((160, 6)) < black[:, None]).astype(float)
-    ring = [[k, (k + 1) % 6] for k in range(6)]
-    slow = sc.infer(readings, ring, accuracy, 2, brain=TRACKING, compiled=False)
-    fast = sc.infer(readings, ring, accuracy, 2, brain=TRACKING)
-    for field in TRACKING.memory:
-        assert fast[field].values == pytest.approx(slow[field].values, abs=1e-12)
-    assert (np.diff(slow["long_v"].values, axis=0) < -3).any()  # somebody began anew

@@ -312,22 +312,6 @@ def test_a_drift_that_sensors_do_not_have_ends_the_estimate():
     assert errors[1] < 0.05
 
 
-@pytest.mark.long(only=["brain1"])
-@pytest.mark.parametrize("brain", [{"file": "asdf", "every": 4}, {"file": "bayes-cpf", "window": 60, "past": 5}])
-def test_compiled_they_are_what_cpython_runs(brain):
-    """With updates every few rounds, which the usual check of a brain is too short for."""
-    chance = np.random.default_rng(9)
-    readings = (chance.random((400, 6)) < 0.6).astype(float)
-    edges = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0], [0, 3]]
-    name = brain.pop("file")
-    mine = brains.load(name).with_parameters(brain)
-    slow = sc.infer(readings, edges, 0.9, 2, brain=mine, compiled=False)
-    fast = sc.infer(readings, edges, 0.9, 2, brain=mine)
-    for field in ("x", "x_hat", "alpha", "mended" if name == "asdf" else "mu"):
-        assert fast[field].values == pytest.approx(slow[field].values, abs=1e-12)
-    assert len(np.unique(fast["mended" if name == "asdf" else "mu"].values)) > 2
-
-
 def test_the_local_functions_are_those_of_the_paper():
     """Written again in each file, and the same all the same."""
     alone, chance = brains.load("alone"), np.random.default_rng(10)

@@ -13,11 +13,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli import list_brains
-from swarmcensus.conformance import machine_code, quick, sample_minds
+from swarmcensus.conformance import machine_code, quick
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.suite import check, checks
-from tests.support.long import in_two_sizes
 from tests.support.places import DOCS, EXAMPLE
 
 GOOD = brains.load("minimalistic").source
@@ -54,7 +53,6 @@ def estimate(me):
 '''
 
 
-COMPILED = {name: test for name, test in checks().items() if name not in PROMISES}
 OWN = "    me.n += blacks\n"  # the line of TINY's observe that follows `me.t += looks`
 HEAR = "def receive(me, message):\n    pass\n"
 FUSE = "def fuse(me):\n    pass\n"
@@ -102,36 +100,6 @@ def test_shipped_brains_conform(name, untraced_processes):
     found = check(name)
     assert len(found) == len(checks()) + 1
     assert [c.fault for c in found] == [None] * len(found)
-
-
-OF_EACH_FAMILY = [
-    "minimalistic", "commons", "sure", "steadfast", "self-taught", "leaver", "oracle", "asdf", "recurrent",
-    "bayes-bots", "belief-sharing", "three-state", "weighted-voter", "w-msr", "information-filter",
-]  # fmt: skip
-
-
-@pytest.mark.interpreted
-@pytest.mark.long(but=[f"{name}-quick" for name in OF_EACH_FAMILY])
-@in_two_sizes(
-    ("accuracies", "long"), ((0.0, 0.75), sample_minds.LONG[:1]), (sample_minds.ACCURACIES, sample_minds.LONG)
-)
-@pytest.mark.parametrize("name", brains.shipped())
-def test_shipped_brains_keep_their_promises(name, accuracies, long, monkeypatch):
-    """Quick runs make fewer kinds of sensors; all of them, and all that the suite makes, where there is time."""
-    monkeypatch.setattr(sample_minds, "ACCURACIES", accuracies)
-    monkeypatch.setattr(sample_minds, "LONG", long)
-    sample_minds.messages.cache_clear()
-    found = list(conformance.examine(name, PROMISES))
-    sample_minds.messages.cache_clear()  # those of fewer sensors
-    assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
-
-
-@pytest.mark.long(but=["commons", "minimalistic"])
-@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
-@pytest.mark.parametrize("name", brains.shipped())
-def test_shipped_brains_live_the_same_lives_in_machine_code(name, untraced):
-    found = list(conformance.examine(name, COMPILED))
-    assert [one.fault for one in found] == [None] * (len(COMPILED) + 1)
 
 
 def test_a_brain_of_ones_own(tmp_path):
@@ -192,7 +160,7 @@ def test_a_quick_check_finds_plain_faults_and_ends(fault, tmp_path):
 
 
 def test_a_quick_check_finds_nothing_wrong_in_shipped_brains():
-    for name in OF_EACH_FAMILY[:6]:
+    for name in ("minimalistic", "commons", "sure", "steadfast", "self-taught", "leaver"):
         assert not quick.quick_fault(brains.load(name))
 
 
@@ -515,7 +483,11 @@ def test_calls_are_told_of_fields_that_are_called_as_attributes_of_numpy_are(tmp
 
 def test_what_does_not_compile_is_found(tmp_path):
     path = changed(tmp_path / "bad.py", (OWN, "    me.n += blacks * (('a' if looks > 0.0 else 1.0) == 'a')\n"))
-    found = {one.name: one.fault for one in conformance.examine(path, COMPILED) if one.fault}
+    found = {
+        one.name: one.fault
+        for one in conformance.examine(path, {k: v for k, v in checks().items() if k not in PROMISES})
+        if one.fault
+    }
     assert list(found) == ["compiles"]
     assert re.match(r"Numba cannot compile it \(line \d+\)", found["compiles"])
 
