@@ -14,6 +14,7 @@ from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
+from swarmcensus.studies.coordinates import coordinates_of
 from tests import reference
 from tests.second import changed, fixed
 from tests.small import FAULTS, GO, PASSING, SEED, failing, heard_in, moving_of, settings_of
@@ -67,7 +68,7 @@ def test_without_a_delay_all_is_as_before():
     plain, told, late = (settings_of(message_delay=delay) if delay else settings_of() for delay in ((), [0], [2]))
     assert plain == told
     assert addresses.fingerprint(plain[0], 1) == addresses.fingerprint(told[0], 1) != addresses.fingerprint(late[0], 1)
-    assert "message_delay" not in plain[0].coordinates
+    assert "message_delay" not in coordinates_of(plain[0])
     assert str(late[0]) == str(plain[0]).replace(", C =", ", messages 2 rounds late, C =")
 
 

@@ -20,6 +20,7 @@ from swarmcensus.basics.files import shipped_study
 from swarmcensus.paper import claims, report, rival_explanations, rival_measures
 from swarmcensus.paper.evaluations import RIVALS
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Evidence, Missing, outcome
+from swarmcensus.studies.coordinates import coordinates_of
 from tests.conftest import OUR_C_LIBRARY
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -53,7 +54,7 @@ def test_studies_are_named_as_their_files_and_have_30_trials_or_more(path):
 @cache
 def settings_of(study):
     """The coordinates of a study's settings."""
-    return [{"liars": 0} | setting.coordinates for setting in sc.Study.load(STUDIES[study]).settings()]
+    return [{"liars": 0} | coordinates_of(setting) for setting in sc.Study.load(STUDIES[study]).settings()]
 
 
 @pytest.mark.parametrize("claim", RIVALS.claims, ids=KNOWN)
