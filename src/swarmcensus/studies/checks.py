@@ -45,11 +45,6 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     for grid in grids:
         if grid.moves:
             _check_moving(grid)
-            if "message_delay" in grid.world.model_fields_set:
-                raise ValueError(
-                    f"{grid.key('message_delay')} counts rounds of fixed networks: how late robots that move hear each "
-                    "other is world.body.message_delay, in ticks"
-                )
     _check_faults(tables, grids, all_used)
     for grid in grids:
         _check_changes(grid, all_used)
@@ -114,14 +109,13 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         if getattr(table, key) is not None
     }
     for key in KEYS.values():
-        if key.name == "message_delay":
-            continue
         replaced_by = SIZES if key.name in SIZES else {key.name}
         users = [grid for grid in grids if grid.uses(key) and not (grid.given & replaced_by)]
         useless = [grids[0]] if key.name in base and not users else []
         useless += [grid for grid in grids if key.name in grid.given and not grid.uses(key)]
         for grid in useless:
-            raise ValueError(f"{grid.key(key.name)} is of {MEANING[key.world]}{key.instead}")
+            instead = f": {key.instead}" if key.instead else ""
+            raise ValueError(f"{grid.key(key.name)} is of {MEANING[key.world]}{instead}")
     _check_late(grids)
     if "feedback" in tables.world.model_fields_set and all(grid.world.message == ["double"] for grid in grids):
         raise ValueError("world.feedback is of messages with a number format: world.message says which")
@@ -143,7 +137,7 @@ def _check_late(grids: Sequence[Grid]) -> None:
             )
 
 
-MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks: "}
+MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks"}
 
 
 def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:

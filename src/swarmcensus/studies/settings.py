@@ -447,11 +447,7 @@ def _line(setting: Setting) -> str:
     said += [f"assumed accuracy {setting.assumed_accuracy}"] if setting.assumed_accuracy is not None else []
     said += [f"f = {setting.change or setting.fill_ratio}"]
     said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
-    for key in set_apart(setting):
-        assert key.coordinate is not None
-        form = key.coordinate.caption if key.name != "message_delay" else "messages {} late"
-        value = getattr(setting, key.field)
-        said.append(form.format(value if key.name != "message_delay" else counted(value, "round")))
+    said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
     said += [f"{name} = {shown(value)}" for name, value in _parameters(setting)]
     said += [f"of them {member}" for member in setting.members]
     if not moves:
