@@ -15,7 +15,7 @@ from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli import program
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.output import answer, print_rows
-from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import NUMERIC
 
 STUDY = """
 name   = "piped"

@@ -28,7 +28,7 @@ from swarmcensus.results.values import (
     metrics_in,
     robots_in,
 )
-from swarmcensus.vocabulary.coordinates import COORDINATES
+from swarmcensus.studies.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, stored
 from swarmcensus.worlds.networks import MOVING
 

@@ -4,49 +4,58 @@ An address contains only what its random numbers depend on. So two settings that
 the same tiles and readings, trial by trial, and a setting's numbers do not depend on its place in a grid.
 """
 
+import dataclasses
 import hashlib
 
 import numpy as np
 
 from swarmcensus.brains.packing import PLAIN
 from swarmcensus.engine.addresses import address
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.keys import Key
+from swarmcensus.studies.settings import KEYS, Setting, set_apart
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 
+FIRST = (  # fields of a setting that are part of every fingerprint, in this order
+    "topology", "robots", "accuracy", "assumed_accuracy", "fill_ratio", "link_success", "rounds",
+    "observations_per_round", "density", "body", "faults", "floor",
+)  # fmt: skip
+FIELDS = {field.name for field in dataclasses.fields(Setting)}
+NAMES = {"link_success": "success"}  # of keys in addresses, where they differ
 NO_KEYS = np.zeros(0, np.uint64)
 
 
 def fingerprint(setting: Setting, seed: int) -> str:
     """A hash of the brain's name and all that a trial's numbers depend on: equal settings share it."""
-    content: tuple[object, ...] = (
-        setting.brain.name,
-        setting.brain.sha256,
-        setting.topology.content,
-        setting.robots,
-        str(setting.accuracy),
-        "" if setting.assumed_accuracy is None else str(setting.assumed_accuracy),
-        setting.fill_ratio,
-        setting.link_success,
-        setting.rounds,
-        setting.observations_per_round,
-        setting.density,
-        setting.body and setting.body.model_dump(),
-        [fault.content for fault in setting.faults],
-        setting.floor and [str(setting.floor), setting.floor.content],
-    )
-    if setting.members:
-        content = (*content, [member.content for member in setting.members])
-    if setting.brain.parameters:
-        content = (*content, [*setting.brain.parameters.items()])
-    if setting.change:
-        content = (*content, str(setting.change))
-    if setting.delay:
-        content = (*content, "message_delay", setting.delay)
-    if setting.brain.numbers != PLAIN:
-        content = (*content, "numbers", *setting.brain.numbers)
-    if editions := _editions(setting):
-        content = (*content, editions)
-    return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
+    content: list[object] = [setting.brain.name, setting.brain.sha256]
+    content += [_whole(setting, field) for field in FIRST]
+    content += [[member.content for member in setting.members]] if setting.members else []
+    content += [[*setting.brain.parameters.items()]] if setting.brain.parameters else []
+    content += [str(setting.change)] if setting.change else []
+    for key in set_apart(setting):
+        if key.field in FIELDS:
+            content += [key.name, getattr(setting, key.field)]
+    content += ["numbers", *setting.brain.numbers] if setting.brain.numbers != PLAIN else []
+    content += [editions] if (editions := _editions(setting)) else []
+    return hashlib.blake2b(repr((seed, tuple(content))).encode(), digest_size=16).hexdigest()
+
+
+def _whole(setting: Setting, field: str) -> object:
+    """A value of a setting, with all that it says."""
+    value = getattr(setting, field)
+    if field == "assumed_accuracy" and value is None:
+        return ""
+    if isinstance(value, Topology):
+        return value.content
+    if isinstance(value, Accuracy | Misjudgement):
+        return str(value)
+    if isinstance(value, Floor):
+        return [str(value), value.content]
+    if isinstance(value, tuple):
+        return [fault.content for fault in value]
+    return value.model_dump() if isinstance(value, Body) else value
 
 
 def _editions(setting: Setting) -> list[str]:
@@ -56,29 +65,36 @@ def _editions(setting: Setting) -> list[str]:
     return [part.edition for part in parts if part is not None and part.edition]
 
 
+def _address(setting: Setting, seed: int, draws: str, purpose: str = "", **more: object) -> np.ndarray:
+    """The address of what is drawn: the keys that declare that these numbers depend on them, and `more`."""
+    content = {
+        NAMES.get(key.name, key.name): value
+        for key in KEYS.values()
+        if draws in key.draws and (value := _begun(setting, key)) is not None
+    }
+    return address(seed, purpose or draws, **content, **more)
+
+
+def _begun(setting: Setting, key: Key) -> object:
+    """The value of a key as the world begins: no change or drift. None for one that leaves no trace in addresses."""
+    value = getattr(setting, key.field)
+    if (key.is_new and value == key.default) or value == Floor():
+        return None
+    if key.name == "fill_ratio":
+        return float(setting.course[0])
+    if isinstance(value, Accuracy):
+        return str(value.start)
+    return value.content if isinstance(value, Topology | Floor) else value
+
+
 def readings_key(setting: Setting, seed: int, purpose: str = "readings") -> np.ndarray:
-    """The address of sensor readings. A change or drift is no part of it: only how the world begins is."""
-    return address(
-        seed,
-        purpose,
-        robots=setting.robots,
-        accuracy=str(setting.accuracy.start),
-        fill_ratio=float(setting.course[0]),
-        observations_per_round=setting.observations_per_round,
-        **_where(setting),
-    )
+    """The address of sensor readings."""
+    return _address(setting, seed, "readings", purpose)
 
 
 def losses_key(setting: Setting, seed: int) -> np.ndarray:
     """The address of message losses."""
-    return address(
-        seed,
-        "losses",
-        topology=setting.topology.content,
-        robots=setting.robots,
-        success=setting.link_success,
-        **_where(setting),
-    )
+    return _address(setting, seed, "losses")
 
 
 def luck_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
@@ -89,39 +105,24 @@ def luck_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
     """
     if not any(brain.uses.luck for brain in setting.brains):
         return NO_KEYS
-    network = {} if alone else {"topology": setting.topology.content}
-    content = {"robots": setting.robots, **network, **_where(setting)}
-    return np.concatenate([address(seed, purpose, **content) for purpose in ("luck", "luck of messages")])
-
-
-def _where(setting: Setting) -> dict[str, object]:
-    return {} if setting.density is None else {"density": setting.density}
+    what = "luck alone" if alone else "luck"
+    return np.concatenate([_address(setting, seed, what, purpose) for purpose in ("luck", "luck of messages")])
 
 
 def floor_key(setting: Setting, seed: int) -> np.ndarray:
-    """The address of the floor's tiles. A change is no part of it: only how the floor begins is."""
+    """The address of the floor's tiles."""
     assert setting.body is not None
-    return address(
-        seed,
-        "floor",
-        robots=setting.robots,
-        density=setting.density,
-        tile=setting.body.tile,
-        fill_ratio=float(setting.course[0]),
-        **({} if setting.floor in (None, Floor()) else {"floor": setting.floor.content}),
-    )
+    return _address(setting, seed, "floor", tile=setting.body.tile)
 
 
 def walk_key(setting: Setting, seed: int) -> np.ndarray:
     """The address of trajectories: where robots start and how they walk."""
-    return address(seed, "walk", **_walk(setting))
+    return _address(setting, seed, "walk", body=_walking(setting))
 
 
-def _walk(setting: Setting) -> dict[str, object]:
-    """What the random numbers of trajectories depend on."""
+def _walking(setting: Setting) -> dict[str, object]:
     assert setting.body is not None
-    body = setting.body.model_dump(exclude={"message_delay"})
-    return {"robots": setting.robots, "density": setting.density, "body": body}
+    return setting.body.model_dump(exclude={"message_delay"})
 
 
 def walk_group(setting: Setting) -> str:
@@ -130,5 +131,6 @@ def walk_group(setting: Setting) -> str:
         return fingerprint(setting, 0)
     members, faults = setting.members, enumerate(setting.faults)
     speeds = [(m.robots, m.speed) for m in members] if any(m.speed is not None for m in members) else []
+    content = {"robots": setting.robots, "density": setting.density, "body": _walking(setting)}
     lame = [(n, f.at, f.until, f.robots) for n, f in faults if "moving" in f.stop]
-    return repr((_walk(setting), setting.rounds, lame, *speeds))
+    return repr((content, setting.rounds, lame, *speeds))

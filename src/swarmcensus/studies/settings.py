@@ -1,18 +1,38 @@
-"""A setting: one point of a study's grid, what its swarm and world are in a trial, and its random numbers' addresses.
+"""Settings, the points of a study's grid: the keys in which they differ, and the record of one value each.
 
-An address contains only what its random numbers depend on. So two settings that differ only in brain or topology have
-the same tiles and readings, trial by trial, and a setting's numbers do not depend on its place in a grid.
+A key is declared once, in its table here. `keys_of` makes `KEYS` of the declarations, and the rest follows from it: the
+grid, cases, checks, coordinates, captions, addresses of random numbers, tables of pages. A key also needs a field of
+`Setting` and, in **simulation**, its use.
 """
 
 import functools
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.forms import Table
 from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
+from swarmcensus.studies.fields import (
+    Accuracies,
+    Beliefs,
+    Brains,
+    Delays,
+    FillRatios,
+    Floors,
+    Formats,
+    Positives,
+    Precisions,
+    Shares,
+    Times,
+    Topologies,
+    Wholes,
+)
+from swarmcensus.studies.keys import Coordinate, Key, keys_of
 from swarmcensus.studies.members import Member
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
@@ -21,6 +41,277 @@ from swarmcensus.worlds.faults import Fault
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+
+HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks says how long"
+
+
+class Swarm(Table):
+    """The robots: their brains, their number, their sensors, and what they assume about these."""
+
+    brain: Annotated[
+        Brains,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "name or path, as in the study file",
+                caption="{}",
+                plural="brains",
+                always=True,
+                of=lambda setting: setting.brain.name,
+            ),
+        ),
+    ] = Field(default=["minimalistic"], validate_default=True)
+    """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
+    robots: Annotated[
+        Wholes,
+        Key(
+            draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
+            coordinate=Coordinate(
+                "whole number",
+                "*N*",
+                caption="N = {:,.0f}",
+                title="robots $N$",
+                plural="numbers of robots",
+                counts=True,
+                always=True,
+            ),
+        ),
+    ]
+    """N, how many."""
+    accuracy: Annotated[
+        Accuracies,
+        Key(
+            draws=("readings",),
+            coordinate=Coordinate(
+                "text",
+                "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `beta(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 "
+                "drift=-1e-05 least=0.6`",
+                caption="accuracy {}",
+                title="sensor accuracy",
+                plural="accuracies",
+                always=True,
+                of=lambda setting: str(setting.accuracy),
+            ),
+        ),
+    ]
+    """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
+    assumed_accuracy: Annotated[
+        Beliefs | None,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their "
+                "sensors",
+                caption="assumed accuracy {}",
+                plural="assumed accuracies",
+                always=True,
+                of=lambda setting: str(setting.assumed_accuracy or setting.accuracy.start),
+            ),
+        ),
+    ] = None
+    """The b and w that robots assume; by default the true ones."""
+    precision: Annotated[
+        Precisions,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "`single` or `double` [precision](study-file.md#numbers-of-robots); only if single in any setting",
+                caption="{} precision",
+                title="precision",
+                plural="precisions",
+            ),
+        ),
+    ] = Field(default=["double"])
+    """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
+
+
+class World(Table):
+    """The robots' world: who hears whom, the share of black, and how often and how late messages get through.
+
+    `density` or `side`, `floor` and `body` are for robots that move (topology "moving"); `message_delay`, in rounds, is
+    for fixed networks.
+    """
+
+    topology: Annotated[
+        Topologies,
+        Key(
+            draws=("losses", "luck"),
+            coordinate=Coordinate(
+                "text",
+                "name, with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a networkx "
+                "function with its arguments",
+                caption="{}",
+                plural="topologies",
+                always=True,
+                of=lambda setting: str(setting.topology),
+            ),
+        ),
+    ]
+    """Who hears whom: a network, or "moving" for robots that walk in an arena."""
+    fill_ratio: Annotated[
+        FillRatios,
+        Key(
+            draws=("readings", "floor"),
+            coordinate=Coordinate(
+                "number",
+                "*f*; where it changes, that of the last round",
+                caption="f = {}",
+                title="fill ratio $f$",
+                plural="fill ratios",
+                always=True,
+            ),
+        ),
+    ]
+    """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
+    link_success: Annotated[
+        Shares,
+        Key(
+            draws=("losses",),
+            coordinate=Coordinate(
+                "number",
+                "the probability that a message gets through",
+                caption="link success {}",
+                always=True,
+            ),
+        ),
+    ] = Field(default=[1.0])
+    """The probability that a message gets through."""
+    message_delay: Annotated[
+        Delays,
+        Key(
+            world="networks",
+            field="delay",
+            instead="how late robots that move hear each other is world.body.message_delay, in ticks",
+            coordinate=Coordinate(
+                "whole number",
+                "[delay](study-file.md#late-messages) in rounds; only if above 0 in any setting",
+                caption="delay {:,.0f}",
+                title="message delay (rounds)",
+                plural="message delays",
+            ),
+        ),
+    ] = Field(default=[0])
+    """How many rounds late messages are on fixed networks."""
+    message: Annotated[
+        Formats,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`; only if "
+                "any setting has one",
+                caption="messages as {}",
+                title="message format",
+                plural="message formats",
+            ),
+        ),
+    ] = Field(default=["double"])
+    """How the numbers of a message are sent: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
+    feedback: Annotated[bool, Field(strict=True), Key(spans=False)] = True
+    """Whether what rounding takes of a message is added to the next one."""
+    density: Annotated[
+        Positives | None,
+        Key(
+            world="moving",
+            draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
+            coordinate=Coordinate(
+                "number",
+                "*D* of robots",
+                caption="D = {}",
+                title="density $D$",
+                plural="densities",
+                counts=True,
+                always=True,
+            ),
+        ),
+    ] = None
+    """D = N π r² / L² of robots that move."""
+    side: Annotated[
+        Positives | None,
+        Key(
+            world="moving",
+            coordinate=Coordinate(
+                "number",
+                "*L* in metres, to twelve digits",
+                caption="L = {} m",
+                title="side of the arena $L$ (m)",
+                plural="sides of the arena",
+                counts=True,
+                always=True,
+            ),
+        ),
+    ] = None
+    """The side L of the arena in metres, in place of a density."""
+    floor: Annotated[
+        Floors | None,
+        Key(
+            world="moving",
+            draws=("floor",),
+            coordinate=Coordinate(
+                "text",
+                "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, "
+                "`hills(0.3)`",
+                caption="floor {}",
+                plural="floors",
+                always=True,
+                of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
+            ),
+        ),
+    ] = None
+    """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
+    body: Annotated[Body, Key(world="moving", spans=False)] = Body()
+    """The body of robots that move."""
+
+
+class Schedule(Table):
+    """How long: communication rounds (C), and observations in each (R); ticks for robots that move."""
+
+    rounds: Annotated[
+        Wholes,
+        Key(
+            world="networks",
+            instead=HOW_LONG,
+            coordinate=Coordinate(
+                "whole number",
+                "*C*, or ticks where robots move",
+                caption="C = {:,.0f}",
+                title="rounds $C$",
+                plural="numbers of rounds",
+                counts=True,
+                always=True,
+                world="any",
+            ),
+        ),
+    ] = Field(default=[1000])
+    """C, communication rounds on fixed networks."""
+    observations_per_round: Annotated[
+        Wholes,
+        Key(
+            world="networks",
+            instead=HOW_LONG,
+            draws=("readings",),
+            coordinate=Coordinate(
+                "whole number",
+                "*R*, 1 where robots move",
+                caption="R = {:,.0f}",
+                title="observations per round $R$",
+                counts=True,
+                always=True,
+                world="any",
+            ),
+        ),
+    ] = Field(default=[10])
+    """R, observations of each robot before each exchange."""
+    ticks: Annotated[Times, Key(world="moving", field="rounds")] = Field(default=[10_000])
+    """How long robots move: a number of ticks, or a time such as "17 min"."""
+
+
+KEYS = keys_of(  # in the order of the dataset's coordinates
+    {"swarm": Swarm, "world": World, "schedule": Schedule},
+    (
+        "brain", "topology", "robots", "density", "side", "accuracy", "assumed_accuracy", "fill_ratio", "floor",
+        "link_success", "rounds", "observations_per_round", "message_delay", "precision", "message",
+    ),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -47,11 +338,6 @@ class Setting:
     def __str__(self) -> str:
         """The setting in one line, for messages."""
         return _line(self)
-
-    @property
-    def coordinates(self) -> dict[str, object]:
-        """Its coordinates in the dataset."""
-        return _coordinates(self)
 
     # the swarm
 
@@ -154,20 +440,25 @@ class Setting:
 
 
 def _line(setting: Setting) -> str:
-    """The setting in one line."""
-    where, fill_ratio = f"{setting.topology}, N = {setting.robots:,}", setting.change or setting.fill_ratio
-    assumed = "" if setting.assumed_accuracy is None else f", assumed accuracy {setting.assumed_accuracy}"
-    lossy = "" if setting.link_success == 1.0 else f", link success {setting.link_success}"
-    mixed = "".join(f", of them {member}" for member in setting.members)
-    late = "" if not setting.delay else f", messages {counted(setting.delay, 'round')} late"
-    late += "" if setting.precision == "double" else f", {setting.precision} precision"
-    late += "" if setting.message == "double" else f", messages as {setting.message}"
-    parameters = "".join(f", {name} = {_shown(value)}" for name, value in _parameters(setting))
-    what = f"accuracy {setting.accuracy}{assumed}, f = {fill_ratio}{lossy}{late}{parameters}{mixed}"
-    if setting.body is not None:
-        floor = f", floor {setting.floor}" if setting.floor not in (None, Floor()) else ""
-        return f"{where}, {_arena(setting)}, {what}{floor}, {counted(setting.rounds, 'tick')}"
-    return f"{where}, {what}, C = {setting.rounds:,}, R = {setting.observations_per_round:,}"
+    """The setting in one line. Newer keys appear where they are not at their default."""
+    moves = setting.body is not None
+    said = [str(setting.topology), f"N = {setting.robots:,}", *([_arena(setting)] if moves else [])]
+    said += [f"accuracy {setting.accuracy}"]
+    said += [f"assumed accuracy {setting.assumed_accuracy}"] if setting.assumed_accuracy is not None else []
+    said += [f"f = {setting.change or setting.fill_ratio}"]
+    said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
+    said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
+    said += [f"{name} = {shown(value)}" for name, value in _parameters(setting)]
+    said += [f"of them {member}" for member in setting.members]
+    if not moves:
+        return ", ".join([*said, f"C = {setting.rounds:,}", f"R = {setting.observations_per_round:,}"])
+    said += [f"floor {setting.floor}"] if setting.floor not in (None, Floor()) else []
+    return ", ".join([*said, counted(setting.rounds, "tick")])
+
+
+def set_apart(setting: Setting) -> list[Key]:
+    """The newer keys that are not at their default in a setting."""
+    return [key for key in KEYS.values() if key.is_new and getattr(setting, key.field) != key.default]
 
 
 def _parameters(setting: Setting) -> list[tuple[str, Value]]:
@@ -182,42 +473,6 @@ def _arena(setting: Setting) -> str:
     return f"L = {side} m" if len(side) < len(density) else f"D = {density}"
 
 
-def _coordinates(setting: Setting) -> dict[str, object]:
-    """The setting's coordinates in the dataset."""
-    return {
-        "brain": setting.brain.name,
-        "topology": str(setting.topology),
-        "robots": setting.robots,
-        "density": np.nan if setting.density is None else setting.density,
-        "side": setting.side,
-        "accuracy": str(setting.accuracy),
-        "assumed_accuracy": str(setting.assumed_accuracy or setting.accuracy.start),
-        "fill_ratio": setting.fill_ratio,
-        "floor": "" if setting.body is None else str(setting.floor or Floor()),
-        "link_success": setting.link_success,
-        "rounds": setting.rounds,
-        "observations_per_round": setting.observations_per_round,
-        **{name: _shown(value) for name, value in setting.brain.parameters.items()},
-        **_members(setting),
-        **({"fill_ratio_change": str(setting.change)} if setting.change else {}),
-        **({"message_delay": setting.delay} if setting.delay else {}),
-        **({"precision": setting.precision} if setting.precision != "double" else {}),
-        **({"message": setting.message} if setting.message != "double" else {}),
-    }
-
-
-def _members(setting: Setting) -> dict[str, object]:
-    """The coordinates of a swarm with members: what they are, how many robots lie, and how."""
-    if not setting.members:
-        return {}
-    lying = dict.fromkeys(", ".join(m.traits) for m in setting.members if not m.honest)
-    return {
-        "members": "; ".join(map(str, setting.members)),
-        "liars": setting.robots - setting.honest,
-        "adversary": "; ".join(lying),
-    }
-
-
-def _shown(value: Value) -> float | str:
+def shown(value: Value) -> float | str:
     """A parameter as a coordinate; a vector becomes a text."""
     return f"({', '.join(f'{number:g}' for number in value)})" if isinstance(value, tuple) else value

@@ -31,6 +31,7 @@ from swarmcensus.paper.evidence import (
     check,
     outcome,
 )
+from swarmcensus.studies.coordinates import coordinates_of
 from tests.support.pages import OUR_C_LIBRARY
 from tests.support.places import DOCS
 
@@ -64,7 +65,7 @@ def test_studies_are_named_as_their_files_and_have_30_trials_or_more(path):
 @cache
 def settings_of(study):
     """The coordinates of a study's settings."""
-    return [{"liars": 0} | setting.coordinates for setting in sc.Study.load(STUDIES[study]).settings()]
+    return [{"liars": 0} | coordinates_of(setting) for setting in sc.Study.load(STUDIES[study]).settings()]
 
 
 @pytest.mark.parametrize("claim", RIVALS.claims, ids=KNOWN)

@@ -14,7 +14,7 @@ from swarmcensus.results import hdf5, measures
 from swarmcensus.results import store as results
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.selecting import where
-from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.worlds import sensors
 from swarmcensus.worlds.spreads import uniform
 

@@ -13,6 +13,7 @@ from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
+from swarmcensus.studies.coordinates import coordinates_of
 from tests.reference import rounds as reference
 from tests.support.lives import lived
 from tests.support.lying import liars
@@ -66,8 +67,13 @@ def test_without_a_delay_all_is_as_before():
     plain, told, late = (settings_of(message_delay=delay) if delay else settings_of() for delay in ((), [0], [2]))
     assert plain == told
     assert addresses.fingerprint(plain[0], 1) == addresses.fingerprint(told[0], 1) != addresses.fingerprint(late[0], 1)
-    assert "message_delay" not in plain[0].coordinates
-    assert str(late[0]) == str(plain[0]).replace(", C =", ", messages 2 rounds late, C =")
+    assert "message_delay" not in coordinates_of(plain[0])
+    assert str(late[0]) == str(plain[0]).replace(", C =", ", delay 2, C =")
+
+
+def test_a_delay_spans_the_fixed_networks_of_a_study_alone():
+    settings = checked(BOTH | {"message_delay": [0, 2]}).settings()
+    assert [(s.topology.name, s.delay) for s in settings] == [("ring", 0), ("ring", 2), ("moving", 0)]
 
 
 def test_late_messages_meet_the_same_luck_and_losses():
@@ -198,8 +204,7 @@ def test_the_line_that_fails_on_late_news_is_found(tmp_path):
         (RING | {"message_delay": -1}, {}, "world.message_delay = -1: should be greater than or equal to 0"),
         (RING | {"message_delay": 1.5}, {}, "world.message_delay = 1.5: should be a valid integer"),
         (MOVING | {"message_delay": 2}, {}, "is world.body.message_delay, in ticks"),
-        (BOTH | {"message_delay": [0, 2]}, {}, "world.message_delay counts rounds of fixed networks"),
-        (MOVING, {"case": [{"message_delay": 2}]}, "case[0].message_delay counts rounds of fixed networks"),
+        (MOVING, {"case": [{"message_delay": 2}]}, "case[0].message_delay is of fixed networks"),
         (RING | {"message_delay": [2, 2]}, {}, "a value is twice"),
     ],
 )  # fmt: skip
@@ -239,7 +244,7 @@ def test_results_say_how_late_messages_were(file):
     assert (data["messages_heard"][2, 0] == 72).all()
     assert (data["messages_sent"] == 40).all()
     trace = sc.replay(data, 5, 2)
-    assert "messages 4 rounds late" in trace.attrs["title"]
+    assert "delay 4, C = 40" in trace.attrs["title"]
     assert (trace["estimate"].values[-1] == data["final_estimate"].values[5, 2]).all()
     with pytest.raises(sc.InputError, match="no lost messages, no delays"):
         recording(data, 2, 0)

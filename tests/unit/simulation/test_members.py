@@ -16,6 +16,7 @@ from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
+from swarmcensus.studies.coordinates import coordinates_of
 from tests.support.long import in_two_sizes
 from tests.support.second import MEANS, STEER, agreed, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
@@ -410,7 +411,7 @@ def test_one_robot_is_not_all_of_them():
     swarm = {"robots": 10, "accuracy": 0.7}
     world = {"topology": "ring", "fill_ratio": 0.55}
     study = sc.Study(trials=1, swarm=swarm, world=world, members=[{"robots": [1, 1.0], "accuracy": 0.6}])
-    assert [s.coordinates["members"] for s in study.settings()] == ["1 accuracy 0.6", "1.0 accuracy 0.6"]
+    assert [coordinates_of(s)["members"] for s in study.settings()] == ["1 accuracy 0.6", "1.0 accuracy 0.6"]
     assert [(sampling.groups(s, 1, 0, 1) == 1).sum() for s in study.settings()] == [1, 10]
 
 
