@@ -20,7 +20,6 @@ class Inputs(NamedTuple):
     first: int
     sensors: Sensors
     beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
-    kept: tuple[np.ndarray, np.ndarray]  # the same, as they lie in minds: see `codegen.record_fields`
     radio: Radio
     links: Links | None  # who hears whom; None where robots move
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `engine.failures`
@@ -39,15 +38,14 @@ class Inputs(NamedTuple):
         return self._replace(
             first=self.first + k,
             sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
-            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), kept=(self.kept[0][one], self.kept[1][one]),
-            links=links, stops=self.stops[one],
+            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
             speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
         )  # fmt: skip
 
     @property
     def first_beliefs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The accuracies that robots assume in the first trial, as they lie in minds."""
-        return self.kept[0][0], self.kept[1][0]
+        """The accuracies that robots assume in the first trial."""
+        return self.beliefs[0][0], self.beliefs[1][0]
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
@@ -58,10 +56,9 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     b, w, assumed_b, assumed_w = setting.accuracies(seed, first, trials)
-    beliefs = kept = (assumed_b, assumed_w)
+    beliefs = (assumed_b, assumed_w)
     if setting.precision == "single":
-        assumed_b, assumed_w = (side.astype(np.float32).astype(np.float64) for side in beliefs)
-        beliefs, kept = (assumed_b, assumed_w), (in_halves(assumed_b), in_halves(assumed_w))
+        beliefs = (assumed_b.astype(np.float32).astype(np.float64), assumed_w.astype(np.float32).astype(np.float64))
     drift, readings = setting.drifts(seed, first, trials, b), setting.readings_key(seed)
     orders = setting.readings_key(seed, "order") if order else NO_KEY
     sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)
@@ -71,7 +68,6 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         first=first,
         sensors=sensors,
         beliefs=beliefs,
-        kept=kept,
         radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
         links=links,
         stops=np.stack([setting.stops(seed, first + t) for t in range(trials)]),
@@ -81,13 +77,6 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         group=group,
         honest=honest,
     )
-
-
-def in_halves(numbers: np.ndarray) -> np.ndarray:
-    """Numbers as float32 in the first half of their eight bytes: see `codegen.record_fields`."""
-    halves = np.zeros((*numbers.shape, 2), np.float32)
-    halves[..., 0] = numbers
-    return halves.view(np.float64)[..., 0]
 
 
 def _groups_of(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
