@@ -22,7 +22,6 @@ class Inputs(NamedTuple):
     first: int
     sensors: Sensors
     beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
-    kept: tuple[np.ndarray, np.ndarray]  # the same, as they lie in minds: see `codegen.record_fields`
     radio: Radio
     links: Links | None  # who hears whom; None where robots move
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `engine.failures`
@@ -41,15 +40,14 @@ class Inputs(NamedTuple):
         return self._replace(
             first=self.first + k,
             sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
-            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), kept=(self.kept[0][one], self.kept[1][one]),
-            links=links, stops=self.stops[one],
+            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
             speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
         )  # fmt: skip
 
     @property
     def first_beliefs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The accuracies that robots assume in the first trial, as they lie in minds."""
-        return self.kept[0][0], self.kept[1][0]
+        """The accuracies that robots assume in the first trial."""
+        return self.beliefs[0][0], self.beliefs[1][0]
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
@@ -73,7 +71,6 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         first=first,
         sensors=sensors,
         beliefs=beliefs,
-        kept=kept,
         radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
         links=links,
         stops=np.stack([sampling.stops(setting, seed, first + t) for t in range(trials)]),
@@ -83,13 +80,6 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         group=group,
         honest=honest,
     )
-
-
-def in_halves(numbers: np.ndarray) -> np.ndarray:
-    """Numbers as float32 in the first half of their eight bytes: see `codegen.record_fields`."""
-    halves = np.zeros((*numbers.shape, 2), np.float32)
-    halves[..., 0] = numbers
-    return halves.view(np.float64)[..., 0]
 
 
 def _groups_of(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:

@@ -30,7 +30,7 @@ from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.changing_ground import ChangingGround
 from swarmcensus.worlds.ground import Ground
 
-NOTHING = Recorded(np.zeros((0, 0, 0)), np.zeros((0, 0)))
+NOTHING = Recorded(np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0)))
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
 
@@ -214,7 +214,7 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     stop = np.zeros(1, np.uint8)
     rider, ground = Rider(setting, inputs_of(setting, seed, trial)), sampling.ground(setting, seed, trial)
     shape = (setting.rounds + 1, setting.robots)
-    history = np.empty((*shape, rider.minds.memory.shape[1]))
+    history = np.empty((*shape, rider.minds.memory.shape[1]), np.uint8)
     history[0] = rider.minds.memory
     poses = np.full((*shape, 3), np.nan)
     looked = np.zeros(shape, np.bool_)

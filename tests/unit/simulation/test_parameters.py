@@ -92,7 +92,7 @@ def test_other_values_need_no_other_machine_code():
     plain = brain(PRIOR)
     swept = plain.with_parameters({"prior": 3, "among": (0.5, 0.5)})
     assert compiler.compile_brain(plain) is compiler.compile_brain(swept)
-    assert (compiler.array_layout(swept).blank == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
+    assert (compiler.array_layout(swept).blank.view(np.float64) == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
 
 
 @pytest.mark.interpreted
