@@ -12,7 +12,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import metrics
 from swarmcensus.cli.commands import main, parser
-from swarmcensus.cli.plan import KEYS
+from swarmcensus.cli.commands.plan import KEYS
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted, mission_of

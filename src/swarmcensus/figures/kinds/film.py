@@ -44,7 +44,7 @@ def film(
     out: str | Path = "film.mp4",
     setting: int | None = None,
     trial: int = 0,
-    brain: str | Path | None = None,
+    brain_file: str | Path | None = None,
     first: int | str = 1,
     last: int | str | None = None,
     every: int = 2,
@@ -62,7 +62,7 @@ def film(
 
     - `out`: the file. An .mp4 is H.264 with 864 x 800 pixels and needs imageio-ffmpeg. A .gif has 540 x 500 pixels, few
       colours, and at most 1,000 frames.
-    - `setting`, `trial`, `brain`, `robot`, `title`: as in `arena`.
+    - `setting`, `trial`, `brain_file`, `robot`, `title`: as in `arena`.
     - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
     - `every`: the number of ticks from one frame to the next.
     - `dpi`: dots per inch, by default 128 for an .mp4 and 80 for a .gif.
@@ -78,13 +78,13 @@ def film(
     if ax is not None and out != "film.mp4":
         raise InputError(f"film: with ax no file is written: leave out={out} out, or ax")
     suffix_of(out)
-    clock = scenes.clock_of(results, setting, trial, brain, robot)
+    clock = scenes.clock_of(results, setting, trial, brain_file, robot)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
     film_ticks(out, (clock.first, clock.last), first=begin, last=end, every=every, fps=fps)
     if ax is None:
         check_writable(Path(out))
         ffmpeg_for(out)
-    trace, floor = scenes.drawn_of(results, setting, trial, brain)
+    trace, floor = scenes.drawn_of(results, setting, trial, brain_file)
     if ax is not None:
         return animation(
             trace, floor, ax, first=begin, last=end, every=every, fps=fps, robot=robot, title=title, progress=progress
