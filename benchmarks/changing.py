@@ -38,7 +38,7 @@ def run(floor):
     found = []
     for setting in range(len(BRAINS)):
         lives = [
-            sc.replay(results, setting=setting, trial=trial, brain=[FORGETFUL])["estimate"].values[1:]
+            sc.replay(results, setting=setting, trial=trial, brain_file=[FORGETFUL])["estimate"].values[1:]
             for trial in range(TRIALS)
         ]
         found.append(np.median(np.abs(np.stack(lives) - truth), axis=(0, 2)))

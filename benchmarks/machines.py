@@ -25,9 +25,10 @@ from swarmcensus.brains.packing import Numbers
 from swarmcensus.conformance.machine import blank_mind, exchange, machine_code
 from swarmcensus.deployment import chips, on_node, selftest
 from swarmcensus.deployment.costs import LUCKY, NUMBERS, TICKS, cost
+from swarmcensus.deployment.folders import write_texts
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.messages import codec
-from swarmcensus.deployment.translating import write
+from swarmcensus.deployment.targets.c import translated
 from swarmcensus.robot import codec as codec_file
 from swarmcensus.robot import history, runtime
 
@@ -146,11 +147,11 @@ def bits(name):
     if not absent["MicroPython"]:
         cells["MicroPython"] = told(wanted, on_micropython(double))
     with tempfile.TemporaryDirectory() as folder:
-        write(double, Path(folder))
+        write_texts(Path(folder), translated(double))
         if not absent["C"]:
             cells["C, `double`"] = told(wanted, chips.on_host(Path(folder) / "selftest.c"))
     with tempfile.TemporaryDirectory() as folder:
-        write(single, Path(folder))
+        write_texts(Path(folder), translated(single))
         source = Path(folder) / "selftest.c"
         if not absent["C"]:
             cells["C, `float`"] = told(wanted_single, chips.on_host(source))

@@ -16,7 +16,8 @@ from rich.table import Column, Table
 from swarmcensus import brains
 from swarmcensus.deployment.micropython_files import micropython_files
 from swarmcensus.deployment.on_node import NEEDED, micropython, on_board
-from swarmcensus.deployment.plans import plan_for
+from swarmcensus.deployment.target import order_of
+from swarmcensus.deployment.targets import find
 
 BRAIN = """
 import gc
@@ -118,7 +119,8 @@ def main(names):
             continue
         *sizes, spent = measured(brain)
         table.add_row(name, *(f"{x:,}" for x in sizes), f"{spent:.0f}")
-    files = micropython_files(plan_for(brains.load("commons"), "udp", 0.9, 0.8, "ratio16"))
+    order = order_of(brains.load("commons"), "udp", find("udp"), b=0.9, w=0.8, message="ratio16")
+    files = micropython_files(order)
     _, codec, runtime, robot = run(files | {"main.py": RUNTIME})
     for name, size in (("codec.py", codec), ("runtime.py", runtime), ("a robot of commons", robot)):
         table.add_row(name, f"{int(size):,}")

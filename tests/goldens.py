@@ -144,10 +144,10 @@ def of_the_rest() -> dict[str, str]:
         "plan": printed(*plan, "--robots", "5:40", "--minutes", 8, "--out", "plan.json")
         + printed(*plan, "--robots", 20, "--minutes", "1:20", "--out", "plan.toml", "--plot", "plan.png"),
         "tune": printed(
-            *("tune", example / "tuning.toml", "--parameters", "prior=1:100:log", "--budget", 26, "--trials", 4),
+            *("tune", example / "tuning.toml", "--parameter", "prior=1:100:log", "--budget", 26, "--trials", 4),
             *("--out", "tuned.toml"),
         ),
-        "watch": printed("watch", "--export", "watch.html", "--set", "tick=50", "--set", "robots=10"),
+        "watch": printed("watch", "--out", "watch.html", "--set", "tick=50", "--set", "robots=10"),
         "reproduce": printed("reproduce", "--trials", 2, "--out", "reproduction", "--only", "fig2", "fig5", "claims"),
         "replay": printed("replay", "ring.nc", "--setting", 0, "--trial", 1, "--out", "trace.csv", "--plot", "t.png"),
         "board": printed("leaderboard", "--trials", 1, "--out", "board", "my_brain.py"),
@@ -169,9 +169,9 @@ def of_the_rest() -> dict[str, str]:
 
 
 def _commands() -> list[list[str]]:
-    from swarmcensus.cli.commands import COMMANDS
+    from swarmcensus.cli.commands import commands
 
-    return [[], *([name] for name in COMMANDS)]
+    return [[], *([name] for name in commands())]
 
 
 def main() -> None:

@@ -41,10 +41,12 @@ def option(name: str, value: object = None) -> str:
 
     If the command has no such option, but draws figures, the text is `--set against=swift`.
     """
-    value = f"{value:g}" if isinstance(value, float) and in_shell() else value
     options = _OPTIONS.get()
     if options is None:
         return f"{name}=" if value is None else f"{name}={value!r}"
+    value = f"{value:g}" if isinstance(value, float) else value
+    if name not in options and name.removesuffix("s") in options:  # several in Python, repeated in a shell
+        name = name.removesuffix("s")
     if name not in options and "set" in options:
         return f"--set {command(f'{name}={value}') if value is not None else f'{name}='}"
     flag = f"--{name.replace('_', '-')}"

@@ -47,12 +47,12 @@ def is_trace(data: xr.Dataset) -> bool:
 
 
 def trace_of(
-    results: xr.Dataset, setting: int | None = None, trial: int = 0, brain: str | Path | None = None
+    results: xr.Dataset, setting: int | None = None, trial: int = 0, brain_file: str | Path | None = None
 ) -> xr.Dataset:
     """Replay the estimates of a trial; `setting` is by default the first. Raises InputError as `replay` does."""
     require(results, dimensions=("setting", "trial"))
     number = int(results["setting"].values[0]) if setting is None else setting
-    return replaying.estimates(results, number, trial, brain)
+    return replaying.estimates(results, number, trial, brain_file)
 
 
 def scene_of(
@@ -66,9 +66,9 @@ def scene_of(
     `setting` is by default the first with moving robots. Raises InputError, also if the setting's robots do not move.
     """
     data = results if isinstance(results, xr.Dataset) else load(results)
-    setting, chosen = find_moving(data, setting, trial, brain)
+    setting, chosen = find_moving(data, setting, trial, brain_file)
     assert chosen.body is not None
-    trace = replaying.replay(data, setting, trial, brain, links=True)
+    trace = replaying.replay(data, setting, trial, brain_file, links=True)
     trace.attrs["tick_seconds"] = chosen.body.tick
     if tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES:
         ground = sampling.ground(chosen, trace.attrs["seed"], trial)
@@ -83,7 +83,7 @@ def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | 
     return results if is_trace(results) else scene_of(results, setting, trial, brain)
 
 
-def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None, robot: int) -> Clock:
+def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None, robot: int) -> Clock:
     """The clock of a trial, without running it again.
 
     Raises InputError if the setting, trial, brain or robot does not exist, or the robots do not move.
@@ -93,7 +93,7 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | 
         ticks, robots = results["round"].values, results.sizes["robot"]
         clock = Clock(int(ticks[0]), int(ticks[-1]), results.attrs.get("tick_seconds"))
     else:
-        _, chosen = find_moving(results, setting, trial, brain)
+        _, chosen = find_moving(results, setting, trial, brain_file)
         assert chosen.body is not None
         robots, clock = chosen.robots, Clock(0, chosen.rounds, chosen.body.tick)
     check_robot(robot, robots)
@@ -113,7 +113,7 @@ def check_robot(robot: int, robots: int) -> None:
 
 
 def find_moving(
-    data: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None = None
+    data: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None = None
 ) -> tuple[int, Setting]:
     """The number of a setting with moving robots, by default the first, and the setting.
 
@@ -126,7 +126,7 @@ def find_moving(
     if number in data["setting"].values and number not in moving:
         several = ", ".join(map(str, moving[:8])) + (", ..." if moving.size > 8 else "")
         raise InputError(f"setting {number} is a fixed network, without an arena; those of moving robots: {several}")
-    _, chosen = setting_of(data, number, brain)
+    _, chosen = setting_of(data, number, brain_file)
     trials = data["trial"].values
     if trial not in trials:
         raise InputError(f"trial {trial}: these results hold trial {trials.min()} to {trials.max()}")

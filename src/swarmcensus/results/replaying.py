@@ -25,7 +25,11 @@ from swarmcensus.worlds.faults import NAMES, outages
 
 
 def replay(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None, links: bool = False
+    results: xr.Dataset | str | Path,
+    setting: int,
+    trial: int,
+    brain_file: str | Path | None = None,
+    links: bool = False,
 ) -> xr.Dataset:
     """Run one trial again and return its trace: every field of the brain's memory and `estimate`, (round, robot).
 
@@ -38,7 +42,7 @@ def replay(
     `results` is a dataset or a results file; `setting` and `trial` are its coordinates. A brain that is not shipped
     must be given as a file. Estimates equal those of the run to the last bit. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain)
+    study, chosen = _find(results, setting, trial, brain_file)
     if chosen.body is not None:
         trace = _moving_trace(chosen, study.seed, trial, links)
     else:
@@ -49,13 +53,13 @@ def replay(
 
 
 def estimates(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None = None
 ) -> xr.Dataset:
     """A trace as `replay` returns it; on fixed networks, with estimates only.
 
     This needs no compilation if the trial was run on this machine. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain)
+    study, chosen = _find(results, setting, trial, brain_file)
     if chosen.body is not None:
         trace = _moving_trace(chosen, study.seed, trial, False)
     else:
@@ -169,14 +173,14 @@ def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dat
 
 
 def recording(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """The observations and links of one trial, in the form that `infer` takes.
 
     Returns readings (step, robot), 1 for black, and undirected edges (edge, 2). For robots that move and for directed
     links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain)
+    study, chosen = _find(results, setting, trial, brain_file)
     if len(chosen.brains) > 1:
         raise InputError("a recording is for one brain, and the robots of this setting have several")
     if chosen.brain.is_oracle and chosen.body is not None:
@@ -211,12 +215,12 @@ def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
 
 
 def _find(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None
 ) -> tuple[Study, Setting]:
     data = results if isinstance(results, xr.Dataset) else load(results)
     known = data["trial"].values
     if trial not in known:
         raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
-    study, chosen = setting_of(data, setting, brain)
+    study, chosen = setting_of(data, setting, brain_file)
     caution(chosen.brains)
     return study, chosen

@@ -142,7 +142,7 @@ def must_be_read(setting: Setting) -> None:
     for brain in (brain for brain in (setting.brain, *of_members) if not brain.is_loaded):
         raise InputError(
             f"the {brain.kind} {brain.name!r} is a file. Files named in results are run only if they lie below the "
-            f"current folder, unchanged: give it with {option('brain')}, as it was"
+            f"current folder, unchanged: give it with {option('brain_file')}, as it was"
         )
 
 
@@ -163,7 +163,7 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
             raise InputError(f"metric {name!r}: its source has changed since these results were made")
         raise InputError(
             f"the metric {name!r} is a file. Files named in results are run only if they lie below the current "
-            f"folder, unchanged: give it with {option('brain')}, as it was"
+            f"folder, unchanged: give it with {option('brain_file')}, as it was"
         )
 
 

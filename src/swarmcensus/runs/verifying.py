@@ -82,7 +82,7 @@ def verify(
     results: xr.Dataset | str | Path,
     sample: float = 0.01,
     *,
-    brain: Brains = (),
+    brain_file: Brains = (),
     seed: int | None = None,
     jobs: int | None = None,
     progress: Report | bool = True,
@@ -90,7 +90,7 @@ def verify(
     """Run a random share `sample` of the stored trials again, at least one, and compare all measurements.
 
     With sample=1 all trials are run again. With a `seed` the choice is the same each time. Brains that do not ship must
-    be given as `brain`. `progress` is as for `run`. Labels and attributes are always compared with the
+    be given as `brain_file`. `progress` is as for `run`. Labels and attributes are always compared with the
     study. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
@@ -98,7 +98,7 @@ def verify(
     data = packed(results) if isinstance(results, xr.Dataset) else stored(results)
     if wrong := structure.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
-    studies = studies_of(data, brain)
+    studies = studies_of(data, brain_file)
     labels = [*unlike(data, studies), *_rule_problems(data, studies)]
     if not isinstance(results, xr.Dataset):
         labels += wrong_layout(results, data)
@@ -119,7 +119,7 @@ def verify(
         for study in (_measuring_all_stored(data, study, watched) for study in studies):
             places, settings = _settings_in(data, study, unmatched)
             if settings:
-                metrics_may_run(study, brain)
+                metrics_may_run(study, brain_file)
                 unmatched[places] = False
                 differences += _compare(data, study, places, settings, wanted[places], jobs, report)
     wanted[unmatched] = False  # these settings are of none of the studies, as `labels` say

@@ -34,7 +34,7 @@ FEWEST = 20
 
 def write_folder(plan: Plan, folder: Path, command_port: int, token: str) -> None:
     """Write all that robots need, whole or not at all. Raises InputError if the folder exists and is not empty."""
-    with new_folder(folder, "--out") as made:
+    with new_folder(folder) as made:
         run = made / RUN
         run.mkdir()
         precision = plan.setting.precision

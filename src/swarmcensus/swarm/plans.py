@@ -13,10 +13,8 @@ from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.packing import FORMATS, Format
 from swarmcensus.conformance.quick import caution
 from swarmcensus.deployment import on_node
-from swarmcensus.deployment.plans import LOWEST_HZ
-from swarmcensus.deployment.plans import Plan as DeployedPlan
+from swarmcensus.deployment.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.robot.runtime import CHECKSUM, HEADER
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies.settings import Setting
@@ -98,7 +96,7 @@ class Plan:
     @property
     def mark(self) -> int:
         """Of the datagrams of this swarm, also those of its members with other brains."""
-        return DeployedPlan(self.setting.brain, "udp", 1.0, 1.0, self.air.hz, None).mark
+        return mark_of(self.setting.brain)
 
 
 def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> Plan:
@@ -134,11 +132,8 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
             'such as topology = "ring"'
         )
     if setting.faults:
-        raise InputError(f"{study.name}: [[faults]] are not run by processes: --at makes robots fail")
-    if setting.brain.is_oracle:
-        raise InputError(
-            f"the brain {setting.brain.name!r} is a bound: no robot hears all others and knows every sensor"
-        )
+        raise InputError(f"{study.name}: [[faults]] are not run by processes: --fault makes robots fail")
+    check_is_no_bound(setting.brain)
     if any(brain.jams for brain in setting.brains):
         raise InputError(f"{study.name}: a robot jams others' messages, which no robot does over sockets")
     if setting.robots > MOST_ROBOTS:
@@ -147,11 +142,10 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
         raise InputError(
             f"{setting.observations_per_round:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
         )
-    size = HEADER + CHECKSUM + max(brain.message_bytes for brain in setting.brains)
+    size = max(map(datagram_bytes, setting.brains))
     if size > MOST_BYTES:
         raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
-    if not LOWEST_HZ <= air.hz <= HIGHEST_HZ:
-        raise wrong_option("hz", air.hz, f"should be ticks a second, from {LOWEST_HZ:g} to {HIGHEST_HZ:g}")
+    check_hz(air.hz, HIGHEST_HZ)
     for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
         if not 0.0 <= value <= 0.9:
             raise wrong_option(name, value, "should be a share, from 0 to 0.9")

@@ -91,7 +91,7 @@ def test_where(small_results):
     ("command", "meant"),
     [
         (["shwo", "x.nc"], "show"), (["summary", "x.nc"], "show"),
-        (["export", "x.nc", "--to", "cvs"], "csv"), (["run", "x.toml", "--rng", "3"], "--seed"),
+        (["export", "x.nc", "--format", "cvs"], "csv"), (["run", "x.toml", "--rng", "3"], "--seed"),
         (["run", "x.toml", "--threads=3"], "--jobs"), (["plot", "x.nc", "--wehre", "a"], "--where"),
     ],
 )  # fmt: skip

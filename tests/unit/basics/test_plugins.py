@@ -548,7 +548,7 @@ def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(packag
         commands = [("run", done / "measured.toml", "--out", old), ("verify", old, "--sample", 1)]
         given = tmp_path / f"{file}.py"
         given.write_text(before)
-        *found, last = one_by_one(tmp_path / "site", *commands, ("verify", old, "--sample", 1, "--brain", given))
+        *found, last = one_by_one(tmp_path / "site", *commands, ("verify", old, "--sample", 1, "--brain-file", given))
         for (code, said), due in zip(found, (said_of_run, said_of_verify), strict=True):
             assert (code, said.count("\n")) == (2, 1)
             assert due in said

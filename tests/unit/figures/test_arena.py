@@ -524,4 +524,4 @@ def test_a_brain_of_ones_own_must_be_given_where_it_lies_no_longer(tmp_path, mon
     error = capsys.readouterr().err
     assert "mine" in error
     assert error.count("\n") == 1
-    assert main(["plot", "own.nc", "--kind", "arena", "--brain", "moved.py", "--out", "y.png"]) == 0
+    assert main(["plot", "own.nc", "--kind", "arena", "--brain-file", "moved.py", "--out", "y.png"]) == 0

@@ -450,10 +450,10 @@ def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
     Path("sub/s.toml").write_text(STUDY.format(metrics='["mine.py"]'))
     assert main(["run", "sub/s.toml", "--out", "a.nc"]) == 0
     assert main(["verify", "a.nc"]) == 2
-    assert "give it with --brain, as it was" in capsys.readouterr().err
-    assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 0
+    assert "give it with --brain-file, as it was" in capsys.readouterr().err
+    assert main(["verify", "a.nc", "--brain-file", "sub/mine.py"]) == 0
     Path("sub/mine.py").write_text(MINE + "\n")
-    assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 2
+    assert main(["verify", "a.nc", "--brain-file", "sub/mine.py"]) == 2
 
 
 @pytest.mark.interpreted

@@ -576,7 +576,7 @@ class TestBrainFiles:
         data = self.results("mine.py")
         (here / "mine.py").write_text("raise SystemExit('was run')")
         with pytest.raises(InputError, match="not the source that these results were made with"):
-            sc.verify(data, 1.0, brain="mine.py")
+            sc.verify(data, 1.0, brain_file="mine.py")
 
     def test_a_source_and_its_hash_belong_together(self, here):
         (here / "mine.py").write_text(self.SOURCE)

@@ -138,11 +138,11 @@ def test_a_file_is_run_where_it_lies_or_is_given_and_nowhere_else(here, data, tm
     last = ["replay", str(here / "s.nc"), "--setting", "21", "--trial", "0", "--out", "t.nc"]
     assert main(last) == 2
     assert "the adversary 'grey.py' is a file. Files named in results are run only" in capsys.readouterr().err
-    assert main([*last, "--brain", "mine.py"]) == 0
+    assert main([*last, "--brain-file", "mine.py"]) == 0
     assert main(["replay", str(here / "s.nc"), "--setting", "20", "--trial", "0", "--out", "t.nc"]) == 0
-    assert verify(data, sample=1.0, brain="mine.py").differences == []
+    assert verify(data, sample=1.0, brain_file="mine.py").differences == []
     elsewhere.write_text(MINE.replace("0.5", "0.6"))
-    assert main([*last, "--brain", "mine.py"]) == 2
+    assert main([*last, "--brain-file", "mine.py"]) == 2
     assert (
         "not the source that these results were made with (legacy, minimalistic, always-black"
         in capsys.readouterr().err

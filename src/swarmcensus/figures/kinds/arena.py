@@ -51,7 +51,7 @@ def arena(
     *,
     setting: int | None = None,
     trial: int = 0,
-    brain: str | Path | None = None,
+    brain_file: str | Path | None = None,
     tick: int | str | None = None,
     robot: int = 0,
     title: str | None = None,
@@ -66,7 +66,7 @@ def arena(
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.
     - `setting`, `trial`: the trial to replay; by default the first trial of the first setting whose robots move.
-    - `brain`: the brain file to replay with, if the brain is your own.
+    - `brain_file`: the brain file to replay with, if the brain is your own.
     - `tick`: a tick, or a time such as "5 min"; by default the last tick.
     - `robot`: the robot whose radio range is drawn.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
@@ -75,7 +75,7 @@ def arena(
 
     Raises InputError if there is no such setting, trial, tick or robot, and if robots do not move.
     """
-    clock = scenes.clock_of(results, setting, trial, brain, robot)
+    clock = scenes.clock_of(results, setting, trial, brain_file, robot)
     drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
     scenes.check_tick(drawn_tick, (clock.first, clock.last))
     drawn = Arena(scenes.drawn_of(results, setting, trial, brain), robot=robot, title=title, ax=ax)

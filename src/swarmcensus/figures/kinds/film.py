@@ -44,7 +44,7 @@ def film(
     out: str | Path = "film.mp4",
     setting: int | None = None,
     trial: int = 0,
-    brain: str | Path | None = None,
+    brain_file: str | Path | None = None,
     first: int | str = 1,
     last: int | str | None = None,
     every: int = 2,
@@ -62,7 +62,7 @@ def film(
 
     - `out`: the file. An .mp4 is H.264 with 864 x 800 pixels and needs imageio-ffmpeg. A .gif has 540 x 500 pixels, few
       colours, and at most 1,000 frames.
-    - `setting`, `trial`, `brain`, `robot`, `title`: as in `arena`.
+    - `setting`, `trial`, `brain_file`, `robot`, `title`: as in `arena`.
     - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
     - `every`: the number of ticks from one frame to the next.
     - `dpi`: dots per inch, by default 128 for an .mp4 and 80 for a .gif.

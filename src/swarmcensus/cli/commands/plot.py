@@ -11,13 +11,24 @@ from typing import Any
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import wrong_option
-from swarmcensus.cli.options import from_zero, name_list, positive, round_or_time, width
+from swarmcensus.cli.options import (
+    Command,
+    Group,
+    add_shared,
+    assignment,
+    from_zero,
+    name_list,
+    once,
+    positive,
+    round_or_time,
+    width,
+)  # fmt: skip
 from swarmcensus.cli.output import LOG, wrote
-from swarmcensus.cli.source import add_label_option, add_source_options, read
+from swarmcensus.cli.source import add_source_options, read
 
 KIND_OPTIONS = (
-    *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
-    *("fps", "theory"),
+    *("x", "y", "color", "panels", "local", "setting", "trial", "brain_file", "tick", "robot", "first", "last"),
+    *("every", "fps", "theory"),
 )  # options of `plot` that are passed on to the function of a kind, by the same name
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
@@ -41,6 +52,7 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--set",
+        type=assignment,
         action="append",
         default=[],
         metavar="OPTION=VALUE",
@@ -52,9 +64,8 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--theory", action="store_true", default=None, help="add curves of theory (scatter, decisions, curves)"
     )
-    sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
-    sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, if the brain is your own (curves, arena, film)")
+    add_shared(sub, setting="curves, arena and film; default: the first", trial="the same; default: 0")
+    add_shared(sub, brain_file="the same")
     sub.add_argument(
         "--tick", type=round_or_time, help="tick of the arena, or a time such as '1 min' (default: the last)"
     )
@@ -75,7 +86,7 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
         metavar="NAME_OR_FILE",
         help="a matplotlib style, such as ggplot or my.mplstyle; also in matplotlibrc",
     )
-    add_label_option(page)
+    add_shared(page, "label")
     page.add_argument(
         "--out",
         type=Path,
@@ -142,7 +153,7 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
 
     with _failures(options.kind):
         known = keys_of(draw).model_fields
-    given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) is not None}
+    given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) not in (None, [])}
     unknown = [name for name in given if name not in known]
     fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
     if options.kind in PLUGINS.shipped:
@@ -153,9 +164,7 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     if options.local and options.delta is not None:
         raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
-    more = dict(map(_set, options.set))
-    if len(more) < len(options.set):
-        raise OptionError("--set gives an option twice", key="set")
+    more = {name: _value(text) for name, text in once("set", options.set).items()}
     for name in given.keys() & more:
         raise OptionError(f"--{name} and --set {name}=... set the same option: give one of them", key=name)
     try:
@@ -164,17 +173,14 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
         raise InputError(str(error)) from None
 
 
-def _set(text: str) -> tuple[str, Any]:
-    """The option and the value of `--set`: the value as TOML reads it, or else the text itself."""
+def _value(text: str) -> Any:
+    """A value of `--set` as TOML reads it, or else the text itself."""
     import tomllib
 
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise OptionError(f"--set {text!r}: should be such as scale=linear", key="set", value=text)
     try:
-        return name.strip(), tomllib.loads(f"value = {value}")["value"]
+        return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        return name.strip(), value.strip()
+        return text
 
 
 @contextlib.contextmanager
@@ -260,3 +266,11 @@ def figure_files(
     for ending in formats:
         check_writable(stem.with_name(f"{stem.name}.{ending}"), *inputs)
     return stem, formats
+
+
+COMMANDS = (
+    Command(
+        "plot", "Draw a figure of a results file.",
+        Group.LOOK, plot, add_plot_options, json=False,
+    ),
+)  # fmt: skip

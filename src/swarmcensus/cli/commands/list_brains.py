@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.cli.cost_table import show_costs
+from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import answer, present, say
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 MODULES = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
     "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.spreading",
-    "figures": "figures.kinds",
+    "figures": "figures.kinds", "targets": "deployment.targets",
 }  # fmt: skip  # kinds of plugins, and the module that finds each
 COLUMNS = ("memory", "message", "single")
 LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
@@ -272,3 +273,16 @@ def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
             yield from (argument.arg for argument in node.args.kwonlyargs)
             if node.name == "quantile":
                 yield from (argument.arg for argument in node.args.args[1:])
+
+
+COMMANDS = (
+    Command(
+        "brains",
+        "List brains and adversaries, print the source of one, check a file, or measure what brains take of a chip.",
+        Group.BRAINS, brains, add_brains_options, table=True,
+    ),
+    Command(
+        "list", "List what studies and figures can use by name, including plugins from other packages.",
+        Group.BRAINS, choices, add_list_options, table=True,
+    ),
+)  # fmt: skip

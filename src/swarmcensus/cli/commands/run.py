@@ -7,7 +7,7 @@ from pathlib import Path
 from swarmcensus.basics.errors import Interrupted, OptionError
 from swarmcensus.basics.formatting import counted, elapsed
 from swarmcensus.basics.options import wrong_option
-from swarmcensus.cli.options import add_run_options, share
+from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared, part_of_trials
 from swarmcensus.cli.output import answer, present, reporting, say, wrote
 
 
@@ -25,7 +25,7 @@ def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
         "--only", nargs="+", metavar="PART", help="only these parts, such as fig2, fig3, fig4, fig5 or claims"
     )
     sub.add_argument("--pdf", action="store_true", help="also write the figures as PDF")
-    add_run_options(sub)
+    add_shared(sub, *OF_RUNS)
 
 
 def reproduce(options: argparse.Namespace) -> int:
@@ -57,10 +57,10 @@ def add_study_options(sub: argparse.ArgumentParser) -> None:
         metavar="FILE.nc",
         help="results file (default: name of the study file with .nc, in this folder)",
     )
-    add_run_options(sub)
+    add_shared(sub, *OF_RUNS)
     sub.add_argument(
         "--share",
-        type=share,
+        type=part_of_trials,
         metavar="K/N",
         help="run only the K-th of N parts of the trials; 'merge' joins the results",
     )
@@ -143,3 +143,19 @@ def status(options: argparse.Namespace) -> int:
     else:
         print("\n".join(progress.lines))
     return 0
+
+
+COMMANDS = (
+    Command(
+        "reproduce", "Run the paper's evaluation, draw its figures and check its claims.",
+        Group.STUDIES, reproduce, add_reproduce_options,
+    ),
+    Command(
+        "run", "Run a study file and write its results as netCDF.",
+        Group.STUDIES, run, add_study_options, table=True,
+    ),
+    Command(
+        "status", "Show how far a running or interrupted study is, and when it will end.",
+        Group.STUDIES, status, add_status_options,
+    ),
+)  # fmt: skip

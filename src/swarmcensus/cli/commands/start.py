@@ -18,6 +18,7 @@ from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import command, wrong_option
 from swarmcensus.basics.version import __version__
+from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import answer, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
@@ -40,7 +41,7 @@ def new(options: argparse.Namespace) -> int:
     """Write a commented study or brain to start from."""
     from swarmcensus.basics.files import atomic_write
 
-    starter = Path(__file__).parent / "starters" / STARTERS[options.what]
+    starter = Path(__file__).parents[1] / "starters" / STARTERS[options.what]
     out = options.file or _free(Path(f"my_{starter.name}"))
     if out.suffix != starter.suffix:
         raise InputError.of(out, f"a {options.what} is a {starter.suffix} file")
@@ -56,7 +57,7 @@ def add_studies_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `studies`."""
     what = sub.add_mutually_exclusive_group()
     what.add_argument("name", nargs="?", metavar="NAME", help="copy this study, with the files that it uses")
-    what.add_argument("--schema", action="store_true", help="print the JSON schema of study files, for editors")
+    add_shared(what, "schema")
     sub.add_argument(
         "--out", type=Path, metavar="FILE.toml", help="file of the copy (default: NAME.toml in this folder)"
     )
@@ -263,3 +264,19 @@ def _version(name: str) -> str:
         return importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         return ""
+
+
+COMMANDS = (
+    Command(
+        "new", "Write a study or a brain to start from, with every line explained.",
+        Group.STUDIES, new, add_new_options, json=False,
+    ),
+    Command(
+        "studies", "List the studies that come with swarmcensus, copy one, or print their schema.",
+        Group.STUDIES, studies, add_studies_options,
+    ),
+    Command(
+        "doctor", "Show which versions are installed, and what is missing.",
+        Group.SETUP, doctor,
+    ),
+)  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import elapsed
 from swarmcensus.basics.options import wrong_option
-from swarmcensus.cli.options import from_zero, positive
+from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
 from swarmcensus.cli.output import present, reporting, say
 
 KEYS = {
@@ -80,19 +80,16 @@ def add_plan_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--body",
+        type=assignment,
         action="append",
         default=[],
         metavar="KEY=VALUE",
         help="property of the robots, such as speed=0.1 or radio_range=2; may be repeated",
     )
-    sub.add_argument("--schema", action="store_true", help="print the JSON schema of mission files, for editors")
+    add_shared(sub, "schema", "jobs", seed="default: 0")
     sub.add_argument("--trials", type=positive, help="trials of each simulation that confirms the plan (default: 200)")
-    sub.add_argument("--seed", type=from_zero, help="seed of all random numbers (default: 0)")
-    sub.add_argument(
-        "--jobs", type=positive, help="number of threads (default: one per core); results do not depend on it"
-    )
     sub.add_argument("--out", type=Path, metavar="FILE.json|toml", help="write the plan to a file")
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="draw the number of robots against minutes")
+    add_shared(sub, plot="the number of robots against minutes")
 
 
 def plan(options: argparse.Namespace) -> int:
@@ -168,11 +165,8 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
                 entries.pop(other, None)
     if options.brain:
         put("free", "brain", options.brain)
-    for pair in options.body:
-        name, equals, text = pair.partition("=")
-        if not equals:
-            raise wrong_option("body", pair, "should be such as speed=0.1")
-        put("body", name, _value(name, text, f"--body {pair}"))
+    for name, text in once("body", options.body).items():
+        put("body", name, _value(name, text, f"--body {name}={text}"))
     for key in ("trials", "seed"):
         if getattr(options, key) is not None:
             merged[key] = getattr(options, key)
@@ -205,3 +199,11 @@ def _number(text: str) -> float:
         return int(text)
     except ValueError:
         return float(text)
+
+
+COMMANDS = (
+    Command(
+        "plan", "Find how many robots, or how many minutes, a mission needs.",
+        Group.MISSIONS, plan, add_plan_options, table=True,
+    ),
+)  # fmt: skip

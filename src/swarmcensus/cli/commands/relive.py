@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.options import Command, Group, add_shared, once
 from swarmcensus.cli.output import answer, say, wrote
 
 if TYPE_CHECKING:
@@ -26,12 +27,9 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--brain", action="append", default=[], metavar="BRAIN", help="live the day under this brain too; repeatable"
     )
-    sub.add_argument(
-        "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter of --brain; repeatable"
-    )
-    sub.add_argument("--message", metavar="FORMAT", help="message format under --brain (default: that of the logs)")
-    sub.add_argument("--brain-file", type=Path, metavar="FILE.py", help="the robots' brain, if FOLDER lacks its file")
-    sub.add_argument("--fill-ratio", type=float, metavar="F", help="the true share of black, not that of FOLDER")
+    add_shared(sub, parameter="of --brain", message="under --brain; default: that of the logs")
+    sub.add_argument("--brain-file", type=Path, metavar="FILE", help="the robots' brain, if FOLDER lacks its file")
+    add_shared(sub, fill_ratio="default: that of FOLDER")
     sub.add_argument("--out", type=Path, metavar="FILE.nc", help="results to write: one setting per brain")
     sub.add_argument(
         "--trace",
@@ -39,7 +37,7 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
         metavar="FILE.nc|csv",
         help="write every robot's estimate and memory after every tick, under --brain if there is one",
     )
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="plot the estimates of that trace")
+    add_shared(sub, plot="the estimates of that trace")
 
 
 def relive(options: argparse.Namespace) -> int:
@@ -78,20 +76,13 @@ def relive(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> None:
     """Raise InputError for options that do not go together, before anything is lived."""
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.basics.hints import did_you_mean
-    from swarmcensus.brains.packing import FORMATS
-    from swarmcensus.cli.plot import figure_files
+    from swarmcensus.cli.commands.plot import figure_files
 
-    if options.fill_ratio is not None and not 0.0 <= options.fill_ratio <= 1.0:
-        raise wrong_option("fill_ratio", options.fill_ratio, "should be a share of black, from 0 to 1")
     for flag, value in (("--parameter", options.parameter), ("--message", options.message)):
         if value and not options.brain:
             raise InputError(f"{flag} goes with --brain")
     if options.parameter and len(options.brain) > 1:
         raise OptionError("--parameter goes with one --brain", key="parameter")
-    if options.message and options.message not in FORMATS[1:]:
-        hint = did_you_mean(options.message, FORMATS[1:])
-        raise wrong_option("message", options.message, f"{hint}should be one of {', '.join(FORMATS[1:])}")
     if (options.trace or options.plot) and len(options.brain) > 1:
         flag, other = ("trace", "") if options.trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
         raise OptionError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}", key=flag)
@@ -108,13 +99,12 @@ def _check(options: argparse.Namespace) -> None:
 
 def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
     from swarmcensus import brains
-    from swarmcensus.cli.deploy import parameters_of
 
-    found = []
+    found, values = [], once("parameter", options.parameter)
     for name in options.brain:
         brain = brains.load(name)
         try:
-            brain = brain.with_parameters(parameters_of(options.parameter))
+            brain = brain.with_parameters(values)
         except ValueError as error:
             raise OptionError(f"--parameter: {error}", key="parameter") from None
         if brain.name == day.brain.name and brain.sha256 != day.brain.sha256:
@@ -128,7 +118,7 @@ def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
 
 
 def _write_trace(options: argparse.Namespace, trace: Any) -> None:
-    from swarmcensus.cli.plot import save_figure
+    from swarmcensus.cli.commands.plot import save_figure
     from swarmcensus.results.recordings import write_trace
 
     if options.trace:
@@ -260,3 +250,11 @@ def _list(lines: Sequence[str]) -> None:
 
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.4f}"
+
+
+COMMANDS = (
+    Command(
+        "relive", "Live robots' minds again from their logs, to the bit, or the same day under another brain.",
+        Group.ROBOTS, relive, add_relive_options,
+    ),
+)  # fmt: skip
