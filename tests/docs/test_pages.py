@@ -5,7 +5,6 @@ import runpy
 import tomllib
 
 import pytest
-from swarmcensus.cli.plan import KEYS
 
 import swarmcensus as sc
 from swarmcensus import metrics

@@ -56,7 +56,7 @@ def trace_of(
 
 
 def scene_of(
-    results: xr.Dataset | str | Path, setting: int | None = None, trial: int = 0, brain: str | Path | None = None
+    results: xr.Dataset | str | Path, setting: int | None = None, trial: int = 0, brain_file: str | Path | None = None
 ) -> xr.Dataset:
     """Return what `arena` and `film` draw of one trial: its trace with links, and its floor as two more variables.
 
@@ -78,9 +78,9 @@ def scene_of(
     return trace
 
 
-def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None) -> xr.Dataset:
+def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None) -> xr.Dataset:
     """A trace as it is, or the scene of results. Raises InputError as `scene_of` does."""
-    return results if is_trace(results) else scene_of(results, setting, trial, brain)
+    return results if is_trace(results) else scene_of(results, setting, trial, brain_file)
 
 
 def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None, robot: int) -> Clock:

@@ -58,10 +58,9 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     b, w, assumed_b, assumed_w = sampling.accuracies(setting, seed, first, trials)
-    beliefs = kept = (assumed_b, assumed_w)
+    beliefs = (assumed_b, assumed_w)
     if setting.precision == "single":
-        assumed_b, assumed_w = (side.astype(np.float32).astype(np.float64) for side in beliefs)
-        beliefs, kept = (assumed_b, assumed_w), (in_halves(assumed_b), in_halves(assumed_w))
+        beliefs = (assumed_b.astype(np.float32).astype(np.float64), assumed_w.astype(np.float32).astype(np.float64))
     drift, readings = sampling.drifts(setting, seed, first, trials, b), addresses.readings_key(setting, seed)
     orders = addresses.readings_key(setting, seed, "order") if order else NO_KEY
     sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)

@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 
 import pytest
-from swarmcensus.deployment.plans import SENT
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main

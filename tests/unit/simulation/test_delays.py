@@ -19,7 +19,7 @@ from tests.support.lives import lived
 from tests.support.lying import liars
 from tests.support.places import ROOT
 from tests.support.second import changed, fixed
-from tests.support.small import BOTH, FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, moving_of, settings_of
+from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, moving_of, settings_of
 
 COMMONS = ROOT / "support" / "commons.py"
 BRAINS = ["minimalistic", "commons", "swift", "voter"]
@@ -69,11 +69,6 @@ def test_without_a_delay_all_is_as_before():
     assert addresses.fingerprint(plain[0], 1) == addresses.fingerprint(told[0], 1) != addresses.fingerprint(late[0], 1)
     assert "message_delay" not in coordinates_of(plain[0])
     assert str(late[0]) == str(plain[0]).replace(", C =", ", delay 2, C =")
-
-
-def test_a_delay_spans_the_fixed_networks_of_a_study_alone():
-    settings = checked(BOTH | {"message_delay": [0, 2]}).settings()
-    assert [(s.topology.name, s.delay) for s in settings] == [("ring", 0), ("ring", 2), ("moving", 0)]
 
 
 def test_late_messages_meet_the_same_luck_and_losses():

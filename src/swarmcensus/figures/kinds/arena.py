@@ -78,7 +78,7 @@ def arena(
     clock = scenes.clock_of(results, setting, trial, brain_file, robot)
     drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
     scenes.check_tick(drawn_tick, (clock.first, clock.last))
-    drawn = Arena(scenes.drawn_of(results, setting, trial, brain), robot=robot, title=title, ax=ax)
+    drawn = Arena(scenes.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
     drawn.show(drawn_tick)
     return figure_of([drawn.axes])
 

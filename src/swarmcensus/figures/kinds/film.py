@@ -78,7 +78,7 @@ def film(
     if ax is not None and out != "film.mp4":
         raise InputError(f"film: with ax no file is written: leave out={out} out, or ax")
     suffix_of(out)
-    clock, path = scenes.clock_of(results, setting, trial, brain, robot), Path(out)
+    clock, path = scenes.clock_of(results, setting, trial, brain_file, robot), Path(out)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
     ticks = _ticks(path, clock, begin, end, every, fps)
     ffmpeg = None
@@ -86,7 +86,7 @@ def film(
         check_writable(path)
         ffmpeg = ffmpeg_for(path)
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
-    trace = scenes.drawn_of(results, setting, trial, brain)
+    trace = scenes.drawn_of(results, setting, trial, brain_file)
     arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
     if ax is not None:
         return _animation(arena, ticks, fps, progress)
