@@ -157,7 +157,7 @@ def after_each_round(floor):
     found = []
     for setting in range(len(CHANGE_BRAINS)):
         lives = [
-            sc.replay(results, setting=setting, trial=trial, brain=[FORGETFUL])["estimate"].values[1:]
+            sc.replay(results, setting=setting, trial=trial, brain_file=[FORGETFUL])["estimate"].values[1:]
             for trial in range(20)
         ]
         found.append(np.median(np.abs(np.stack(lives) - truth), axis=(0, 2)))

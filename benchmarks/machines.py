@@ -21,11 +21,13 @@ from swarmcensus.brains.packing import Numbers
 from swarmcensus.conformance.machine import blank_mind, exchange, machine_code
 from swarmcensus.deployment import chips, on_node, selftest
 from swarmcensus.deployment.costs import COLUMNS, LUCKY, NUMBERS, TICKS, cost
+from swarmcensus.deployment.folders import write_texts
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.messages import codec
 from swarmcensus.deployment.micropython_files import micropython_files
-from swarmcensus.deployment.plans import plan_for
-from swarmcensus.deployment.translating import write
+from swarmcensus.deployment.target import order_of
+from swarmcensus.deployment.targets import find
+from swarmcensus.deployment.targets.c import translated
 from swarmcensus.robot import codec as codec_file
 from swarmcensus.robot import history, runtime
 
@@ -143,11 +145,11 @@ def bits(name):
     if not absent["MicroPython"]:
         cells["MicroPython"] = told(wanted, on_micropython(double))
     with tempfile.TemporaryDirectory() as folder:
-        write(double, Path(folder))
+        write_texts(Path(folder), translated(double))
         if not absent["C"]:
             cells["C, `double`"] = told(wanted, chips.on_host(Path(folder) / "selftest.c"))
     with tempfile.TemporaryDirectory() as folder:
-        write(single, Path(folder))
+        write_texts(Path(folder), translated(single))
         source = Path(folder) / "selftest.c"
         if not absent["C"]:
             cells["C, `float`"] = told(wanted_single, chips.on_host(source))
@@ -450,7 +452,8 @@ def micropython(*names, quick=False):
             continue
         *sizes, spent = measured(brain)
         table.add_row(name, *(f"{x:,}" for x in sizes), f"{spent:.0f}")
-    files = micropython_files(plan_for(load("commons"), "udp", 0.9, 0.8, "ratio16"))
+    order = order_of(load("commons"), "udp", find("udp"), b=0.9, w=0.8, message="ratio16")
+    files = micropython_files(order)
     _, codec, runtime, robot = run(files | {"main.py": RUNTIME})
     for name, size in (("codec.py", codec), ("runtime.py", runtime), ("a robot of commons", robot)):
         table.add_row(name, f"{int(size):,}")

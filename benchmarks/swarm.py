@@ -320,9 +320,16 @@ def log_rows(folder, robots, ticks):
     each = round(ticks * 0.96)
     write_logs(day, few, each, loss=0.0)
     count, size = few * each * A_TICK, megabytes(day)
-    seconds, used, memory = measured_as(f"{count:,} messages", "export", day, "--to", "mcap", "--out", out)
+    seconds, used, memory = measured_as(f"{count:,} messages", "export", day, "--format", "mcap", "--out", out)
     size = f"{size:,.1f} MB to {out.stat().st_size / 1e6:,.1f} MB"
-    yield "export --to mcap", f"{count:,} messages, {size}", seconds, used, memory, f"{count / seconds:,.0f} messages"
+    yield (
+        "export --format mcap",
+        f"{count:,} messages, {size}",
+        seconds,
+        used,
+        memory,
+        f"{count / seconds:,.0f} messages",
+    )
 
 
 @harness.question

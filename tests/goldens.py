@@ -87,14 +87,18 @@ def names() -> list[str]:
 def addresses(name: str) -> str:
     """What each setting of a study is called, its coordinates, its fingerprint and its random keys, a line each."""
     import swarmcensus as sc
+    from swarmcensus.studies import addresses as keys_of
+    from swarmcensus.studies.coordinates import coordinates_of
 
     study = sc.Study.load(ROOT / "studies" / f"{name}.toml")
     lines = []
     for setting in study.settings():
         moves = setting.body is not None
-        keys = [getattr(setting, key)(study.seed) for key in KEYS if moves or key not in ("floor_key", "walk_key")]
+        keys = [
+            getattr(keys_of, key)(setting, study.seed) for key in KEYS if moves or key not in ("floor_key", "walk_key")
+        ]
         words = " ".join(digest(np.asarray(key).tobytes()) for key in keys)
-        lines.append(f"{setting} {setting.coordinates} {setting.fingerprint(study.seed)} {words}")
+        lines.append(f"{setting} {coordinates_of(setting)} {keys_of.fingerprint(setting, study.seed)} {words}")
     return f"{name}: {len(lines)} settings\n" + "\n".join(lines) + "\n\n"
 
 
@@ -140,10 +144,10 @@ def of_the_rest() -> dict[str, str]:
         "plan": printed(*plan, "--robots", "5:40", "--minutes", 8, "--out", "plan.json")
         + printed(*plan, "--robots", 20, "--minutes", "1:20", "--out", "plan.toml", "--plot", "plan.png"),
         "tune": printed(
-            *("tune", example / "tuning.toml", "--parameters", "prior=1:100:log", "--budget", 26, "--trials", 4),
+            *("tune", example / "tuning.toml", "--parameter", "prior=1:100:log", "--budget", 26, "--trials", 4),
             *("--out", "tuned.toml"),
         ),
-        "watch": printed("watch", "--export", "watch.html", "--set", "tick=50", "--set", "robots=10"),
+        "watch": printed("watch", "--out", "watch.html", "--set", "tick=50", "--set", "robots=10"),
         "reproduce": printed("reproduce", "--trials", 2, "--out", "reproduction", "--only", "fig2", "fig5", "claims"),
         "replay": printed("replay", "ring.nc", "--setting", 0, "--trial", 1, "--out", "trace.csv", "--plot", "t.png"),
         "board": printed("leaderboard", "--trials", 1, "--out", "board", "my_brain.py"),
@@ -165,9 +169,9 @@ def of_the_rest() -> dict[str, str]:
 
 
 def _commands() -> list[list[str]]:
-    from swarmcensus.cli.commands import COMMANDS
+    from swarmcensus.cli.commands import commands
 
-    return [[], *([name] for name in COMMANDS)]
+    return [[], *([name] for name in commands())]
 
 
 def main() -> None:

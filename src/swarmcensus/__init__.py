@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.comparing.comparison import compare
     from swarmcensus.conformance.checking import check
+    from swarmcensus.deployment.deploying import deploy
     from swarmcensus.explaining.agreement import explain
     from swarmcensus.figures import plot
     from swarmcensus.paper.reproducing import reproduce
@@ -40,6 +41,7 @@ _HOME = {
     "Study": "studies.study",
     "check": "conformance.checking",
     "compare": "comparing.comparison",
+    "deploy": "deployment.deploying",
     "explain": "explaining.agreement",
     "frame": "results.store",
     "infer": "simulation.inferring",
@@ -65,6 +67,7 @@ __all__ = [
     "Study",
     "check",
     "compare",
+    "deploy",
     "explain",
     "frame",
     "infer",

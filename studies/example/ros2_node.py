@@ -1,6 +1,6 @@
 """A robot as a node of ROS 2: its messages on one topic of all, its floor sensor and its estimate on topics of its own.
 
-Put it into the folder that `swarmcensus deploy BRAIN --to robot --radio udp ...` writes, in place of main.py, and start
+Put it into the folder that `swarmcensus deploy BRAIN robot --target udp ...` writes, in place of main.py, and start
 a node for each robot: `python ros2_node.py --ros-args -p number:=3`. Only `RobotNode` and `main` know ROS.
 
 /swarm/messages     std_msgs/UInt8MultiArray  datagrams of all robots

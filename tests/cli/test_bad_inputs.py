@@ -12,7 +12,7 @@ from swarmcensus.results import recordings
 from swarmcensus.results import store as results
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
-from swarmcensus.studies import toml_text
+from swarmcensus.studies import addresses, toml_text
 from tests.support.small import SMALL
 
 BRAIN = brains.load("minimalistic").source
@@ -154,7 +154,7 @@ def test_parts_of_a_study_make_another():
     old = sc.Study(trials=1, swarm=swarm, world=world)
     new = sc.Study(trials=1, swarm=old.swarm, world=old.world)
     again = sc.Study.parse(new.text)
-    prints = [[s.fingerprint(1) for s in study.settings()] for study in (old, new, again)]
+    prints = [[addresses.fingerprint(s, 1) for s in study.settings()] for study in (old, new, again)]
     assert prints[0] == prints[1] == prints[2]
 
 

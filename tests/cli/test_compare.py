@@ -190,7 +190,7 @@ def test_what_cannot_be_done_is_said_in_a_line_and_nothing_is_written(two, words
 
 def test_latex_and_figures_are_written(two, tmp_path, capsys):
     out, tex = tmp_path / "c.png", tmp_path / "c.tex"
-    assert main(["compare", str(two), "--out", str(out), "--latex", str(tex)]) == 0
+    assert main(["compare", str(two), "--plot", str(out), "--latex", str(tex)]) == 0
     told = capsys.readouterr()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c-pareto.png", "c-ranks.png", "c.tex"]
     assert tex.read_text().count(r"\\") == 9
@@ -205,7 +205,7 @@ def test_results_without_costs_have_no_front(two):
 
 @pytest.mark.long
 def test_figures_are_kinds_too_of_the_same_bytes(two, tmp_path, capsys):
-    assert main(["compare", str(two), "--out", str(tmp_path / "a.svg")]) == 0
+    assert main(["compare", str(two), "--plot", str(tmp_path / "a.svg")]) == 0
     assert main(["plot", str(two), "--kind", "ranks", "--out", str(tmp_path / "b.svg")]) == 0
     assert (tmp_path / "a-ranks.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
     assert main(["plot", str(two), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 0

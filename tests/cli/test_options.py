@@ -62,7 +62,7 @@ def test_a_shell_reads_of_its_options(small_results, tmp_path, capsys):
     (tmp_path / "s.toml").write_text(SMALL)
     for words, said in (
         (["plot", "r.nc", "--where", "x == 3"], "--where 'x == 3': "),
-        (["tune", "s.toml", "--parameters", "x=0:1"], "--brain: "),
+        (["tune", "s.toml", "--parameter", "x=0:1"], "--brain: "),
     ):
         code = main([str(tmp_path / word) if word.endswith((".nc", ".toml")) else word for word in words])
         assert (code, said in capsys.readouterr().err) == (2, True), words

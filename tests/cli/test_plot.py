@@ -46,7 +46,7 @@ def complaint(capsys, *command):
 
 
 @pytest.mark.parametrize("kind", ["scatter", "decisions", "heatmap", "beliefs"])
-@pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain", "mine.py"]])
+@pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain-file", "mine.py"]])
 def test_one_trial_means_nothing_to_pictures_of_all(kind, option, small_file, here, capsys):
     said = complaint(capsys, "plot", small_file, "--kind", kind, *option)
     assert f"{option[0]} goes with --kind arena or curves or film, not with {kind}" in said
@@ -120,7 +120,7 @@ def test_a_film_s_faults_are_told_before_what_the_machine_lacks(here, capsys, mo
         (["--setting", 0], "setting 0 is a fixed network"),
         (["--setting", 9], "setting 9: these results hold"),
         (["--trial", 1], "trial 1: these results hold"),
-        (["--brain", "none.py"], "none.py"),
+        (["--brain-file", "none.py"], "none.py"),
         (["--last", 10], "tick 10: this trial has ticks 0 to 9"),
         (["--first", 5, "--last", 4], "no tick from 5 to 4"),
         (["--robot", 4], "robot 4: the robots are numbered 0 to 3"),

@@ -11,8 +11,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.basics.files import shipped_studies
-from swarmcensus.cli import start
-from swarmcensus.cli.commands import main
+from swarmcensus.cli.commands import main, start
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.suite import examine
 from swarmcensus.studies.study import Study

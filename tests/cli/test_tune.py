@@ -18,7 +18,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from tests.support.tunable import SOURCE, text_of
 
-TUNE = ["tune", "s.toml", "--parameters", "a=0:1", "idle=1:9:log", "--trials", "2"]
+TUNE = ["tune", "s.toml", "--parameter", "a=0:1", "--parameter", "idle=1:9:log", "--trials", "2"]
 
 
 @pytest.fixture
@@ -85,18 +85,21 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        (["--parameters", "b=0:1"], "--parameters b=0"),
-        (["--parameters", "idl=0:1"], "did you mean 'idle'?"),
-        (["--parameters", "a=1:0"], "--parameters a=1"),
-        (["--parameters", "a=1"], "--parameters a=1"),
-        (["--parameters", "a=0:1:log"], "both ends should be above 0"),
-        (["--parameters", "many=0:1.5:whole"], "both ends should be whole"),
-        (["--parameters", "a=0:inf"], "inf should be at most 1e+100 in size"),
-        (["--parameters", "a=0:1:lg"], "did you mean 'log'?"),
-        (["--parameters", "a=0:1", "a=0:2"], "a is given twice"),
-        (["--parameters", "pair=0:1", "pair[1]=0:2"], "pair[1] is given twice"),
-        (["--parameters", "pair[2]=0:1"], "its items are pair[0] to pair[1]"),
-        (["--parameters", "a[0]=0:1"], "a is a number, and has no items"),
+        (
+            ["--parameter", "b=0:1"],
+            "--parameter b=0",
+        ),
+        (["--parameter", "idl=0:1"], "did you mean 'idle'?"),
+        (["--parameter", "a=1:0"], "--parameter a=1"),
+        (["--parameter", "a=1"], "--parameter a=1"),
+        (["--parameter", "a=0:1:log"], "both ends should be above 0"),
+        (["--parameter", "many=0:1.5:whole"], "both ends should be whole"),
+        (["--parameter", "a=0:inf"], "inf should be at most 1e+100 in size"),
+        (["--parameter", "a=0:1:lg"], "did you mean 'log'?"),
+        (["--parameter", "a=0:1", "--parameter", "a=0:2"], "a is given twice"),
+        (["--parameter", "pair=0:1", "--parameter", "pair[1]=0:2"], "pair[1] is given twice"),
+        (["--parameter", "pair[2]=0:1"], "its items are pair[0] to pair[1]"),
+        (["--parameter", "a[0]=0:1"], "a is a number, and has no items"),
         (["--brain", "minimalistic"], "--brain minimalistic"),
         (["--brain", "tunable"], "--brain tunable"),
         (["--metric", "finalerror"], "--metric finalerror"),
@@ -134,7 +137,10 @@ def test_a_study_without_parameters_and_one_with_several(here, capsys):
     ("change", "said"),
     [
         (["--trials", "3"], "trials is 2 there and 3 here"),
-        (["--parameters", "a=0:2", "idle=1:9:log"], "parameters is 'a=0:1 idle=1:9:log' there and 'a=0:2 idle"),
+        (
+            ["--parameter", "a=0:2", "--parameter", "idle=1:9:log"],
+            "parameters is 'a=0:1 idle=1:9:log' there and 'a=0:2 idle",
+        ),
         (["--metric", "convergence_error"], "metric is 'final_error' there and 'convergence_error' here"),
         (["--seed", "9"], "seed is 1 there and 9 here"),
         ([], "worlds is "),

@@ -9,7 +9,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import metrics
 from swarmcensus.cli.commands import parser
-from swarmcensus.cli.plan import KEYS
+from swarmcensus.cli.commands.plan import KEYS
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted
 from swarmcensus.results import structure

@@ -13,9 +13,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.basics.files import shipped_study
-from swarmcensus.paper import claims, report
+from swarmcensus.paper import report
 from swarmcensus.paper.evaluations import PAPER
-from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail
+from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, check
 from swarmcensus.paper.measures import NUMBERS
 from tests.support.pages import OUR_C_LIBRARY
 from tests.support.places import DOCS
@@ -65,9 +65,9 @@ def tables():
 def test_both_files_are_of_all_claims_and_of_the_studies_own_seed():
     for found, name, trials in ((FOUND, "paper-claims.json", 30), (MORE, "paper-claims-120.json", 120)):
         about = json.loads((DOCS / name).read_text(encoding="utf-8"))
-        assert list(found) == [claim.id for claim in claims.CLAIMS]
+        assert list(found) == [claim.id for claim in PAPER.claims]
         assert {(each["seed"], each["trials"]) for each in about["studies"].values()} == {(2023, trials)}
-        for claim in claims.CLAIMS:
+        for claim in PAPER.claims:
             texts = ("title", "sentence", "section", "statistic", "threshold")
             assert all(found[claim.id][key] == getattr(claim, key) for key in texts)
 
@@ -151,7 +151,7 @@ def claims_again(moving):
     """What is said now of the claims that these settings suffice for."""
     topologies = again("topologies", ("[10, 100]", "100"), (', "ring", "line", "scale-free"', ""))
     data = {"topologies": topologies, "moving": moving}
-    outcomes = claims.check(data, [claim for claim in claims.CLAIMS if claim.studies])
+    outcomes = check(data, [claim for claim in PAPER.claims if claim.studies])
     about = json.loads(report.as_json(outcomes, data, PAPER.source))
     return {claim["id"]: claim for claim in about["claims"] if claim["settings"]}
 

@@ -10,6 +10,8 @@ from itertools import combinations
 
 import numpy as np
 
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from tests.reference import formats as reference_formats
 
@@ -154,14 +156,14 @@ class Minds:
     """The minds of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
 
     def __init__(self, setting: Setting, seed: int, trial: int, failed: Failures, alone: bool = False) -> None:
-        _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(seed, trial, 1))
+        _, _, b, w = (accuracy[0] for accuracy in sampling.accuracies(setting, seed, trial, 1))
         self.setting, self.trial, self.failed = setting, trial, failed
-        self.losses, self.luck = setting.losses_key(seed), setting.luck_keys(seed, alone)
+        self.losses, self.luck = addresses.losses_key(setting, seed), addresses.luck_keys(setting, seed, alone)
         self.parts = (3, 4) if alone else (0, 1)
         n = setting.robots
         others = (member.brain_in(setting.brain).with_numbers(setting.brain.numbers) for member in setting.members)
         crew = [setting.brain, *others]
-        self.brains = [crew[k] for k in (setting.groups(seed, trial, 1)[0] if setting.members else [0] * n)]
+        self.brains = [crew[k] for k in (sampling.groups(setting, seed, trial, 1)[0] if setting.members else [0] * n)]
         every = zip(self.brains, np.broadcast_to(b, n).tolist(), np.broadcast_to(w, n).tolist(), strict=True)
         single = [brain.numbers.precision == "single" for brain in self.brains]
         self.round = [reference_formats.single if one else float for one in single]

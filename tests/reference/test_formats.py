@@ -209,7 +209,7 @@ def test_numbers_that_a_format_cannot_hold_are_counted_and_sent_as_the_largest(t
     assert data["messages_clipped"].values.tolist() == [[[3.0, 3.0]]]
     assert main(["show", str(tmp_path / "large.nc")]) == 0
     assert "setting 0: a number was too large for the message format" in capsys.readouterr().out
-    assert sc.replay(data, 0, 0, brain=path)["heard"].values[-1].tolist() == [65504.0, 65504.0]
+    assert sc.replay(data, 0, 0, brain_file=path)["heard"].values[-1].tolist() == [65504.0, 65504.0]
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from swarmcensus import brains
 from swarmcensus.engine import compiler
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
+from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
 from tests.support.lives import local_curves
 from tests.support.small import FAULTS, GO, SEED, failing, heard_in, moving_of, settings_of
@@ -61,7 +62,7 @@ def test_single_readings_make_up_their_rounds_in_an_order_of_their_own(looks):
     for trial in (0, 2):
         blacks = record_trial(setting, SEED, trial)[2]
         readings = record_readings(setting, SEED, trial)
-        key, left = setting.readings_key(SEED, "order"), blacks.copy()
+        key, left = addresses.readings_key(setting, SEED, "order"), blacks.copy()
         for step, row in enumerate(readings):
             tick, to_come = 1 + step // looks, looks - step % looks
             for i in range(3):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine.constants import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, HEARD, SENT
-from swarmcensus.simulation import metrics
+from swarmcensus.simulation import metrics, sampling
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.reference import rounds as reference
@@ -66,7 +66,7 @@ def check(setting, trial, minds, fields, estimates, batch, close):
                 assert np.isnan(here[own.lengths[name] :]).all()
                 here = here[: own.lengths[name]]
             assert here == pytest.approx(getattr(me, name), rel=1e-9, abs=close)
-    honest = np.array([not setting.members or k == 0 for k in setting.groups(SEED, trial, 1)[0]])
+    honest = np.array([not setting.members or k == 0 for k in sampling.groups(setting, SEED, trial, 1)[0]])
     assert batch.counts[0, SENT].tolist() == np.array(minds.sent)[honest].tolist()
     assert batch.counts[0, HEARD].tolist() == np.array(minds.heard)[honest].tolist()
     decisions, done = np.array(minds.decisions), np.array(minds.done)
@@ -131,6 +131,6 @@ def test_alone(source):
     for setting in fixed(brain(source), robots=5, rounds=4, looks=3, members=SOME if source == ALL else ()):
         curves = local_curves(setting, 1)
         batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO, local=True)
-        honest = [not setting.members or k == 0 for k in setting.groups(SEED, 1, 1)[0]]
+        honest = [not setting.members or k == 0 for k in sampling.groups(setting, SEED, 1, 1)[0]]
         assert (batch.final[0] == curves[-1][honest]).all()
         assert (batch.convergence[0] == metrics.convergence(curves)[honest]).all()

@@ -7,6 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.bodies import Body
 from tests.reference.rounds import (
@@ -224,9 +226,13 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
     assert body is not None
     assert setting.density is not None
     side = math.sqrt(n * math.pi * body.radio_range**2 / setting.density)
-    walk, floor, reads = setting.walk_key(seed), setting.floor_key(seed), setting.readings_key(seed)
-    b, w = (np.broadcast_to(side_of[0], n) for side_of in setting.accuracies(seed, trial, 1)[:2])
-    who = setting.groups(seed, trial, 1)[0] if setting.members else [0] * n
+    walk, floor, reads = (
+        addresses.walk_key(setting, seed),
+        addresses.floor_key(setting, seed),
+        addresses.readings_key(setting, seed),
+    )
+    b, w = (np.broadcast_to(side_of[0], n) for side_of in sampling.accuracies(setting, seed, trial, 1)[:2])
+    who = sampling.groups(setting, seed, trial, 1)[0] if setting.members else [0] * n
     swarm, minds = placed(n, side, body, walk, trial), Minds(setting, seed, trial, failed)
     begin = [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
     out = Life(begin, [], [], [], minds.estimates, minds)

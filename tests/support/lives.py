@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine.constants import HEARD, SENT
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
 from tests.reference import rounds as reference
 from tests.support.small import GO, SEED, failing, heard_in
@@ -18,7 +19,7 @@ def lived(setting, trial=1):
     _, estimates, blacks = record_trial(setting, SEED, trial)
     minds = reference.fixed(setting, SEED, trial, failing(setting, trial), heard_in(setting, trial), blacks)
     batch = run_batch(setting, SEED, trial, 1, MEASURE, GO)
-    honest = setting.groups(SEED, trial, 1)[0] == 0
+    honest = sampling.groups(setting, SEED, trial, 1)[0] == 0
     assert estimates == pytest.approx(np.array(minds.estimates), abs=1e-12)
     assert batch.final[0] == pytest.approx(np.array(minds.estimates[-1])[honest], abs=1e-12)
     assert batch.counts[0, SENT].tolist() == np.array(minds.sent)[honest].tolist()

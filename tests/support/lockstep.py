@@ -7,7 +7,9 @@ from swarmcensus.deployment.messages import messages_of
 from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE
 from swarmcensus.robot.log import Log
 from swarmcensus.robot.runtime import Robot
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import record_readings
+from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
 
 FORMS = {"float32": 1, "float16": 2, "ratio16": 3, "ratio8": 4}
@@ -44,15 +46,17 @@ class Swarm:
         self.waits = waits  # ms from their start to the common beginning, after which each has a phase of its own
         folder.mkdir(exist_ok=True)
         self.links = reference.hearers(setting, None, trial)
-        self.keys = setting.losses_key(seed), setting.luck_keys(seed)
-        _, _, self.b, self.w = (np.broadcast_to(side[0], setting.robots) for side in setting.accuracies(seed, trial, 1))
+        self.keys = addresses.losses_key(setting, seed), addresses.luck_keys(setting, seed)
+        _, _, self.b, self.w = (
+            np.broadcast_to(side[0], setting.robots) for side in sampling.accuracies(setting, seed, trial, 1)
+        )
         looks = setting.observations_per_round
         self.readings = record_readings(setting, seed, trial).reshape(setting.rounds, looks, setting.robots)
         crew = [
             setting.brain,
             *(m.brain_in(setting.brain).with_numbers(setting.brain.numbers) for m in setting.members),
         ]
-        groups = setting.groups(seed, trial, 1)[0] if setting.members else [0] * setting.robots
+        groups = sampling.groups(setting, seed, trial, 1)[0] if setting.members else [0] * setting.robots
         self.brains = brains or [crew[k] for k in groups]
         self.bodies = [Body() for _ in range(setting.robots)]
         self.lots = [[] for _ in range(setting.robots)]

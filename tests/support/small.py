@@ -8,6 +8,7 @@ import numpy as np
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
+from swarmcensus.simulation import sampling
 from tests.reference import rounds as reference
 
 GO = np.zeros(1, np.uint8)
@@ -109,7 +110,7 @@ FAILS = brains.load("minimalistic").source.replace(
 
 def beliefs_of(setting, study, trial):
     """What each robot of a trial believes of its sensor, as `infer` takes it."""
-    _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(study.seed, trial, 1))
+    _, _, b, w = (accuracy[0] for accuracy in sampling.accuracies(setting, study.seed, trial, 1))
     return np.broadcast_to(b, setting.robots), np.broadcast_to(w, setting.robots)
 
 

@@ -6,8 +6,9 @@ from pathlib import Path
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.packing import Numbers
+from swarmcensus.deployment.folders import write_texts
 from swarmcensus.deployment.selftest import compare, first_rounds
-from swarmcensus.deployment.translating import write
+from swarmcensus.deployment.targets.c import translated
 from swarmcensus.robot.history import ROBOTS
 from tests.support.places import EXAMPLE
 
@@ -35,7 +36,7 @@ def load_busy(name, precision, message="float32", busy=True):
 
 def differs(brain, folder, run, rounds=None):
     """Write a brain as C, run its self-test, and compare; `rounds` if it runs fewer than are expected."""
-    write(brain, folder)
+    write_texts(folder, translated(brain))
     wanted = (folder / "expected.txt").read_text()
     found = run(folder / "selftest.c")
     if rounds:

@@ -26,7 +26,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         temporary = target.with_name(f".{target.stem}-{secrets.token_hex(4)}{target.suffix}")
         temporary.touch(exist_ok=False)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise InputError(f"cannot write {path}: {error.strerror or error}", file=path) from error
     try:
         yield temporary
         _sync(temporary)  # a power cut must not leave an empty file under the name
@@ -34,7 +34,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         with contextlib.suppress(OSError):  # some systems cannot sync folders
             _sync(target.parent)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise InputError(f"cannot write {path}: {error.strerror or error}", file=path) from error
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -88,11 +88,11 @@ def check_writable(path: str | Path, *inputs: Path) -> None:
         target = _target(path)
         folder = _existing_folder(target)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise InputError(f"cannot write {path}: {error.strerror or error}", file=path) from error
     if any(target == Path(os.path.realpath(source)) for source in inputs):
-        raise InputError(f"cannot write {path}: it is an input")
+        raise InputError(f"cannot write {path}: it is an input", file=path)
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError(f"cannot write {path}: the folder {folder} cannot be written")
+        raise InputError(f"cannot write {path}: the folder {folder} cannot be written", file=path)
 
 
 def check_own(page: Path, is_ours: Callable[[str], bool], command: str) -> None:
@@ -127,5 +127,6 @@ def check_no_log(path: Path) -> None:
     """Raise InputError if this is the log of one robot."""
     if path.suffix == ".log" and path.is_file():
         raise InputError(
-            f"{path} is the log of one robot: relive, watch and export read the folder that it is in, {path.parent}"
+            f"{path} is the log of one robot: relive, watch and export read the folder that it is in, {path.parent}",
+            file=path,
         )

@@ -6,6 +6,8 @@ import shlex
 from collections.abc import Collection, Iterator
 from contextvars import ContextVar
 
+from swarmcensus.basics.errors import OptionError
+
 _OPTIONS: ContextVar[Collection[str] | None] = ContextVar("options", default=None)
 
 
@@ -42,7 +44,15 @@ def option(name: str, value: object = None) -> str:
     options = _OPTIONS.get()
     if options is None:
         return f"{name}=" if value is None else f"{name}={value!r}"
+    value = f"{value:g}" if isinstance(value, float) else value
+    if name not in options and name.removesuffix("s") in options:  # several in Python, repeated in a shell
+        name = name.removesuffix("s")
     if name not in options and "set" in options:
         return f"--set {command(f'{name}={value}') if value is not None else f'{name}='}"
     flag = f"--{name.replace('_', '-')}"
     return flag if value is None or value is True else f"{flag} {command(value)}"
+
+
+def wrong_option(name: str, value: object, what: object) -> OptionError:
+    """The error of an option: `--radio radar: should be udp`, or `radio='radar': should be udp` in Python."""
+    return OptionError(f"{option(name, value)}: {what}", key=name, value=value)

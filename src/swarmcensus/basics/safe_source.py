@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import BrainError, InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.plugins import Plugins
 
@@ -50,9 +50,10 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
         known = ", ".join(plugins.names)
         file = Path(f"{path}.py")
         hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, plugins.names)
-        raise InputError(
-            f"{plugins.kind} {name!r}: {hint}neither a shipped {plugins.kind} ({known}) nor a file at {path}"
-        )
+        raise BrainError(
+            f"{plugins.kind} {name!r}: {hint}neither a shipped {plugins.kind} ({known}) nor a file at {path}",
+            key=plugins.kind, value=name,
+        )  # fmt: skip
     return path
 
 
@@ -61,7 +62,7 @@ def read_source(kind: str, path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{kind} file {path}: cannot be read as text: {error}") from error
+        raise BrainError(f"{kind} file {path}: cannot be read as text: {error}", file=path) from error
 
 
 def digest(source: str) -> str:
@@ -81,11 +82,12 @@ def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         line = getattr(error, "lineno", None)
         what = getattr(error, "msg", error)
-        raise InputError(f"{kind} file {path}{f', line {line}' if line else ''}: not Python: {what}") from error
+        where = f", line {line}" if line else ""
+        raise BrainError(f"{kind} file {path}{where}: not Python: {what}", file=path) from error
     try:
         return tree, _check_syntax(tree, kind, path)
     except RecursionError:
-        raise InputError(f"{kind} file {path}: its brackets or operators are nested too deep") from None
+        raise BrainError(f"{kind} file {path}: its brackets or operators are nested too deep", file=path) from None
 
 
 def run(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
@@ -95,7 +97,7 @@ def run(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
     try:
         exec(compile(tree, str(path), "exec"), vars(module))
     except Exception as error:
-        raise InputError(f"{kind} file {path}: fails when it is loaded: {error!r}") from error
+        raise BrainError(f"{kind} file {path}: fails when it is loaded: {error!r}", file=path) from error
     return module
 
 
@@ -103,7 +105,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
     """Check what a file holds; returns its constants. Raises InputError."""
 
     def error(node: ast.stmt | ast.expr, what: str) -> InputError:
-        return InputError(f"{kind} file {path}, line {node.lineno}: {what}")
+        return BrainError(f"{kind} file {path}, line {node.lineno}: {what}", file=path)
 
     a_kind = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}

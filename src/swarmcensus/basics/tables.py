@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, TableError
 from swarmcensus.basics.formatting import counted
 
 SEPARATORS = "\t;,"  # the first that is there; else spaces
@@ -90,7 +90,8 @@ class Table(NamedTuple):
 
     def wrong(self, row: int, k: int, right: str) -> InputError:
         """The error for a cell that is not what it should be."""
-        return InputError(f"{self.where(row)}: {str(self.rows[row][k]).strip()!r}: should be {right}")
+        cell = str(self.rows[row][k]).strip()
+        return TableError(f"{self.where(row)}: {cell!r}: should be {right}", file=self.source, value=cell)
 
     def counts(self, k: int, starts: tuple[int, ...] = (0,)) -> bool:
         """Whether a column counts the rows."""
@@ -136,19 +137,20 @@ class Table(NamedTuple):
         cells = self.heading()
         if cells == list(range(len(cells))):
             shown = self.separator.join(self.rows[0])
-            raise InputError(
+            raise TableError(
                 f"{self.where(0)}: {shown!r} may be names of columns or {rows}: if names, write {names} instead; if "
-                f"{rows}, add a line {names} above it"
+                f"{rows}, add a line {names} above it",
+                file=self.source,
             )
 
     def refuse(self, columns: Sequence[int], right: str) -> NoReturn:
         """Raise InputError for columns that are not understood, or for too many without names."""
         if not self.names:
             there = counted(self.width, "column")
-            raise InputError(f"{self.source}: {there} without names: the first line should name {right}")
+            raise TableError.of(self.source, f"{there} without names: the first line should name {right}")
         names = ", ".join(repr(self.names[k]) for k in columns)
         several = "s" * (len(columns) > 1)
-        raise InputError(f"{self.source}: column{several} {names}: there should be {right}, and no others")
+        raise TableError.of(self.source, f"column{several} {names}: there should be {right}, and no others")
 
 
 @functools.lru_cache(1 << 16)
@@ -196,7 +198,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
     texts = [_without_attributes(path, n, lines[n - 1]) for n in numbers]
     starts = (lines[0].lower(), texts[0].lower())
     if kind := next((kind for start, kind in FORMATS.items() if any(line.startswith(start) for line in starts)), ""):
-        raise InputError(f"{path}: looks like {kind}: {AS_TABLE}")
+        raise TableError.of(path, f"looks like {kind}: {AS_TABLE}")
     separator = _separator(texts)
     comments = [line.lstrip("".join(COMMENTS) + " ") for line in lines[: numbers[0] - 1] if line]
     rows, heads = (_cells(path, some, separator) for some in (texts, comments[-1:]))
@@ -210,7 +212,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
     odd = next((k for k, row in enumerate(rows) if len(row) != len(rows[0])), None)
     if odd is not None:
         wrong = counted(len(rows[odd]), "value")
-        raise InputError(f"{path}, line {numbers[odd]}: {wrong} where there were {len(rows[0])}")
+        raise TableError(f"{path}, line {numbers[odd]}: {wrong} where there were {len(rows[0])}", file=path)
     first, last = (numbers[0], numbers[-1]) if numbers else (0, 0)
     gap = next((n for n in range(first + 1, last) if not lines[n - 1]), 0)
     table = Table(str(path), names, rows, numbers, separator, gap)
@@ -228,9 +230,9 @@ def _cells(path: str | Path, lines: list[str], separator: str) -> list[list[str]
     try:
         rows = list(csv.reader(lines, delimiter=separator or "\t", skipinitialspace=True))
     except csv.Error as error:
-        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
+        raise TableError.of(path, f"cannot be read as CSV: {error}") from error
     if len(rows) != len(lines):
-        raise InputError(f"{path}: cannot be read as CSV: a cell in quotes goes on in the next line")
+        raise TableError.of(path, "cannot be read as CSV: a cell in quotes goes on in the next line")
     return rows
 
 
@@ -240,11 +242,11 @@ def _text(path: Path) -> str:
         wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
         text = content.decode("utf-16" if wide else "utf-8-sig")
     except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise TableError.of(path, f"cannot be read: {error.strerror or error}") from error
     except UnicodeDecodeError:
         text = "\0"
     if "\0" in text:
-        raise InputError(f"{path}: cannot be read as text in UTF-8: {AS_TABLE}")
+        raise TableError.of(path, f"cannot be read as text in UTF-8: {AS_TABLE}")
     return text
 
 
@@ -254,7 +256,7 @@ def _without_attributes(path: str | Path, line: int, text: str) -> str:
     if found is None or found.start() == 0:
         return text
     if found[1].strip():
-        raise InputError(f"{path}, line {line}: {found[0].strip()}: links have no attributes: write it with data=False")
+        raise TableError(f"{path}, line {line}: {found[0].strip()}: links have no attributes: write it with data=False")
     return text[: found.start()]
 
 
@@ -288,11 +290,12 @@ def _without_row_numbers(table: Table) -> Table:
     if names and names[0] in ROW_NUMBERS:
         if not table.counts(0, (0, 1)):
             said = f"is named {table.names[0]!r}" if table.names and table.names[0] else "has no name"
-            raise InputError(
-                f"{table.source}: the first column {said}, and does not count rows: leave it out if it is an index "
-                f"(index=False in pandas, row.names=FALSE in R), or name all columns by what they are"
+            raise TableError.of(
+                table.source,
+                f"the first column {said}, and does not count rows: leave it out if it is an index "
+                f"(index=False in pandas, row.names=FALSE in R), or name all columns by what they are",
             )
         table, names = table.without(0), names[1:]
     if twice := {name for name in names if names.count(name) > 1}:
-        raise InputError(f"{table.source}: two columns are named {min(twice)!r}")
+        raise TableError.of(table.source, f"two columns are named {min(twice)!r}")
     return table

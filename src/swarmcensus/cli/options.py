@@ -1,13 +1,59 @@
 """The parser, which suggests what was probably meant, the types of option values, and options of several commands."""
 
 import argparse
+import math
 import re
 import shlex
-from typing import Any, NoReturn
+from collections.abc import Callable, Sequence
+from enum import Enum
+from pathlib import Path
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.hints import did_you_mean
 
+T = TypeVar("T")
+FORMATS = ("float32", "float16", "ratio16", "ratio8")  # of messages that have bytes
 DIGITS = 18  # of a number, so that it fits into 64 bits
+
+
+class Group(Enum):
+    """What a command is about, with the title under which the help lists it."""
+
+    STUDIES = "studies"
+    BRAINS = "brains"
+    MISSIONS = "missions"
+    ROBOTS = "robots"
+    LOOK = "to look at"
+    SETUP = "setup"
+
+
+def no_options(_: argparse.ArgumentParser) -> None:
+    """Add no options."""
+
+
+class Command(NamedTuple):
+    """A command: its name, a line of help, its group, the function that runs it, and the one that adds its options.
+
+    `json` is whether it has --json, and `table` whether its answer is a table, which a pipe gets tab-separated.
+    """
+
+    name: str
+    text: str
+    group: Group
+    run: Callable[[argparse.Namespace], int]
+    add_options: Callable[[argparse.ArgumentParser], None] = no_options
+    json: bool = True
+    table: bool = False
+
+
+class UsageError(OptionError):
+    """Arguments that the parser refuses; `program` is the command that they were given to, "swarmcensus run"."""
+
+    def __init__(self, message: str, program: str = "swarmcensus", **fields: Any) -> None:
+        """Keep the command too."""
+        super().__init__(message, **fields)
+        self.program = program
 
 
 class Parser(argparse.ArgumentParser):
@@ -44,7 +90,11 @@ class Parser(argparse.ArgumentParser):
             unknown = (name for name in names if name not in options)
             hint = next(filter(None, (did_you_mean(name, options) for name in unknown)), "")
             message = f"{message}: {hint or self._help()}"
-        self.exit(2, f"{self.prog}: {' '.join(message.split())}\n")
+        message = " ".join(message.split())
+        option = OPTION.match(message)
+        raise UsageError(
+            message, key=option and option[1].replace("-", "_"), value=option and option[2], program=self.prog
+        )
 
     def _help(self) -> str:
         return f"'{self.prog} --help' shows what there is"
@@ -68,6 +118,7 @@ class Parser(argparse.ArgumentParser):
 
 
 MISSING = "is missing"
+OPTION = re.compile(r"--([a-z-]+)(?: (\S+):)?")  # how a message begins that is of an option, with its value or without
 WORDS = (  # what argparse says, and what is said here
     (r"(?s)^argument ([^:]*/)?([^:]+): not allowed with argument ([^:]*/)?(.+)$", r"\2 does not go with \4"),
     (r"(?s)^argument ([^:]*/)?([^:]+): ignored explicit argument (.*)$", r"\2 takes no value, but has \3"),
@@ -98,16 +149,6 @@ def add_output_options(sub: argparse.ArgumentParser, json: bool, table: bool) ->
     volume.add_argument("-v", "--verbose", action="store_true", help="also report each step on stderr")
 
 
-def add_run_options(sub: argparse.ArgumentParser) -> None:
-    """Add the options of all commands that run studies and write their results."""
-    sub.add_argument(
-        "--jobs", type=positive, help="number of threads (default: one per core); results do not depend on it"
-    )
-    sub.add_argument("--trials", type=positive, help="trials per setting, instead of the study's own number")
-    sub.add_argument("--seed", type=from_zero, help="seed of all random numbers, instead of the study's own")
-    sub.add_argument("--fresh", action="store_true", help="start over instead of continuing what --out holds")
-
-
 def width(text: str) -> float | str:
     """A number, or the name of a width. Raises ArgumentTypeError."""
     try:
@@ -131,22 +172,12 @@ def name_list(text: str) -> list[str]:
     return [name.strip() for name in text.split(",") if name.strip()]
 
 
-def share(text: str) -> tuple[int, int]:
-    """A share of the trials, as 1/4. Raises ArgumentTypeError."""
+def part_of_trials(text: str) -> tuple[int, int]:
+    """A part of the trials, as 1/4. Raises ArgumentTypeError."""
     k, slash, n = text.partition("/")
     if not (slash and k.isdecimal() and n.isdecimal() and len(text) <= DIGITS):
         raise argparse.ArgumentTypeError("should be such as 1/4")
     return int(k), int(n)
-
-
-def positive(text: str) -> int:
-    """A whole number from 1. Raises ArgumentTypeError."""
-    return _whole(text, 1)
-
-
-def from_zero(text: str) -> int:
-    """A whole number from 0. Raises ArgumentTypeError."""
-    return _whole(text, 0)
 
 
 def round_or_time(text: str) -> Any:
@@ -161,10 +192,65 @@ def round_or_time(text: str) -> Any:
     return _whole(text, 0)
 
 
+def positive(text: str) -> int:
+    """A whole number from 1. Raises ArgumentTypeError."""
+    return _whole(text, 1)
+
+
+def from_zero(text: str) -> int:
+    """A whole number from 0. Raises ArgumentTypeError."""
+    return _whole(text, 0)
+
+
 def _whole(text: str, least: int) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= DIGITS and int(text) >= least):
         raise argparse.ArgumentTypeError(f"should be a whole number from {least}")
     return int(text)
+
+
+def number(text: str) -> float:
+    """A finite number. Raises ArgumentTypeError."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError("should be a number")
+    return value
+
+
+def share(text: str) -> float:
+    """A number from 0 to 1. Raises ArgumentTypeError."""
+    value = number(text)
+    if not 0.0 <= value <= 1.0:
+        raise argparse.ArgumentTypeError("should be a share, from 0 to 1")
+    return value
+
+
+def assignment(text: str) -> tuple[str, str]:
+    """A name and a text, as NAME=VALUE. Raises ArgumentTypeError."""
+    name, equals, value = text.partition("=")
+    if not (equals and name.strip() and value.strip()):
+        raise argparse.ArgumentTypeError("should be NAME=VALUE")
+    return name.strip(), value.strip()
+
+
+def parameter(text: str) -> tuple[str, float | tuple[float, ...]]:
+    """A name and a number or a vector, as memory=50 or weights=0.5,0.3,0.2. Raises ArgumentTypeError."""
+    name, value = assignment(text)
+    try:
+        numbers = tuple(float(part) for part in value.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError("should be NAME=VALUE, with commas between the numbers of a vector") from None
+    return name, numbers if len(numbers) > 1 else numbers[0]
+
+
+def once(option: str, pairs: Sequence[tuple[str, T]]) -> dict[str, T]:
+    """The values of an option that is repeated, by name. Raises InputError for a name that is given twice."""
+    values = dict(pairs)
+    if len(values) < len(pairs):
+        raise OptionError(f"--{option} gives a name twice", key=option)
+    return values
 
 
 def port(text: str) -> int:
@@ -172,3 +258,61 @@ def port(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= 5 and int(text) <= 65_535):
         raise argparse.ArgumentTypeError(f"{text[:40]!r}: should be a port, from 1 to 65535, or 0 for a free one")
     return int(text)
+
+
+REPEATED = {"action": "append", "default": []}
+SHARED: dict[str, dict[str, Any]] = {  # options that several commands have, with one meaning
+    "bins": {"type": int, "help": "bins of decisions, instead of the study's own; needs estimates kept at checkpoints"},
+    "brain_file": {
+        "type": Path, "metavar": "FILE", **REPEATED,
+        "help": "the file of a brain, adversary or metric of your own that the results were made with; may be repeated",
+    },
+    "delta": {
+        "type": float,
+        "help": "tolerance of convergence, instead of the study's own; needs estimates kept at checkpoints",
+    },
+    "fill_ratio": {"type": share, "metavar": "F", "help": "how much of the floor is black"},
+    "fresh": {"action": "store_true", "help": "start over instead of continuing what --out holds"},
+    "hz": {"type": number, "help": "ticks a second"},
+    "host": {
+        "default": "127.0.0.1", "metavar": "ADDRESS", "help": "address to listen on (default: this machine only)"
+    },
+    "jobs": {"type": positive, "help": "number of threads (default: one per core); results do not depend on it"},
+    "label": {
+        "type": label, "metavar": "OLD=NEW", **REPEATED,
+        "help": "what to call a brain, such as mine.py='My brain'; may be repeated",
+    },
+    "message": {
+        "choices": FORMATS, "metavar": "FORMAT", "help": "format of messages: float32, float16, ratio16 or ratio8",
+    },
+    "no_browser": {"action": "store_true", "help": "only print the address of the page"},
+    "parameter": {
+        "type": parameter, "metavar": "NAME=VALUE", **REPEATED,
+        "help": "value of a parameter of the brain, such as every=10, or weights=0.5,0.3,0.2 for a vector; may be "
+        "repeated",
+    },
+    "plot": {"type": Path, "metavar": "FILE.png|svg|pdf", "help": "draw a figure"},
+    "port": {"type": port, "help": "port of the page (default: a free one)"},
+    "precision": {
+        "choices": ("double", "single"), "metavar": "WHICH", "help": "precision of numbers: double or single",
+    },
+    "schema": {"action": "store_true", "help": "print the JSON schema of such files, for editors"},
+    "seed": {"type": from_zero, "help": "seed of all random numbers, instead of the study's own"},
+    "setting": {"type": from_zero, "metavar": "N", "help": "number of the setting, as 'show' prints it"},
+    "trial": {"type": from_zero, "metavar": "N", "help": "number of the trial, from 0"},
+    "trials": {"type": positive, "help": "trials per setting, instead of the study's own number"},
+    "where": {"metavar": "EXPR", "help": "only these settings, such as 'topology == \"ring\" and robots == 100'"},
+}  # fmt: skip
+
+OF_RUNS = ("jobs", "trials", "seed", "fresh")  # of all commands that run studies and write their results
+
+
+def add_shared(sub: "argparse._ActionsContainer", *names: str, required: bool = False, **notes: str) -> None:
+    """Add options that several commands have; a note says more of one here, such as its default."""
+    for name in (*names, *notes):
+        settings = dict(SHARED[name])
+        if name in notes:
+            settings["help"] += f" ({notes[name]})"
+        if required:
+            settings["required"] = True
+        sub.add_argument(f"--{name.replace('_', '-')}", **settings)

@@ -3,14 +3,13 @@
 import argparse
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     import xarray as xr
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import command
-from swarmcensus.cli.options import from_zero, label
+from swarmcensus.cli.options import add_shared, from_zero, once
 from swarmcensus.cli.output import say
 
 RESULTS_HELP = "a results file, as 'run' writes it"
@@ -28,30 +27,16 @@ def add_source_options(
     sub: argparse.ArgumentParser, metavar: str = "RESULTS.nc", results_help: str = RESULTS_HELP
 ) -> None:
     """Add the options of all commands that read the settings of a results file."""
-    sub.add_argument("results", type=Path, metavar=metavar, help=results_help)
-    sub.add_argument(
-        "--where", metavar="EXPR", help="only these settings, such as 'topology == \"ring\" and robots == 100'"
-    )
-    sub.add_argument(
-        "--bins", type=int, help="bins of decisions, instead of the study's own; needs estimates kept at checkpoints"
-    )
-    sub.add_argument(
-        "--delta",
-        type=float,
-        help="tolerance of convergence, instead of the study's own; needs estimates kept at checkpoints",
-    )
+    add_results(sub, metavar, results_help)
+    add_shared(sub, "where", "bins", "delta")
 
 
-def add_label_option(sub: "argparse.ArgumentParser | argparse._ArgumentGroup") -> None:
-    """Add the option of commands that name brains."""
-    sub.add_argument(
-        "--label",
-        action="append",
-        type=label,
-        default=[],
-        metavar="OLD=NEW",
-        help="what to call a brain, such as mine.py='My brain'; may be repeated",
-    )
+def add_results(
+    sub: argparse.ArgumentParser, metavar: str = "RESULTS.nc", text: str = RESULTS_HELP, **more: Any
+) -> None:
+    """Add the results files that a command reads; `execute` looks whether they exist."""
+    sub.add_argument("results", type=Path, metavar=metavar, help=text, **more)
+    sub.set_defaults(reads_results=True)
 
 
 def add_limit_option(sub: argparse.ArgumentParser, more: str = "") -> None:
@@ -76,10 +61,7 @@ def read(options: argparse.Namespace) -> Source:
         values = " and ".join(f"{key} = {stored.attrs[key]:g}" for key in changed)
         say(f"{options.results}: measured again from its estimates, with {values}")
     if given := getattr(options, "label", []):
-        labels = dict(given)
-        if len(labels) < len(given):
-            raise InputError("--label names a brain twice")
-        stored = with_labels(stored, labels)
+        stored = with_labels(stored, once("label", given))
     return Source(stored, where(stored, options.where))
 
 

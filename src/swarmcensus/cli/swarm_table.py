@@ -145,13 +145,13 @@ def _row(number: int, known: "Known") -> list[str]:
 
 def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     """The end of a run, as lines."""
-    from swarmcensus.deployment.plans import datagram_bytes
+    from swarmcensus.deployment.target import datagram_bytes
 
     brain = plan.setting.brain
     lines = [
         f"{'robots':<10}{outcome.at_work} of {outcome.robots} at work at the end",
         *_errors(plan, outcome),
-        f"{'message':<10}{counted(brain.message_bytes, 'byte')}, in a datagram of {datagram_bytes(brain, 'udp')}",
+        f"{'message':<10}{counted(brain.message_bytes, 'byte')}, in a datagram of {datagram_bytes(brain)}",
     ]
     if not np.isnan(outcome.heard):
         lost = f"it lost {100 * outcome.lost:.1f} %"

@@ -15,6 +15,7 @@ from pathlib import Path
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.brains import adversary, robot_math
 from swarmcensus.studies.checks import taken_in_results
 
@@ -75,9 +76,10 @@ def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
         if str(path) not in brains.PLUGINS and not Path(path).is_file() and (hint or wearing):
             raise InputError(f"brain {str(path)!r}: {hint}there is no brain, adversary or file of this name")
         if wearing:
-            raise InputError(
-                f"--wearing {wearing}: {path} has no lie(me, x), so it is no adversary, "
-                "and only adversaries wear a brain"
+            raise wrong_option(
+                "wearing",
+                wearing,
+                f"{path} has no lie(me, x), so it is no adversary, and only adversaries wear a brain",
             )
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wearing or DEFAULT_BRAIN)

@@ -79,7 +79,7 @@ def compare(output: str, folder: Path) -> Comparison:
     try:
         expected = _lines(reference(brain, settings, single=bits < DOUBLE))
     except Exception as error:  # whatever settings that are no longer ours make it raise
-        raise InputError(f"{folder / 'settings.py'}: the self-test cannot run with these settings: {error}") from error
+        raise InputError.of(folder / "settings.py", f"the self-test cannot run with these settings: {error}") from error
     fields = [*(slot for field in sorted(brain.lengths) for slot in slots({field: brain.lengths[field]})), "estimate"]
     there, here = list(_values(lines)), list(_values(expected))
     if [row[0] for row in there] != [row[0] for row in here]:
@@ -177,10 +177,10 @@ def _settings(path: Path) -> dict[str, Any]:
             try:
                 found[node.targets[0].id] = ast.literal_eval(node.value)
             except ValueError:
-                raise InputError(f"{path}, line {node.lineno}: should be a plain value") from None
+                raise InputError(f"{path}, line {node.lineno}: should be a plain value", file=path) from None
     missing = [key for key in ("BRAIN", "B", "W", "PARAMETERS", "LENGTHS", "PLAN", "MARK") if key not in found]
     if missing:
-        raise InputError(f"{path}: {missing[0]} is missing: the file is made by `swarmcensus deploy`")
+        raise InputError.of(path, f"{missing[0]} is missing: the file is made by `swarmcensus deploy`")
     return found
 
 
@@ -188,11 +188,11 @@ def _parsed(path: Path) -> ast.Module:
     try:
         return ast.parse(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(
-            f"{path}: {error.strerror}: the folder should be one made by `swarmcensus deploy`, for MicroPython"
+        raise InputError.of(
+            path, f"{error.strerror}: the folder should be one made by `swarmcensus deploy`, for MicroPython"
         ) from None
     except (SyntaxError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not Python: {error}") from None
+        raise InputError.of(path, f"not Python: {error}") from None
 
 
 def _check_same(path: Path) -> None:

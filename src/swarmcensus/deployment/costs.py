@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import BrainError, OptionError
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.deployment import chips
@@ -97,8 +97,9 @@ def check_tools() -> None:
     if lacking := chips.missing(chips.AVR):
         names = " and ".join(filter(None, (", ".join(lacking[:-1]), lacking[-1])))
         verb = "is" if len(lacking) == 1 else "are"
-        raise InputError(
-            f"--cost: {names} {verb} not installed: Debian's packages gcc-avr, avr-libc and simavr have them"
+        raise OptionError(
+            f"--cost: {names} {verb} not installed: Debian's packages gcc-avr, avr-libc and simavr have them",
+            key="cost",
         )
 
 
@@ -110,8 +111,10 @@ def cost(brain: Brain) -> Cost:
         except chips.NoRoom:
             continue
     flash, ram = chips.FLASH[chips.LARGE] // 1024, chips.RAM[chips.LARGE] // 1024
-    raise InputError(
-        f"brain {brain.name}: an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small"
+    raise BrainError(
+        f"brain {brain.name}: an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small",
+        key="brain",
+        value=brain.name,
     )
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from swarmcensus.basics.options import command
 from swarmcensus.brains import Brain, load, shipped
-from swarmcensus.deployment.plans import SENT, Plan, fitting
+from swarmcensus.deployment.target import SENT, Order, fitting
 
 TABLE = Path(__file__).with_name("formats.csv")
 NAMES = {"float32": "single"}  # of formats in the table, where they have another one there
@@ -46,13 +46,13 @@ def measured(brain: Brain, message: str) -> Measured | None:
     return found and Measured(message, DAY, *found, _rows()[brain.name, "double"][0])
 
 
-def caution(plan: Plan) -> str:
+def caution(order: Order) -> str:
     """A sentence if its message format is wrong for its brain, with what is right; empty otherwise."""
-    brain, message = plan.brain, plan.brain.numbers.message
+    brain, message = order.brain, order.brain.numbers.message
     found = measured(brain, message)
     if found is None or not found.is_wrong:
         return ""
-    fit = fitting(brain, plan.radio)
+    fit = fitting(brain, order.target)
     right = [one for one in SENT if one in fit and (other := measured(brain, one)) and not other.is_wrong]
     names = " or ".join(filter(None, (", ".join(right[:-1]), right[-1]))) if right else "no format that fits this radio"
     advice = f"{names} is right"
@@ -62,9 +62,9 @@ def caution(plan: Plan) -> str:
     return f"{errs}, and by {found.double:.4f} in double precision: {advice}"
 
 
-def sentence(plan: Plan) -> str:
+def sentence(order: Order) -> str:
     """How wrong a robot will be, or how to find out."""
-    brain, message = plan.brain, plan.brain.numbers.message
+    brain, message = order.brain, order.brain.numbers.message
     found = measured(brain, message)
     if found is None:
         return f"unknown in {message}: {_how_to_find_out(brain)}"

@@ -5,7 +5,7 @@ import struct
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import BrainError
 from swarmcensus.basics.options import command
 from swarmcensus.brains import Brain
 from swarmcensus.brains.single import rounded_to_single
@@ -25,9 +25,11 @@ def expected(brain: Brain) -> str:
         return lived(brain, brain.functions, minds)
     except Exception as error:
         what = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
-        raise InputError(
+        raise BrainError(
             f"brain {brain.name!r} fails in the self-test: {what}; "
-            f"{command('swarmcensus', 'brains', '--check', brain.name)} shows where"
+            f"{command('swarmcensus', 'brains', '--check', brain.name)} shows where",
+            key="brain",
+            value=brain.name,
         ) from error
 
 

@@ -1,7 +1,7 @@
 """`reproduce`: run the studies of an evaluation, draw its figures, check its claims and write a page.
 
-To add a part of the paper's evaluation, add study files to studies/paper, figures to `figures.FIGURES` and claims to
-`claims.CLAIMS`. The claims on rivals are in `evaluations.RIVAL_CLAIMS`, and their studies in studies/rivals/claims.
+To add a part of the paper's evaluation, add study files to studies/paper, and figures and claims to paper.toml. The
+claims on rivals are in rivals.toml, and their studies in studies/rivals/claims.
 """
 
 import contextlib
@@ -17,13 +17,14 @@ from swarmcensus.basics.fork import in_background
 from swarmcensus.basics.formatting import elapsed
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import command
-from swarmcensus.paper import claims, page, report
+from swarmcensus.paper import page, report
 from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
+from swarmcensus.paper.evidence import check
 from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.page import Reproduction
-from swarmcensus.runs.collect import Progress, Reporting
+from swarmcensus.runs.collect import Progress, Report
 from swarmcensus.runs.pools import compile_for
-from swarmcensus.runs.progress import bar_or_nothing
+from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import predicted_seconds, run
 from swarmcensus.studies.study import Study
 
@@ -42,16 +43,15 @@ def reproduce(
     only: str | Iterable[str] | None = None,
     fresh: bool = False,
     pdf: bool = False,
-    reporting: Reporting = bar_or_nothing,
+    progress: Report | bool = True,
     say: Callable[[str], None] = print,
 ) -> Reproduction:
     """Run an evaluation, and write datasets, figures, claims.json and index.html to the folder `out`.
 
     `of` is "paper", or "rivals" for published results on other algorithms; by default `out` is "reproduction" or
     "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
-    "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `reporting(label)`
-    is a context that gives the callback for the progress of all studies together, by default a bar on a terminal and
-    in a notebook; `say` gets one line per stage.
+    "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `progress`
+    is as for `run`, and of all studies together; `say` gets one line per stage.
 
     Raises InputError for unknown names and, before anything is run, for a folder that cannot be written. Ctrl-C
     raises Interrupted; finished work is kept in `out`, and the same call continues from there, unless `fresh`.
@@ -83,7 +83,7 @@ def reproduce(
         yield
         report_time(name, time.monotonic() - begun)
 
-    datasets, compiled, simulated = _simulate(out, studies, jobs, fresh, reporting, say)
+    datasets, compiled, simulated = _simulate(out, studies, jobs, fresh, progress, say)
     if compiled:
         report_time("compile", compiled)
     if datasets:
@@ -95,7 +95,7 @@ def reproduce(
             drawn = list(zip(figures, _drawn(figures, datasets, stems, formats), strict=True))
     if checks:
         with stage("claims"):
-            outcomes = claims.check(datasets, checks)
+            outcomes = check(datasets, checks)
             _write(out / "claims.json", report.as_json(outcomes, datasets, this.source))
     done = Reproduction(out, _command(this, out, trials, seed, parts), datasets, drawn, outcomes, seconds, this)
     with stage("page"):
@@ -124,7 +124,7 @@ def _simulate(
     studies: Mapping[str, Study],
     jobs: int | None,
     fresh: bool,
-    reporting: Reporting,
+    progress: Report | bool,
     say: Callable[[str], None],
 ) -> tuple[dict[str, xr.Dataset], float, float]:
     """The results of all studies, and the seconds that this call compiled and simulated."""
@@ -134,7 +134,7 @@ def _simulate(
     work |= {name: 0.0 for name in studies if not fresh and data_path(out, name).exists()}
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()
-    with reporting("reproduce") as progress:
+    with showing(progress, "reproduce") as report:
 
         def show(now: Progress) -> None:
             if not now.note:
@@ -142,7 +142,7 @@ def _simulate(
             before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
             total, work_total = sum(trials.values()), sum(work.values())
             done, work_done = int(before) + now.done, work_before + now.work_done
-            progress(Progress(done, total, work_done, work_total, now.note, steps=now.steps))
+            report(Progress(done, total, work_done, work_total, now.note, steps=now.steps))
 
         def tell(note: str, steps: tuple[int, int]) -> None:
             show(Progress(0, 0, 0.0, 0.0, note, steps=steps))

@@ -1,12 +1,12 @@
 """Plans missions: `sc.plan`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import StudyError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.planning.areas import NoNetwork
 from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
@@ -15,8 +15,9 @@ from swarmcensus.planning.predictions import with_worst_accuracy
 from swarmcensus.planning.search import Search, Unreachable
 from swarmcensus.planning.shortest_time import shortest
 from swarmcensus.planning.smallest_swarm import enough, smallest
-from swarmcensus.runs.collect import Progress
+from swarmcensus.runs.collect import Report
 from swarmcensus.runs.pools import thread_count
+from swarmcensus.runs.progress import showing
 
 SIZES = 5  # swarm sizes of a trade-off
 
@@ -24,7 +25,7 @@ SIZES = 5  # swarm sizes of a trade-off
 def plan(
     mission: Mapping[str, Any] | str | Path,
     jobs: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report | bool = True,
     *,
     where: str = "mission",
     base: Path | None = None,
@@ -35,8 +36,8 @@ def plan(
     given: a number of robots asks for the shortest time, a number of minutes for the smallest swarm, a range of robots
     for the trade-off, and a number of both for whether they are enough. Theory predicts the answer, and simulation
     confirms it in the mission's number of `trials`, with the same seeds for all brains. `jobs` is the number of
-    threads, by default one per core; the numbers do not depend on it. Raises InputError, also if the goal cannot be
-    reached.
+    threads, by default one per core; the numbers do not depend on it. `progress` is as for `run`. Raises InputError,
+    also if the goal cannot be reached.
     """
     if isinstance(mission, str | Path):
         where, base, tables = f"mission file {mission}", Path(mission).parent, load_mission(mission)
@@ -44,16 +45,16 @@ def plan(
         tables = dict(mission)
     checked = mission_of(tables, where, base)
     question, rows = question_of(checked), []
-    for world in with_worst_accuracy(checked).worlds:
-        search = Search(world, thread_count(jobs), progress or (lambda _: None))
-        try:
-            rows += _rows(search, question)
-        except Unreachable as reason:
-            raise InputError(f"{where}: the goal cannot be reached, because {reason}") from None
-        except NoNetwork as error:
-            raise InputError(f"{where}: {error}") from None
+    with showing(progress, "mission") as show:
+        for world in with_worst_accuracy(checked).worlds:
+            try:
+                rows += _rows(Search(world, thread_count(jobs), show), question)
+            except Unreachable as reason:
+                raise StudyError(f"{where}: the goal cannot be reached, because {reason}") from None
+            except NoNetwork as error:
+                raise StudyError(f"{where}: {error}") from None
     if question != "enough" and all(row.answer == "not reached" for row in rows):
-        raise InputError(f"{where}: the goal cannot be reached, because {_how_close(checked, rows)}")
+        raise StudyError(f"{where}: the goal cannot be reached, because {_how_close(checked, rows)}")
     return Plan(question, checked, rows, text_of(tables))
 
 

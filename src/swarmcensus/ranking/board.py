@@ -19,8 +19,8 @@ from swarmcensus.ranking.scores import DIVISIONS, Scores, scores_of
 from swarmcensus.ranking.table import as_text, flat, rows
 from swarmcensus.results.merging import merge
 from swarmcensus.results.store import load
-from swarmcensus.runs.collect import Progress, Reporting
-from swarmcensus.runs.progress import bar_or_nothing
+from swarmcensus.runs.collect import Report
+from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import run
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import read_toml, to_toml
@@ -71,17 +71,16 @@ def leaderboard(
     seed: int | None = None,
     jobs: int | None = None,
     fresh: bool = False,
-    reporting: Reporting = bar_or_nothing,
+    progress: Report | bool = True,
     say: Callable[[str], None] = print,
 ) -> Board:
     """Run all shipped brains and those of `files` in the worlds of the leaderboard; write page, figure and results.
 
     The page has all boards of `DIVISIONS`; the outcome has the scores of one `board`.
     Results in `out` are kept, unless `fresh` or a brain's file has changed. `trials` and `seed` replace those of
-    studies/leaderboard.toml. `reporting(label)` is a context that gives the callback for the progress of `run`, by
-    default a bar on a terminal and in a notebook; `say` gets messages. Raises InputError before anything is run if a
-    file is not a brain, or the folder cannot be written. Ctrl-C raises Interrupted, and the same call continues from
-    there.
+    studies/leaderboard.toml. `progress` is as for `run`; `say` gets messages. Raises InputError before anything is run
+    if a file is not a brain, or the folder cannot be written. Ctrl-C raises Interrupted, and the same call continues
+    from there.
     """
     out, own_files = Path(out), named([Path(file) for file in files])
     own_studies = {name: of_file(file) for name, file in own_files.items()}  # first: errors show soon
@@ -95,10 +94,11 @@ def leaderboard(
     for k, name in enumerate(sorted(studies, key=lambda name: name == OFFICIAL)):  # own first: failures show soon
         study, path = studies[name], data_path(out, name)
         restart = fresh or (name != OFFICIAL and _changed(path, study, say))
-        with reporting(f"leaderboard, {name}") as progress:
+        with showing(progress, f"leaderboard, {name}") as report:
             part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
-            show = _showing(progress, part)
-            parts[name] = run(study, jobs, show, out=path, fresh=restart, say=say, cautions=False)
+            parts[name] = run(
+                study, jobs, _as_part(report, name, part), out=path, fresh=restart, say=say, cautions=False
+            )
     data = merge([parts[name] for name in studies]) if own_files else parts[OFFICIAL]
     brains = [brain for study in studies.values() for brain in study.brains]
     opinions = {brain.name for brain in brains if brain.is_opinion}
@@ -123,9 +123,9 @@ def leaderboard(
     return Board(data, board, scores[board], losses[board], out / PAGE)
 
 
-def _showing(show: Callable[[Progress], None], part: str) -> Callable[[Progress], None]:
+def _as_part(show: Report, name: str, part: str) -> Report:
     """A callback that shows the progress of one of several runs as that of a part."""
-    return lambda now: show(replace(now, part=now.part or part))
+    return lambda now: show(replace(now, stage=name, part=now.part or part))
 
 
 def _changed(path: Path, study: Study, say: Callable[[str], None]) -> bool:

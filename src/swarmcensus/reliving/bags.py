@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import option, wrong_option
 
 STORAGES = (".mcap", ".db3")
 ROBOT = "{robot}"
@@ -72,9 +72,9 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     path = Path(path)
     for name, template in (("readings", readings), ("messages", messages)):
         if template is not None and template.count(ROBOT) != 1:
-            raise InputError(f"{option(name, template)}: should name a robot once as {ROBOT}, as /robot_{ROBOT}/floor")
+            raise wrong_option(name, template, f"should name a robot once as {ROBOT}, as /robot_{ROBOT}/floor")
     if not 1e-9 <= period < 1e9:
-        raise InputError(f"{option('period', period)}: should be the seconds of a step, above 0")
+        raise wrong_option("period", period, "should be the seconds of a step, above 0")
     raw, topics, notes = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
     wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]] = {}
     _choose(path, topics, readings, "readings", READINGS, _reading, wanted)
@@ -84,7 +84,7 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     if events.undecoded:
         notes.append(f"{path}: {counted(events.undecoded, 'message')} could not be decoded")
     if not events.seen:
-        raise InputError(f"{path}: no readings on the topics of {option('readings', readings)}")
+        raise ResultsError.of(path, f"no readings on the topics of {option('readings', readings)}")
     return _steps(path, events, messages is not None, round(period * NANO), notes)
 
 
@@ -96,7 +96,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[list[Raw], dict[s
         raise InputError("bags need the package rosbags: pip install 'swarmcensus[ros]'") from None
 
     if not path.exists():
-        raise InputError(f"{path}: there is no such bag")
+        raise ResultsError.of(path, "there is no such bag")
     raw: list[Raw] = []
     topics: dict[str, str] = {}
     try:
@@ -104,12 +104,12 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[list[Raw], dict[s
     except Exception:  # a damaged bag raises anything
         files = sorted(p for p in path.iterdir() if p.suffix in STORAGES) if path.is_dir() else [path]
         if not files:
-            raise InputError(f"{path}: no bag of rosbag2, which has files that end in .mcap or .db3") from None
+            raise ResultsError.of(path, "no bag of rosbag2, which has files that end in .mcap or .db3") from None
         raw.clear()
         for file in files:
             _salvage(file, raw, topics, patterns)
         if not topics:
-            raise InputError(f"{path}: no message of it could be read") from None
+            raise ResultsError.of(path, "no message of it could be read") from None
         return raw, topics, [f"{path}: the bag is cut or damaged: {counted(len(raw), 'message')} could be read"]
     return raw, topics, []
 
@@ -211,12 +211,12 @@ def _choose(
     found = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}
     if not found:
         there = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(topics.items())[:20]) or "none"
-        raise InputError(f"{path}: no topic matches {option(name, template)}: there are {there}")
+        raise ResultsError.of(path, f"no topic matches {option(name, template)}: there are {there}")
     for topic, robot in found.items():
         package, _, kind = topics[topic].rpartition("/")
         if package != "std_msgs/msg" or kind not in kinds:
-            raise InputError(
-                f"{path}: {topic} is of {topics[topic]}: {option(name)} should be of std_msgs, {', '.join(kinds)}"
+            raise ResultsError.of(
+                path, f"{topic} is of {topics[topic]}: {option(name)} should be of std_msgs, {', '.join(kinds)}"
             )
         wanted[topic] = add, robot
 
@@ -269,9 +269,10 @@ def _steps(path: Path, events: _Events, talks: bool, period: int, notes: list[st
     first = min(times)
     steps = _step(max(times), first, period) + 1
     if steps > MOST_STEPS:
-        raise InputError(
-            f"{path}: {(max(times) - first) / NANO:,.0f} s are {steps:,} steps of {option('period', period / NANO)}: "
-            f"{MOST_STEPS:,} at most"
+        raise ResultsError.of(
+            path,
+            f"{(max(times) - first) / NANO:,.0f} s are {steps:,} steps of {option('period', period / NANO)}: "
+            f"{MOST_STEPS:,} at most",
         )
     readings = np.full((steps, len(names)), np.nan)
     taken: Counter[tuple[int, int]] = Counter()
@@ -297,8 +298,8 @@ def _messages(
     for time, sender, receiver, topic in events.heard:
         for name in (sender, receiver):
             if name not in index:
-                raise InputError(
-                    f"{path}: {topic} names {name}, of which there are no readings: robots are {', '.join(index)}"
+                raise ResultsError.of(
+                    path, f"{topic} names {name}, of which there are no readings: robots are {', '.join(index)}"
                 )
         if sender == receiver:  # some radios hear themselves
             own += 1

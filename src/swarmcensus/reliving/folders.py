@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.basics.files import check_no_log
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains import Brain
 from swarmcensus.reliving.logs import RobotLog, read_log
 from swarmcensus.studies.study import Study
@@ -71,7 +72,7 @@ class Folder:
         """Read what swarm.json says. Raises InputError."""
         check_no_log(path)
         if not path.is_dir():
-            raise InputError(f"{path}: should be a folder of robots' logs")
+            raise ResultsError.of(path, "should be a folder of robots' logs")
         self.path = path
         self.about = about_of(path)
         self.fill_ratio = self.about.get("fill_ratio") if fill_ratio is None else fill_ratio
@@ -87,7 +88,7 @@ class Folder:
         numbers = [log.number for log in logs]
         twice = next((number for number in numbers if numbers.count(number) > 1), None)
         if twice is not None:
-            raise InputError(f"{self.path}: two logs are of robot {twice}: each robot has one")
+            raise ResultsError.of(self.path, f"two logs are of robot {twice}: each robot has one")
         members = _with_adversaries([self._member(log) for log in logs], self.about)
         members.sort(key=lambda member: member.number)
         swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
@@ -137,7 +138,7 @@ class Brains:
         """The brain in a file of the folder."""
         if name not in self.read:
             path = self.folder / name
-            source = brains.read_source("brain", path)
+            source = read_source("brain", path)
             label = self.name if name == self.file and self.name else _name_of(source) or path.stem
             brain = brains.parse(source, label, path)
             self.read[name] = self._with_values(brain) if name == self.file else brain
@@ -146,13 +147,14 @@ class Brains:
     def _shipped(self, log: RobotLog) -> Brain:
         mark = log.states[0].brain
         for name in brains.shipped():
-            if brains.digest(brains.read_source("brain", brains.find(name))).startswith(mark.hex()):
+            if digest(read_source("brain", brains.find(name))).startswith(mark.hex()):
                 if name not in self.read:
                     self.read[name] = self._with_values(brains.load(name))
                 return self.read[name]
-        raise InputError(
-            f"{log.path}: the robot's brain has a hash that begins with {mark.hex()}, and no shipped brain has it: "
-            f"put its file into the folder as {OWN}, or name it with --brain-file"
+        raise ResultsError.of(
+            log.path,
+            f"the robot's brain has a hash that begins with {mark.hex()}, and no shipped brain has it: "
+            f"put its file into the folder as {OWN}, or name it with --brain-file",
         )
 
     def _with_values(self, brain: Brain) -> Brain:
@@ -192,9 +194,9 @@ def study_of(about: Mapping[str, Any]) -> Study | None:
 
 def _name_of(source: str) -> str | None:
     """The name of the shipped brain with this source."""
-    mark = brains.digest(source)
+    mark = digest(source)
     for name in brains.shipped():
-        if brains.digest(brains.read_source("brain", brains.find(name))) == mark:
+        if digest(read_source("brain", brains.find(name))) == mark:
             return name
     return None
 
@@ -207,12 +209,12 @@ def about_of(folder: Path) -> dict[str, Any]:
     except FileNotFoundError:
         return {}
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
+        raise ResultsError.of(path, f"{error.strerror}") from None
     except ValueError as error:
-        raise InputError(f"{path}: cannot be read as JSON: {error}") from None
+        raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         found = content.get("format") if isinstance(content, dict) else content
-        raise InputError(f"{path}: its format is {found!r}: this swarmcensus reads {FORMAT}")
+        raise ResultsError.of(path, f"its format is {found!r}: this swarmcensus reads {FORMAT}")
     _check(path, content)
     return content
 
@@ -221,26 +223,32 @@ def _check(path: Path, content: dict[str, Any]) -> None:
     """Raise InputError if what is used of swarm.json is not what it should be."""
     robots = content.get("robots", [])
     if not isinstance(robots, list) or not all(isinstance(one, dict) and "log" in one for one in robots):
-        raise InputError(f"{path}: robots should be a list of tables, each with a log")
+        raise ResultsError.of(path, "robots should be a list of tables, each with a log", key="robots")
     for robot in robots:
         for key in ("log", "brain"):
             _check_name(path, key, robot.get(key, OWN))
     ratio = content.get("fill_ratio")
     if ratio is not None and not (isinstance(ratio, int | float) and 0.0 <= ratio <= 1.0):
-        raise InputError(f"{path}: fill_ratio = {ratio!r}: should be from 0 to 1, or null")
+        raise ResultsError.of(
+            path, f"fill_ratio = {ratio!r}: should be from 0 to 1, or null", key="fill_ratio", value=ratio
+        )
     brain = content.get("brain", {})
     if not isinstance(brain, dict) or not isinstance(brain.get("parameters", {}), dict):
-        raise InputError(f"{path}: brain should be a table with the key file, and its parameters another one")
+        raise ResultsError.of(
+            path, "brain should be a table with the key file, and its parameters another one", key="brain"
+        )
     _check_name(path, "brain.file", brain.get("file", OWN))
     for key, kind in (("bins", int), ("delta", int | float), ("seed", int), ("trial", int), ("setting", int)):
         if key in content and not isinstance(content[key], kind):
-            raise InputError(f"{path}: {key} = {content[key]!r}: should be a number")
+            raise ResultsError.of(path, f"{key} = {content[key]!r}: should be a number", key=key, value=content[key])
 
 
 def _check_name(path: Path, key: str, name: object) -> None:
     """Raise InputError if a name leads out of the folder."""
     if not isinstance(name, str) or not re.fullmatch(r"[^/\\\0]+", name) or name in (".", ".."):
-        raise InputError(f"{path}: {key} = {name!r}: should be the name of a file in the folder")
+        raise ResultsError.of(
+            path, f"{key} = {name!r}: should be the name of a file in the folder", key=key, value=name
+        )
 
 
 def summary_of(day: Day) -> str:

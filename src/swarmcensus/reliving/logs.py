@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import ResultsError
 from swarmcensus.robot import log as written
 
 PART = 16_384  # bytes of a log that are read at a time while it grows
@@ -103,7 +103,7 @@ def read_log(path: str | Path) -> RobotLog:
     number = _number_of(blocks, path)
     if number is None:
         what = "" if blocks else "the file is empty: "
-        raise InputError(f"{path}: {what}should be a robot's log, which begins with what the robot is")
+        raise ResultsError.of(path, f"{what}should be a robot's log, which begins with what the robot is")
     return RobotLog(path, number, blocks)
 
 
@@ -133,7 +133,7 @@ class LogReader:
         except FileNotFoundError:
             return False
         except OSError as error:
-            raise InputError(f"{self.path}: {error.strerror}") from None
+            raise ResultsError.of(self.path, f"{error.strerror}") from None
         before = [self._state] if self._state else []
         new = list(_blocks(data, self.path, self._at, self._state.code_bytes if self._state else -1))
         end = self._at + len(data)
@@ -154,7 +154,7 @@ def _number_of(blocks: Sequence[Block], path: Path) -> int | None:
     """The number of the robot of a log; None without a state. Raises InputError if there are several."""
     numbers = [block.number for block in blocks if isinstance(block, State)]
     if strangers := set(numbers) - set(numbers[:1]):
-        raise InputError(f"{path}: the log is of robot {numbers[0]} and of robot {min(strangers)}: of one is right")
+        raise ResultsError.of(path, f"the log is of robot {numbers[0]} and of robot {min(strangers)}: of one is right")
     return numbers[0] if numbers else None
 
 
@@ -166,7 +166,7 @@ def blocks_of(path: str | Path) -> Iterator[Block]:
             size = file.seek(0, 2)
             data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if size else b""
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
+        raise ResultsError.of(path, f"{error.strerror}") from None
     yield from _blocks(data, path)
 
 
@@ -219,7 +219,7 @@ def _state(body: bytes, path: Path) -> State:
     if magic != written.MAGIC:
         raise struct.error("another kind of state")
     if version != written.VERSION:
-        raise InputError(f"{path}: a log of version {version}: this swarmcensus reads version {written.VERSION}")
+        raise ResultsError.of(path, f"a log of version {version}: this swarmcensus reads version {written.VERSION}")
     *rest, parameters, numbers, owed = rest
     values = struct.unpack_from(f"<{parameters + numbers + owed}d", body, head)
     starts, feedback, single = (bool(flags & flag) for flag in (written.STARTS, written.FEEDBACK, written.SINGLE))

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.basics.files import atomic_write
+from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.deployment.messages import messages_of
 from swarmcensus.reliving.folders import OWN, about_of, without_logs
@@ -58,7 +59,7 @@ class _Source:
         self.path = path
         first = next((block for block in blocks_of(path) if isinstance(block, State)), None)
         if first is None:
-            raise InputError(f"{path}: should be a robot's log, which begins with what the robot is")
+            raise ResultsError.of(path, "should be a robot's log, which begins with what the robot is")
         self.first = first
         self.brain: brains.Brain | None = None
         self.names: list[str] = []
@@ -83,8 +84,8 @@ class _Source:
         for now, block in timed(self._counted(), max(origin, 0)):
             if isinstance(block, State):
                 if block.number != number:
-                    raise InputError(
-                        f"{self.path}: the log is of robot {number} and of robot {block.number}: of one is right"
+                    raise ResultsError.of(
+                        self.path, f"the log is of robot {number} and of robot {block.number}: of one is right"
                     )
                 boot = block.boot
                 self.boots.add(boot)
@@ -151,7 +152,7 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
     for source in sources:
         other = by_number.setdefault(source.first.number, source)
         if other is not source:
-            raise InputError(f"{source.path}: is of robot {source.first.number}, as {other.path.name} is: one each")
+            raise ResultsError.of(source.path, f"is of robot {source.first.number}, as {other.path.name} is: one each")
     known = _brains(folder, swarm.get("brain", {}), {source.first.brain for source in sources})
     for source in sources:
         source.know(known.get(source.first.brain))
@@ -223,8 +224,8 @@ def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[byte
     known: dict[bytes, brains.Brain] = {}
     names = {str(about.get("file", OWN)): str(about["name"])} if about.get("name") else {}
     for path in [*(brains.find(name) for name in brains.shipped()), *sorted(folder.glob("*.py"))]:
-        source = brains.read_source("brain", path)
-        if (mark := bytes.fromhex(brains.digest(source))[:8]) in named:
+        source = read_source("brain", path)
+        if (mark := bytes.fromhex(digest(source))[:8]) in named:
             name = names.get(path.name) or (known[mark].name if mark in known else path.stem)
             known[mark] = brains.unloaded(name, source)
     return known

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.brains import Brain, adversary
 from swarmcensus.brains.packing import Format, Numbers
 from swarmcensus.reliving.clocks import Clock
@@ -99,9 +99,9 @@ class _Day:
     def _check_messages(self) -> None:
         formats = {robot.brain.numbers.message for robot in self.robots.values()}
         if not self.robots:
-            raise InputError(f"{self.day.folder}: no robot of it is honest")
+            raise ResultsError.of(self.day.folder, "no robot of it is honest")
         if len(formats) > 1:
-            raise InputError(f"{self.day.folder}: its logs have messages of several formats: give one with --message")
+            raise ResultsError.of(self.day.folder, "its logs have messages of several formats: give one with --message")
 
     def live(self) -> OtherDay:
         work = deque(self.robots.values())

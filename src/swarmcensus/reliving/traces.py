@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import ResultsError
 from swarmcensus.reliving.clocks import Clock
 from swarmcensus.reliving.folders import Day, Member
 from swarmcensus.reliving.lives import Life
@@ -96,7 +96,7 @@ def _fields(day: Day, lived: OtherDay, clock: Clock) -> dict[str, np.ndarray]:
 def _check_size(day: Day, clock: Clock, width: int) -> None:
     """Raise InputError if so many numbers of each robot and tick are too many, as after a forged tick."""
     if (clock.rounds + 1) * len(day.members) * width > MOST_VALUES:
-        raise InputError(f"{day.folder}: its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?")
+        raise ResultsError.of(day.folder, f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?")
 
 
 def ends_of(day: Day, lived: OtherDay) -> np.ndarray:

@@ -12,6 +12,7 @@ from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inferring import trace_of, warn_of_estimates
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.swarming import ended, free
@@ -24,7 +25,11 @@ from swarmcensus.worlds.faults import NAMES, outages
 
 
 def replay(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None, links: bool = False
+    results: xr.Dataset | str | Path,
+    setting: int,
+    trial: int,
+    brain_file: str | Path | None = None,
+    links: bool = False,
 ) -> xr.Dataset:
     """Run one trial again and return its trace: every field of the brain's memory and `estimate`, (round, robot).
 
@@ -37,7 +42,7 @@ def replay(
     `results` is a dataset or a results file; `setting` and `trial` are its coordinates. A brain that is not shipped
     must be given as a file. Estimates equal those of the run to the last bit. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain)
+    study, chosen = _find(results, setting, trial, brain_file)
     if chosen.body is not None:
         trace = _moving_trace(chosen, study.seed, trial, links)
     else:
@@ -48,13 +53,13 @@ def replay(
 
 
 def estimates(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None = None
 ) -> xr.Dataset:
     """A trace as `replay` returns it; on fixed networks, with estimates only.
 
     This needs no compilation if the trial was run on this machine. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain)
+    study, chosen = _find(results, setting, trial, brain_file)
     if chosen.body is not None:
         trace = _moving_trace(chosen, study.seed, trial, False)
     else:
@@ -99,7 +104,7 @@ def honest_in(trace: xr.Dataset) -> np.ndarray:
 
 def _name_members(trace: xr.Dataset, chosen: Setting, seed: int, trial: int) -> np.ndarray:
     """Add the number of each robot's table of members, and who is honest; return the latter (robot,)."""
-    who = chosen.groups(seed, trial, 1)[0]
+    who = sampling.groups(chosen, seed, trial, 1)[0]
     meanings = "; ".join(f"{number}: {member}" for number, member in enumerate(chosen.members, start=1))
     trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {meanings}"})
     honest = np.array([True, *(member.honest for member in chosen.members)])[who]
@@ -145,7 +150,7 @@ def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dat
         says = {"long_name": "black share of the floor that robots can reach, as it changes"}
         trace[free("true_fill_ratio", trace)] = ("round", ride.true_fill_ratio, says)
     if chosen.faults:
-        stops = chosen.stops(seed, trial)
+        stops = sampling.stops(chosen, seed, trial)
         says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
         name, part = free("stops", trace), free("part", trace)
         shown = np.where(stops == NEVER, -1, stops)
@@ -168,14 +173,14 @@ def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dat
 
 
 def recording(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """The observations and links of one trial, in the form that `infer` takes.
 
     Returns readings (step, robot), 1 for black, and undirected edges (edge, 2). For robots that move and for directed
     links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
-    study, chosen = _find(results, setting, trial, brain)
+    study, chosen = _find(results, setting, trial, brain_file)
     if len(chosen.brains) > 1:
         raise InputError("a recording is for one brain, and the robots of this setting have several")
     if chosen.brain.is_oracle and chosen.body is not None:
@@ -187,7 +192,7 @@ def recording(
         tick, i, j = ride.links.T
         messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
         return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
-    links = chosen.links(study.seed, trial, 1)
+    links = sampling.links(chosen, study.seed, trial, 1)
     if links.mode == LISTED or chosen.robots == 1:
         pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
         if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
@@ -210,12 +215,12 @@ def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
 
 
 def _find(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None
 ) -> tuple[Study, Setting]:
     data = results if isinstance(results, xr.Dataset) else load(results)
     known = data["trial"].values
     if trial not in known:
         raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
-    study, chosen = setting_of(data, setting, brain)
+    study, chosen = setting_of(data, setting, brain_file)
     caution(chosen.brains)
     return study, chosen

@@ -25,7 +25,7 @@ import numpy as np
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import adversary
 from swarmcensus.runs.queues import NO_PAGE, Jobs, interrupted_by_signals, read_queue
@@ -188,7 +188,7 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
                     dashboard_address=NO_PAGE["dashboard_address"], scheduler_kwargs=NO_PAGE,
                 )  # fmt: skip
             except (OSError, RuntimeError) as error:
-                raise InputError(f"{option('cluster', where)}: no processes could be started: {error}") from error
+                raise wrong_option("cluster", where, f"no processes could be started: {error}") from error
             stack.enter_context(cluster)
         elif queue is None:
             cluster = where
@@ -235,5 +235,5 @@ def _silent_dask() -> Iterator[None]:
 def _process_count(where: str) -> int:
     text = where.removeprefix("local:")
     if not text.isdigit() or int(text) < 1:
-        raise InputError(f"{option('cluster', where)}: should be local: and a number of processes, as local:4")
+        raise wrong_option("cluster", where, "should be local: and a number of processes, as local:4")
     return int(text)

@@ -4,7 +4,6 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -37,7 +36,7 @@ class Progress:
     steps: tuple[int, int] = (0, 0)  # steps of the note: how many are done, of how many
 
 
-Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]  # makes a bar from a label
+Report = Callable[[Progress], None]  # what an argument `progress` may be, beside True and False
 
 
 @dataclass

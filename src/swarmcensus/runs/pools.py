@@ -99,8 +99,8 @@ def thread_count(jobs: int | None) -> int:
     most = max(MOST_JOBS, cores)
     jobs = cores if jobs is None else jobs
     if not 1 <= jobs <= most:
-        raise InputError(
-            f"jobs = {jobs}: should be 1 to {most:,} threads; more threads than cores ({cores}) are not faster"
+        raise InputError.at(
+            "jobs", jobs, f"should be 1 to {most:,} threads; more threads than cores ({cores}) are not faster"
         )
     return jobs
 

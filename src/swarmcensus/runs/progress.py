@@ -6,13 +6,13 @@ import logging
 import math
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.templates import render
-from swarmcensus.runs.collect import Progress
+from swarmcensus.runs.collect import Progress, Report
 
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
@@ -21,7 +21,7 @@ NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a bar: shorter runs need
 
 
 @contextlib.contextmanager
-def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
+def bar_or_lines(label: str) -> Iterator[Report]:
     """A callback for `run` that shows trials done, their rate and the time left: a bar on a terminal, else lines."""
     from swarmcensus.basics.terminal import console
 
@@ -65,12 +65,17 @@ def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
 
 
 @contextlib.contextmanager
-def bar_or_nothing(label: str) -> Iterator[Callable[[Progress], None]]:
-    """A callback for `run` in a program: a bar on a terminal or in a notebook, and nothing elsewhere."""
-    if in_notebook():
+def showing(progress: Report | bool, label: str) -> Iterator[Report]:
+    """What an argument `progress` means: a function that is called, or True for a bar on a terminal or in a notebook.
+
+    By False, and elsewhere, nothing is shown.
+    """
+    if callable(progress):
+        yield progress
+    elif progress and in_notebook():
         with _notebook_bar(label) as show:
             yield show
-    elif sys.stderr is not None and sys.stderr.isatty():
+    elif progress and sys.stderr is not None and sys.stderr.isatty():
         with bar_or_lines(label) as show:
             yield show
     else:
@@ -84,7 +89,7 @@ def in_notebook() -> bool:
 
 
 @contextlib.contextmanager
-def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
+def _notebook_bar(label: str) -> Iterator[Report]:
     """A bar under a notebook's cell, unless the run is short; at the end one line remains."""
     display: Any = importlib.import_module("IPython.display").display  # a notebook always has it
     begun, pace = time.monotonic(), _Pace()
@@ -117,7 +122,7 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
             put(f"{label}: {last.done:,} of {counted(last.total, 'trial')} in {clock(time.monotonic() - begun)}")
 
 
-def _plain_lines(label: str) -> Callable[[Progress], None]:
+def _plain_lines(label: str) -> Report:
     last, pace = time.monotonic(), _Pace()
     before = "", "", False
 

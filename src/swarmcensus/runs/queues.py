@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean_any
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import read_toml
 
@@ -204,9 +204,10 @@ def read_queue(path: Path) -> Queue:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise InputError(
-            f"{option('cluster', str(path))}: should be local:4, a scheduler's address, or a TOML file, which "
-            f"cannot be read: {error}"
+        raise wrong_option(
+            "cluster",
+            str(path),
+            f"should be local:4, a scheduler's address, or a TOML file, which cannot be read: {error}",
         ) from None
     try:
         return Queue.model_validate(read_toml(text, f"cluster file {path}"))

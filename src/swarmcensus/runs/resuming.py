@@ -126,7 +126,8 @@ class HeldOutput:
         if fingerprint not in self._setting_numbers:
             raise InputError(
                 f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
-                f"a brain, body, fault, edge list, image or file of another package been changed? {hint()}"
+                f"a brain, body, fault, edge list, image or file of another package been changed? {hint()}",
+                file=path,
             )
         return self._setting_numbers[fingerprint]
 
@@ -134,7 +135,8 @@ class HeldOutput:
         if trials > self.study.trials:
             raise InputError(
                 f"{self.out} holds {counted(trials, 'trial')} a setting, this study asks for "
-                f"{self.study.trials:,}. {hint()}"
+                f"{self.study.trials:,}. {hint()}",
+                file=self.out,
             )
 
     def _take_over_file(self, values: Values, old: xr.Dataset) -> None:
@@ -145,7 +147,7 @@ class HeldOutput:
         }  # fmt: skip
         self.parts.identity.check(about, str(self.out), hint())
         if problem := edited(old, self.study):
-            raise InputError(f"{self.out}: {problem}. {hint()}")
+            raise InputError.of(self.out, f"{problem}. {hint()}")
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
         ran = _has_trials(old)
         rows = np.array([self._setting_number(str(mark), self.out) for mark in old["fingerprint"].values[ran]], np.intp)
@@ -155,7 +157,7 @@ class HeldOutput:
         self._check_trials(int(trials.max()) + 1)
         values.grow(int(trials.max()) + 1)
         if old.sizes["robot"] > max(values.robots):
-            raise InputError(f"{self.out} holds larger swarms than this study. {hint()}")
+            raise InputError(f"{self.out} holds larger swarms than this study. {hint()}", file=self.out)
         self._check_names(list(old), values, self.out)
         done = old["convergence_round"].values[ran, :, 0] != MISSING
         for name, (dims, *_) in kinds_in(old).items():
@@ -170,10 +172,10 @@ class HeldOutput:
     def _check_names(self, names: Container[Hashable], values: Values, path: Path) -> None:
         for name in LOCAL | ESTIMATES:
             if name in names and name not in values.arrays:
-                raise InputError(f"{path} holds {name}, which this study does not ask for. {hint()}")
+                raise InputError(f"{path} holds {name}, which this study does not ask for. {hint()}", file=path)
         for name in ESTIMATES:
             if name not in names and name in values.arrays and "correct" in names:
-                raise InputError(f"{path} has no {name}, which this study asks for. {hint()}")
+                raise InputError(f"{path} has no {name}, which this study asks for. {hint()}", file=path)
 
     def _shard_columns(self, taken: Columns, checkpoints: list[int], number: int, path: Path) -> Columns:
         if "correct" not in taken or checkpoints == self.study.checkpoints:
@@ -204,7 +206,8 @@ class HeldOutput:
         if lacking.size:
             raise InputError(
                 f"{path} has no decisions at round {wanted[lacking[0]]}, which is a checkpoint of this study: name in "
-                f"measure.checkpoints those that it has ({', '.join(map(str, known.tolist()))}). {hint()}"
+                f"measure.checkpoints those that it has ({', '.join(map(str, known.tolist()))}). {hint()}",
+                file=path,
             )
         return taken
 

@@ -21,12 +21,13 @@ from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.reading import readable
 from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools
-from swarmcensus.runs.collect import Progress, State, run_bundles
+from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.forecasts import announce_length
-from swarmcensus.runs.progress import bar_or_nothing
+from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.simulation.trials import seconds
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -36,7 +37,7 @@ LOG = logging.getLogger(__name__)
 def run(
     study: Study,
     jobs: int | None = None,
-    progress: Callable[[Progress], None] | bool | None = True,
+    progress: Report | bool = True,
     *,
     out: str | Path | None = None,
     fresh: bool = False,
@@ -72,14 +73,12 @@ def run(
             f"({study.trials})"
         )
     settings = study.settings()
-    marks = [setting.fingerprint(study.seed) for setting in settings]
+    marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())
     with contextlib.ExitStack() as stack:
-        report, output, arrays = progress if callable(progress) else _no_report, None, ArrayStore()
-        if progress is True:
-            report = stack.enter_context(bar_or_nothing(study.name))
+        report, output, arrays = stack.enter_context(showing(progress, study.name)), None, ArrayStore()
         if out is not None:
             output = stack.enter_context(hold_output(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
             arrays = ArrayStore(output.parts.folder.parent)
@@ -131,10 +130,6 @@ def run(
     return readable(data, arrays)
 
 
-def _no_report(_: Progress) -> None:
-    """Show no progress."""
-
-
 def _save_without_trials(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
     """Write the dataset without trials; together with the shards it shows the run so far."""
     study, settings = state.study, state.settings
@@ -153,12 +148,12 @@ def recompute(
     wanted: NDArray[np.bool_],
     local: bool,
     jobs: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report = lambda _: None,
 ) -> Values:
     """Run the trials of some settings that are `wanted`, (setting, trial); trials that fail stay missing."""
     jobs = pools.thread_count(jobs)
     values = Values(study, settings, wanted.shape[1], local)
-    state = State(study, settings, values, progress or _no_report, None, np.zeros(0), slice(None))
+    state = State(study, settings, values, progress, None, np.zeros(0), slice(None))
     tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     LOG.debug("%s: %s trials again, in %s threads", study.name, f"{state.total:,}", jobs)

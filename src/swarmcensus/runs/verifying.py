@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -31,8 +31,10 @@ from swarmcensus.results.values import (
     kinds_in,
     same_bits,
 )
-from swarmcensus.runs.collect import Progress
+from swarmcensus.runs.collect import Report
+from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -80,22 +82,23 @@ def verify(
     results: xr.Dataset | str | Path,
     sample: float = 0.01,
     *,
-    brain: Brains = (),
+    brain_file: Brains = (),
     seed: int | None = None,
     jobs: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report | bool = True,
 ) -> Verification:
     """Run a random share `sample` of the stored trials again, at least one, and compare all measurements.
 
     With sample=1 all trials are run again. With a `seed` the choice is the same each time. Brains that do not ship must
-    be given as `brain`. Labels and attributes are always compared with the study. Raises InputError.
+    be given as `brain_file`. `progress` is as for `run`. Labels and attributes are always compared with the
+    study. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
         raise InputError(f"sample = {sample:g}: should be a share above 0, and at most 1")
     data = packed(results) if isinstance(results, xr.Dataset) else stored(results)
     if wrong := structure.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
-    studies = studies_of(data, brain)
+    studies = studies_of(data, brain_file)
     labels = [*unlike(data, studies), *_rule_problems(data, studies)]
     if not isinstance(results, xr.Dataset):
         labels += wrong_layout(results, data)
@@ -112,12 +115,13 @@ def verify(
     differences: list[Difference] = []
     unmatched = np.asarray(wanted.any(axis=1))
     watched = list({metric.variable: metric for study in studies for metric in study.measure.metrics}.values())
-    for study in (_measuring_all_stored(data, study, watched) for study in studies):
-        places, settings = _settings_in(data, study, unmatched)
-        if settings:
-            metrics_may_run(study, brain)
-            unmatched[places] = False
-            differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
+    with showing(progress, "verify") as report:
+        for study in (_measuring_all_stored(data, study, watched) for study in studies):
+            places, settings = _settings_in(data, study, unmatched)
+            if settings:
+                metrics_may_run(study, brain_file)
+                unmatched[places] = False
+                differences += _compare(data, study, places, settings, wanted[places], jobs, report)
     wanted[unmatched] = False  # these settings are of none of the studies, as `labels` say
     differences.sort(key=lambda d: (d.setting, d.trial))
     notes = list(_notes(data, studies))
@@ -202,7 +206,7 @@ def _settings_in(
 ) -> tuple[NDArray[np.intp], list[Setting]]:
     """The unmatched settings of a dataset that are of this study: their places in the dataset, and the settings."""
     marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist()) if unmatched[k]}
-    by_place = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
+    by_place = {marks[mark]: s for s in study.settings() if (mark := addresses.fingerprint(s, study.seed)) in marks}
     for setting in by_place.values():
         must_be_read(setting)
     return np.array(sorted(by_place), np.intp), [by_place[k] for k in sorted(by_place)]
@@ -215,7 +219,7 @@ def _compare(
     settings: list[Setting],
     wanted: NDArray[np.bool_],
     jobs: int | None,
-    progress: Callable[[Progress], None] | None,
+    progress: Report,
 ) -> list[Difference]:
     local, merged = "local_convergence_step" in data, "merged" in data.attrs
     trials = data.variables["trial"].values

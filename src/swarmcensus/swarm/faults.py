@@ -1,19 +1,25 @@
-"""What is to happen to a swarm while it runs: `--at "5s kill 3"`, read and checked."""
+"""What is to happen to a swarm while it runs: `--fault "5s kill 3"`, read and checked."""
 
 import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import wrong_option
 
 ACTIONS = ("kill", "restart", "stop", "continue", "partition", "heal", "start", "garbage")
 ALONE = ("heal",)  # these name no robots
 SECONDS = {"ms": 0.001, "s": 1.0, "min": 60.0, "h": 3600.0}
 FORM = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s|min|h|rounds?)?\s+([A-Za-z]+)(?:\s+([\d,\- ]*\d))?(\s+blank)?")
-RIGHT = (
-    '--at "5s kill 3", with a time in s or rounds, one of ' + ", ".join(ACTIONS) + ", and robots such as 3 or 0-9,12"
-)
+RIGHT = '"5s kill 3", with a time in s or rounds, one of ' + ", ".join(ACTIONS) + ", and robots such as 3 or 0-9,12"
+
+POSSIBLE = {  # actions, and what a robot may do then
+    "start": ("has not started",),
+    "continue": ("is stopped",),
+    "restart": ("runs", "is killed", "is stopped"),
+    "kill": ("runs", "is stopped"),
+    "stop": ("runs",),
+}
 
 
 class Fault(NamedTuple):
@@ -39,7 +45,7 @@ def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) ->
     faults = [_fault(text, robots, period) for text in texts]
     for fault in faults:
         if not fault.seconds < seconds:
-            raise InputError(f'--at "{fault.text}": the swarm ends at {seconds:g} s')
+            raise wrong_option("fault", fault.text, f"the swarm ends at {seconds:g} s")
     faults.sort(key=lambda fault: fault.seconds)
     _check_order(faults)
     return faults
@@ -48,20 +54,20 @@ def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) ->
 def _fault(text: str, robots: int, period: int) -> Fault:
     match = FORM.fullmatch(" ".join(text.split()))
     if match is None:
-        raise InputError(f'--at "{text}": should be such as {RIGHT}')
+        raise wrong_option("fault", text, f"should be such as {RIGHT}")
     number, unit, action, who, blank = match.groups()
     if action not in ACTIONS:
-        raise InputError(f'--at "{text}": {did_you_mean(action, ACTIONS)}should be one of {", ".join(ACTIONS)}')
+        raise wrong_option("fault", text, f"{did_you_mean(action, ACTIONS)}should be one of {', '.join(ACTIONS)}")
     if (who is None) != (action in ALONE):
-        raise InputError(
-            f'--at "{text}": {action} names {"no robots" if action in ALONE else "robots, such as 3 or 0-9"}'
+        raise wrong_option(
+            "fault", text, f"{action} names {'no robots' if action in ALONE else 'robots, such as 3 or 0-9'}"
         )
     if blank and action != "restart":
-        raise InputError(f'--at "{text}": blank goes with restart')
+        raise wrong_option("fault", text, "blank goes with restart")
     seconds = float(number) * (SECONDS[unit] if unit in SECONDS else period / 1000.0)
     chosen = _robots(who or "", robots, text)
     if action == "partition" and len(chosen) == robots:
-        raise InputError(f'--at "{text}": these are all robots, and nobody is left to be cut off from')
+        raise wrong_option("fault", text, "these are all robots, and nobody is left to be cut off from")
     return Fault(seconds, action, chosen, bool(blank), text)
 
 
@@ -71,11 +77,11 @@ def _robots(who: str, robots: int, text: str) -> tuple[int, ...]:
     for part in filter(None, re.split(r"[, ]+", who)):
         match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", part)
         if match is None:
-            raise InputError(f'--at "{text}": {part} should be a robot or a range of them, such as 0-9')
+            raise wrong_option("fault", text, f"{part} should be a robot or a range of them, such as 0-9")
         first, last = int(match[1]), int(match[2] or match[1])
         if not first <= last < robots:
             order = ", the lower number first" if match[2] else ""
-            raise InputError(f'--at "{text}": robot {part} should be from 0 to {robots - 1}{order}')
+            raise wrong_option("fault", text, f"robot {part} should be from 0 to {robots - 1}{order}")
         chosen.update(range(first, last + 1))
     return tuple(sorted(chosen))
 
@@ -88,21 +94,14 @@ def _check_order(faults: Sequence[Fault]) -> None:
     for fault in faults:
         for robot in fault.robots:
             state = gone.get(robot, "runs")
-            allowed = {"start": "has not started", "continue": "is stopped"}.get(fault.action)
-            if (state in ("has not started", "is killed") and fault.action in ("kill", "stop")) or (
-                fault.action == "stop" and state == "is stopped"
-            ):
-                raise InputError(f'--at "{fault.text}": robot {robot} {state} then')
-            if allowed and state != allowed:
-                raise InputError(f'--at "{fault.text}": robot {robot} {state} then')
-            if fault.action == "restart" and state == "has not started":
-                raise InputError(f'--at "{fault.text}": robot {robot} {state} then')
+            if state not in POSSIBLE.get(fault.action, (state,)):
+                raise wrong_option("fault", fault.text, f"robot {robot} {state} then")
             if fault.action in ("start", "continue", "restart"):
                 gone.pop(robot, None)
             elif fault.action in ("kill", "stop"):
                 gone[robot] = "is killed" if fault.action == "kill" else "is stopped"
         if fault.action == "heal" and not is_cut:
-            raise InputError(f'--at "{fault.text}": nothing is parted then')
+            raise wrong_option("fault", fault.text, "nothing is parted then")
         is_cut = fault.action == "partition" or (is_cut and fault.action != "heal")
 
 

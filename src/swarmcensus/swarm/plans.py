@@ -6,16 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.packing import FORMATS, Format
 from swarmcensus.conformance.quick import caution
 from swarmcensus.deployment import on_node
-from swarmcensus.deployment.plans import LOWEST_HZ
-from swarmcensus.deployment.plans import Plan as DeployedPlan
+from swarmcensus.deployment.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.robot.runtime import CHECKSUM, HEADER
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies.settings import Setting
@@ -97,14 +96,14 @@ class Plan:
     @property
     def mark(self) -> int:
         """Of the datagrams of this swarm, also those of its members with other brains."""
-        return DeployedPlan(self.setting.brain, "udp", 1.0, 1.0, self.air.hz, None).mark
+        return mark_of(self.setting.brain)
 
 
 def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> Plan:
     """The plan of one trial of a setting. Raises InputError if it cannot be run as processes."""
     settings = study.settings()
     if not 0 <= number < len(settings):
-        raise InputError(f"--setting {number}: {study.name} has {counted(len(settings), 'setting')}, numbered from 0")
+        raise wrong_option("setting", number, f"{study.name} has {counted(len(settings), 'setting')}, numbered from 0")
     setting = _in_bytes(settings[number])
     _check(setting, study, air)
     caution(study.brains)
@@ -133,11 +132,8 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
             'such as topology = "ring"'
         )
     if setting.faults:
-        raise InputError(f"{study.name}: [[faults]] are not run by processes: --at makes robots fail")
-    if setting.brain.is_oracle:
-        raise InputError(
-            f"the brain {setting.brain.name!r} is a bound: no robot hears all others and knows every sensor"
-        )
+        raise InputError(f"{study.name}: [[faults]] are not run by processes: --fault makes robots fail")
+    check_is_no_bound(setting.brain)
     if any(brain.jams for brain in setting.brains):
         raise InputError(f"{study.name}: a robot jams others' messages, which no robot does over sockets")
     if setting.robots > MOST_ROBOTS:
@@ -146,31 +142,32 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
         raise InputError(
             f"{setting.observations_per_round:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
         )
-    size = HEADER + CHECKSUM + max(brain.message_bytes for brain in setting.brains)
+    size = max(map(datagram_bytes, setting.brains))
     if size > MOST_BYTES:
         raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
-    if not LOWEST_HZ <= air.hz <= HIGHEST_HZ:
-        raise InputError(f"--hz {air.hz:g}: should be ticks a second, from {LOWEST_HZ:g} to {HIGHEST_HZ:g}")
+    check_hz(air.hz, HIGHEST_HZ)
     for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
         if not 0.0 <= value <= 0.9:
-            raise InputError(f"--{name} {value:g}: should be a share, from 0 to 0.9")
+            raise wrong_option(name, value, "should be a share, from 0 to 0.9")
 
 
 def _check_delay(setting: Setting, air: Air) -> None:
     """Raise InputError if no message could arrive before the end."""
     seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
     if air.delay >= 1000.0 * seconds > 0.0:
-        raise InputError(
+        raise OptionError(
             f"--delay {air.delay / 1000.0:g}s: the run takes {seconds:g} s, so that no message would arrive: should be "
-            "shorter than the run"
+            "shorter than the run",
+            key="delay",
+            value=air.delay / 1000.0,
         )
 
 
 def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member, ...]:
     if not 0 <= micropython <= setting.robots:
-        raise InputError(f"--micropython {micropython}: the swarm has {counted(setting.robots, 'robot')}")
+        raise wrong_option("micropython", micropython, f"the swarm has {counted(setting.robots, 'robot')}")
     if micropython and not on_node.micropython():
-        raise InputError(f"--micropython {micropython}: needs {on_node.NEEDED}")
+        raise wrong_option("micropython", micropython, f"needs {on_node.NEEDED}")
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
     b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)

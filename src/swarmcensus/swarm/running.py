@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.deployment.plans import datagram_bytes
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.deployment.target import datagram_bytes
 from swarmcensus.swarm.children import Children, check_system, seconds_of_children
 from swarmcensus.swarm.faults import Fault, late_starters
 from swarmcensus.swarm.folder import clear, complete, forget, write_folder
@@ -128,7 +129,7 @@ def _socket(host: str) -> socket.socket:
         made.bind((host, 0))
     except OSError as error:
         made.close()
-        raise InputError(f"--host {host}: {error.strerror or error}: should be an address of this machine") from None
+        raise wrong_option("host", host, f"{error.strerror or error}: should be an address of this machine") from None
     made.setblocking(False)
     return made
 
@@ -303,7 +304,7 @@ def _flood(swarm: Swarm) -> None:
     if not swarm.floods:
         return
     plan = swarm.plan
-    size = datagram_bytes(plan.setting.brain, "udp")
+    size = datagram_bytes(plan.setting.brain)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.bind((plan.air.host, 0))
         stranger.setblocking(False)

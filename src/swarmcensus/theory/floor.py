@@ -129,7 +129,7 @@ def cluster_covariance(fill_ratio: float, correlation: ArrayLike) -> Floats:
 
     f, r = one_share("fill_ratio", fill_ratio), numbers("correlation", correlation)
     if (np.abs(r) > 1.0).any():
-        raise InputError("correlation: should be from -1 to 1")
+        raise InputError("correlation: should be from -1 to 1", key="correlation")
     if f in (0.0, 1.0):
         return np.zeros(r.shape)
     z = NormalDist().inv_cdf(f)
@@ -142,10 +142,10 @@ def cluster_covariance(fill_ratio: float, correlation: ArrayLike) -> Floats:
 def _visited(visits: ArrayLike) -> Floats:
     found = numbers("visits", visits)
     if found.ndim != 1 or (found < 0.0).any() or not found.sum() > 0.0:
-        raise InputError("visits: should be numbers from 0 on, one a tile, and not all 0")
+        raise InputError("visits: should be numbers from 0 on, one a tile, and not all 0", key="visits")
     return np.asarray(found / found.sum())
 
 
 def _among(name: str, value: str, known: tuple[str, ...]) -> None:
     if value not in known:
-        raise InputError(f"{name} = {value!r}: should be {' or '.join(map(repr, known))}")
+        raise InputError(f"{name} = {value!r}: should be {' or '.join(map(repr, known))}", key=name, value=value)

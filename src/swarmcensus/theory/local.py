@@ -96,9 +96,9 @@ def mixed_law(laws: list[Law]) -> Law:
     Raises InputError for an empty list.
     """
     if not isinstance(laws, list | tuple) or not all(isinstance(one, Law) for one in laws):
-        raise InputError("laws: should be a list of laws, as `local_law` gives them")
+        raise InputError("laws: should be a list of laws, as `local_law` gives them", key="laws")
     if not laws:
-        raise InputError("laws = []: should contain a law")
+        raise InputError("laws = []: should contain a law", key="laws")
     values, chances = (np.concatenate([law[k] for law in laws]) for k in (0, 1))
     return merged(values, chances / len(laws))
 
@@ -175,7 +175,7 @@ def normal_median_error(variances: ArrayLike, fill_ratio: float) -> Floats:
     """
     f, spread = one_share("fill_ratio", fill_ratio), numbers("variances", variances)
     if spread.ndim == 0 or not spread.size or (spread < 0.0).any():
-        raise InputError("variances: should be numbers from 0 on, one a robot")
+        raise InputError("variances: should be numbers from 0 on, one a robot", key="variances")
     known = spread > 0.0
     scale = np.sqrt(2.0 * np.where(known, spread, 1.0))
     low, high = np.zeros(spread.shape[:-1]), np.full(spread.shape[:-1], max(f, 1.0 - f))
@@ -244,6 +244,6 @@ def _normal(variance: ArrayLike, pull: ArrayLike) -> tuple[Floats, Floats]:
     """Finite variances and pulls, broadcast to one shape. Raises InputError."""
     found = from_zero("variance", variance)
     if np.isinf(found).any():
-        raise InputError("variance: should be finite")
+        raise InputError("variance: should be finite", key="variance")
     found, share = fitting(variance=found, pull=shares("pull", pull))
     return found, share

@@ -63,7 +63,7 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
     found = _connected(checked(matrix))
     wanted = one_share("distance", distance)
     if not 0.0 < wanted < 1.0:
-        raise InputError(f"distance = {wanted:g}: should be between 0 and 1")
+        raise InputError(f"distance = {wanted:g}: should be between 0 and 1", key="distance", value=wanted)
     law = stationary_law(found)
 
     def far(power: Floats) -> bool:
@@ -94,13 +94,13 @@ def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25)
     least = float(_law(law).min())
     wanted = one_share("distance", distance)
     if not 0.0 < wanted < 1.0:
-        raise InputError(f"distance = {wanted:g}: should be between 0 and 1")
+        raise InputError(f"distance = {wanted:g}: should be between 0 and 1", key="distance", value=wanted)
     need = math.log(max(math.sqrt(1.0 / least - 1.0) / (2.0 * wanted), 1.0))
     slack = _time(relaxation)
     if need == 0.0:
         return 0
     if math.isinf(slack * need):
-        raise InputError(f"relaxation = {slack:g}: such a network never mixes")
+        raise InputError(f"relaxation = {slack:g}: such a network never mixes", key="relaxation", value=slack)
     return max(math.ceil(slack * need), 1)
 
 
@@ -202,19 +202,19 @@ def _connected(matrix: Floats) -> Floats:
 def _law(law: ArrayLike) -> Floats:
     found = shares("law", law)
     if found.ndim != 1 or not found.size or abs(found.sum() - 1.0) > 1e-9 or (found <= 0.0).any():
-        raise InputError("law: should be weights above 0, one a robot, that sum to 1")
+        raise InputError("law: should be weights above 0, one a robot, that sum to 1", key="law")
     return found
 
 
 def _spectrum(spectrum: ArrayLike) -> Floats:
     found = numbers("spectrum", spectrum)
     if found.ndim != 1 or not found.size or (np.abs(found) > 1.0 + 1e-9).any():
-        raise InputError("spectrum: should be the eigenvalues of W, one a robot, from -1 to 1")
+        raise InputError("spectrum: should be the eigenvalues of W, one a robot, from -1 to 1", key="spectrum")
     return found
 
 
 def _time(relaxation: float) -> float:
     found = one_number("relaxation", relaxation)
     if found < 0.0:
-        raise InputError(f"relaxation = {found:g}: should be rounds, 0 or above")
+        raise InputError(f"relaxation = {found:g}: should be rounds, 0 or above", key="relaxation", value=found)
     return found

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.runs.collect import Progress
 from swarmcensus.tuning.logs import Evaluation, Log, hint
@@ -55,9 +55,10 @@ class _SearchRun:
         logged = self.log.evaluations[self.done : self.done + len(candidates)]
         for k, (evaluation, values) in enumerate(zip(logged, candidates, strict=False), start=self.done):
             if evaluation.values != values or evaluation.generation != generation:
-                raise InputError(
-                    f"{self.log.path}: evaluation {k} has the values {evaluation.values} there and {values} here, "
-                    f"because the machine or versions of libraries differ. {hint()}"
+                raise InputError.of(
+                    self.log.path,
+                    f"evaluation {k} has the values {evaluation.values} there and {values} here, "
+                    f"because the machine or versions of libraries differ. {hint()}",
                 )
         if len(logged) < len(candidates):
             self._try(generation, candidates[len(logged) :])
@@ -100,7 +101,7 @@ class _SearchRun:
         )
         if log.usual is None:
             why = failures[0] if failures else "no trial has a number of it: the measure means nothing for this brain"
-            raise InputError(f"{option('metric', plan.metric)}: {why}")
+            raise wrong_option("metric", plan.metric, f"{why}")
 
     def _showing(self, stage: str) -> Callable[[Progress], None]:
         """A callback that shows the progress of one generation as progress of the whole search."""
@@ -133,9 +134,10 @@ def new_search(plan: Plan) -> Search:
     """A search before its first generation. Raises InputError if the budget is too small for one generation."""
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
-        raise InputError(
-            f"{option('budget', plan.budget.evaluations)}: the {plan.before.kind} as it is and one generation take "
-            f"{counted(1 + search.size, 'evaluation')}"
+        raise wrong_option(
+            "budget",
+            plan.budget.evaluations,
+            f"the {plan.before.kind} as it is and one generation take {counted(1 + search.size, 'evaluation')}",
         )
     return search
 

@@ -75,9 +75,9 @@ class Log:
         try:
             self._take()
         except Timeout:
-            raise InputError(f"{self.path}: another search is writing it") from None
+            raise InputError.of(self.path, "another search is writing it") from None
         except OSError as error:
-            raise InputError(f"cannot write {self.path}: {error.strerror or error}") from error
+            raise InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path) from error
         remove_leftovers(self.path)
         try:
             kept = 0 if self.fresh or not self.path.exists() else self._read(self.path.read_bytes())
@@ -141,7 +141,7 @@ class Log:
             if time.monotonic() - self._last >= TO_DISK:
                 self._to_disk()
         except OSError as error:
-            raise InputError(f"cannot write {self.path}: {error.strerror or error}") from error
+            raise InputError(f"cannot write {self.path}: {error.strerror or error}", file=self.path) from error
 
     def _to_disk(self) -> None:
         assert self._file is not None
@@ -156,7 +156,7 @@ class Log:
         try:
             head, *lines = data[:end].decode().splitlines()
         except UnicodeDecodeError:
-            raise InputError(f"{self.path} is no log of a search. {hint()}") from None
+            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
         self._check(head)
         if len(lines) < 3:  # the first evaluation was not finished
             return len(head.encode()) + 1
@@ -165,21 +165,22 @@ class Log:
                 raise ValueError
             self.usual = np.array(json.loads(lines[0].removeprefix(USUAL)), np.float64).reshape(len(self.losses), -1, 2)
         except ValueError:
-            raise InputError(f"{self.path}, line 2 or 3: damaged or changed. {hint()}") from None
+            raise InputError(f"{self.path}, line 2 or 3: damaged or changed. {hint()}", file=self.path) from None
         for number, line in enumerate(lines[2:]):
             try:
                 self.evaluations.append(self._parsed(line, number))
             except ValueError:
                 raise InputError(
                     f"{self.path}, line {number + 4}: damaged or changed: remove it and all lines after it, or begin "
-                    f"anew with {option('fresh', True)}"
+                    f"anew with {option('fresh', True)}",
+                    file=self.path,
                 ) from None
         return end
 
     def _must_be_ours(self, data: bytes) -> int:
         """Return 0 if an incomplete first line is the beginning of this search's log. Raises InputError otherwise."""
         if data and not self._head().encode().startswith(data):
-            raise InputError(f"{self.path} is no log of a search. {hint()}")
+            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path)
         return 0
 
     def _check(self, head: str) -> None:
@@ -189,13 +190,13 @@ class Log:
                 raise ValueError
             identity = dict(json.loads(head.removeprefix(FORMAT)))
         except (ValueError, TypeError):
-            raise InputError(f"{self.path} is no log of a search. {hint()}") from None
+            raise InputError(f"{self.path} is no log of a search. {hint()}", file=self.path) from None
         differ = [key for key, value in self.identity.items() if identity.get(key) != value]
         if differ:
             differences = "; ".join(
                 f"{key} is {identity.get(key)!r} there and {self.identity[key]!r} here" for key in differ
             )
-            raise InputError(f"{self.path} is of another search: {differences}. {hint()}")
+            raise InputError(f"{self.path} is of another search: {differences}. {hint()}", file=self.path)
 
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *rest = line.split(",")

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.basics.times import UNITS, parse_time
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results.measures import Measure
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.optimiser import library
@@ -49,9 +49,8 @@ def budget_of(given: int | str) -> Budget:
         if not 0 < time.number < MOST_BUDGET:
             raise ValueError
     except ValueError:
-        raise InputError(
-            f"{option('budget', given)}: should be a number of evaluations, as 200, or a time, as "
-            '"10 min" (s, min or h)'
+        raise wrong_option(
+            "budget", given, 'should be a number of evaluations, as 200, or a time, as "10 min" (s, min or h)'
         ) from None
     return Budget(None, time.number * UNITS[time.unit], str(time))
 
@@ -102,7 +101,7 @@ class Plan:
     @property
     def identity(self) -> dict[str, Any]:
         """What determines a search: with an equal identity and equal losses it proposes the same candidates."""
-        worlds = "".join(world.fingerprint(self.study.seed) for world in self.worlds)
+        worlds = "".join(addresses.fingerprint(world, self.study.seed) for world in self.worlds)
         measure = self.study.measure
         measured = (worlds, measure.delta, measure.bins, measure.truth, self.study.checkpoints)
         files = [metric.sha256 for metric in measure.metrics]
@@ -136,7 +135,7 @@ def plan_of(
 ) -> Plan:
     """Check the request against the study. Raises InputError, naming what the study lacks and what it has."""
     if not 1 <= trials <= MOST_TRIALS:
-        raise InputError(f"{option('trials', trials)}: a candidate has 1 to {MOST_TRIALS:,} trials in each world")
+        raise wrong_option("trials", trials, f"a candidate has 1 to {MOST_TRIALS:,} trials in each world")
     target = target_of(study, brain, adversary)
     ranges = ranges_of(parameters, target.program)
     worlds = target.worlds(study)

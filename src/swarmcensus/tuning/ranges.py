@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal, TypeVar, get_args
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.brains import length
 from swarmcensus.brains.program import Program
 
@@ -79,10 +78,10 @@ def ranges_of(texts: Iterable[str], program: Program) -> list[Range]:
                     raise ValueError(f"{parameter.label} is given twice")
                 ranges.append(parameter)
         except ValueError as error:
-            raise InputError(f"{option('parameters', text)}: {error}") from None
+            raise wrong_option("parameters", text, f"{error}") from None
     if not ranges:
-        raise InputError(
-            f"{option('parameters')}: none is given; the {program.kind} {program.name!r} has {_known(program)}"
+        raise wrong_option(
+            "parameters", None, f"none is given; the {program.kind} {program.name!r} has {_known(program)}"
         )
     return ranges
 

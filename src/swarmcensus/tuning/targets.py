@@ -4,9 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.packing import PLAIN
 from swarmcensus.studies.settings import Setting
@@ -67,11 +66,11 @@ def _brain_to_tune(study: Study, name: str | None) -> Brain:
     if name is None:
         if len(tunable) != 1:
             problem = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
-            raise InputError(f"{option('brain')}: {problem}")
+            raise wrong_option("brain", None, f"{problem}")
         name = tunable[0]
     brain = _named("brain", name, brains)
     if not brain.parameters:
-        raise InputError(f"{option('brain', name)}: it has no PARAMETERS to search")
+        raise wrong_option("brain", name, "it has no PARAMETERS to search")
     return brain
 
 
@@ -80,17 +79,16 @@ def _adversary_to_search(study: Study, name: str) -> tuple[Adversary, int]:
     places = [(one, n) for n, table in enumerate(study.members) for one in table.brain or ()]
     liars = {one: n for one, n in reversed(places) if isinstance(one, Adversary)}
     if not liars:
-        raise InputError(
-            f"{option('adversary', name)}: the study has no adversary: name it in a table of [[members]], with "
-            "honest = false"
+        raise wrong_option(
+            "adversary", name, "the study has no adversary: name it in a table of [[members]], with honest = false"
         )
     liar = _named("adversary", name, [*reversed(liars)])
     if not liar.parameters:
-        raise InputError(f"{option('adversary', name)}: it has no PARAMETERS to search")
+        raise wrong_option("adversary", name, "it has no PARAMETERS to search")
     tables = sorted({n for one, n in places if _has(one, liar)})
     if len(tables) > 1:
         several = " and ".join(f"members[{n}]" for n in tables)
-        raise InputError(f"{option('adversary', name)}: {several} have it, and a search is of one table: leave one out")
+        raise wrong_option("adversary", name, f"{several} have it, and a search is of one table: leave one out")
     return liar, tables[0]
 
 
@@ -104,11 +102,11 @@ def _brain_to_harm(study: Study, name: str | None, liar: Adversary) -> Brain:
             heard = (
                 f"several brains hear it, {', '.join(names)}: name one" if names else "no brain of the study hears it"
             )
-            raise InputError(f"{option('brain')}: {heard}")
+            raise wrong_option("brain", None, f"{heard}")
         name = names[0]
     brain = _named("brain", name, brains)
     if brain.is_oracle:
-        raise InputError(f"{option('brain', name)}: an oracle hears no liars")
+        raise wrong_option("brain", name, "an oracle hears no liars")
     return brain
 
 
@@ -122,7 +120,7 @@ def _named(kind: str, name: str, programs: Sequence[One]) -> One:
         if program.name == name:
             return program
     names = list(dict.fromkeys(program.name for program in programs))
-    raise InputError(f"{option(kind, name)}: {did_you_mean(name, names)}the study has {', '.join(names)}")
+    raise wrong_option(kind, name, f"{did_you_mean(name, names)}the study has {', '.join(names)}")
 
 
 def _none(brains: list[Brain]) -> str:

@@ -12,12 +12,13 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import option, wrong_option
 from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results import store
 from swarmcensus.results.presence import folder_of
 from swarmcensus.runs import pools
-from swarmcensus.runs.collect import Progress
+from swarmcensus.runs.collect import Report
+from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import run
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import read_toml
@@ -87,7 +88,7 @@ def tune(
     jobs: int | None = None,
     out: str | Path | None = None,
     fresh: bool = False,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Report | bool = True,
     say: Callable[[str], None] | None = None,
     adversary: str | None = None,
 ) -> Tuned:
@@ -108,9 +109,9 @@ def tune(
     files = files_of(out)
     if files:
         check_replaceable(files[".nc"])
-    show = progress or (lambda _: None)
     jobs, search = pools.thread_count(jobs), new_search(plan)
     with (
+        showing(progress, f"tuning {plan.target.program.name}") as show,
         Log(
             files.get(".csv"), plan.identity, [parameter.label for parameter in plan.ranges], plan.losses, fresh
         ) as log,
@@ -139,7 +140,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
     if out is None:
         return {}
     if Path(out).suffix != ".toml":
-        raise InputError(f"{option('out', str(out))}: the values found are written as .toml")
+        raise wrong_option("out", str(out), "the values found are written as .toml")
     files = {suffix: Path(out).with_suffix(suffix) for suffix in (".toml", ".csv", ".nc")}
     for path in files.values():
         check_writable(path)
@@ -152,7 +153,7 @@ def _evidence(
     result: SearchResult,
     out: Path | None,
     jobs: int,
-    show: Callable[[Progress], None],
+    show: Report,
     say: Callable[[str], None] | None,
     fresh: bool,
 ) -> Evidence:
@@ -198,7 +199,7 @@ def evaluate(
     study: Study,
     out: Path | None,
     jobs: int,
-    show: Callable[[Progress], None],
+    show: Report,
     say: Callable[[str], None] | None,
     fresh: bool,
 ) -> xr.Dataset:
@@ -213,7 +214,8 @@ def check_replaceable(out: Path) -> None:
     for title in _titles(out):
         if not title.startswith(MARK):
             raise InputError(
-                f"{out} holds results that no evaluation of a search made: write elsewhere with {option('out')}"
+                f"{out} holds results that no evaluation of a search made: write elsewhere with {option('out')}",
+                file=out,
             )
 
 

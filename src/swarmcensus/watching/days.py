@@ -121,11 +121,11 @@ class LoggedDay:
         """Raise InputError if logs do not fit their study."""
         folder, robots = self.day.folder, self.setting.robots
         if self.rounds * robots > MOST_VALUES:
-            raise InputError(f"{folder}: its logs span {self.rounds:,} ticks, too many to keep: is one damaged?")
+            raise InputError.of(folder, f"its logs span {self.rounds:,} ticks, too many to keep: is one damaged?")
         strangers = [member.number for member in self.day.members if member.number >= robots]
         if strangers:
-            raise InputError(
-                f"{folder}: a log is of robot {strangers[0]}, and the {robots} robots of its study are numbered from 0"
+            raise InputError.of(
+                folder, f"a log is of robot {strangers[0]}, and the {robots} robots of its study are numbered from 0"
             )
 
     def _other(self, path: Path) -> Brain:
@@ -148,9 +148,10 @@ def study_of(day: Day) -> Study:
     """The study that a day was of, with the brain as its folder has it. Raises InputError."""
     text = day.about.get("study")
     if not isinstance(text, str):
-        raise InputError(
-            f"{day.folder}: watch needs {ABOUT} with the study of the day, as swarmcensus swarm writes it; "
-            f"`swarmcensus relive` needs only logs"
+        raise InputError.of(
+            day.folder,
+            f"watch needs {ABOUT} with the study of the day, as swarmcensus swarm writes it; "
+            f"`swarmcensus relive` needs only logs",
         )
     own = day.brain.as_written
     named = day.about.get("brain", {}).get("file", OWN)
@@ -163,9 +164,14 @@ def setting_of(day: Day, study: Study) -> Setting:
     """The setting of the day, with the number formats of its logs. Raises InputError."""
     number, settings = day.about.get("setting", 0), study.settings()
     if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(settings):
-        raise InputError(f"{day.folder / ABOUT}: setting = {number!r}: should be from 0 to {len(settings) - 1}")
+        raise InputError.of(
+            day.folder / ABOUT,
+            f"setting = {number!r}: should be from 0 to {len(settings) - 1}",
+            key="setting",
+            value=number,
+        )
     setting, first = settings[number], day.members[0].log.states[0]
     if setting.body is not None:
-        raise InputError(f"{day.folder / ABOUT}: study: its robots move, and logs do not say where they were")
+        raise InputError.of(day.folder / ABOUT, "study: its robots move, and logs do not say where they were")
     numbers = Numbers("single" if first.single else "double", format_of(day.brain, first), first.feedback)
     return replace(setting, brain=setting.brain.with_numbers(numbers))

@@ -36,6 +36,7 @@ def watch(
     of: str | Path | Study | xr.Dataset | None = None,
     *,
     brain: str | Path | None = None,
+    brain_file: str | Path | None = None,
     height: int = 900,
     port: int = 0,
     **asked: object,
@@ -43,8 +44,8 @@ def watch(
     """Serve the live page of a study, of results, of a file of either, or of a folder of logs, in the background.
 
     A notebook shows the returned object as a frame `height` pixels high; its `address` opens the page in a browser on
-    this machine. `brain` is the name of a brain or a brain file; for results, the file that they were made with; for
-    logs, what the same day is shown under beside it.
+    this machine. `brain` is the name of a brain or a brain file; for logs, what the same recording is shown under next
+    to it. `brain_file` is the file that results were made with, if it is your own.
     `asked` are initial values of controls, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4,
     and of parameters of the brain, by their names.
     Port 0 takes a free port. Raises InputError.
@@ -58,8 +59,9 @@ def watch(
             raise InputError(f"{name}={value!r}: should be a whole number from {least} to {most:,}")
     words = {key: to_toml_value(value) if isinstance(value, Mapping) else str(value) for key, value in asked.items()}
     logged = isinstance(of, str | Path) and Path(of).is_dir()
-    files = (Path(brain),) if brain is not None and (logged or str(brain).endswith(".py")) else ()
-    if brain is not None and not (logged or (files and (isinstance(of, xr.Dataset) or str(of).endswith(".nc")))):
+    files: tuple[Path, ...] = (Path(brain),) if brain is not None and (logged or str(brain).endswith(".py")) else ()
+    files += (Path(brain_file),) if brain_file is not None else ()
+    if brain is not None and not logged:
         words["brain"] = str(brain)
     offer = offer_of(Path(of) if isinstance(of, str) else of, files)
     if offer.logged and offer.logged.brains:

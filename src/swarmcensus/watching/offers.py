@@ -20,6 +20,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.brains import Adversary, adversary
 from swarmcensus.conformance.quick import caution
+from swarmcensus.studies import addresses
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -147,7 +148,7 @@ def _offer(
     find: Callable[[int], tuple[Study, Setting]],
 ) -> Offer:
     if not numbers:
-        raise InputError(f"{name}: there is no setting to watch")
+        raise InputError(f"{name}: there is no setting to watch", key=name)
     grids = [grid for study in studies for grid in study.grids]
     caution((*(brain for study in studies for brain in study.brains), *more.values()))
     floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
@@ -168,12 +169,12 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     """The trial that a request describes, key by key; other values are those of the setting. Raises InputError."""
     number = _whole(request, "setting", offer.numbers[0], 0, 2**31)
     if number not in offer.numbers:
-        raise InputError(f"setting = {number}: there are {offer.numbers[0]} to {offer.numbers[-1]}")
+        raise InputError.at("setting", number, f"there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
     first, began = (offer.logged.day.trial, offer.logged.day.seed) if offer.logged else (0, study.seed)
-    mark = setting.fingerprint(study.seed)[:8]
+    mark = addresses.fingerprint(setting, study.seed)[:8]
     if request.get("of", mark) != mark:
-        raise InputError(f"of = {request['of'][:40]}: this link is not for {offer.name} as it is now")
+        raise InputError.at("of", request["of"][:40], f"this link is not for {offer.name} as it is now")
     trial = _whole(request, "trial", first, 0, 2**31 - 1)
     seed = _whole(request, "seed", began, 0, 2**63 - 1)
     if offer.logged:
@@ -205,7 +206,7 @@ def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
     """Raise InputError for a request that would change what robots have lived."""
     for key, value in request.items():
         if value and key not in ON_A_DAY and not key.startswith(BESIDE) and value != str(was.get(key, "")):
-            raise InputError(f"{key} = {value[:40]}: this day is as its logs have it: only beside can be chosen")
+            raise InputError.at(key, value[:40], "this day is as its logs have it: only beside can be chosen")
 
 
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
@@ -215,7 +216,7 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     _whole(played, "robot", 0, 0, setting.robots - 1)
     _whole(played, "side", 0, 0, len(found.settings) - 1)
     if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
-        raise InputError(f"colour = {played['colour'][:40]}: should be one of {', '.join(COLOURINGS)}")
+        raise InputError.at("colour", played["colour"][:40], f"should be one of {', '.join(COLOURINGS)}")
     if "zoom" in played:
         _number(played, "zoom", 1.0, MOST_ZOOM)
     for key in ("follow", "log", "full"):
@@ -225,7 +226,7 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     if "centre" in played and not re.fullmatch(
         r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII
     ):
-        raise InputError(f"centre = {played['centre'][:40]}: should be two numbers from 0 to 1, such as 0.25,0.5")
+        raise InputError.at("centre", played["centre"][:40], "should be two numbers from 0 to 1, such as 0.25,0.5")
 
 
 def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Setting:
@@ -245,14 +246,14 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
         try:
             values["accuracy"] = sensors.parse_accuracy(_toml(request["accuracy"]))
         except ValueError as error:
-            raise InputError(f"accuracy = {request['accuracy'][:40]}: {str(error)[:200]}") from None
+            raise InputError.at("accuracy", request["accuracy"][:40], f"{str(error)[:200]}") from None
     if "fill_ratio" in request:
         values |= {"fill_ratio": _number(request, "fill_ratio", 0.0, 1.0), "change": None}
     if "link_success" in request:
         values["link_success"] = _number(request, "link_success", 0.0, 1.0)
     for key in ("density", "floor"):
         if key in request and not moves:
-            raise InputError(f"{key} = {request[key][:40]}: only for robots that move, not on this network")
+            raise InputError.at(key, request[key][:40], "only for robots that move, not on this network")
     if "density" in request:
         values["density"] = _number(request, "density", 0.0, 1e6)
     if "floor" in request:
@@ -303,9 +304,8 @@ def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
     """A brain of the study, or an installed one, but never a file."""
     if name not in offer.brains and name not in brains.PLUGINS:
         meant = did_you_mean(name[:40], names_of(offer))
-        raise InputError(
-            f"{key} = {name[:40]}: {meant}this is no brain of the study, nor an installed one; "
-            f"{option('brain')} adds a file"
+        raise InputError.at(
+            key, name[:40], f"{meant}this is no brain of the study, nor an installed one; {option('brain')} adds a file"
         )
     found = offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
     return offer.files.latest(found)
@@ -337,13 +337,13 @@ def names_of(offer: Offer) -> list[str]:
 def _adversary(offer: Offer, name: str) -> Adversary:
     if name not in offer.adversaries and name not in adversary.PLUGINS:
         meant = did_you_mean(name[:40], adversary.PLUGINS.names)
-        raise InputError(f"adversary = {name[:40]}: {meant}there is no such adversary")
+        raise InputError.at("adversary", name[:40], f"{meant}there is no such adversary")
     return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
 
 
 def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
     if name not in known:
-        raise InputError(f"{key} = {name[:40]}: {did_you_mean(name[:40], known)}should be one of {', '.join(known)}")
+        raise InputError.at(key, name[:40], f"{did_you_mean(name[:40], known)}should be one of {', '.join(known)}")
     return known[name]
 
 
@@ -356,7 +356,7 @@ def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: i
     if text == "":
         return usual
     if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
-        raise InputError(f"{key} = {text[:40]}: should be a whole number from {least:,} to {most:,}")
+        raise InputError.at(key, text[:40], f"should be a whole number from {least:,} to {most:,}")
     return int(text)
 
 
@@ -373,7 +373,7 @@ def _toml(text: str) -> Any:
 def _number(request: Mapping[str, str], key: str, least: float, most: float) -> float:
     value = _number_or_text(request[key])
     if isinstance(value, str) or not least <= value <= most:
-        raise InputError(f"{key} = {request[key][:40]}: should be a number from {least:g} to {most:g}")
+        raise InputError.at(key, request[key][:40], f"should be a number from {least:g} to {most:g}")
     return value
 
 

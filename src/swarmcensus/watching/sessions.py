@@ -62,7 +62,7 @@ class Session:
     def _begin(self, request: Mapping[str, Any]) -> list[Answer]:
         ask = request.get("ask")
         if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
-            raise InputError("ask: should be names and texts")
+            raise InputError("ask: should be names and texts", key="ask")
         trial = wanted(self.offer, ask)
         shows = self._shows(trial)
         tick = _whole(request, "tick", 0, MOST_ROUNDS)
@@ -251,7 +251,7 @@ def _read(text: str | bytes) -> dict[str, Any]:
         raise InputError("a request should be a JSON object")
     number = request.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
-        raise InputError("id: should be a whole number")
+        raise InputError("id: should be a whole number", key="id")
     for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
         raise InputError(
             f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
@@ -262,5 +262,5 @@ def _read(text: str | bytes) -> dict[str, Any]:
 def _whole(request: Mapping[str, Any], key: str, least: int, most: int) -> int:
     value = request.get(key, least)
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{key} = {str(value)[:40]}: should be a whole number from {least:,} to {most:,}")
+        raise InputError.at(key, str(value)[:40], f"should be a whole number from {least:,} to {most:,}")
     return value

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, TableError
 from swarmcensus.basics.tables import Table, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 
@@ -54,7 +54,7 @@ def read_edges(path: Path, directed: bool) -> list[tuple[int, int]]:
     """
     table = read_table(path, KNOWN.__contains__)
     if not table.rows:
-        raise InputError(f"{path} has no edges: write edges = [] for robots without links")
+        raise InputError(f"{path} has no edges: write edges = [] for robots without links", file=path)
     return [(i, j) for i, j in links_of(table, "source,target", directed).tolist()]
 
 
@@ -84,7 +84,7 @@ def links_of(table: Table, right: str, directed: bool = False, messages: bool = 
     if WEIGHT in names:
         weights = table.column(names.index(WEIGHT))
         if (weights[~np.isnan(weights)] != 1.0).any():
-            raise InputError(f"{table.source}: column {WEIGHT!r}: {WEIGHTS}: leave it out if it says nothing of them")
+            raise TableError.of(table.source, f"column {WEIGHT!r}: {WEIGHTS}: leave it out if it says nothing of them")
     if TYPE in names:
         _check_types(table, names.index(TYPE), directed or has_steps, messages)
     return np.stack([table.whole(names.index(name)) for name in chosen], axis=1)

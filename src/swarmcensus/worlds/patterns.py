@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import BrainError, InputError
 from swarmcensus.basics.forms import Form, Schema
 from swarmcensus.basics.hints import did_you_mean_any
 from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
@@ -117,7 +117,7 @@ class Floor:
             raise self._error(error_message(error, PLUGINS.path(self.kind))) from error
 
     def _error(self, message: object) -> InputError:
-        return InputError(f"floor {self}: {message}")
+        return BrainError(f"floor {self}: {message}", key="floor", value=self)
 
     def _checked(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
         """`function` itself, or if it is another package's, one that checks what it returns."""

@@ -65,18 +65,18 @@ def read_image(path: Path) -> np.ndarray:
             with Image.open(path, formats=["PNG"]) as image:
                 if math.prod(image.size) > MOST_PIXELS:
                     size = f"{image.width:,} x {image.height:,} pixels"
-                    raise InputError(f"image {path}: {size}: should be {MOST_PIXELS:,} at the most")
+                    raise InputError(f"image {path}: {size}: should be {MOST_PIXELS:,} at the most", file=path)
                 return _grey(image)
     except FileNotFoundError:
-        raise InputError(f"image {path}: there is no such file") from None
+        raise InputError(f"image {path}: there is no such file", file=path) from None
     except UnidentifiedImageError:
-        raise InputError(f"image {path}: not a PNG file") from None
+        raise InputError(f"image {path}: not a PNG file", file=path) from None
     except Image.DecompressionBombError:
         raise InputError(f"image {path}: too many pixels: should be {MOST_PIXELS:,} at the most") from None
     except (OSError, SyntaxError, ValueError, EOFError) as error:  # Pillow's errors for damaged files
         if isinstance(error, InputError):
             raise
-        raise InputError(f"image {path}: cannot be read as PNG: {error}") from error
+        raise InputError(f"image {path}: cannot be read as PNG: {error}", file=path) from error
 
 
 def _grey(image: Any) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import BrainError, InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.chance import Chance
@@ -60,9 +60,11 @@ def check_repeats(name: str, keys: Keys, robots: int) -> None:
     chances = [Chance(np.zeros(2, np.uint64), 0) if varies(name) else None]
     one, other = (graphs(name, keys, robots, chances)[0] for _ in range(2))
     if not all(map(np.array_equal, one, other)):
-        raise InputError(
+        raise BrainError(
             f"topology {name!r}: its edges should be the same at each call: those that differ from trial to trial are "
-            "drawn from chance.generator(), by a function edges(robots, chance)"
+            "drawn from chance.generator(), by a function edges(robots, chance)",
+            key="topology",
+            value=name,
         )
 
 
@@ -85,8 +87,10 @@ def _called(name: str, keys: Keys, robots: int, call: Callable[..., Any], argume
         return call(argument)
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
-        raise InputError(
-            f"topology {name!r} of {counted(robots, 'robot')}{own}: {error_message(error, PLUGINS.path(name))}"
+        raise BrainError(
+            f"topology {name!r} of {counted(robots, 'robot')}{own}: {error_message(error, PLUGINS.path(name))}",
+            key="topology",
+            value=name,
         ) from error
 
 

@@ -25,6 +25,8 @@ from swarmcensus.basics import plugins
 from swarmcensus.brains import adversary
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import kinds
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
 from swarmcensus.worlds import patterns, spreading, wiring
 from tests.support.long import in_two_sizes
 from tests.support.places import DOCS
@@ -270,7 +272,7 @@ def test_the_dataset_names_additions_with_the_keys_that_are_not_as_usual(done):
 
 
 def graph(setting, trial):
-    links = setting.links(5, trial, 1)
+    links = sampling.links(setting, 5, trial, 1)
     found = nx.DiGraph(list(zip(links.senders.tolist(), links.receivers.tolist(), strict=True)))
     found.add_nodes_from(range(setting.robots))
     return found
@@ -295,33 +297,35 @@ def test_a_floor_is_as_black_as_was_asked_for_and_looks_as_its_file_says(install
     study = sc.Study.load(done / "moving.toml")
     by = {str(s.floor): s for s in study.settings()}
     for name in ("hills", "hills(0.25)", "photo(leaf,false)"):
-        assert abs(by[name].ground(5, 1).true_fill_ratio - 0.45) < 1e-4
+        assert abs(sampling.ground(by[name], 5, 1).true_fill_ratio - 0.45) < 1e-4
     for name, period in (("hills", 50), ("hills(0.25)", 25)):  # tiles of 0.01 m
-        black = by[name].ground(5, 0).all_tiles()
+        black = sampling.ground(by[name], 5, 0).all_tiles()
         assert (black[period:] != black[:-period]).mean() < 1e-3  # but for rounding
         assert (black[:, period:] != black[:, :-period]).mean() < 1e-3
-        assert (black != by[name].ground(5, 1).all_tiles()).any()
-    assert abs(by["dots"].ground(5, 0).true_fill_ratio - 0.45) < 5 * math.sqrt(0.25 / 180**2)
+        assert (black != sampling.ground(by[name], 5, 1).all_tiles()).any()
+    assert abs(sampling.ground(by["dots"], 5, 0).true_fill_ratio - 0.45) < 5 * math.sqrt(0.25 / 180**2)
     found = sc.load(done / "moving.nc")["true_fill_ratio"].values
-    assert (found == [[s.ground(5, trial).true_fill_ratio for trial in (0, 1)] for s in study.settings()]).all()
+    assert (
+        found == [[sampling.ground(s, 5, trial).true_fill_ratio for trial in (0, 1)] for s in study.settings()]
+    ).all()
 
 
 def test_a_spread_has_its_distribution(installed):
     """Kolmogorov-Smirnov against the exact law, 0.1 % level, fixed seed."""
     settings = sc.Study.parse(FIXED.replace("robots = 30", "robots = 60")).settings()
-    b, w, _, _ = settings[0].accuracies(5, 0, 50)
+    b, w, _, _ = sampling.accuracies(settings[0], 5, 0, 50)
     assert (b == w).all()
     assert abs(b.mean() - 0.8) < 5 * stats.beta(8, 2).std() / math.sqrt(b.size)
     assert stats.kstest(b.ravel(), stats.beta(8, 2).cdf).pvalue > 1e-3
-    b, w, told_b, _ = next(s for s in settings if s.accuracy.white and s.assumed_accuracy.form != 0.8).accuracies(
-        5, 0, 50
+    b, w, told_b, _ = sampling.accuracies(
+        next(s for s in settings if s.accuracy.white and s.assumed_accuracy.form != 0.8), 5, 0, 50
     )
     assert (b == 0.9).all()
     assert stats.kstest(w.ravel(), stats.beta(5, 1).cdf).pvalue > 1e-3
     error = told_b - b
     low = error < 0.0999  # the rest is cut off at 1
     assert abs(low.mean() - stats.beta(1, 9).cdf(0.0999)) < 5 * math.sqrt(0.25 / error.size)
-    assert (settings[0].accuracies(5, 7, 1)[0] == settings[0].accuracies(5, 0, 50)[0][7]).all()
+    assert (sampling.accuracies(settings[0], 5, 7, 1)[0] == sampling.accuracies(settings[0], 5, 0, 50)[0][7]).all()
 
 
 @in_two_sizes("step", 5, 1)
@@ -375,13 +379,13 @@ def test_results_without_the_package_can_be_looked_at_but_not_replayed(done, mon
 
 def test_what_is_drawn_depends_on_names_and_keys_and_the_fingerprint_on_the_file_too(installed):
     settings = {str(s.topology): s for s in sc.Study.parse(FIXED).settings()}
-    assert len({s.fingerprint(5) for s in settings.values()}) == len(settings)
-    assert len({tuple(s.losses_key(5)) for s in settings.values()}) == len(settings)
+    assert len({addresses.fingerprint(s, 5) for s in settings.values()}) == len(settings)
+    assert len({tuple(addresses.losses_key(s, 5)) for s in settings.values()}) == len(settings)
     pairs = settings["pairs(share=0.5)"]
-    key, mark = pairs.losses_key(5), pairs.fingerprint(5)
+    key, mark = addresses.losses_key(pairs, 5), addresses.fingerprint(pairs, 5)
     pairs.topology.__dict__["edition"] = "another"
-    assert (pairs.losses_key(5) == key).all()
-    assert pairs.fingerprint(5) != mark
+    assert (addresses.losses_key(pairs, 5) == key).all()
+    assert addresses.fingerprint(pairs, 5) != mark
     swarm, world = {"robots": 3, "accuracy": "U(0.5, 0.9)"}, {"topology": ["ring", "full"], "fill_ratio": 0.5}
     assert not any(s.editions for s in sc.Study(trials=1, swarm=swarm, world=world).settings())
 
@@ -391,7 +395,9 @@ def test_a_study_made_in_python_is_written_with_its_keys(installed):
     again = sc.Study.parse(
         sc.Study(trials=2, seed=5, swarm=study.swarm, world=study.world, schedule=study.schedule).text
     )
-    assert [s.fingerprint(5) for s in again.settings()] == [s.fingerprint(5) for s in study.settings()]
+    assert [addresses.fingerprint(s, 5) for s in again.settings()] == [
+        addresses.fingerprint(s, 5) for s in study.settings()
+    ]
 
 
 LINES = """trials = 2
@@ -542,7 +548,7 @@ def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(packag
         commands = [("run", done / "measured.toml", "--out", old), ("verify", old, "--sample", 1)]
         given = tmp_path / f"{file}.py"
         given.write_text(before)
-        *found, last = one_by_one(tmp_path / "site", *commands, ("verify", old, "--sample", 1, "--brain", given))
+        *found, last = one_by_one(tmp_path / "site", *commands, ("verify", old, "--sample", 1, "--brain-file", given))
         for (code, said), due in zip(found, (said_of_run, said_of_verify), strict=True):
             assert (code, said.count("\n")) == (2, 1)
             assert due in said
@@ -657,7 +663,7 @@ def test_ours_come_first_and_two_packages_with_one_name_are_told_apart(tmp_path,
     forget()
     swarm = {"robots": 5, "accuracy": 0.7}
     (ring,) = sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.5}).settings()
-    assert len(ring.links(1, 0, 1).senders) == 10
+    assert len(sampling.links(ring, 1, 0, 1).senders) == 10
     with pytest.raises(sc.InputError, match=r"two packages have a topology named 'torus': one\.mine, other\.mine"):
         sc.Study(trials=1, swarm=swarm, world={"topology": "torus", "fill_ratio": 0.5})
     forget()

@@ -10,6 +10,7 @@ from swarmcensus.brains.adversary_source import HELPERS
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance.machine_code import agrees, step_by_step
 from swarmcensus.engine.constants import HEARD, SENT
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import run_batch
 from tests.reference import walks as reference_walks
@@ -524,7 +525,7 @@ def test_jammers_on_a_line_by_hand():
     (setting,) = fixed("minimalistic", robots=5, rounds=6, members=liars("jammer", 1), topology="line")
     for trial in range(3):
         batch = run_batch(setting, SEED, trial, 1, MEASURE, GO)
-        jammer = int(np.flatnonzero(setting.groups(SEED, trial, 1)[0])[0])
+        jammer = int(np.flatnonzero(sampling.groups(setting, SEED, trial, 1)[0])[0])
         others = [i for i in range(5) if i != jammer]
         due = [0 if abs(i - jammer) == 1 else 6 * sum(0 <= j < 5 for j in (i - 1, i + 1)) for i in others]
         assert batch.counts[0, HEARD].tolist() == due
@@ -546,7 +547,7 @@ def test_on_the_move(name, rich):
     )  # fmt: skip
     ride, (batch,) = record_ride(setting, SEED, 1), run_ride([setting], SEED, 1, MEASURE, GO)
     life = reference_walks.lives(setting, SEED, 1, failing(setting, 1))
-    honest = setting.groups(SEED, 1, 1)[0] == 0
+    honest = sampling.groups(setting, SEED, 1, 1)[0] == 0
     assert ride.estimates == pytest.approx(np.array(life.minds.estimates), abs=1e-12)
     assert batch.counts[0, HEARD].tolist() == np.array(life.minds.heard)[honest].tolist()
     assert batch.counts[0, SENT].tolist() == np.array(life.minds.sent)[honest].tolist()

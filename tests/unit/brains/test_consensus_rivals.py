@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.worlds import is_rs_robust
@@ -27,7 +28,7 @@ def lived(used, trial=0, **world):
     """The one setting's trial: x (round, robot), black readings (round, robot), who is honest."""
     (setting,) = fixed(used, **world)
     fields, _, blacks = record_trial(setting, SEED, trial)
-    return fields["x"], blacks, setting.groups(SEED, trial, 1)[0] == 0
+    return fields["x"], blacks, sampling.groups(setting, SEED, trial, 1)[0] == 0
 
 
 def shares(blacks, phase, looks):
@@ -190,7 +191,7 @@ def test_in_every_phase_w_msr_stays_in_the_hull_of_what_the_honest_hold_and_see(
 def test_on_a_ring_two_liars_beside_a_robot_drag_it_out():
     """F = 1, perfect sensors on white: who has liars on both sides goes to 1/2, others stay near 0."""
     (setting,) = fixed(WMSR, robots=8, rounds=1, members=liars(2))
-    side = [setting.groups(SEED, trial, 1)[0] for trial in range(40)]
+    side = [sampling.groups(setting, SEED, trial, 1)[0] for trial in range(40)]
     trial, between = next((t, i) for t, who in enumerate(side) for i in range(8) if who[i - 1] == who[(i + 1) % 8] == 1)
     used = WMSR.with_parameters({"phase": 1, "drop": 1})
     x, _, honest = lived(

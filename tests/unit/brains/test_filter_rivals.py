@@ -6,6 +6,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from swarmcensus import brains
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import record_trial
 from tests.support.second import SEED, fixed
 
@@ -22,7 +23,7 @@ MIXED = {"black": "U(0.7, 0.95)", "white": "U(0.55, 0.85)"}
 def lived(used, trial=0, **world):
     """A trial: fields, estimates and black readings (round, robot), and b and w of each robot."""
     (setting,) = fixed(used, **world)
-    b, w, *_ = setting.accuracies(SEED, trial, 1)
+    b, w, *_ = sampling.accuracies(setting, SEED, trial, 1)
     return *record_trial(setting, SEED, trial), *(np.broadcast_to(side[0], setting.robots) for side in (b, w))
 
 

@@ -207,7 +207,7 @@ def test_results_hold_an_insider_s_source_and_it_is_run_again_from_there(tmp_pat
     assert {"liar_rounds", "n"} <= set(trace.data_vars)
     assert verify(sc.load("s.nc"), sample=1.0).differences == []
     Path("knows.py").write_text(SOURCE.replace("10.0 * me.n", "11.0 * me.n"))
-    assert main(["verify", "s.nc", "--brain", "rich.py", "--brain", "knows.py"]) == 2
+    assert main(["verify", "s.nc", "--brain-file", "rich.py", "--brain-file", "knows.py"]) == 2
     assert "not the source" in capsys.readouterr().err
     Path("s.toml").write_text(STUDY.replace('"alone"', '"commons"'))
     assert main(["run", "s.toml"]) == 2

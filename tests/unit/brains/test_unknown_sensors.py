@@ -8,6 +8,7 @@ from scipy import special, stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.simulation import sampling
 from tests.support.long import in_two_sizes
 
 ASDF, CPF, PAPER = (brains.load(name) for name in ("asdf", "bayes-cpf", "minimalistic"))
@@ -122,7 +123,7 @@ def test_a_wrong_majority_locks_in(every):
     assert (results["final_estimate"].values > 0.98).all()
     for trial in range(4):
         trace = sc.replay(results, 0, trial)
-        right = study.settings()[0].groups(2, trial, 1)[0] == 0
+        right = sampling.groups(study.settings()[0], 2, trial, 1)[0] == 0
         before = trace["x_hat"].values[every - 1, right]
         assert before == pytest.approx(0.75, abs=0.3)
         assert (trace["mended"].values[-1, right] > 0).all()
@@ -212,7 +213,7 @@ def test_of_a_wrong_consensus_right_robots_learn_what_is_wrong():
     )  # fmt: skip
     results = sc.run(study)
     for trial in range(2):
-        right = study.settings()[0].groups(3, trial, 1)[0] == 0
+        right = sampling.groups(study.settings()[0], 3, trial, 1)[0] == 0
         trace = sc.replay(results, 0, trial)
         mu, x = trace["mu"].values[-1, right], trace["past_x"].values[-1, right]
         assert mu.min() > 0.8

@@ -12,7 +12,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.cli import list_brains
+from swarmcensus.cli.commands import list_brains
 from swarmcensus.conformance import machine_code, quick
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.contract_checks import PROMISES

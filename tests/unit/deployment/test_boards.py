@@ -30,7 +30,7 @@ FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selfte
 
 
 def deployed(folder, brain="commons", radio="udp", *more):
-    assert main(["deploy", brain, "--to", str(folder), "--radio", radio, *NEEDED, *more]) == 0
+    assert main(["deploy", brain, str(folder), "--target", radio, *NEEDED, *more]) == 0
     return folder
 
 
@@ -39,17 +39,17 @@ def texts(folder):
 
 
 def checked(capsys, folder, output):
-    """The exit code of `deploy --check`, and what it says."""
+    """The exit code of `deploy --selftest`, and what it says."""
     (folder.parent / "board.txt").write_text(output)
     capsys.readouterr()
-    code = main(["deploy", "--check", str(folder.parent / "board.txt"), str(folder)])
+    code = main(["deploy", str(folder), "--selftest", str(folder.parent / "board.txt")])
     out, err = capsys.readouterr()
     return code, out + err
 
 
 @pytest.mark.parametrize("radio", ["udp", "espnow", "serial"])
 def test_a_folder_for_micropython(tmp_path, capsys, radio):
-    folder = deployed(tmp_path / "robot", "sure", radio, "--message", "ratio16", "--number", "7", "--hz", "4")
+    folder = deployed(tmp_path / "robot", "sure", radio, "--message", "ratio16", "--robot", "7", "--hz", "4")
     assert {path.name for path in folder.iterdir()} == FILES
     assert list(tmp_path.iterdir()) == [folder]
     for name in FILES - {"README.md"}:
@@ -77,26 +77,26 @@ def test_parameters_are_the_robots(tmp_path):
 
 
 WRONG = [
-    (["--radio", "upd"], "--radio upd"),
+    (["--target", "upd"], "--target upd"),
     (["--message", "ratio15"], "--message ratio15"),
-    (["--radio", "kilobot", "--log", "9"], "--log 9"),
+    (["--target", "kilobot", "--log", "9"], "--log 9"),
     (["--message", "double"], "--message double"),
     (["--b", "1.2"], "--b 1.2"),
     (["--w", "-0.1"], "--w -0.1"),
     (["--hz", "0"], "--hz 0"),
-    (["--number", "65536"], "--number 65536"),
-    (["--number", "1", "--radio", "kilobot"], "--number 1 does not go with --radio kilobot"),
+    (["--robot", "65536"], "--robot 65536"),
+    (["--robot", "1", "--target", "kilobot"], "--robot 1 does not go with --target kilobot"),
     (["--parameter", "keep"], "--parameter keep"),
     (["--parameter", "keep=0.5"], "--parameter"),
-    (["--radio", "kilobot", "--message", "float32"], "datagrams of 14 bytes as float32, a header of 6 with them, and a "
-     "Kilobot's infrared holds 9: --message ratio16 makes 9 and --message ratio8 makes 8"),
+    (["--target", "kilobot", "--message", "float32"], "datagrams of 14 bytes as float32, a header of 6 with them, "
+     "and a Kilobot's infrared holds 9: --message ratio16 makes 9 and --message ratio8 makes 8"),
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("options", "says"), WRONG, ids=[" ".join(options) for options, _ in WRONG])
 def test_bad_input_is_one_sentence(tmp_path, capsys, options, says):
     folder = tmp_path / "robot"
-    assert main(["deploy", "commons", "--to", str(folder), "--radio", "udp", *NEEDED, *options]) == 2
+    assert main(["deploy", "commons", str(folder), "--target", "udp", *NEEDED, *options]) == 2
     error = capsys.readouterr().err
     assert says in error
     assert error.count("\n") == 1
@@ -104,20 +104,20 @@ def test_bad_input_is_one_sentence(tmp_path, capsys, options, says):
 
 
 def test_a_message_that_no_format_makes_small_enough(tmp_path, capsys):
-    assert main(["deploy", "belief-sharing", "--to", str(tmp_path / "k"), "--radio", "kilobot", *NEEDED]) == 2
+    assert main(["deploy", "belief-sharing", str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
     assert "no format makes it small enough" in capsys.readouterr().err
-    assert main(["deploy", "oracle", "--to", str(tmp_path / "k"), "--radio", "udp", *NEEDED]) == 2
+    assert main(["deploy", "oracle", str(tmp_path / "k"), "--target", "udp", *NEEDED]) == 2
     assert "is a bound: no robot hears all others" in capsys.readouterr().err
-    assert main(["deploy", "commons", "--to", str(tmp_path / "k"), "--radio", "udp", "--b", ".4", "--w", ".6"]) == 2
+    assert main(["deploy", "commons", str(tmp_path / "k"), "--target", "udp", "--b", ".4", "--w", ".6"]) == 2
     assert "b + w = 1: such a sensor says the same" in capsys.readouterr().err
-    assert main(["deploy", "commons", "--to", str(tmp_path / "k"), "--radio", "udp", "--b", ".9"]) == 2
+    assert main(["deploy", "commons", str(tmp_path / "k"), "--target", "udp", "--b", ".9"]) == 2
     assert "--w is missing" in capsys.readouterr().err
 
 
 def test_a_folder_in_use_is_left_alone(tmp_path, capsys):
     (tmp_path / "mine").write_text("x")
     for folder in (tmp_path, tmp_path / "mine"):
-        assert main(["deploy", "commons", "--to", str(folder), "--radio", "udp", *NEEDED]) == 2
+        assert main(["deploy", "commons", str(folder), "--target", "udp", *NEEDED]) == 2
     assert "is not empty" in (error := capsys.readouterr().err)
     assert "is a file" in error
     (tmp_path / "empty").mkdir()
@@ -131,7 +131,7 @@ def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
     file = tmp_path / 'a"""\nimport evil\n"""\n#include evil\\.py'
     file.write_text(brains.load("minimalistic").source)
     robot = tmp_path / "robot"
-    assert main(["deploy", str(file), "--to", str(robot), "--radio", radio, "--b", "0.9", "--w", "0.8"]) == 0
+    assert main(["deploy", str(file), str(robot), "--target", radio, "--b", "0.9", "--w", "0.8"]) == 0
     texts = {path.name: path.read_text() for path in robot.iterdir() if path.name != "README.md"}
     code = re.compile(r"^(import evil|#include evil)", re.MULTILINE)
     assert [name for name, text in texts.items() if code.search(text)] == []
@@ -147,7 +147,7 @@ def test_files_appear_whole_or_not_at_all(tmp_path, capsys, monkeypatch):
         return write(path, *given, **more)
 
     monkeypatch.setattr(Path, "write_text", fails)
-    assert main(["deploy", "commons", "--to", str(tmp_path / "robot"), "--radio", "udp", *NEEDED]) == 2
+    assert main(["deploy", "commons", str(tmp_path / "robot"), "--target", "udp", *NEEDED]) == 2
     assert "No space left" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
 
@@ -247,9 +247,9 @@ def test_files_that_were_changed_are_found_out(tmp_path, capsys):
     assert "the self-test cannot run with these settings" in checked(capsys, folder, output)[1]
     (folder / "settings.py").unlink()
     assert "should be one made by `swarmcensus deploy`" in checked(capsys, folder, output)[1]
-    assert main(["deploy", "--check", "nothing.txt", str(folder)]) == 2
-    assert main(["deploy", "--check", "nothing.txt", str(folder), "--hz", "3"]) == 2
-    assert "--hz does not go with --check" in capsys.readouterr().err
+    assert main(["deploy", str(folder), "--selftest", "nothing.txt"]) == 2
+    assert main(["deploy", str(folder), "--selftest", "nothing.txt", "--hz", "3"]) == 2
+    assert "--hz does not go with --selftest" in capsys.readouterr().err
 
 
 FAKE = """
@@ -463,7 +463,7 @@ def test_programs_over_udp_hear_each_other(tmp_path):
     port = free_port()
     folders, running = [], []
     for k in (1, 2):
-        folder = deployed(tmp_path / f"robot{k}", "commons", "udp", "--number", str(k), "--hz", "200")
+        folder = deployed(tmp_path / f"robot{k}", "commons", "udp", "--robot", str(k), "--hz", "200")
         program = (folder / "main.py").read_text()
         program = program.replace('("255.255.255.255", 47230)', f'("127.255.255.255", {port})')
         program = program.replace("self.adc.read_u16() < THRESHOLD", "True").replace("import machine", "return")
@@ -662,13 +662,13 @@ def test_a_brain_too_large_for_a_kilobot(tmp_path, capsys):
             return me.x
         """).replace("LONG", "400")
     )
-    assert main(["deploy", str(large), "--to", str(tmp_path / "k"), "--radio", "kilobot", *NEEDED]) == 2
+    assert main(["deploy", str(large), str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
     assert "remembers 1,616 bytes, and a Kilobot has 1,300 for it: it is too large" in capsys.readouterr().err
     large.write_text(large.read_text().replace("400", "310"))
-    assert main(["deploy", str(large), "--to", str(tmp_path / "k"), "--radio", "kilobot", *NEEDED]) == 2
+    assert main(["deploy", str(large), str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
     assert re.search(r"needs [\d,]+ bytes of flash and 1,\d+ of memory", capsys.readouterr().err)
     assert not (tmp_path / "k").exists()
-    assert main(["deploy", "commons", "--to", str(tmp_path / "k"), "--radio", "kilobot", *NEEDED, "--hz", "50"]) == 2
+    assert main(["deploy", "commons", str(tmp_path / "k"), "--target", "kilobot", *NEEDED, "--hz", "50"]) == 2
     assert "a Kilobot has at most 32 ticks a second" in capsys.readouterr().err
 
 

@@ -10,7 +10,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.deployment import format_errors
-from swarmcensus.deployment.plans import SENT
+from swarmcensus.deployment.target import SENT
 from tests.support.places import ROOT
 
 OWN = ROOT / "studies" / "example" / "my_brain.py"
@@ -21,7 +21,7 @@ def deploying(tmp_path, capsys):
     """A function that deploys a brain, and returns what is told of errors, and stderr."""
 
     def deployed(brain, radio, message, *more):
-        to = ["--to", str(tmp_path / "robot"), "--radio", radio, "--b", ".9", "--w", ".85", "--message", message]
+        to = [str(tmp_path / "robot"), "--target", radio, "--b", ".9", "--w", ".85", "--message", message]
         assert main(["deploy", str(brain), *to, *more]) == 0
         out, error = capsys.readouterr()
         return re.findall("^error     (.*)$", out, re.MULTILINE), error
@@ -72,7 +72,7 @@ def test_a_brain_that_was_not_measured_is_told_how(deploying, tmp_path):
 def test_json_has_the_same_figures(tmp_path, capsys):
     found = {}
     for name in ("commons", "self-taught", str(OWN)):
-        to = ["--to", str(tmp_path / Path(name).stem), "--radio", "udp", "--b", ".9", "--w", ".85"]
+        to = [str(tmp_path / Path(name).stem), "--target", "udp", "--b", ".9", "--w", ".85"]
         assert main(["deploy", name, *to, "--message", "ratio16", "--json"]) == 0
         out, error = capsys.readouterr()
         found[name] = json.loads(out)["measured"]

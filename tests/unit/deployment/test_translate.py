@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import parse
@@ -17,7 +18,7 @@ from swarmcensus.deployment import chips
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.messages import messages_of
 from swarmcensus.deployment.selftest import compare, is_exact
-from swarmcensus.deployment.translating import translate, write
+from swarmcensus.deployment.targets.c import translated
 from tests.support.places import DOCS
 from tests.support.translated import BRAINS, CLOSE, compiled, differs, load_busy, named
 
@@ -221,7 +222,7 @@ def test_all_in_single(name, busy, tmp_path):
 
 @GCC
 def test_the_test_can_fail(tmp_path):
-    files = translate(load_busy("commons", "double"))
+    files = translated(load_busy("commons", "double"))
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     source = tmp_path / "brain.h"
@@ -273,13 +274,12 @@ def test_comments_and_words_are_kept():
 
 
 def test_parameters_are_constants(tmp_path, capsys):
-    assert main(["translate", "tracking", "--to", "c", "--parameter", "z=3", "--out", str(tmp_path / "c")]) == 0
+    assert main(["deploy", "tracking", str(tmp_path / "c"), "--target", "c", "--parameter", "z=3"]) == 0
     text = (tmp_path / "c" / "brain.h").read_text()
     assert "static const number parameter_z = 3.0f;" in text
     assert "the brain tracking z=3.0" in text
-    assert capsys.readouterr().out.splitlines() == [
-        str(tmp_path / "c" / name) for name in translate(load_busy("commons", "single"))
-    ]
+    written = ", ".join(translated(load_busy("commons", "single")))
+    assert capsys.readouterr().out.splitlines()[-1] == f"{tmp_path / 'c'}: {written}"
 
 
 ODD = {
@@ -354,13 +354,13 @@ def test_odd_lines_have_the_bits_of_python(what, tmp_path):
 def test_what_cannot_be(body):
     extra = helpers_of(body)
     with pytest.raises(InputError, match=r"brain file trying\.py, line \d+: ") as caught:
-        translate(trying(body, extra))
+        translated(trying(body, extra))
     assert FAULTS[body] in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_whole_numbers_have_32_bits_on_small_chips():
-    text = translate(trying("me.x = len(me.list) * 10000\nme.y = (me.x > 0.0) * 300 * 300 + (1 << int(me.y) % 9)"))[
+    text = translated(trying("me.x = len(me.list) * 10000\nme.y = (me.x > 0.0) * 300 * 300 + (1 << int(me.y) % 9)"))[
         "brain.h"
     ]
     assert "(int32_t)3 * 10000" in text
@@ -370,7 +370,7 @@ def test_whole_numbers_have_32_bits_on_small_chips():
 
 def test_a_brain_that_fails():
     with pytest.raises(InputError, match="brain 'trying' fails in the self-test: ZeroDivisionError: float division"):
-        translate(trying("me.x = 1.0 / me.k"))
+        translated(trying("me.x = 1.0 / me.k"))
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
@@ -386,12 +386,15 @@ def test_headers_are_c_plus_plus_too(name, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nothing", "--to", "c"], "neither a shipped brain"),
-        (["commons", "--to", "c", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
-        (["tracking", "--to", "c", "--parameter", "z"], "--parameter z"),
-        (["tracking", "--to", "c", "--parameter", "z=1,2"], "--parameter"),
-        (["commons", "--to", "c", "--out", "other"], "other holds 'mine.txt', which is no part of a translation"),
-        (["commons", "--to", "c", "--out", "file"], "file is a file: a translation needs a folder"),
+        (["nothing", "new"], "neither a shipped brain"),
+        (["commons", "new", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
+        (["tracking", "new", "--parameter", "z"], "--parameter z"),
+        (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]"),
+        (["commons", "other"], "the folder other is not empty, it holds 'mine.txt'"),
+        (["commons", "file"], "file is a file: name a new folder"),
+        (["commons", "new", "--precision", "float"], "--precision float"),
+        (["commons", "new", "--message", "text"], "--message text"),
+        (["commons", "new", "--hz", "4"], "--hz 4"),
     ],
 )
 def test_wrong_input(arguments, message, tmp_path, monkeypatch, capsys):
@@ -399,32 +402,19 @@ def test_wrong_input(arguments, message, tmp_path, monkeypatch, capsys):
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "mine.txt").touch()
     (tmp_path / "file").touch()
-    assert main(["translate", *arguments]) == 2
+    assert main(["deploy", *arguments, "--target", "c"]) == 2
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("option", "said"),
-    [
-        (["--to", "rust"], "--to rust: should be c"),
-        (["--to", "c", "--number", "single"], "--number single: did you mean 'float'? should be float or double"),
-        (["--to", "c", "--message", "text"], "--message text: should be float32, float16, ratio16 or ratio8"),
-    ],
-)
-def test_wrong_options(option, said, capsys):
-    with pytest.raises(SystemExit) as caught:
-        main(["translate", "commons", *option])
-    assert caught.value.code == 2
-    assert capsys.readouterr().err == f"swarmcensus translate: {said}\n"
+    assert not (tmp_path / "new").exists()
 
 
 def test_written_again(tmp_path):
-    brain = load_busy("commons", "single")
-    write(brain, tmp_path / "c")
+    sc.deploy("commons", tmp_path / "c", "c")
     (tmp_path / "c" / "selftest").touch()
-    assert [path.name for path in write(brain, tmp_path / "c")] == ["brain.h", "selftest.c", "expected.txt", "Makefile"]
+    made = sc.deploy("commons", tmp_path / "c", "c", precision="double")
+    assert made.files == ("brain.h", "selftest.c", "expected.txt", "Makefile")
+    assert "typedef double number;" in (tmp_path / "c" / "brain.h").read_text()
 
 
 @GCC
@@ -479,7 +469,7 @@ int main(void) {
 
 @GCC
 def test_the_makefile_compiles_as_the_page_says(tmp_path):
-    texts = translate(load("commons").with_numbers(Numbers("single", "ratio16")))
+    texts = translated(load("commons").with_numbers(Numbers("single", "ratio16")))
     for name, text in texts.items():
         (tmp_path / name).write_text(text)
     done = subprocess.run(["make", "-C", tmp_path, "check"], capture_output=True, text=True, check=True)
@@ -499,7 +489,7 @@ def test_files_in_c_appear_together_or_not_at_all(tmp_path, monkeypatch, is_new)
         return write_text(path, text, **given)
 
     monkeypatch.setattr(Path, "write_text", full)
-    with pytest.raises(InputError, match=r"cannot write .*expected\.txt: No space left on device"):
-        write(load("alone"), folder)
+    with pytest.raises(InputError, match=r"cannot write .*: No space left on device"):
+        sc.deploy("alone", folder, "c")
     assert folder.exists() is not is_new
     assert list(tmp_path.rglob("*.*")) == []

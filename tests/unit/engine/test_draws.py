@@ -17,7 +17,9 @@ from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.draws import COLUMNS, LOW, PART
 from swarmcensus.engine.layout import Sensors
 from swarmcensus.engine.random import block, counter, words
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import record_readings, record_trial
+from swarmcensus.studies import addresses
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.changes import Change
@@ -88,17 +90,19 @@ def test_draws_depend_on_just_what_they_are_said_to_depend_on(what):
     value, others = CHANGES[what]
     changed = replace(setting, **{what.partition("'")[0]: value})
     for key in (READINGS, LOSSES, WALK, FLOOR):
-        assert (getattr(setting, key)(SEED) == getattr(changed, key)(SEED)).all() == (key not in others), key
-        assert (getattr(setting, key)(SEED) != getattr(setting, key)(SEED + 1)).all()
+        assert (getattr(addresses, key)(setting, SEED) == getattr(addresses, key)(changed, SEED)).all() == (
+            key not in others
+        ), key
+        assert (getattr(addresses, key)(setting, SEED) != getattr(addresses, key)(setting, SEED + 1)).all()
 
 
 def test_purposes_share_no_numbers():
     setting = moving_of(link_success=0.5)
-    keys = [getattr(setting, key)(SEED) for key in (READINGS, LOSSES, WALK, FLOOR)]
-    keys.append(setting.readings_key(SEED, "order"))
+    keys = [getattr(addresses, key)(setting, SEED) for key in (READINGS, LOSSES, WALK, FLOOR)]
+    keys.append(addresses.readings_key(setting, SEED, "order"))
     assert len({key.tobytes() for key in keys}) == len(keys)
     ring, line = settings_of(topology=["ring", "line"], link_success=0.5)
-    assert (ring.losses_key(SEED) != line.losses_key(SEED)).all()
+    assert (addresses.losses_key(ring, SEED) != addresses.losses_key(line, SEED)).all()
 
 
 # ---- readings
@@ -139,7 +143,7 @@ def test_counts_of_black_readings_have_their_law_and_their_address(looks):
     """Each robot's own accuracies, each part of a long round, each round and trial."""
     (setting,) = settings_of(robots=5, looks=looks, rounds=3, accuracy={"black": "U(0.7, 0.9)", "white": "U(0.4, 0.8)"})
     for trial in (0, 1):
-        b, w = (side[0] for side in setting.accuracies(SEED, trial, 1)[:2])
+        b, w = (side[0] for side in sampling.accuracies(setting, SEED, trial, 1)[:2])
         tables = tables_of(b, w, 0.55, looks)
         sizes = [PART] * (looks // PART) + [looks % PART] * (looks % PART > 0)
         assert len(tables) == len(set(sizes))
@@ -149,7 +153,7 @@ def test_counts_of_black_readings_have_their_law_and_their_address(looks):
             rows = {size: tables[0 if size == PART else -1, i] for size in sizes}
             for size, row in rows.items():
                 assert shares_of(row) == pytest.approx(stats.binom.pmf(np.arange(COLUMNS), size, p), abs=1e-14)
-            key = setting.readings_key(SEED)
+            key = addresses.readings_key(setting, SEED)
             for tick in range(1, 4):
                 drawn = [
                     picked(rows[size], reference.robots_word(key, trial, tick, i, part))
@@ -177,8 +181,8 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
     (setting,) = study.settings()
     sizes = [PART] * (looks // PART) + [looks % PART]
     for trial in (0, 1):
-        b, w = (np.broadcast_to(side[0], 5) for side in setting.accuracies(SEED, trial, 1)[:2])
-        who = setting.groups(SEED, trial, 1)[0]
+        b, w = (np.broadcast_to(side[0], 5) for side in sampling.accuracies(setting, SEED, trial, 1)[:2])
+        who = sampling.groups(setting, SEED, trial, 1)[0]
         _, _, blacks = record_trial(setting, SEED, trial)
         readings = record_readings(setting, SEED, trial).reshape(5, looks, 5)
         assert (readings.sum(axis=1) == blacks[1:]).all()
@@ -186,7 +190,8 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
             now = [reference.accuracy_in(setting, who[i], side[i], tick) for side in (b, w)]
             tables = tables_of(*(np.array([side]) for side in now), reference.fill_ratio_in(setting, tick), looks)
             words_ = [
-                reference.robots_word(setting.readings_key(SEED), trial, tick, i, part) for part in range(len(sizes))
+                reference.robots_word(addresses.readings_key(setting, SEED), trial, tick, i, part)
+                for part in range(len(sizes))
             ]
             drawn = [
                 picked(tables[0 if size == PART else -1, 0], word) for size, word in zip(sizes, words_, strict=True)
@@ -291,7 +296,7 @@ def test_errors_of_belief_are_of_seed_swarm_trial_and_robot_and_alike_for_both_c
 @pytest.mark.parametrize("robots", [1, 2, 3, 9])
 def test_scale_free_networks_are_grown_robot_by_robot(robots):
     (setting,) = settings_of(robots=robots, topology="scale-free")
-    links = setting.links(SEED, 3, 3)
+    links = sampling.links(setting, SEED, 3, 3)
     for t in range(3):
         ours = slice(links.starts[t], links.starts[t + 1])
         pairs = list(zip(links.receivers[ours].tolist(), links.senders[ours].tolist(), strict=True))

@@ -18,10 +18,13 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK
 from swarmcensus.figures.files import save
-from swarmcensus.figures.kinds.arena import FINE, Arena, scene_of, snapshot
-from swarmcensus.figures.kinds.film import write_film
+from swarmcensus.figures.kinds.arena import FINE, Arena
+from swarmcensus.figures.kinds.arena import arena as drawn
+from swarmcensus.figures.kinds.film import film
+from swarmcensus.figures.scenes import FLOOR, scene_of
 from swarmcensus.results.recordings import write_trace
 from swarmcensus.results.source_study import studies_of
+from swarmcensus.simulation import sampling
 
 STUDY = """
 name = "pictures for $2 or $3"
@@ -59,7 +62,7 @@ def moving(results, robots, f=0.3):
 
 
 @pytest.fixture(scope="module")
-def scene(results):
+def trace(results):
     return scene_of(results, moving(results, 9), 1)
 
 
@@ -78,7 +81,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
         if setting.body is None:
             continue
         trace = sc.replay(results, number, 1)
-        floor = setting.ground(study.seed, 1).all_tiles()
+        floor = sampling.ground(setting, study.seed, 1).all_tiles()
         x, y = trace.position.values[1:].transpose(2, 0, 1)
         c, s = np.cos(trace.heading.values[1:]), np.sin(trace.heading.values[1:])
         ahead, left = setting.body.sensor
@@ -93,7 +96,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
 def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
     (study,) = studies_of(results)
     setting = study.settings()[moving(results, 9, 0.95)]
-    first, second = (setting.ground(study.seed, trial).all_tiles() for trial in (0, 1))
+    first, second = (sampling.ground(setting, study.seed, trial).all_tiles() for trial in (0, 1))
     assert (first != second).any()
     assert set(np.unique(first)) == {0, 1}
     sd = np.sqrt(0.95 * 0.05 / first.size)
@@ -104,13 +107,12 @@ def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
 
 
 @pytest.fixture(scope="module")
-def arena(scene):
-    return Arena(*scene, robot=3)
+def arena(trace):
+    return Arena(trace, robot=3)
 
 
 @pytest.mark.parametrize("tick", [0, 1, 17, 40])
-def test_discs_headings_and_links_are_where_the_trace_says(scene, arena, tick):
-    trace, _ = scene
+def test_discs_headings_and_links_are_where_the_trace_says(trace, arena, tick):
     arena.show(tick)
     now = trace.sel(round=tick)
     np.testing.assert_array_equal(arena.discs.get_offsets(), now.position)
@@ -129,18 +131,16 @@ def test_discs_headings_and_links_are_where_the_trace_says(scene, arena, tick):
     assert arena.right.get_text() == f"{right} of 9"
 
 
-def test_a_brain_s_vectors_are_not_in_the_way(scene):
-    trace, floor = scene
+def test_a_brain_s_vectors_are_not_in_the_way(trace):
     more = trace.assign(heard=(("round", "robot", "item_heard"), np.zeros((*trace["estimate"].shape, 3))))
-    one, other = (Arena(of, floor, robot=3) for of in (trace, more.transpose("item_heard", ...)))
+    one, other = (Arena(of, robot=3) for of in (trace, more.transpose("item_heard", ...)))
     assert one.position.tolist() == other.position.tolist()
     assert one.estimate.tolist() == other.estimate.tolist()
 
 
-def test_what_is_drawn_is_to_scale_and_in_its_place(scene):
+def test_what_is_drawn_is_to_scale_and_in_its_place(trace):
     """By the dots of the picture: the disc's size and colour, a link's colour, tiles, and where they are."""
-    trace, floor = scene
-    arena = Arena(trace, floor)
+    arena = Arena(trace)
     arena.show(30)
     arena.links.set_linewidth(3)
     arena.figure.set_dpi(200)
@@ -166,7 +166,7 @@ def test_what_is_drawn_is_to_scale_and_in_its_place(scene):
             np.testing.assert_allclose(dot(middle), to_rgb(LINK), atol=0.1)
             seen += 1
     assert seen
-    rows, columns = np.indices(floor.shape)
+    rows, columns = np.indices((floor := trace[FLOOR].values).shape)
     centres = np.stack([columns - floor.shape[1] / 2 + 0.5, rows - floor.shape[0] / 2 + 0.5], -1) * tile
     black = {False: [], True: []}
     for place, colour in zip(centres.reshape(-1, 2)[::7], floor.ravel()[::7], strict=True):
@@ -182,9 +182,8 @@ def test_what_is_drawn_is_to_scale_and_in_its_place(scene):
 
 @pytest.mark.long(but=["0.3", "1.0"])
 @pytest.mark.parametrize("f", [0.0, 0.3, 0.5, 0.95, 1.0])
-def test_colours_are_centred_on_the_truth_and_darken_with_the_estimate(scene, f):
-    trace, floor = scene
-    arena = Arena(trace.assign_attrs(fill_ratio=f), floor)
+def test_colours_are_centred_on_the_truth_and_darken_with_the_estimate(trace, f):
+    arena = Arena(trace.assign_attrs(fill_ratio=f))
     norm = arena.colours.norm
     assert norm(f) == pytest.approx(0.5)
     for off in (0.01, 0.1, 0.3):
@@ -195,70 +194,64 @@ def test_colours_are_centred_on_the_truth_and_darken_with_the_estimate(scene, f)
     assert f"true f = {f:g}" in texts(arena.figure)
 
 
-def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, scene, tmp_path: Path):
-    alone, floor = scene_of(results, moving(results, 1))
-    figure = snapshot(alone, 40, floor)
+def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, trace, tmp_path: Path):
+    alone = scene_of(results, moving(results, 1))
+    figure = drawn(alone, tick=40)
     assert " of 1\n" in texts(figure)
-    trace, _ = scene
-    trace = trace.copy(deep=True)
+    trace = trace.drop_vars(FLOOR).copy(deep=True)
     trace["estimate"][20, 2] = np.nan
-    figure = snapshot(trace, 20, title="mine")
+    figure = drawn(trace, tick=20, title="mine")
     assert "black tile" not in texts(figure)
     assert "mine" in texts(figure)
     (path,) = save(figure, tmp_path / "x", ["svg"])
     assert path.stat().st_size < 200_000
 
 
-def test_a_trace_may_be_a_stretch_and_its_title_may_hold_dollars(scene, tmp_path: Path):
-    trace, floor = scene
+def test_a_trace_may_be_a_stretch_and_its_title_may_hold_dollars(trace, tmp_path: Path):
     stretch = trace.isel(round=slice(10, 30)).transpose("robot", "axis", ...)
-    figure = snapshot(stretch, 25, floor)
+    figure = drawn(stretch, tick=25)
     assert "pictures for $2 or $3" in texts(figure)
     save(figure, tmp_path / "x", ["png"])
-    whole = Arena(trace, floor)
+    whole = Arena(trace)
     whole.show(25)
-    part = Arena(stretch, floor)
+    part = Arena(stretch)
     part.show(25)
     np.testing.assert_array_equal(part.discs.get_offsets(), whole.discs.get_offsets())
     with pytest.raises(InputError, match="ticks 10 to 29"):
-        snapshot(stretch, 30, floor)
+        drawn(stretch, tick=30)
 
 
-def test_floors_finer_than_a_picture_are_drawn_as_means(scene):
-    trace, floor = scene
+def test_floors_finer_than_a_picture_are_drawn_as_means(trace):
+    floor = trace[FLOOR].values
     times = -(-FINE // len(floor)) + 1
     fine = trace.assign_attrs(tile_side=trace.attrs["tile_side"] / times)
-    big = np.kron(floor, np.ones((times, times), np.uint8))
-    small_image, big_image = (
-        next(a.images[0] for a in snapshot(t, 5, f).axes if a.images) for t, f in ((trace, floor), (fine, big))
-    )
+    fine = fine.drop_vars(FLOOR).assign({FLOOR: (("row", "column"), np.kron(floor, np.ones((times, times), np.uint8)))})
+    small_image, big_image = (next(a.images[0] for a in drawn(each, tick=5).axes if a.images) for each in (trace, fine))
     assert max(big_image.get_array().shape) <= FINE
     np.testing.assert_allclose(big_image.get_extent(), small_image.get_extent(), atol=times * fine.attrs["tile_side"])
     assert big_image.get_array().mean() == pytest.approx(small_image.get_array().mean(), abs=0.002)
 
 
-def test_what_cannot_be_drawn_is_an_input_error(results, scene):
-    trace, floor = scene
+def test_what_cannot_be_drawn_is_an_input_error(results, trace):
     with pytest.raises(InputError, match="tick 41: this trial has ticks 0 to 40"):
-        snapshot(trace, 41, floor)
+        drawn(trace, tick=41)
     with pytest.raises(InputError, match="robot 9: the robots are numbered 0 to 8"):
-        snapshot(trace, 1, floor, robot=9)
+        drawn(trace, tick=1, robot=9)
     with pytest.raises(InputError, match="does not cover"):
-        snapshot(trace, 1, floor[:10])
+        drawn(trace.isel(row=slice(10)), tick=1)
     with pytest.raises(InputError, match="links=True"):
-        snapshot(trace.drop_vars("link"), 1, floor)
+        drawn(trace.drop_vars("link"), tick=1)
     with pytest.raises(InputError, match="do not move"):
-        snapshot(sc.replay(results, 0, 0), 1)
+        drawn(sc.replay(results, 0, 0), tick=1)
 
 
 @pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("name", ["short", "a_very_long_name_of_a_study_" * 9, "of words " * 60])
-def test_the_title_names_brain_setting_and_trial_and_fits(results, scene, name):
+def test_the_title_names_brain_setting_and_trial_and_fits(results, trace, name):
     number = moving(results, 9)
-    trace, floor = scene
-    assert f"setting {number}, trial 1: minimalistic, moving, N = 9, D = 5" in texts(snapshot(trace, 3, floor))
+    assert f"setting {number}, trial 1: minimalistic, moving, N = 9, D = 5" in texts(drawn(trace, tick=3))
     title = trace.attrs["title"].replace("pictures for $2 or $3", name)
-    figure = snapshot(trace.assign_attrs(title=title), 3, floor)
+    figure = drawn(trace.assign_attrs(title=title), tick=3)
     figure.draw_without_rendering()
     boxes = {t.get_text(): t.get_window_extent() for t in figure.axes[0].texts}
     (written,) = (text for text in boxes if "setting" in text)
@@ -281,12 +274,12 @@ faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = [
 def faulty_scene(faults):
     text = STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"').replace("rounds = 40\n", "")
     found = sc.Study.parse(faults + text)
-    return found, *scene_of(sc.run(found, jobs=1), 0, 1)
+    return found, scene_of(sc.run(found, jobs=1), 0, 1)
 
 
 def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
-    study, trace, _ = faulty_scene(FAULTS)
-    first = study.settings()[0].stops(study.seed, 1)
+    study, trace = faulty_scene(FAULTS)
+    first = sampling.stops(study.settings()[0], study.seed, 1)
     assert trace["stops"].dims == ("part", "robot")
     for part, row in (("moving", 0), ("sensing", 1), ("talking", 2)):
         told = trace["stops"].sel(part=part).values
@@ -310,13 +303,13 @@ def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
 
 @pytest.fixture(scope="module")
 def faulty_arena():
-    _, trace, floor = faulty_scene(FAULTS)
-    return Arena(trace, floor)
+    _, trace = faulty_scene(FAULTS)
+    return Arena(trace)
 
 
 @pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
 def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(faulty_arena, tick):
-    _, trace, _ = faulty_scene(FAULTS)
+    _, trace = faulty_scene(FAULTS)
     arena = faulty_arena
     arena.show(tick)
     place, radius = trace["position"].sel(round=tick).values, trace.attrs["radius"]
@@ -336,27 +329,27 @@ def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(faulty_ar
 
 
 def test_robots_whose_parts_work_again_have_no_stroke_any_more():
-    _, trace, floor = faulty_scene('faults = [{at = 10, robots = 3, stop = "talking", until = 20}]')
-    arena = Arena(trace, floor)
+    _, trace = faulty_scene('faults = [{at = 10, robots = 3, stop = "talking", until = 20}]')
+    arena = Arena(trace)
     for tick, strokes in ((9, 0), (10, 6), (19, 6), (20, 0)):
         arena.show(tick)
         assert len(arena.failed.get_segments()) == strokes
 
 
-def test_the_key_names_the_parts_that_fail_and_no_others(scene, tmp_path: Path):
-    said = texts(snapshot(scene[0], 30, scene[1]))
+def test_the_key_names_the_parts_that_fail_and_no_others(trace, tmp_path: Path):
+    said = texts(drawn(trace, tick=30))
     assert "stopped" not in said
-    assert "stops" not in scene[0]
-    _, trace, floor = faulty_scene(FAULTS)
-    said = texts(snapshot(trace, 1, floor))
+    assert "stops" not in trace
+    _, trace = faulty_scene(FAULTS)
+    said = texts(drawn(trace, tick=1))
     assert all(f"stopped {part}" in said for part in ("moving", "sensing", "talking"))
-    _, trace, floor = faulty_scene('faults = [{at = 30, robots = 0.5, stop = "talking"}]')
-    said = texts(snapshot(trace, 1, floor))
+    _, trace = faulty_scene('faults = [{at = 30, robots = 0.5, stop = "talking"}]')
+    said = texts(drawn(trace, tick=1))
     assert "stopped talking" in said
     assert "stopped moving" not in said
     dark = []
     for tick in (29, 30):
-        write_film(trace, floor, tmp_path / "x.gif", first=tick, last=tick)
+        film(trace, out=tmp_path / "x.gif", first=tick, last=tick)
         with Image.open(tmp_path / "x.gif") as gif:
             dark.append(np.mean(np.asarray(gif.convert("L"))[60:450, 25:425] < 40))
     assert dark[1] > dark[0] + 0.001  # strokes are drawn in films too
@@ -367,13 +360,12 @@ def test_the_key_names_the_parts_that_fail_and_no_others(scene, tmp_path: Path):
 
 @pytest.mark.long(only=["mp4"])
 @pytest.mark.parametrize("suffix", ["mp4", "gif"])
-def test_a_film_has_its_frames_and_they_are_snapshots(scene, tmp_path: Path, suffix):
-    trace, floor = scene
+def test_a_film_has_its_frames_and_they_are_snapshots(trace, tmp_path: Path, suffix):
     path = tmp_path / f"x.{suffix}"
     told = []
     if suffix == "mp4":
         ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    assert write_film(trace, floor, path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
+    assert film(trace, out=path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
     assert told == [(1, 3), (2, 3), (3, 3)]
     assert list(tmp_path.iterdir()) == [path]
     if suffix == "mp4":
@@ -392,7 +384,7 @@ def test_a_film_has_its_frames_and_they_are_snapshots(scene, tmp_path: Path, suf
         dpi = 80
     assert len(frames) == 3
     for frame, tick in zip(frames, (3, 7, 11), strict=True):
-        figure = snapshot(trace, tick, floor)
+        figure = drawn(trace, tick=tick)
         figure.set_dpi(dpi)
         figure.canvas.draw()
         still = np.asarray(figure.canvas.buffer_rgba())[..., :3]
@@ -402,8 +394,7 @@ def test_a_film_has_its_frames_and_they_are_snapshots(scene, tmp_path: Path, suf
         assert np.mean(off.max(axis=2) > 60) < 0.005
 
 
-def test_a_film_is_whole_or_not_at_all(scene, tmp_path: Path):
-    trace, floor = scene
+def test_a_film_is_whole_or_not_at_all(trace, tmp_path: Path):
     pytest.importorskip("imageio_ffmpeg")
 
     def stop(done, _):
@@ -413,14 +404,13 @@ def test_a_film_is_whole_or_not_at_all(scene, tmp_path: Path):
     for path in (tmp_path / "x.gif", tmp_path / "x.mp4"):
         path.write_text("old")
         with pytest.raises(KeyboardInterrupt):
-            write_film(trace, floor, path, progress=stop)
+            film(trace, out=path, progress=stop)
         assert path.read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 2
 
 
 @pytest.mark.parametrize("fault", ["cut", "killed"])
-def test_a_film_that_ffmpeg_did_not_finish_is_an_error(scene, tmp_path: Path, monkeypatch, fault):
-    trace, floor = scene
+def test_a_film_that_ffmpeg_did_not_finish_is_an_error(trace, tmp_path: Path, monkeypatch, fault):
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
     write = ffmpeg.write_frames
 
@@ -440,12 +430,11 @@ def test_a_film_that_ffmpeg_did_not_finish_is_an_error(scene, tmp_path: Path, mo
 
     monkeypatch.setattr(ffmpeg, "write_frames", cut if fault == "cut" else killed)
     with pytest.raises(InputError, match=r"^cannot write .*x\.mp4: ffmpeg (failed|stopped)$"):
-        write_film(trace, floor, tmp_path / "x.mp4", last=4)
+        film(trace, out=tmp_path / "x.mp4", last=4)
     assert not list(tmp_path.iterdir())
 
 
-def test_films_that_cannot_be_are_input_errors(scene, tmp_path: Path, monkeypatch):
-    trace, floor = scene
+def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatch):
     for wrong, said in (
         ({"last": 41}, "tick 41: this trial has ticks 0 to 40"),
         ({"first": -1}, "tick -1: this trial has"),
@@ -454,13 +443,13 @@ def test_films_that_cannot_be_are_input_errors(scene, tmp_path: Path, monkeypatc
         ({"fps": 51}, "at most 50 frames a second"),
     ):
         with pytest.raises(InputError, match=said):
-            write_film(trace, floor, tmp_path / "x.gif", **wrong)
+            film(trace, out=tmp_path / "x.gif", **wrong)
     monkeypatch.setattr("swarmcensus.figures.kinds.film.MOST_GIF_FRAMES", 10)
     with pytest.raises(InputError, match=r"11 frames: a GIF may have 10.*write an \.mp4"):
-        write_film(trace, floor, tmp_path / "x.gif", first=0, last=10, every=1)
+        film(trace, out=tmp_path / "x.gif", first=0, last=10, every=1)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(InputError, match="pip install 'imageio-ffmpeg"):
-        write_film(trace, floor, tmp_path / "x.mp4")
+        film(trace, out=tmp_path / "x.mp4")
     assert not list(tmp_path.iterdir())
 
 
@@ -532,4 +521,4 @@ def test_a_brain_of_ones_own_must_be_given_where_it_lies_no_longer(tmp_path, mon
     error = capsys.readouterr().err
     assert "mine" in error
     assert error.count("\n") == 1
-    assert main(["plot", "own.nc", "--kind", "arena", "--brain", "moved.py", "--out", "y.png"]) == 0
+    assert main(["plot", "own.nc", "--kind", "arena", "--brain-file", "moved.py", "--out", "y.png"]) == 0

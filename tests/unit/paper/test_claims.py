@@ -12,11 +12,12 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.conformance import minimalism
-from swarmcensus.paper import claims, explanations, measures, moving_measures
-from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing
+from swarmcensus.paper import explanations, measures
+from swarmcensus.paper.evaluations import PAPER
+from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing, check
 from swarmcensus.statistics import intervals
 
-KNOWN = {claim.id: claim for claim in claims.CLAIMS}
+KNOWN = {claim.id: claim for claim in PAPER.claims}
 CHECKPOINTS = np.array([10, 50, 100, 200, 500, 1000])
 QUALITY = {accuracy: float(accuracy) for accuracy in measures.NUMBERS} | {measures.MIXED: 0.75}
 SPEED = {"full": 0.2, "ring": 1.0, "line": 1.0, "scale-free": 1.1, "moving": 1.2}
@@ -56,7 +57,7 @@ def dataset(study, twist, trials):
         {"study": study, "topology": t, "robots": n, "density": density, "accuracy": a, "f": f}
         for t in topologies.get(study, ("scale-free",))
         for n in sizes.get(study, (100,))
-        for density in (moving_measures.DENSITIES if study == "moving" else (np.nan,))
+        for density in ((1.0, 10.0) if study == "moving" else (np.nan,))
         for a in measures.ALL
         for f in measures.FILLS
     ]
@@ -106,7 +107,7 @@ LOCAL = ("local_convergence_step", "local_convergence_error")
 
 
 def verdict(name, twist=as_it_is, trials=30):
-    (outcome,) = claims.check(world(*KNOWN[name].studies, twist=twist, trials=trials), [KNOWN[name]])
+    (outcome,) = check(world(*KNOWN[name].studies, twist=twist, trials=trials), [KNOWN[name]])
     return outcome
 
 
@@ -304,7 +305,7 @@ def test_a_swarm_that_settles_late_on_a_black_floor_is_explained_by_its_bias():
     both = {"topologies": world("topologies", twist=lambda topology, accuracy, f, **_: {
         "K": 4 if accuracy == "0.575" and f == 0.95 and topology in ("full", "ring") else 1, "noise": 0,
     })["topologies"]}  # fmt: skip
-    (outcome,) = claims.check(both, [KNOWN["blacker-first-full"]])
+    (outcome,) = check(both, [KNOWN["blacker-first-full"]])
     assert "In a sparse network" not in outcome.explanation  # it is no better there
     assert "closed form" not in why("blacker-first-full", only(mixed(0.95), K=4))
 
@@ -345,7 +346,7 @@ def prose(module):
                     and " " in n.value.strip() and id(n) not in unsaid)  # fmt: skip
 
 
-@pytest.mark.parametrize("module", [measures, moving_measures, explanations], ids=lambda m: m.__name__)
+@pytest.mark.parametrize("module", [measures, explanations], ids=lambda m: m.__name__)
 def test_what_is_fixed_carries_no_number(module):
     """But the names of settings, equations and rates: all else that is printed as measured is computed."""
     named = r"\b(f|D|N|R|C) = [\d.,]+|Eq\. \d"
@@ -355,9 +356,9 @@ def test_what_is_fixed_carries_no_number(module):
 
 
 def test_no_claim_has_a_fixed_note_or_explanation():
-    kept = (measures, moving_measures, explanations)
-    for claim in claims.CLAIMS:
-        for said in (claim.note, claim.explanation):
+    kept = (measures, explanations)
+    for claim in PAPER.claims:
+        for said in (getattr(each, "func", each) for each in (claim.note, claim.explanation)):
             assert callable(said)
             home = inspect.getmodule(said)
             assert home in kept or (said.__name__ == "<lambda>" and not said(*[None] * said.__code__.co_argcount))
@@ -370,29 +371,29 @@ def test_moving_robots_are_compared_after_as_many_observations():
 
 
 def test_all_that_is_missing_is_not_measured():
-    assert {o.verdict for o in claims.check({}) if o.claim.studies} == {UNMEASURED}
+    assert {o.verdict for o in check({}, PAPER.claims) if o.claim.studies} == {UNMEASURED}
     data = world("topologies")["topologies"]
     without = {"topologies": data.isel(setting=(data.topology != "ring").values)}
-    assert claims.check(without, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
-    assert claims.check(without, [KNOWN["consensus"]])[0].verdict == HOLDS
+    assert check(without, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
+    assert check(without, [KNOWN["consensus"]])[0].verdict == HOLDS
     unfinished = data.copy(deep=True)
     unfinished["convergence_error"][{"trial": 3}] = np.nan
-    assert claims.check({"topologies": unfinished}, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
+    assert check({"topologies": unfinished}, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
     twice = {"topologies": xr.concat([data, data], "setting")}
-    assert claims.check(twice, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
+    assert check(twice, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
 
 
 def test_without_a_study_that_it_names_a_claim_is_not_measured():
-    for claim in claims.CLAIMS:
+    for claim in PAPER.claims:
         for lacking in claim.studies:
             rest = world(*(set(claim.studies) - {lacking}), trials=2)
-            assert claims.check(rest, [claim])[0].verdict == UNMEASURED
+            assert check(rest, [claim])[0].verdict == UNMEASURED
 
 
 def test_datasets_with_different_numbers_of_trials_meet_on_those_that_both_have():
     data = world("topologies") | world("local", trials=20)
     assert Evidence(data).trials == 20
-    assert claims.check(data, [KNOWN["informed-first"]])[0].verdict == HOLDS
+    assert check(data, [KNOWN["informed-first"]])[0].verdict == HOLDS
 
 
 def test_a_quotient_by_zero_decides_nothing():
@@ -401,7 +402,7 @@ def test_a_quotient_by_zero_decides_nothing():
     detail = evidence.judge("", nothing, (-np.inf, 1.0))
     assert detail.verdict == OPEN
     claim = dataclasses.replace(KNOWN["full-first"], measure=lambda *_: [detail])
-    assert claims.check(evidence.datasets, [claim])[0].verdict == "not decided by 30 trials"
+    assert check(evidence.datasets, [claim])[0].verdict == "not decided by 30 trials"
 
 
 def test_evidence_is_missing_for_unknown_settings():

@@ -19,14 +19,14 @@ from swarmcensus.basics.files import shipped_study
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.decisions import decisions_grid
 from swarmcensus.figures.kinds.scatter import scatter_grid
-from swarmcensus.paper import claims, page, report
+from swarmcensus.paper import page, report
 from swarmcensus.paper import reproducing as paper
 from swarmcensus.paper.evaluations import PAPER
-from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
+from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome, check
 from swarmcensus.paper.page import strip
 from swarmcensus.results import store as results
 
-CLAIM = claims.CLAIMS[0]
+CLAIM = PAPER.claims[0]
 
 
 @pytest.fixture(scope="module")
@@ -160,25 +160,25 @@ def test_the_page_speaks_of_intervals_where_some_are_drawn(done):
 def test_claims_are_all_there_and_valid_json(done):
     text = (done.out / "claims.json").read_text(encoding="utf-8")
     read = json.loads(text, parse_constant=pytest.fail)
-    assert [claim["id"] for claim in read["claims"]] == [claim.id for claim in claims.CLAIMS]
+    assert [claim["id"] for claim in read["claims"]] == [claim.id for claim in PAPER.claims]
     for claim in read["claims"]:
         assert claim["verdict"] in (HOLDS, FAILS, "not decided by 2 trials")
         assert all(claim[key] for key in ("title", "sentence", "section", "statistic", "threshold", "settings"))
         assert {each["verdict"] for each in claim["settings"]} <= {YES, NO, OPEN}
     assert read["studies"]["topologies"] == {"seed": 2023, "trials": 2}
-    assert report.as_json(claims.check(done.datasets), done.datasets, PAPER.source) == text
+    assert report.as_json(check(done.datasets, PAPER.claims), done.datasets, PAPER.source) == text
 
 
 def test_every_figure_names_claims_and_studies_that_exist():
-    names = {claim.id for claim in claims.CLAIMS}
-    assert len(names) == len(claims.CLAIMS)
+    names = {claim.id for claim in PAPER.claims}
+    assert len(names) == len(PAPER.claims)
     studies = {path.stem for path in shipped_study("paper").glob("*.toml")}
     for figure in PAPER.figures:
         assert names.issuperset(figure.claims)
         assert studies.issuperset(view.study for view in figure.views)
     spoken_of = {name for figure in PAPER.figures for name in figure.claims}
     assert names - spoken_of == {"minimal"}
-    assert studies.issuperset(study for claim in claims.CLAIMS for study in claim.studies)
+    assert studies.issuperset(study for claim in PAPER.claims for study in claim.studies)
 
 
 def said_in(line):
@@ -188,18 +188,7 @@ def said_in(line):
 
 def test_a_part_runs_only_what_it_needs(tmp_path):
     said, bars = [], []
-
-    class Bar:
-        def __init__(self, label):
-            assert label
-
-        def __enter__(self):
-            return bars.append
-
-        def __exit__(self, *_):
-            pass
-
-    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", reporting=Bar, say=said.append)
+    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", progress=bars.append, say=said.append)
     assert list(done.datasets) == ["moving"]
     assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg"}
     assert not (tmp_path / "claims.json").exists()
@@ -324,7 +313,7 @@ VERDICTS = ((HOLDS, YES), (FAILS, NO), ("not decided by 2 trials", OPEN))
 MEASURED = {said: Detail("scale-free, f = 0.55, U(0.525,0.975)", 12.34, (11.5, 123.5), said) for _, said in VERDICTS}
 CHECKED = [
     Outcome(claim, verdict, (MEASURED[said],) * 44, "", MEASURED[said])
-    for claim, (verdict, said) in zip(claims.CLAIMS, itertools.cycle(VERDICTS), strict=False)
+    for claim, (verdict, said) in zip(PAPER.claims, itertools.cycle(VERDICTS), strict=False)
 ]
 
 
@@ -336,7 +325,7 @@ def test_the_table_fits_narrow_and_plain_terminals(encoding):
         text = raw.getvalue().decode(encoding)
     assert max(map(len, text.splitlines())) <= 80
     assert "Ring and line are alike" in text
-    assert text.count("holds") + text.count("does not hold") + text.count("not decided") >= len(claims.CLAIMS)
+    assert text.count("holds") + text.count("does not hold") + text.count("not decided") >= len(PAPER.claims)
     assert ("✓" in text) == (encoding == "utf-8")
 
 

@@ -16,9 +16,22 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.basics.files import shipped_study
-from swarmcensus.paper import claims, report, rival_explanations, rival_measures
+from swarmcensus.paper import report, rival_explanations, rival_measures
 from swarmcensus.paper.evaluations import RIVALS
-from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Evidence, Missing, outcome
+from swarmcensus.paper.evidence import (
+    FAILS,
+    HOLDS,
+    NO,
+    OPEN,
+    UNMEASURED,
+    YES,
+    Detail,
+    Evidence,
+    Missing,
+    check,
+    outcome,
+)
+from swarmcensus.studies.coordinates import coordinates_of
 from tests.support.pages import OUR_C_LIBRARY
 from tests.support.places import DOCS
 
@@ -52,7 +65,7 @@ def test_studies_are_named_as_their_files_and_have_30_trials_or_more(path):
 @cache
 def settings_of(study):
     """The coordinates of a study's settings."""
-    return [{"liars": 0} | setting.coordinates for setting in sc.Study.load(STUDIES[study]).settings()]
+    return [{"liars": 0} | coordinates_of(setting) for setting in sc.Study.load(STUDIES[study]).settings()]
 
 
 @pytest.mark.parametrize("claim", RIVALS.claims, ids=KNOWN)
@@ -220,7 +233,7 @@ def test_studies_count_with_all_their_trials_whatever_others_have():
         yield Detail("", 0.0, None, YES)
 
     asked = [replace(claim, studies=(name,), measure=measure) for name in ("few", "many")]
-    assert [one.verdict for one in claims.check({"few": few, "many": many}, asked)] == [HOLDS, HOLDS]
+    assert [one.verdict for one in check({"few": few, "many": many}, asked)] == [HOLDS, HOLDS]
     assert seen == [1, 3]
 
 
@@ -291,7 +304,7 @@ def test_the_engine_still_gives_the_stored_numbers(tmp_path):
     data = {name: sc.run(sc.Study.load(STUDIES[name])) for name in QUICK}
     quick = [claim for claim in RIVALS.claims if set(claim.studies) <= set(QUICK)]
     assert len(quick) >= 5
-    for one in claims.check(data, quick):
+    for one in check(data, quick):
         assert one.verdict == FOUND[one.claim.id]["verdict"]
         close = {"abs": 1e-12} if OUR_C_LIBRARY else {"rel": 0.1, "abs": 0.01}
         for mine, stored in zip(one.details, FOUND[one.claim.id]["settings"], strict=True):

@@ -15,6 +15,7 @@ from swarmcensus.planning.search import Search
 from swarmcensus.planning.shortest_time import reached
 from swarmcensus.planning.simulating import Case, Curve, curves, study_of
 from swarmcensus.planning.smallest_swarm import smallest
+from swarmcensus.simulation import sampling
 
 QUIET = {"progress": lambda _: None}
 RING = {
@@ -209,7 +210,7 @@ def test_only_robots_that_work_are_counted():
     estimates = sc.run(study)["estimates"].values[0]
     [setting] = study.settings()
     for trial in range(50):
-        works = setting.stops(3, trial)[1] > 100
+        works = sampling.stops(setting, 3, trial)[1] > 100
         assert works.sum() == 7
         right = np.abs(estimates[:, trial] - 0.9) <= 0.05
         assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))

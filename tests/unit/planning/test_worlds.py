@@ -20,6 +20,7 @@ from swarmcensus.planning.predictions import (
 )
 from swarmcensus.planning.search import Search, cases_to_confirm
 from swarmcensus.planning.simulating import Case, curves, study_of
+from swarmcensus.simulation import sampling
 from swarmcensus.worlds import arena
 
 QUIET = {"progress": lambda _: None}
@@ -96,8 +97,8 @@ def test_who_is_counted_is_honest_and_works():
     estimates = sc.run(study)["estimates"].values[0]
     [setting] = study.settings()
     for trial in range(30):
-        honest = np.flatnonzero(setting.groups(3, trial, 1)[0] == 0)
-        works = setting.stops(3, trial)[1, honest] > 100
+        honest = np.flatnonzero(sampling.groups(setting, 3, trial, 1)[0] == 0)
+        works = sampling.stops(setting, 3, trial)[1, honest] > 100
         assert (honest.size, works.sum() >= 10) == (16, True)
         right = np.abs(estimates[:, trial] - 0.55) <= 0.05
         assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))

@@ -15,6 +15,7 @@ from swarmcensus.ranking import board as entries
 from swarmcensus.ranking.board import leaderboard
 from swarmcensus.ranking.page import cell
 from swarmcensus.ranking.scores import DIVISIONS, scores_of
+from swarmcensus.studies.coordinates import coordinates_of
 
 SMALL = """
 name = "leaderboard"
@@ -93,7 +94,7 @@ def test_the_official_worlds_hold_all_that_ships_and_all_that_makes_it_hard():
     assert {brain.name for brain in study.brains} >= set(brains.shipped())
     settings = study.settings()
     worlds = [
-        {**one.coordinates, "liars": one.robots - one.honest} for one in settings if one.brain == settings[0].brain
+        {**coordinates_of(one), "liars": one.robots - one.honest} for one in settings if one.brain == settings[0].brain
     ]
     for division in DIVISIONS.values():
         own = [world for world in worlds if division.holds(world)]

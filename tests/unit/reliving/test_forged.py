@@ -42,7 +42,7 @@ ADDED = {
 
 
 @pytest.mark.parametrize("added", ADDED.values(), ids=ADDED)
-@pytest.mark.parametrize("command", ["relive", "relive --brain minimalistic --trace t.nc", "export --to mcap"])
+@pytest.mark.parametrize("command", ["relive", "relive --brain minimalistic --trace t.nc", "export --format mcap"])
 def test_no_block_ends_without_a_sentence(added, command, copied, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     path = copied / "robot-1.log"

@@ -14,7 +14,7 @@ from swarmcensus.results import hdf5, measures
 from swarmcensus.results import store as results
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.selecting import where
-from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.worlds import sensors
 from swarmcensus.worlds.spreads import uniform
 
@@ -261,11 +261,13 @@ class TestStudyOfResults:
         data = sc.run(study, jobs=1)
         with pytest.raises(sc.InputError, match="are run only if they lie below"):
             sc.replay(data, 0, 0)
-        assert sc.replay(data, 0, 0, brain=mine)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
+        assert (
+            sc.replay(data, 0, 0, brain_file=mine)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
+        )
         other = tmp_path / "other.py"
         other.write_text(mine.read_text() + "\n")
         with pytest.raises(sc.InputError, match="not the source"):
-            sc.replay(data, 0, 0, brain=other)
+            sc.replay(data, 0, 0, brain_file=other)
 
 
 def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):

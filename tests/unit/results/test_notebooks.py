@@ -108,11 +108,11 @@ def display(monkeypatch):
 
 
 def test_a_notebook_s_bar_leaves_a_line_and_a_short_run_nothing(display, monkeypatch):
-    with progress.bar_or_nothing("<mine>") as show:
+    with progress.showing(True, "<mine>") as show:
         show(Progress(1, 4, 0.25, 1.0))
     assert not display
     monkeypatch.setattr(progress, "NOTEBOOK_DELAY", 0.0)
-    with progress.bar_or_nothing("<mine>") as show:
+    with progress.showing(True, "<mine>") as show:
         show(Progress(0, 0, 0.0, 0.0, "compiling"))
         show(Progress(1, 4, 0.25, 1.0))
         show(Progress(2, 4, 0.5, 1.0))

@@ -14,6 +14,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.safe_source import digest
 from swarmcensus.cli.commands import main
 from swarmcensus.results import check_against_study, structure
 from swarmcensus.results.reading import WHOLE
@@ -569,7 +570,7 @@ class TestBrainFiles:
         data = self.results("mine.py")
         (here / "mine.py").write_text("raise SystemExit('was run')")
         with pytest.raises(InputError, match="not the source that these results were made with"):
-            sc.verify(data, 1.0, brain="mine.py")
+            sc.verify(data, 1.0, brain_file="mine.py")
 
     def test_a_source_and_its_hash_belong_together(self, here):
         (here / "mine.py").write_text(self.SOURCE)
@@ -579,7 +580,7 @@ class TestBrainFiles:
         known["mine.py"]["source"] += "\n# other\n"
         with pytest.raises(InputError, match="is not the one that the hash beside it is of"):
             sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
-        known["mine.py"]["sha256"] = brains.digest(known["mine.py"]["source"])
+        known["mine.py"]["sha256"] = digest(known["mine.py"]["source"])
         found = sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
         assert any("is not of the study that these results name" in label for label in found.labels)
 

@@ -92,7 +92,7 @@ def modules(middleware):
 def ros(tmp_path, monkeypatch):
     """The example in a deployed folder, and what carries its messages."""
     folder = tmp_path / "robot"
-    words = f"deploy commons --to {folder} --radio udp --b 0.9 --w 0.8 --message ratio16 --number 0"
+    words = f"deploy commons {folder} --target udp --b 0.9 --w 0.8 --message ratio16 --robot 0"
     assert main(words.split()) == 0
     middleware = Middleware()
     for name, module in modules(middleware).items():

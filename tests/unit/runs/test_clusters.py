@@ -20,6 +20,7 @@ from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
+from swarmcensus.studies import addresses
 from tests.support.clusters import LONG, Once, study
 from tests.support.places import EXAMPLE
 from tests.support.results import same
@@ -502,7 +503,9 @@ def test_workers_with_other_versions_are_refused(here, scheduler, monkeypatch):
 def test_a_study_is_read_as_it_was_sent(here):
     sent = study(MOVING)
     got, settings = clusters.read_payload(clusters.payload_of(sent))
-    assert [s.fingerprint(got.seed) for s in settings] == [s.fingerprint(sent.seed) for s in sent.settings()]
+    assert [addresses.fingerprint(s, got.seed) for s in settings] == [
+        addresses.fingerprint(s, sent.seed) for s in sent.settings()
+    ]
     payload = clusters.payload_of(sent)
     payload["versions"]["numpy"] = "0.1"
     with pytest.raises(InputError, match=r"numpy .* there, 0\.1 here"):

@@ -185,9 +185,9 @@ def test_brains_of_ones_own_are_asked_for(tmp_path, monkeypatch, capsys):
     assert main(["verify", "a.nc", "--all"]) == 2
     assert "are run only if they lie below" in capsys.readouterr().err
     (tmp_path / "copy.py").write_text(source)
-    assert main(["verify", "a.nc", "--all", "--brain", "copy.py"]) == 0
+    assert main(["verify", "a.nc", "--all", "--brain-file", "copy.py"]) == 0
     (tmp_path / "copy.py").write_text(source + "\n# other\n")
-    assert main(["verify", "a.nc", "--all", "--brain", "copy.py"]) == 2
+    assert main(["verify", "a.nc", "--all", "--brain-file", "copy.py"]) == 2
     assert "not the source that these results were made with" in capsys.readouterr().err
 
 

@@ -17,8 +17,9 @@ from swarmcensus.figures.looks import looks_of
 from swarmcensus.results import recordings
 from swarmcensus.results import store as files
 from swarmcensus.results.selecting import where
-from swarmcensus.simulation import metrics, walking
+from swarmcensus.simulation import metrics, sampling, walking
 from swarmcensus.simulation.rides import record_ride
+from swarmcensus.studies import addresses
 from swarmcensus.worlds.changes import Change, along, read_change
 from tests.reference import rounds as reference
 from tests.support.second import brain
@@ -53,13 +54,13 @@ def test_engine_dataset_and_reference_agree_on_it_to_the_bit(change):
 def test_accuracies_drift_to_their_bound_and_stay(drift, bound):
     accuracy = {"start": "U(0.7, 0.8)", "drift": drift, **bound}
     (setting,) = settings_of(accuracy=accuracy)
-    b, w, assumed_b, assumed_w = setting.accuracies(SEED, 0, 2)
+    b, w, assumed_b, assumed_w = sampling.accuracies(setting, SEED, 0, 2)
     assert (b == w).all()
     assert (b == assumed_b).all()  # who knows its sensor knows how it began
     assert (w == assumed_w).all()
     (plain,) = settings_of(accuracy="U(0.7, 0.8)")
-    assert (b == plain.accuracies(SEED, 0, 2)[0]).all()
-    moves = setting.drifts(SEED, 0, 2, b)
+    assert (b == sampling.accuracies(plain, SEED, 0, 2)[0]).all()
+    moves = sampling.drifts(setting, SEED, 0, 2, b)
     in_round = called(accuracy_in)
     end = bound.get("least", 0.5) if drift < 0 else bound.get("most", 1.0)
     for k in range(1, 30):
@@ -71,8 +72,8 @@ def test_accuracies_drift_to_their_bound_and_stay(drift, bound):
 def test_who_starts_beyond_the_bound_stays_there():
     """Of a normal spread only the mean is held against the bound."""
     (setting,) = settings_of(robots=60, accuracy={"start": "N(0.7, 0.2)", "drift": -0.01, "least": 0.65})
-    b = setting.accuracies(SEED, 0, 1)[0][0]
-    moves = setting.drifts(SEED, 0, 1, b[np.newaxis])[0]
+    b = sampling.accuracies(setting, SEED, 0, 1)[0][0]
+    moves = sampling.drifts(setting, SEED, 0, 1, b[np.newaxis])[0]
     below = np.flatnonzero(b < 0.65)
     assert 5 < below.size < 55
     ends = np.array([called(accuracy_in)(b, moves, i, 1000) for i in range(60)])
@@ -97,7 +98,7 @@ def test_until_it_changes_a_world_is_the_one_that_stays(world):
 def test_they_are_settings_of_their_own():
     made = changing([0.25, SWITCH, SLOW, SWITCH | {"from": 0.8}], [0.9, {"start": 0.9, "drift": -0.001}])
     settings = made.settings()
-    assert len({s.fingerprint(7) for s in settings}) == len(settings) == 8
+    assert len({addresses.fingerprint(s, 7) for s in settings}) == len(settings) == 8
     results = sc.run(made)
     assert (results["fill_ratio"] == 0.25).all()
     assert results["fill_ratio_change"].values[:4].tolist() == [

@@ -290,10 +290,10 @@ def test_recorded_readings_are_those_that_were_made(tmp_path):
         world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 6},
     )  # fmt: skip
     results = sc.run(study, jobs=1)
-    trace = sc.replay(results, 0, 0, brain=tmp_path / "some.py")
+    trace = sc.replay(results, 0, 0, brain_file=tmp_path / "some.py")
     assert (trace["t"].values[-1] == 30.0).all()
     assert (trace["blacks"].values[4:] == 0.0).all()
-    readings, links = recording(results, 0, 0, brain=tmp_path / "some.py")
+    readings, links = recording(results, 0, 0, brain_file=tmp_path / "some.py")
     assert np.isfinite(readings).sum(axis=0).tolist() == [30] * 4
     told = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py")
     assert (told["n"].values == trace["n"].values).all()

@@ -133,7 +133,7 @@ def test_held_against_the_truth_of_the_moment(world, truth, steers, here):
     data = sc.run(study, jobs=1)
     held = []
     for trial in range(3):
-        trace = sc.replay(data, 0, trial, brain="brain.py")
+        trace = sc.replay(data, 0, trial, brain_file="brain.py")
         low, high = (trace[name].values[looked] for name in ("interval_low", "interval_high"))
         due = study.settings()[0].fill_ratios(looked)
         if truth == "floor":
@@ -224,10 +224,10 @@ def test_stopped_continued_merged_verified_and_read_again(here, monkeypatch, cap
         assert np.array_equal(taken[name], whole[name].sel(checkpoint=[12, 30]), equal_nan=True)
         place = [merged["fingerprint"].values.tolist().index(mark) for mark in whole["fingerprint"].values]
         assert np.array_equal(merged[name].values[place], whole[name], equal_nan=True)
-    assert not sc.verify(whole, 1.0, brain="wald.py").differences
+    assert not sc.verify(whole, 1.0, brain_file="wald.py").differences
     spoiled = whole.copy(deep=True)
     spoiled["coverage"].values[-1, 0, 3] += 0.25
-    (difference,) = sc.verify(spoiled, 1.0, brain="wald.py").differences
+    (difference,) = sc.verify(spoiled, 1.0, brain_file="wald.py").differences
     assert (difference.setting, difference.trial, difference.variable) == (11, 3, "coverage")
     spoiled["coverage"].values[-1, 0, 3] = np.nan
     sc.save(spoiled, "b.nc")
@@ -288,7 +288,7 @@ def test_wrong_stops_are_told_by_the_estimate_that_robots_were_done_with(here):
     data = told(used, swarm={"brain": used, "robots": 30, "accuracy": 0.9}, schedule=schedule, measure={})
     wrong = (np.abs(data["done_estimate"] - f) > half).values[0]
     for trial in range(2):
-        trace = sc.replay(data, 0, trial, brain="wald.py")
+        trace = sc.replay(data, 0, trial, brain_file="wald.py")
         width = (trace["interval_high"] - trace["interval_low"]).values
         ends = (width < 2 * half).argmax(axis=0)
         then = trace["estimate"].values[ends, np.arange(30)]

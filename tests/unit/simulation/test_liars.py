@@ -16,6 +16,7 @@ from swarmcensus.results.merging import merge
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.runs.verifying import verify
+from swarmcensus.studies import addresses
 from tests.support.second import MEANS
 
 pytestmark = pytest.mark.interpreted
@@ -137,11 +138,11 @@ def test_a_file_is_run_where_it_lies_or_is_given_and_nowhere_else(here, data, tm
     last = ["replay", str(here / "s.nc"), "--setting", "21", "--trial", "0", "--out", "t.nc"]
     assert main(last) == 2
     assert "the adversary 'grey.py' is a file. Files named in results are run only" in capsys.readouterr().err
-    assert main([*last, "--brain", "mine.py"]) == 0
+    assert main([*last, "--brain-file", "mine.py"]) == 0
     assert main(["replay", str(here / "s.nc"), "--setting", "20", "--trial", "0", "--out", "t.nc"]) == 0
-    assert verify(data, sample=1.0, brain="mine.py").differences == []
+    assert verify(data, sample=1.0, brain_file="mine.py").differences == []
     elsewhere.write_text(MINE.replace("0.5", "0.6"))
-    assert main([*last, "--brain", "mine.py"]) == 2
+    assert main([*last, "--brain-file", "mine.py"]) == 2
     assert (
         "not the source that these results were made with (legacy, minimalistic, always-black"
         in capsys.readouterr().err
@@ -197,7 +198,7 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     sent = pickle.dumps(clusters.payload_of(study))
     monkeypatch.chdir(tmp_path)  # where no such file lies
     there, settings = clusters.read_payload(pickle.loads(sent))
-    assert [s.fingerprint(5) for s in settings] == [s.fingerprint(5) for s in study.settings()]
+    assert [addresses.fingerprint(s, 5) for s in settings] == [addresses.fingerprint(s, 5) for s in study.settings()]
     assert {a.name: a.source for a in there.adversaries} == {a.name: a.source for a in study.adversaries}
 
 

@@ -8,8 +8,10 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.random import chance
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
 from tests.support.second import ALL, LUCKY, MEANS, OURS, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
@@ -46,7 +48,7 @@ def test_of_several_messages_each_has_its_own_that_depends_on_who_says_it():
     every = lives(source, robots=3, topology="full")["fused"]
     one = {"name": "one", "edges": [[1, 0]], "directed": True}
     (setting,) = fixed(brain(source), robots=3, topology="full")
-    key = setting.luck_keys(SEED)[2:]
+    key = addresses.luck_keys(setting, SEED)[2:]
     for k in range(1, 9):
         words = [[reference.threefry(reference.key_of(key), (0, k), (i, j))[0] for j in range(3)] for i in range(3)]
         for i in range(3):
@@ -110,7 +112,7 @@ def test_on_the_move_and_of_robots_that_steer():
 @pytest.mark.interpreted
 def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
     (mixed,) = fixed(brain(LUCKY), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
-    who = mixed.groups(SEED, 0, 1)[0]
+    who = sampling.groups(mixed, SEED, 0, 1)[0]
     one, other = record_trial(mixed, SEED, 0)[0], record_trial(replace(mixed, members=()), SEED, 0)[0]
     for name in OURS:
         assert (one[name][:, who == 0] == other[name][:, who == 0]).all()

@@ -11,10 +11,12 @@ import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.simulation import metrics
+from swarmcensus.simulation import metrics, sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.studies import addresses
+from swarmcensus.studies.coordinates import coordinates_of
 from tests.support.long import in_two_sizes
 from tests.support.second import MEANS, STEER, agreed, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
@@ -39,7 +41,7 @@ def liars(robots):
 def who(robots=20, members=(), trials=40, **world):
     """Who is who (trial, robot)."""
     (setting,) = fixed(brain(MEANS), robots=robots, members=members, **world)
-    return setting.groups(SEED, 0, trials)
+    return sampling.groups(setting, SEED, 0, trials)
 
 
 @pytest.mark.parametrize(("share", "count"), [(3, 3), (20, 20), (0.1, 2), (0.3, 6), (0.29, 6), (1.0, 20)])
@@ -73,9 +75,9 @@ def test_they_are_the_same_robots_whatever_else_differs():
     ):
         assert (one == other).all()
     setting = moving(brain(LISTENS), robots=20, members=liars(6), density=2)
-    assert (setting.groups(SEED, 0, 40) == one).all()
-    assert (setting.groups(SEED, 7, 3) == one[7:10]).all()
-    assert (one != setting.groups(SEED + 1, 0, 40)).any()
+    assert (sampling.groups(setting, SEED, 0, 40) == one).all()
+    assert (sampling.groups(setting, SEED, 7, 3) == one[7:10]).all()
+    assert (one != sampling.groups(setting, SEED + 1, 0, 40)).any()
 
 
 def test_each_robot_is_as_likely_in_each_trial():
@@ -100,7 +102,7 @@ def test_what_is_measured_is_of_the_honest(topology):
     )
     batch = run_batch(setting, SEED, 0, 3, MEASURE, GO)
     for trial in range(3):
-        honest = setting.groups(SEED, trial, 1)[0] == 0
+        honest = sampling.groups(setting, SEED, trial, 1)[0] == 0
         fields, curves, _ = record_trial(setting, SEED, trial)
         ours, index = curves[:, honest], metrics.convergence(curves[:, honest], 0.02)
         assert honest.sum() == 6
@@ -126,7 +128,7 @@ def test_what_is_measured_is_of_the_honest(topology):
 def test_the_same_of_robots_that_move():
     setting = moving(brain(ENDS), robots=9, ticks=80, members=liars(3))
     (batch,), ride = run_ride([setting], SEED, 1, MEASURE, GO), record_ride(setting, SEED, 1)
-    honest = setting.groups(SEED, 1, 1)[0] == 0
+    honest = sampling.groups(setting, SEED, 1, 1)[0] == 0
     ours = ride.estimates[:, honest]
     index = metrics.convergence(ours, 0.02)
     assert (batch.convergence[0] == index).all()
@@ -165,7 +167,7 @@ def test_robots_that_lie_are_heard():
     )
     (setting,) = fixed(brain(hears), robots=2, rounds=6, members=liars(1), topology="line")
     fields, curves, blacks = record_trial(setting, SEED, 0)
-    liar = int(np.flatnonzero(setting.groups(SEED, 0, 1)[0])[0])
+    liar = int(np.flatnonzero(sampling.groups(setting, SEED, 0, 1)[0])[0])
     seen = np.cumsum(blacks[1:, liar]) / np.arange(1, 7)
     assert (curves[1:, liar] == seen).all()
     assert (curves[1:, 1 - liar] == 1.0 - seen).all()
@@ -191,7 +193,7 @@ def test_members_see_as_well_as_they_are_said_to():
         members=[{"robots": 0.4, "accuracy": 0.8}, {"robots": 60, "accuracy": {"black": 0.7, "white": 0.9}}],
     )
     fields, _, blacks = record_trial(setting, SEED, 0)
-    group = setting.groups(SEED, 0, 1)[0]
+    group = sampling.groups(setting, SEED, 0, 1)[0]
     for number, b, w in ((0, 0.6, 0.6), (1, 0.8, 0.8), (2, 0.7, 0.9)):
         assert (fields["p"][-1][group == number] == b).all()  # and they know it
         assert (fields["q"][-1][group == number] == w).all()
@@ -208,13 +210,13 @@ def test_drawn_accuracies_of_members_have_their_law():
         brain(MEANS), robots=400, accuracy="U(0.5, 0.7)", members=[{"robots": 0.5, "accuracy": "U(0.8, 1.0)"}]
     )
     given = inputs_of(setting, SEED, 0, 5)
-    group = setting.groups(SEED, 0, 5)
+    group = sampling.groups(setting, SEED, 0, 5)
     assert (given.sensors[0] == given.beliefs[0]).all()
     ours, theirs = given.sensors[0][group == 0], given.sensors[0][group == 1]
     assert stats.kstest((ours - 0.5) / 0.2, "uniform").pvalue > 1e-3
     assert stats.kstest((theirs - 0.8) / 0.2, "uniform").pvalue > 1e-3
     assert abs(np.corrcoef(ours, theirs)[0, 1]) < 3.3 / np.sqrt(len(ours))
-    plain = fixed(brain(MEANS), robots=400, accuracy="U(0.5, 0.7)")[0].accuracies(SEED, 0, 5)[0]
+    plain = sampling.accuracies(fixed(brain(MEANS), robots=400, accuracy="U(0.5, 0.7)")[0], SEED, 0, 5)[0]
     assert (given.sensors[0][group == 0] == plain[group == 0]).all()
 
 
@@ -238,7 +240,7 @@ def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
         members=[{"robots": 2} | member],
     )
     (setting,) = study.settings()
-    given, group = inputs_of(setting, SEED, 0), setting.groups(SEED, 0, 1)[0]
+    given, group = inputs_of(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
     fields, *_ = record_trial(setting, SEED, 0)
     for number, (true, assumed) in enumerate((ours, theirs)):
         assert given.sensors[0][0][group == number] == pytest.approx(true)
@@ -254,7 +256,7 @@ def test_members_are_as_fast_as_they_are_said_to_be(steers, ticks):
     source = MEANS + ("\n\ndef steer(me):\n    return 9.0, 0.0\n" if steers else "")
     members = [{"robots": 3, "speed": 0.05}, {"robots": 2, "speed": 0.4}, {"robots": 1, "speed": 0.0}]
     setting = moving(brain(source), robots=10, ticks=ticks, density=0.5, members=members)
-    ride, group = record_ride(setting, SEED, 0), setting.groups(SEED, 0, 1)[0]
+    ride, group = record_ride(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
     steps = np.linalg.norm(np.diff(ride.poses[..., :2], axis=0), axis=2)
     for number, speed in enumerate((setting.body.speed, 0.05, 0.4, 0.0)):
         mine = steps[:, group == number]
@@ -267,7 +269,7 @@ def test_members_are_as_fast_as_they_are_said_to_be(steers, ticks):
 def test_robots_of_one_speed_walk_as_if_they_were_no_members():
     plain, same = moving(brain(MEANS)), moving(brain(MEANS), members=[{"robots": 3, "accuracy": 0.9}])
     faster = moving(brain(MEANS), members=[{"robots": 3, "speed": 0.3}])
-    assert plain.walk_group == same.walk_group != faster.walk_group
+    assert addresses.walk_group(plain) == addresses.walk_group(same) != addresses.walk_group(faster)
     rides = [record_ride(one, SEED, 0) for one in (plain, same)]
     assert (rides[0].poses == rides[1].poses).all()
 
@@ -279,7 +281,7 @@ def test_only_some_steer():
     setting = moving(
         brain(MEANS), robots=8, ticks=60, density=1, members=[{"robots": 4, "brain": brain(stands, "stands.py")}]
     )
-    ride, group = record_ride(setting, SEED, 0), setting.groups(SEED, 0, 1)[0]
+    ride, group = record_ride(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
     far = np.linalg.norm(ride.poses[-1, :, :2] - ride.poses[5, :, :2], axis=1)
     assert far[group == 1].max() < 0.01 < far[group == 0].min()
     (batch,) = run_ride([setting], SEED, 0, MEASURE, GO)
@@ -401,8 +403,8 @@ def test_one_robot_is_not_all_of_them():
     swarm = {"robots": 10, "accuracy": 0.7}
     world = {"topology": "ring", "fill_ratio": 0.55}
     study = sc.Study(trials=1, swarm=swarm, world=world, members=[{"robots": [1, 1.0], "accuracy": 0.6}])
-    assert [s.coordinates["members"] for s in study.settings()] == ["1 accuracy 0.6", "1.0 accuracy 0.6"]
-    assert [(s.groups(1, 0, 1) == 1).sum() for s in study.settings()] == [1, 10]
+    assert [coordinates_of(s)["members"] for s in study.settings()] == ["1 accuracy 0.6", "1.0 accuracy 0.6"]
+    assert [(sampling.groups(s, 1, 0, 1) == 1).sum() for s in study.settings()] == [1, 10]
 
 
 @pytest.mark.parametrize(

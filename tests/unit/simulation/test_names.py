@@ -6,6 +6,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from tests.support.places import EXAMPLE
@@ -38,7 +39,7 @@ def test_names_are_the_robots_numbers():
 def test_on_the_move_and_in_a_mixed_swarm():
     setting = moving(brain(HEARS), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
     fields = record_ride(setting, SEED, 1).fields
-    who = setting.groups(SEED, 1, 1)[0]
+    who = sampling.groups(setting, SEED, 1, 1)[0]
     assert (np.isnan(fields["own"][-1]) == (who == 1)).all()
     assert (fields["own"][-1][who == 0] == np.flatnonzero(who == 0)).all()
 

@@ -10,6 +10,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import parse
 from swarmcensus.engine.constants import SENSING
 from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import sampling
 
 ORACLE = brains.load("oracle")
 MIXED = {"black": "U(0.55, 1.0)", "white": "U(0.1, 0.9)"}
@@ -42,7 +43,7 @@ def pooled(made, results, setting, trial, honest=None):
     """The maximum of the pooled likelihood of what a trial's robots saw."""
     found = made.settings()[setting]
     trace = sc.replay(results, setting, trial)
-    b, w = (np.broadcast_to(side[0], found.robots) for side in found.accuracies(made.seed, trial, 1)[:2])
+    b, w = (np.broadcast_to(side[0], found.robots) for side in sampling.accuracies(found, made.seed, trial, 1)[:2])
     t, n = trace["t"].values[-1], trace["n"].values[-1]
     keep = slice(None) if honest is None else honest
     return most_likely(b[keep], w[keep], t[keep], n[keep]), trace
@@ -101,7 +102,7 @@ def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch)
     )  # fmt: skip
     results = sc.run(made)
     for trial in range(3):
-        honest = made.settings()[0].groups(made.seed, trial, 1)[0] == 0
+        honest = sampling.groups(made.settings()[0], made.seed, trial, 1)[0] == 0
         best, trace = pooled(made, results, 0, trial, honest)
         assert (trace["t"].values[-1] > 0).tolist() == honest.tolist()
         assert results["final_estimate"].values[0, trial, :8] == pytest.approx(best, abs=1e-12)
@@ -116,7 +117,7 @@ def test_a_steering_swarm_has_one_too(tmp_path):
     results = sc.run(made)
     found = made.settings()[0]
     for trial in range(3):
-        b, w = (np.broadcast_to(side[0], 12) for side in found.accuracies(4, trial, 1)[:2])
+        b, w = (np.broadcast_to(side[0], 12) for side in sampling.accuracies(found, 4, trial, 1)[:2])
         trace = sc.replay(results, 0, trial, brain=tmp_path / "seer.py")
         best = most_likely(b, w, trace["t"].values[-1], trace["n"].values[-1])
         assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-12)
@@ -191,7 +192,7 @@ def test_recordings_tell_that_it_hears_all():
     made = study("ring", faults=[])
     readings, edges = recording(sc.run(made), 0, 1)
     assert len(edges) == 12 * 11 / 2
-    b, w = (side[0] for side in made.settings()[0].accuracies(4, 1, 1)[:2])
+    b, w = (side[0] for side in sampling.accuracies(made.settings()[0], 4, 1, 1)[:2])
     again = sc.infer(readings, edges, (b, w), 3, brain="oracle")
     assert again["estimate"].values[-1] == pytest.approx(sc.run(made)["final_estimate"].values[0, 1], abs=1e-12)
     with pytest.raises(InputError, match="an oracle hears all"):
@@ -200,6 +201,6 @@ def test_recordings_tell_that_it_hears_all():
 
 def test_who_fails_for_an_oracle_is_who_sees_nothing():
     made = study("ring", faults=[{"at": 5, "robots": 3, "stop": ["talking", "sensing"]}])
-    stops = made.settings()[0].stops(4, 0)
+    stops = sampling.stops(made.settings()[0], 4, 0)
     assert (stops[SENSING] == 5).sum() == 3
     assert (stops == 5).sum() == 3

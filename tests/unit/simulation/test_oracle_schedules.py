@@ -7,6 +7,7 @@ from scipy.optimize import minimize
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.worlds.changes import along
 
@@ -75,7 +76,7 @@ def test_it_is_near_the_maximum_of_a_likelihood_that_knows_the_schedule(accuracy
     off, errors = [], []
     for trial in range(made.trials):
         readings, _ = recording(results, 0, trial)
-        b, w = (side[0] for side in setting.accuracies(made.seed, trial, 1)[:2])
+        b, w = (side[0] for side in sampling.accuracies(setting, made.seed, trial, 1)[:2])
         best, error = most_likely(setting, b, w, readings, 1, 1 + np.arange(ROUNDS * LOOKS) // LOOKS)
         final = results["final_estimate"].values[0, trial]
         assert np.ptp(final) < 1e-12

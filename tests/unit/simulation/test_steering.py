@@ -16,7 +16,7 @@ from swarmcensus.conformance import contract_checks, machine_code, sample_minds
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.engine.return_values import chosen
 from swarmcensus.results.replaying import recording
-from swarmcensus.simulation import metrics, rides
+from swarmcensus.simulation import metrics, rides, sampling
 from swarmcensus.worlds.bodies import Body
 from tests.support.places import EXAMPLE
 from tests.support.steering import STEER, WANTS
@@ -110,7 +110,7 @@ def test_a_run_is_its_replay_and_what_the_brain_file_makes_of_it(folder, steered
         assert (results["convergence_round"].values[k, 1] == metrics.convergence(curves)).all()
         assert (results["final_estimate"].values[k, 1] == curves[-1]).all()
         readings, messages = recording(results, k, 1, brain)
-        *_, assumed_b, assumed_w = setting.accuracies(study.seed, 1, 1)
+        *_, assumed_b, assumed_w = sampling.accuracies(setting, study.seed, 1, 1)
         again = sc.infer(readings, messages, (assumed_b[0, 0], assumed_w[0, 0]), 1, setting.brain, compiled=False)
         for name in ("estimate", *setting.brain.memory):
             assert (again[name].values == trace[name].values).all(), name

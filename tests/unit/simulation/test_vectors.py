@@ -90,9 +90,9 @@ def test_a_trace_and_its_file_have_them(tmp_path, monkeypatch):
         world={"topology": "ring", "fill_ratio": 0.5},
     )
     sc.save(sc.run(study), "r.nc")
-    trace = sc.replay("r.nc", 0, 0, brain="counts.py")
+    trace = sc.replay("r.nc", 0, 0, brain_file="counts.py")
     assert trace["seen"].dims == ("round", "robot", "item_seen")
-    assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--brain", "counts.py", "--out", "t.nc"]) == 0
+    assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--brain-file", "counts.py", "--out", "t.nc"]) == 0
     with xr.open_dataset("t.nc") as kept:
         assert (kept["seen"].values == trace["seen"].values).all()
 

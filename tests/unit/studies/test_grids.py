@@ -6,6 +6,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.panels import panels_of
+from swarmcensus.studies import addresses
+from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.support.small import SMALL
@@ -155,9 +157,9 @@ def test_a_side_is_a_density_for_each_number_of_robots():
     made = study(MOVING, world={"side": [2.0, 3.7]}, swarm={"robots": [7, 25]})
     for setting, side in zip(made.settings(), [2.0, 3.7] * 2, strict=True):
         assert arena.side(setting.robots, setting.density, Body()) == pytest.approx(side, rel=1e-12)
-        assert setting.coordinates["side"] == side
+        assert coordinates_of(setting)["side"] == side
     [equal] = study(MOVING, world={"density": made.settings()[3].density}, swarm={"robots": 25}).settings()
-    assert equal.fingerprint(1) == made.settings()[3].fingerprint(1)
+    assert addresses.fingerprint(equal, 1) == addresses.fingerprint(made.settings()[3], 1)
 
 
 @pytest.mark.parametrize("robots", [1, 5, 25, 333])
@@ -189,7 +191,7 @@ def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave():
 
 
 def test_fixed_networks_have_no_side():
-    assert np.isnan(study().settings()[0].coordinates["side"])
+    assert np.isnan(coordinates_of(study().settings()[0])["side"])
 
 
 def test_a_setting_names_all_that_tells_it_from_others():

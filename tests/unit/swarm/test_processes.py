@@ -67,7 +67,7 @@ def test_robots_read_what_the_simulator_reads(tmp_path, capsys):
 
 
 def test_what_is_lost_can_be_told_afterwards(tmp_path, capsys):
-    run(capsys, tmp_path / "out", "--loss", "0.5", "--duplicate", "0.2")
+    run(capsys, tmp_path / "out", "--link-success", "0.5", "--duplicate", "0.2")
     chance = json.loads((tmp_path / "out" / "swarm.json").read_text())["chance"]
     heard = 0
     for log in logs(tmp_path / "out"):
@@ -89,9 +89,9 @@ def test_shares_are_uniform_and_independent_of_order():
 def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
     faults = ["0.1s kill 3", "0.3s restart 3", "0.2s stop 0", "0.4s continue 0", "0.3s partition 0-1", "0.5s heal",
               "0.1s garbage 0-3", "30 restart 2 blank", "0.4s start 1"]  # fmt: skip
-    arguments = [word for fault in faults for word in ("--at", fault)]
+    arguments = [word for fault in faults for word in ("--fault", fault)]
     quick = ["--robots", "4", "--rounds", "100", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
-    told = run(capsys, tmp_path / "out", "--loss", "0.2", "--delay", "20ms", *arguments, quick=quick)
+    told = run(capsys, tmp_path / "out", "--link-success", "0.8", "--delay", "20ms", *arguments, quick=quick)
     assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
     boots = [[state.boot for state in log.states if state.starts] for log in logs(tmp_path / "out")]
     assert boots == [[0], [0], [0, 1], [0, 1]]
@@ -100,7 +100,7 @@ def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
 
 
 def test_a_partition_parts(tmp_path, capsys):
-    run(capsys, tmp_path / "out", "--topology", "full", "--at", "0s partition 0-1")
+    run(capsys, tmp_path / "out", "--topology", "full", "--fault", "0s partition 0-1")
     for log in logs(tmp_path / "out"):
         late = [m.sender // 2 for tick in log.ticks[10:] for m in tick.heard]
         assert late
@@ -151,9 +151,9 @@ def test_robots_import_nothing_but_python(tmp_path, capsys, precision):
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_robots_on_micropython_talk_with_the_others(tmp_path, capsys, precision):
     """Also with messages that come late, and after a restart with the memory that was saved."""
-    faults = ["--at", "1s kill 1", "--at", "1.2s restart 1"]
+    faults = ["--fault", "1s kill 1", "--fault", "1.2s restart 1"]
     quick = ["--robots", "4", "--rounds", "150", "--hz", "50", "--message", "ratio16", "--json", "--quiet"]
-    arguments = ["--micropython", "2", "--loss", "0.2", "--delay", "10ms", "--precision", precision, *faults]
+    arguments = ["--micropython", "2", "--link-success", "0.8", "--delay", "10ms", "--precision", precision, *faults]
     told = run(capsys, tmp_path / "out", *arguments, quick=quick)
     assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
     about = json.loads((tmp_path / "out" / "swarm.json").read_text())
@@ -174,7 +174,7 @@ def test_micropython_that_is_absent_is_told_in_a_sentence(tmp_path, monkeypatch,
 
 def started(folder, *arguments, rounds=5000):
     command = [sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "4", "--rounds", str(rounds)]
-    more = ["--hz", "50", "--at", "0.1s stop 2", "--out", str(folder), *arguments]
+    more = ["--hz", "50", "--fault", "0.1s stop 2", "--out", str(folder), *arguments]
     process = subprocess.Popen([*command, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     until = time.monotonic() + 60
     while time.monotonic() < until and not (
@@ -241,7 +241,7 @@ def test_faults_in_order():
     [
         (["commons", "--hz", "0"], "--hz 0"),
         (["commons", "--delay", "5"], "--delay 5"),
-        (["commons", "--loss", "2"], "--loss 2"),
+        (["commons", "--link-success", "2"], "--link-success 2"),
         (["commons", "--jitter", "-1"], "--jitter -1"),
         (["commons", "--duplicate", "1"], "--duplicate 1"),
         (["commons", "--topology", "moving"], "robots that move"),
@@ -279,7 +279,7 @@ def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
 
 def test_localhost_is_this_machine_alone(tmp_path, capsys):
     """Its robots are all killed before memory is looked at, and the peak is what they had."""
-    arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "localhost", "--at", "0.1s kill 0-1"]
+    arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "localhost", "--fault", "0.1s kill 0-1"]
     assert main(["swarm", "commons", *arguments, "--out", str(tmp_path / "out")]) == 1
     assert "Anyone" not in capsys.readouterr().err
     assert json.loads((tmp_path / "out" / "swarm.json").read_text())["result"]["memory"] > 1_000_000

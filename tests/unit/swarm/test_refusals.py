@@ -86,7 +86,7 @@ SUBREAPER = """
 import ctypes, subprocess, sys, time
 ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)
 process = subprocess.Popen([sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "3", "--rounds", "900",
-                            "--hz", "20", "--quiet", "--at", "0.1s stop 1", "--out", sys.argv[1]])
+                            "--hz", "20", "--quiet", "--fault", "0.1s stop 1", "--out", sys.argv[1]])
 input()
 process.kill()
 process.wait()

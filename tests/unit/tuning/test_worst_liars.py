@@ -77,7 +77,7 @@ rounds = 3
 """
 pytestmark = pytest.mark.interpreted
 TUNE = ["tune", "s.toml", "--adversary", "bump.py", "--brain", "heard.py", "--trials", "1"]
-AT = ["--parameters", "at=0:1"]
+AT = ["--parameter", "at=0:1"]
 
 
 @pytest.fixture
@@ -105,7 +105,7 @@ def test_the_plan_is_of_worlds_with_this_liar_and_its_loss_is_turned_round(here)
 
 def test_the_worst_lie_is_found_and_written_as_a_table_of_members(here, capsys):
     """The honest believe the largest of what is said: 1 - 2 |at - 0.6|, which is their error, as f is 0."""
-    command = [*TUNE, "--parameters", "at=0:1", "idle=0:9", "--budget", "157"]
+    command = [*TUNE, "--parameter", "at=0:1", "--parameter", "idle=0:9", "--budget", "157"]
     assert main(command) == 0
     out, err = capsys.readouterr()
     assert "searching bump.py" in err
@@ -144,7 +144,7 @@ def test_the_worst_lie_is_found_and_written_as_a_table_of_members(here, capsys):
     assert main(command) == 0
     assert "found " in capsys.readouterr().err
     assert {path: path.read_bytes() for path in before} == before
-    assert main(["tune", "s.toml", "--parameters", "share=0:1", "--budget", "13", "--out", "bump-worst.toml"]) == 2
+    assert main(["tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml"]) == 2
     assert "is of another search: brain is 'heard.py' there and 'heard.py' here" not in (e := capsys.readouterr().err)
     assert "bump-worst.csv is of another search" in e
     pasted = STUDY.replace(re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], text.partition("\n\n")[2])
@@ -191,7 +191,7 @@ MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
         ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
         ("", "", ["--adversary", "always-white"], "--adversary always-white"),
         ("", "", ["--brain", "steadfast"], "--brain steadfast"),
-        ("", "", ["--parameters", "share=0:1"], "the adversary 'bump.py' has no parameter 'share': it has at, idle"),
+        ("", "", ["--parameter", "share=0:1"], "the adversary 'bump.py' has no parameter 'share': it has at, idle"),
         ("", "", ["--budget", "5"], "--budget 5"),
         ("", "", ["--metric", "worst"], "--metric worst: "),
         ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),

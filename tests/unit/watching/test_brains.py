@@ -57,7 +57,7 @@ def test_a_wrong_parameter_is_told(asked, said):
 
 def test_the_command_takes_parameters(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    words = ["watch", "--set", "brain=census", "--set", "rounds=20", "--export", "run.html", "--set"]
+    words = ["watch", "--set", "brain=census", "--set", "rounds=20", "--out", "run.html", "--set"]
     assert main([*words, "momentum=0.5"]) == 0
     assert "momentum = 0.5" in (tmp_path / "run.html").read_text()
     assert main([*words, "trust=0.9"]) == 2

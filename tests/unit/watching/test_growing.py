@@ -171,7 +171,7 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     _, refused = asked(session, do="begin", ask={"beside": "voter"})
     says = "beside: this swarm still runs: another brain can be compared when it has ended"
     assert refused["error"] == says
-    assert main(["watch", str(day.folder), "--brain", "voter", "--export", str(tmp_path / "page.html")]) == 2
+    assert main(["watch", str(day.folder), "--brain", "voter", "--out", str(tmp_path / "page.html")]) == 2
     assert says in capsys.readouterr().err
     day.grow(1.0)
     day.tell({})

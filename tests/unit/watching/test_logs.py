@@ -146,7 +146,7 @@ def test_a_page_is_told_which_controls_are_fixed_and_gets_frames(day):
 
 def test_the_exported_page_holds_the_day(day, tmp_path, capsys):
     page = tmp_path / "day.html"
-    assert main(["watch", str(day), "--export", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
+    assert main(["watch", str(day), "--out", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
     text = page.read_text()
     start = text.index('type="application/json">') + len('type="application/json">')
     recording = json.loads(text[start : text.index("</script>", start)])
@@ -193,7 +193,7 @@ def test_what_cannot_be_watched_is_told_in_a_sentence(day, tmp_path, monkeypatch
         if change:
             (folder / "swarm.json").write_text(json.dumps(about | change))
     given = [str(day) if word == "DAY" else word for word in arguments]
-    assert main(["watch", *given, "--export", "page.html"]) == 2
+    assert main(["watch", *given, "--out", "page.html"]) == 2
     said = capsys.readouterr().err
     assert says in said
     assert not list(tmp_path.glob("*.html"))

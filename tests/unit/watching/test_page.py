@@ -370,7 +370,7 @@ def test_an_export_opens_from_disk(page, folder, setting):
 @pytest.mark.long
 def test_the_command_writes_an_export(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
-    assert main(["watch", "study.toml", "--set", "rounds=50", "--export", "some.html"]) == 0
+    assert main(["watch", "study.toml", "--set", "rounds=50", "--out", "some.html"]) == 0
     assert re.fullmatch(r"some\.html \(0\.\d MB\)\n", capsys.readouterr().out)
     assert "tick 50" not in (folder / "some.html").read_text()
 

@@ -283,16 +283,16 @@ def test_it_listens_on_loopback_alone(served):
     [
         (["--set", "robots"], "--set robots"),
         (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
-        (["--at", "#robots=-4"], "robots = -4"),
-        (["--at", "not a link"], "--at not a link: should be a copied link, or the part of it behind #"),
+        (["--moment", "#robots=-4"], "robots = -4"),
+        (["--moment", "not a link"], "--moment not a link: should be a copied link, or the part of it behind #"),
         (["--set", "tick=10001"], "tick = 10001"),
         (["--set", "robot=25"], "robot = 25"),
         (["--set", "colour=red"], "colour = red"),
         (["mine.py"], "neither a shipped brain"),
-        (["--export", "run.txt"], "--export run.txt"),
+        (["--out", "run.txt"], "--out run.txt"),
         (["none.toml"], "study file none.toml: cannot be read"),
         (["--host", "256.1.1.1"], "cannot listen on 256.1.1.1, port 0"),
-        (["--export", "folder/none/run.html", "--set", "robots=99999"], "robots = 99999: should be"),
+        (["--out", "folder/none/run.html", "--set", "robots=99999"], "robots = 99999: should be"),
     ],
 )
 def test_mistakes_are_told_in_a_sentence(given, said, tmp_path, monkeypatch, capsys):

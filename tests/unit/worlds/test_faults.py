@@ -9,6 +9,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.engine.constants import NEVER, PARTS, SENSING, TALKING
 from swarmcensus.engine.failures import works
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
 from swarmcensus.worlds.faults import Fault, for_an_oracle, outages, stops
 
 STUDY = """
@@ -37,7 +39,7 @@ def traces(text, stop):
     sound = sc.Study.parse(text.replace('faults = [{at = 20, robots = 3, stop = "STOP"}]', ""))
     one, other = sc.run(whole), sc.run(sound)
     for k, setting in enumerate(whole.settings()):
-        failed = np.flatnonzero((setting.stops(3, 1) == 20).any(axis=0))
+        failed = np.flatnonzero((sampling.stops(setting, 3, 1) == 20).any(axis=0))
         assert len(failed) == 3
         yield setting, failed, sc.replay(one, k, 1, links=True), sc.replay(other, k, 1, links=True)
 
@@ -103,9 +105,9 @@ def test_who_fails_differs_between_trials_and_faults():
         )
     )
     setting = study.settings()[0]
-    picked = [tuple(map(tuple, setting.stops(3, trial))) for trial in range(6)]
+    picked = [tuple(map(tuple, sampling.stops(setting, 3, trial))) for trial in range(6)]
     assert len(set(picked)) == 6
-    stops = setting.stops(3, 0)
+    stops = sampling.stops(setting, 3, 0)
     assert (stops[2] == 9).sum() == 4
     assert set(stops[1]) <= {5, 9, 1 << 62}
     assert (stops[1] == 5).sum() == 4
@@ -168,10 +170,10 @@ def test_who_fails_is_who_failed_before_there_was_an_end():
     never, ends = (
         sc.Study(**tomllib.loads(text), faults=[faults[0] | more]).settings()[0] for more in ({}, {"until": 30})
     )
-    assert (never.stops(3, 1) == ends.stops(3, 1)[:PARTS]).all()
+    assert (sampling.stops(never, 3, 1) == sampling.stops(ends, 3, 1)[:PARTS]).all()
     assert never.faults[0].content == {"at": 20, "robots": 3, "stop": ("moving", "talking")}
-    assert never.fingerprint(3) != ends.fingerprint(3)
-    assert never.walk_group != ends.walk_group
+    assert addresses.fingerprint(never, 3) != addresses.fingerprint(ends, 3)
+    assert addresses.walk_group(never) != addresses.walk_group(ends)
 
 
 @pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
@@ -182,7 +184,7 @@ def test_robots_that_join_late_have_seen_and_said_nothing_before(text):
     results = sc.run(sc.Study.parse(text))
     for k, setting in enumerate(sc.Study.parse(text).settings()):
         trace = sc.replay(results, k, 1)
-        late = np.flatnonzero(setting.stops(3, 1)[1] == 1)
+        late = np.flatnonzero(sampling.stops(setting, 3, 1)[1] == 1)
         assert len(late) == 3
         t = trace["t"].values
         assert (t[:20, late] == 0).all()

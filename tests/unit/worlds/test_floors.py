@@ -17,7 +17,8 @@ from swarmcensus.engine.random import block, counter, unit
 from swarmcensus.figures import panels
 from swarmcensus.results import selecting
 from swarmcensus.results.replaying import recording
-from swarmcensus.simulation import metrics
+from swarmcensus.simulation import metrics, sampling
+from swarmcensus.studies import addresses
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds import ground, patterns
 from swarmcensus.worlds.bodies import Body
@@ -84,7 +85,7 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
             width = setting.arena_side - 2 * setting.body.radius
             allowed = chance + fill_ratio * (1 - fill_ratio) * dict(setting.floor.keys)["length"] / width
         for trial in range(3):
-            assert abs(setting.ground(1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
+            assert abs(sampling.ground(setting, 1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
 
 
 @pytest.mark.long
@@ -96,8 +97,8 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
 def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(robots, density, ahead, left, tile, fill_ratio, floor):
     """Also with a sensor that reaches beyond the body, and so up to the walls."""
     setting = setting_of(floor, fill_ratio, robots, density, sensor=(ahead, left), tile=tile)
-    black = setting.ground(2, 1).all_tiles()[within_reach(setting)]
-    assert setting.ground(2, 1).true_fill_ratio == black.mean()
+    black = sampling.ground(setting, 2, 1).all_tiles()[within_reach(setting)]
+    assert sampling.ground(setting, 2, 1).true_fill_ratio == black.mean()
 
 
 def test_of_very_many_tiles_a_regular_grid_is_counted():
@@ -141,13 +142,13 @@ def test_independent_tiles_have_the_colours_that_they_always_had():
         world = {"topology": "moving", "density": 3, "fill_ratio": 0.55} | ({"floor": floor} if floor else {})
         setting = sc.Study(trials=1, swarm={"robots": 2, "accuracy": 0.7}, world=world).settings()[0]
         key = address(7, "floor", robots=2, density=3.0, tile=0.01, fill_ratio=0.55)
-        black = setting.ground(7, 4).all_tiles()
+        black = sampling.ground(setting, 7, 4).all_tiles()
         zero = (1 << 30) - len(black) // 2
         for row, column in np.argwhere(black < 2)[::7]:
             place = np.uint64(counter(zero + column, zero + row))
             word, _ = block(key[0], key[1], np.uint64(counter(4, 0)), place)
             assert black[row, column] == (unit(np.uint64(word)) < 0.55)
-    assert (replace(setting, floor=None).ground(7, 4).all_tiles() == black).all()
+    assert (sampling.ground(replace(setting, floor=None), 7, 4).all_tiles() == black).all()
 
 
 # ---- clusters
@@ -173,7 +174,7 @@ def field_of(setting, seed, trial):
     half = math.ceil(setting.arena_side / 2 / setting.body.tile)
     place = np.arange(-half, half, dtype=np.int32)
     x, y = np.meshgrid(place, place)
-    return setting.ground(seed, trial).score(np.stack([x, y], axis=-1))
+    return sampling.ground(setting, seed, trial).score(np.stack([x, y], axis=-1))
 
 
 def test_clusters_are_a_normal_field_of_that_correlation():
@@ -207,7 +208,7 @@ def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
     assert (field_of(setting, 1, 2) == kept).all()
     monkeypatch.undo()
     far = np.array([[[-4000, 70_000], [3, 4]]], np.int32)  # beyond the walls
-    assert np.isfinite(setting.ground(1, 2).score(far)).all()
+    assert np.isfinite(sampling.ground(setting, 1, 2).score(far)).all()
 
 
 def test_noise_is_one_number_a_tile():
@@ -226,7 +227,7 @@ def test_stripes_have_their_period_width_and_an_axis_and_phase_of_each_trial(per
     setting = setting_of({"stripes": period}, share)
     axes, phases = [], []
     for trial in range(40):
-        black = setting.ground(1, trial).all_tiles().astype(float)
+        black = sampling.ground(setting, 1, trial).all_tiles().astype(float)
         axis = int(black.mean(axis=0).std() < black.mean(axis=1).std())  # 0: stripes run along y
         axes.append(axis)
         line = black.mean(axis=axis)  # a tile that a stripe ends in is black with the share that is covered
@@ -235,7 +236,7 @@ def test_stripes_have_their_period_width_and_an_axis_and_phase_of_each_trial(per
         wave = np.exp(-2j * np.pi * x / period)
         whole = slice(0, int(int(n * 0.01 / period) * period / 0.01 + 0.5))
         phases.append(np.angle((line[whole] * wave[whole]).mean()) / (2 * np.pi) % 1)
-        phase = Chance(setting.floor_key(1), trial).uniform(2)[1]
+        phase = Chance(addresses.floor_key(setting, 1), trial).uniform(2)[1]
         assert np.abs(line - covered(x, period, share, phase)).max() < SIGMAS * math.sqrt(0.25 / n)
     assert 8 < sum(axes) < 32  # of 40 coins, but once in 20,000
     assert stats.kstest(phases, "uniform").pvalue > 1e-4
@@ -251,7 +252,7 @@ def test_half_a_floor_is_black_on_a_side_of_each_trial():
     setting = setting_of("half", 0.3)
     sides = []
     for trial in range(40):
-        black = setting.ground(1, trial).all_tiles()
+        black = sampling.ground(setting, 1, trial).all_tiles()
         n = len(black)
         ways = [black, black[::-1], black.T, black.T[::-1]]  # seen from each side
         (side,) = (k for k, way in enumerate(ways) if way[: n // 5].all() and not way[n // 2 :].any())
@@ -266,7 +267,7 @@ def test_half_a_floor_is_black_on_a_side_of_each_trial():
 
 def test_a_picture_is_black_where_it_is_darkest(gradient):
     setting = setting_of({"image": str(gradient)}, 0.55)
-    black = setting.ground(1, 0).all_tiles()
+    black = sampling.ground(setting, 1, 0).all_tiles()
     n = len(black)
     assert black[-n // 11 :].all()  # the top of the picture is where y is largest
     below = black[: -n // 9]
@@ -279,7 +280,7 @@ def test_a_picture_is_black_where_it_is_darkest(gradient):
 
 def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
     setting = setting_of({"image": str(gradient), "mode": "dither"}, 0.55)
-    black = np.mean([setting.ground(1, trial).all_tiles() for trial in range(4)], axis=0)
+    black = np.mean([sampling.ground(setting, 1, trial).all_tiles() for trial in range(4)], axis=0)
     n = len(black)
     below = black[: -n // 9]
     bands = [below[:, int((k + 0.1) * n / 10) : int((k + 0.9) * n / 10)] for k in range(10)]
@@ -290,7 +291,7 @@ def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
     odds = share / (1 - share) * (1 - darkness) / darkness  # all are changed by one factor
     spread = error / (share * (1 - share))
     assert (np.abs(np.log(odds / odds[4])) < SIGMAS * np.hypot(spread, spread[4])).all()
-    trials = [setting.ground(1, t).all_tiles()[: n // 2, n // 2] for t in (0, 1)]
+    trials = [sampling.ground(setting, 1, t).all_tiles()[: n // 2, n // 2] for t in (0, 1)]
     assert (trials[0] != trials[1]).any()
 
 
@@ -367,7 +368,7 @@ def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(flo
         tile, place = trace["tile"].values[1:], trace["position"].values[1:]
         heading = trace["heading"].values[1:]
         arm = np.stack([np.cos(heading) * 0.0614 - np.sin(heading) * 0.01, np.sin(heading) * 0.0614 + np.cos(heading) * 0.01], -1)  # fmt: skip # noqa: E501
-        black = setting.ground(study.seed, 1).all_tiles()
+        black = sampling.ground(setting, study.seed, 1).all_tiles()
         column, row = np.moveaxis(np.floor((place + arm) / 0.01).astype(int) + len(black) // 2, -1, 0)
         assert (black[row, column] != tile).mean() < 0.002  # arctan2 rounds at tile borders
         assert trace.attrs["true_fill_ratio"] == results["true_fill_ratio"].values[k, 1]
@@ -430,13 +431,13 @@ def test_an_image_is_needed_once(tmp_path, gradient):
     assert study.with_(trials=1).settings() == study.settings()
     elsewhere = sc.Study.parse(STUDY, context={"base": gradient.parent}).settings()
     for a, b in zip(study.settings(), elsewhere, strict=True):
-        assert (a.floor_key(1) == b.floor_key(1)).all()
-    keys = {tuple(s.floor_key(1)) for s in elsewhere}
+        assert (addresses.floor_key(a, 1) == addresses.floor_key(b, 1)).all()
+    keys = {tuple(addresses.floor_key(s, 1)) for s in elsewhere}
     assert len(keys) == 6
     changed = tmp_path / "gradient.png"
     write(changed, np.array([[0, 255]], np.uint8))
     other = sc.Study.parse(STUDY, context={"base": tmp_path}).settings()
-    assert not (other[4].floor_key(1) == elsewhere[4].floor_key(1)).any()
+    assert not (addresses.floor_key(other[4], 1) == addresses.floor_key(elsewhere[4], 1)).any()
 
 
 def test_fixed_networks_have_no_floor(small_results):

@@ -38,7 +38,7 @@ def curves(
     *,
     setting: int | None = None,
     trial: int = 0,
-    brain: str | Path | None = None,
+    brain_file: str | Path | None = None,
     scale: Scale = "log",
     theory: bool = False,
     title: str | None = None,
@@ -54,7 +54,7 @@ def curves(
 
     - `results`: a trace from `sc.replay` or `sc.infer`, or a study's results, of which one trial is then replayed.
     - `setting`, `trial`: the trial to replay; by default the first trial of the first setting.
-    - `brain`: the brain file to replay with, if the brain is your own.
+    - `brain_file`: the brain file to replay with, if the brain is your own.
     - `scale`: "log" makes x logarithmic above 1; "linear" does not.
     - `theory`: add the range in which theory expects the middle half of all estimates: dotted for robots alone, dashed
       for the bound of the whole swarm. This needs a study's results, not a trace.
@@ -64,7 +64,7 @@ def curves(
 
     Raises InputError if the trace has no estimates, and as `sc.replay` does.
     """
-    trace = results if is_trace(results) else trace_of(results, setting, trial, brain)
+    trace = results if is_trace(results) else trace_of(results, setting, trial, brain_file)
     require(trace, "estimate", "round", dimensions=("round", "robot"))
     honest = honest_in(trace)
     of_liars = trace["estimate"].transpose("round", "robot").isel(robot=~honest)

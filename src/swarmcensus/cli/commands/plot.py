@@ -8,15 +8,27 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.cli.options import from_zero, name_list, positive, round_or_time, width
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.options import (
+    Command,
+    Group,
+    add_shared,
+    assignment,
+    from_zero,
+    name_list,
+    once,
+    positive,
+    round_or_time,
+    width,
+)  # fmt: skip
 from swarmcensus.cli.output import LOG, wrote
-from swarmcensus.cli.source import add_label_option, add_source_options, read
+from swarmcensus.cli.source import add_source_options, read
 
 KIND_OPTIONS = (
-    *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
-    *("fps", "theory"),
+    *("x", "y", "color", "panels", "local", "setting", "trial", "brain_file", "tick", "robot", "first", "last"),
+    *("every", "fps", "theory"),
 )  # options of `plot` that are passed on to the function of a kind, by the same name
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
@@ -40,6 +52,7 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--set",
+        type=assignment,
         action="append",
         default=[],
         metavar="OPTION=VALUE",
@@ -51,9 +64,8 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--theory", action="store_true", default=None, help="add curves of theory (scatter, decisions, curves)"
     )
-    sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
-    sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, if the brain is your own (curves, arena, film)")
+    add_shared(sub, setting="curves, arena and film; default: the first", trial="the same; default: 0")
+    add_shared(sub, brain_file="the same")
     sub.add_argument(
         "--tick", type=round_or_time, help="tick of the arena, or a time such as '1 min' (default: the last)"
     )
@@ -74,7 +86,7 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
         metavar="NAME_OR_FILE",
         help="a matplotlib style, such as ggplot or my.mplstyle; also in matplotlibrc",
     )
-    add_label_option(page)
+    add_shared(page, "label")
     page.add_argument(
         "--out",
         type=Path,
@@ -129,7 +141,7 @@ def _styled(style: str | None) -> Iterator[None]:
             known = [name for name in matplotlib.style.available if not name.startswith("_")]
             what = "cannot be read" if Path(style).is_file() else "is neither a style nor a file"
             hint = did_you_mean(style, known) or f"there are {', '.join(known)}"
-            raise InputError(f"--style {style}: {what}: {hint.strip()}") from error
+            raise wrong_option("style", style, f"{what}: {hint.strip()}") from error
         yield
 
 
@@ -141,39 +153,34 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
 
     with _failures(options.kind):
         known = keys_of(draw).model_fields
-    given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) is not None}
+    given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) not in (None, [])}
     unknown = [name for name in given if name not in known]
     fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
     if options.kind in PLUGINS.shipped:
         remeasured = [name for name in DRAWN_BY if getattr(options, name) is not None]
         fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if options.kind not in DRAWN_BY[name]}
     for name, kinds in fitting.items():
-        raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
+        raise OptionError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}", key=name)
     if options.local and options.delta is not None:
         raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
-    more = dict(map(_set, options.set))
-    if len(more) < len(options.set):
-        raise InputError("--set gives an option twice")
+    more = {name: _value(text) for name, text in once("set", options.set).items()}
     for name in given.keys() & more:
-        raise InputError(f"--{name} and --set {name}=... set the same option: give one of them")
+        raise OptionError(f"--{name} and --set {name}=... set the same option: give one of them", key=name)
     try:
         return dict(read_keys(f"--kind {options.kind}", draw, given | more))
     except ValueError as error:
         raise InputError(str(error)) from None
 
 
-def _set(text: str) -> tuple[str, Any]:
-    """The option and the value of `--set`: the value as TOML reads it, or else the text itself."""
+def _value(text: str) -> Any:
+    """A value of `--set` as TOML reads it, or else the text itself."""
     import tomllib
 
-    name, equals, value = text.partition("=")
-    if not equals:
-        raise InputError(f"--set {text!r}: should be such as scale=linear")
     try:
-        return name.strip(), tomllib.loads(f"value = {value}")["value"]
+        return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        return name.strip(), value.strip()
+        return text
 
 
 @contextlib.contextmanager
@@ -251,11 +258,19 @@ def figure_files(
     from swarmcensus.basics.files import check_writable
 
     if not out.suffix and (out.is_dir() or out.name in ("", "..")):
-        raise InputError(f"cannot write {out}: it is a folder")
+        raise InputError(f"cannot write {out}: it is a folder", file=out)
     suffix = "" if is_stem else out.suffix.lower().lstrip(".")
     if suffix and suffix not in ("png", "svg", "pdf"):
-        raise InputError(f"{out}: figures are written as .png, .svg or .pdf")
+        raise InputError.of(out, "figures are written as .png, .svg or .pdf")
     stem, formats = (out.with_suffix(""), (suffix,)) if suffix else (out, default)
     for ending in formats:
         check_writable(stem.with_name(f"{stem.name}.{ending}"), *inputs)
     return stem, formats
+
+
+COMMANDS = (
+    Command(
+        "plot", "Draw a figure of a results file.",
+        Group.LOOK, plot, add_plot_options, json=False,
+    ),
+)  # fmt: skip

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.formatting import elapsed
-from swarmcensus.cli.options import add_run_options
+from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared
 from swarmcensus.cli.output import present, reporting, say, wrote
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
         "--board", choices=("honest", "liars", "change"), default="honest",
         help="worlds that rank the brains: honest robots, liars, or a floor that changes (default: %(default)s)",
     )  # fmt: skip
-    add_run_options(sub)
+    add_shared(sub, *OF_RUNS)
 
 
 def leaderboard(options: argparse.Namespace) -> int:
@@ -33,11 +33,11 @@ def leaderboard(options: argparse.Namespace) -> int:
     from swarmcensus.ranking.table import flat, print_board, sentences
 
     begun = time.monotonic()
-    board = leaderboard(
-        options.files, options.out, board=options.board, trials=options.trials,
-        seed=options.seed, jobs=options.jobs, fresh=options.fresh,
-        reporting=reporting, say=say,
-    )  # fmt: skip
+    with reporting("leaderboard") as progress:
+        board = leaderboard(
+            options.files, options.out, board=options.board, trials=options.trials, seed=options.seed,
+            jobs=options.jobs, fresh=options.fresh, progress=progress, say=say,
+        )  # fmt: skip
     present(
         options,
         "leaderboard",
@@ -62,3 +62,11 @@ def _as_dict(board: "Board") -> dict[str, Any]:
         "losses": board.losses,
         "page": board.page,
     }
+
+
+COMMANDS = (
+    Command(
+        "leaderboard", "Run the shipped brains, and your own beside them, in one fixed set of worlds.",
+        Group.BRAINS, leaderboard, add_leaderboard_options, table=True,
+    ),
+)  # fmt: skip

@@ -4,10 +4,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present, say, wrote
-from swarmcensus.cli.source import MOST_ROWS, add_label_option, add_limit_option, add_source_options, again, read
+from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,33 +36,31 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
         help="count wins by topology, robots or another coordinate of the worlds; may be repeated",
     )
     sub.add_argument("--pairs", action="store_true", help="also show each pair of brains: difference, effect, p-values")
-    add_label_option(sub)
+    add_shared(sub, "label")
     add_limit_option(sub, "; in a pipe: all")
     sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, one row each")
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
-    sub.add_argument(
-        "--out", type=Path, metavar="FILE", help="draw the figures FILE-ranks and FILE-pareto (.png, .svg, .pdf)"
-    )
+    add_shared(sub, plot="two of them, FILE-ranks and FILE-pareto")
 
 
 def compare(options: argparse.Namespace) -> int:
     """Compare brains within each world."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli import compare_tables
-    from swarmcensus.cli.plot import figure_files
+    from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.cli.tables import head
     from swarmcensus.comparing.comparison import compare as compare_results
     from swarmcensus.comparing.tables import write_csv, write_latex
 
     if options.by and options.pairs:
-        raise InputError("--by counts worlds, --pairs shows single worlds: give one of them")
+        raise OptionError("--by counts worlds, --pairs shows single worlds: give one of them", key="by")
     for path, suffix in ((options.csv, ".csv"), (options.latex, ".tex")):
         if path and path.suffix.lower() != suffix:
             flag = "--csv" if path is options.csv else "--latex"
             raise InputError(f"{flag} {path}: this table is written as {suffix}")
         if path:
             check_writable(path, options.results)
-    figures = {kind: _beside(options.out, kind) for kind in ("ranks", "pareto")} if options.out else {}
+    figures = {kind: _beside(options.plot, kind) for kind in ("ranks", "pareto")} if options.plot else {}
     for path in figures.values():
         figure_files(path, ("png", "svg"), options.results)
     stored = read(options).stored
@@ -117,7 +116,7 @@ def _beside(out: Path, kind: str) -> Path:
 
 def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Path]) -> None:
     """Draw ranks and the Pareto front; with --against, say why there are no ranks."""
-    from swarmcensus.cli.plot import save_figure
+    from swarmcensus.cli.commands.plot import save_figure
     from swarmcensus.figures.kinds.pareto import draw_pareto
     from swarmcensus.figures.kinds.ranks import draw_ranks
 
@@ -126,3 +125,11 @@ def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Pat
     else:
         say(f"{figures['ranks']} is not drawn: --against does not rank all brains")
     save_figure(draw_pareto(comparison, results=[stored]), figures["pareto"])
+
+
+COMMANDS = (
+    Command(
+        "compare", "Rank brains within each world, paired trial by trial, and test their differences.",
+        Group.LOOK, compare, add_compare_options, table=True,
+    ),
+)  # fmt: skip

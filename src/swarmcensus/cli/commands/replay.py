@@ -5,9 +5,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.commands.plot import brain_of, figure_files, save_figure
+from swarmcensus.cli.options import Command, Group, add_shared, positive
 from swarmcensus.cli.output import say, wrote
-from swarmcensus.cli.plot import brain_of, figure_files, save_figure
-from swarmcensus.cli.source import RESULTS_HELP
+from swarmcensus.cli.source import add_results
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,12 +19,11 @@ OF_BAGS = ("readings", "messages", "period")  # options of `infer`
 
 def add_replay_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `replay`."""
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc", help=RESULTS_HELP)
-    sub.add_argument("--setting", type=int, required=True, help="number of the setting, as 'show' prints it")
-    sub.add_argument("--trial", type=int, required=True, help="number of the trial, from 0")
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, if the brain is your own")
+    add_results(sub)
+    add_shared(sub, "setting", "trial", required=True)
+    add_shared(sub, "brain_file")
     sub.add_argument("--out", type=Path, metavar="FILE.nc|csv", help="write every robot's memory after every round")
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="plot every robot's estimate against rounds")
+    add_shared(sub, plot="every robot's estimate against rounds")
     sub.add_argument(
         "--recording",
         type=Path,
@@ -50,9 +51,9 @@ def replay(options: argparse.Namespace) -> int:
     data = opened(options.results)
     readings = edges = None
     with log_compilation(brain_of(data, options.setting)):
-        trace = replaying.replay(data, options.setting, options.trial, options.brain)
+        trace = replaying.replay(data, options.setting, options.trial, options.brain_file)
         if options.recording:
-            readings, edges = replaying.recording(data, options.setting, options.trial, options.brain)
+            readings, edges = replaying.recording(data, options.setting, options.trial, options.brain_file)
     if options.out:
         recordings.write_trace(trace, options.out)
     if options.plot:
@@ -94,7 +95,7 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
         help="of the sensors: 0.8 (b = w), 0.9,0.6 (b, w), or a CSV file with one row per robot",
     )
     sub.add_argument(
-        "--every", type=int, metavar="STEPS", help="steps per communication round (default: 10; with messages 1)"
+        "--observations-per-round", type=positive, metavar="R", help="steps per round (default: 10; with messages 1)"
     )
     sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
     sub.add_argument(
@@ -103,7 +104,7 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
         metavar="FILE.csv|nc",
         help="trace to write (default: OBSERVATIONS-trace.csv, next to the observations)",
     )
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="figure to write (default: --out with .png)")
+    add_shared(sub, plot="default: --out with .png")
 
 
 def infer(options: argparse.Namespace) -> int:
@@ -134,7 +135,7 @@ def infer(options: argparse.Namespace) -> int:
         accuracy = recordings.read_accuracy(options.accuracy)
         with log_compilation(Path(options.brain).name, "recorded data"):
             caution([brains.load(options.brain)])
-            trace = inferring.infer(readings, links, accuracy, options.every, options.brain)
+            trace = inferring.infer(readings, links, accuracy, options.observations_per_round, options.brain)
     except InputError as error:  # name the file or option that the message is about
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
         raise InputError(f"{source}: {error}" if source else str(error)) from error
@@ -157,7 +158,7 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
                 raise InputError(f"--{name} is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3")
         return read_observations(path), None
     if missing := [f"--{name}" for name in ("readings", "period") if getattr(options, name) is None]:
-        raise InputError(f"{path}: a bag needs {' and '.join(missing)}")
+        raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
     if options.links and options.messages:
         raise InputError(f"--links {options.links} and --messages {options.messages}: one of them is right")
     recorded = read_bag(path, options.readings, options.messages, options.period)
@@ -168,4 +169,16 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
 
 def _check_trace(out: Path) -> None:
     if out.suffix not in (".csv", ".nc"):
-        raise InputError(f"--out {out}: a trace is written as .csv or .nc")
+        raise wrong_option("out", out, "a trace is written as .csv or .nc")
+
+
+COMMANDS = (
+    Command(
+        "replay", "Run one trial of a results file again and show every round.",
+        Group.LOOK, replay, add_replay_options, table=True,
+    ),
+    Command(
+        "infer", "Run a brain on recorded observations and links instead of a simulated world.",
+        Group.ROBOTS, infer, add_infer_options, table=True,
+    ),
+)  # fmt: skip

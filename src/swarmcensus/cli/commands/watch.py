@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.cli.options import port
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import option, wrong_option
+from swarmcensus.cli.options import Command, Group, add_shared, assignment, once
 from swarmcensus.cli.output import say, wrote
 
 if TYPE_CHECKING:
@@ -28,41 +30,44 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--set",
+        type=assignment,
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="initial value of a control or of a parameter of the brain, such as robots=100, trial=7, momentum=0.8; "
-        "may be repeated",
+        help="initial value of a control, such as robots=100, trial=7 or tick=200; may be repeated",
     )
-    sub.add_argument("--at", default="", metavar="ADDRESS", help="start at the moment of a copied link")
+    add_shared(sub, "parameter", brain_file="of RESULTS.nc")
+    sub.add_argument("--moment", default="", metavar="LINK", help="start at the moment of a copied link")
     sub.add_argument(
         "--brain",
         type=Path,
         action="append",
         default=[],
-        metavar="FILE",
-        help="another brain file to choose from; the first is shown beside a day in logs; may be repeated",
+        metavar="BRAIN",
+        help="another brain to choose from; the first is shown beside a day in logs; may be repeated",
     )
     sub.add_argument(
-        "--export", type=Path, metavar="FILE.html", help="write the page with this trial as one file, and exit"
+        "--out", type=Path, metavar="FILE.html", help="write the page with this trial as one file, and exit"
     )
-    sub.add_argument("--port", type=port, default=0, help="port of the server (default: a free one)")
-    sub.add_argument("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
-    sub.add_argument("--no-browser", action="store_true", help="only print the address")
+    add_shared(sub, "port", "no_browser", "host")
 
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C, or write it with one trial."""
     from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
 
-    query = _query(options)
+    query, is_results = _query(options), options.of is not None and options.of.suffix == ".nc"
+    for name, belongs in (("brain", not is_results), ("brain_file", is_results)):
+        if getattr(options, name) and not belongs:
+            why = "results have their brains" if is_results else "that is of results"
+            raise OptionError(f"{option(name)} does not go with {options.of or 'no file'}: {why}", key=name)
     if options.of is not None and options.of.suffix == ".py":  # a brain, in the small swarm
         options.brain, options.of = [options.of, *options.brain], None
-    if options.brain and (options.of is None or not (options.of.suffix == ".nc" or options.of.is_dir())):
+    if options.brain and (options.of is None or not options.of.is_dir()):
         query.setdefault("brain", str(options.brain[0]))
-    if options.export is not None and options.export.suffix != ".html":
-        raise InputError(f"--export {options.export}: a page is written as .html")
-    offer = offer_of(options.of, tuple(options.brain))
+    if options.out is not None and options.out.suffix != ".html":
+        raise wrong_option("out", options.out, "a page is written as .html")
+    offer = offer_of(options.of, tuple(options.brain_file if is_results else options.brain))
     if offer.logged:
         _tell_day(offer.logged)
         for name in list(offer.logged.brains)[:1]:
@@ -73,7 +78,7 @@ def watch(options: argparse.Namespace) -> int:
     if offer.logged:
         for setting in trial.settings:  # so are those of a brain that cannot live the day
             offer.logged.under(setting.brain)
-    if options.export is not None:
+    if options.out is not None:
         return _export(options, offer, query, play)
     return _serve(options, offer, query, play)
 
@@ -95,7 +100,7 @@ def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], p
 
     from swarmcensus.watching.server import LOOPBACK, listen, serve, warm
 
-    served = listen(offer, options.host, options.port)
+    served = listen(offer, options.host, options.port or 0)
     with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, and no failure
         warm(served, query)
         address = served.address(urlencode(query | play))
@@ -126,27 +131,35 @@ def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], 
     from swarmcensus.basics.terminal import console
     from swarmcensus.watching.exporting import export
 
-    check_writable(options.export, *([options.of] if options.of else []))
+    check_writable(options.out, *([options.of] if options.of else []))
     silent = options.quiet or not sys.stderr.isatty()
     with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
         task = bar.add_task("recording", total=1.0)
-        size = export(offer, query, options.export, play, lambda share: bar.update(task, completed=share))
-    wrote(f"{options.export} ({size / 1e6:.1f} MB)")
+        size = export(offer, query, options.out, play, lambda share: bar.update(task, completed=share))
+    wrote(f"{options.out} ({size / 1e6:.1f} MB)")
     return 0
 
 
 def _query(options: argparse.Namespace) -> dict[str, str]:
-    """What to show, by key: from the address of --at, or the part behind its #, and from --set."""
-    text = urlsplit(options.at).fragment or options.at
+    """What to show, by key: from the link of --moment, or its part behind #, and from --set and --parameter."""
+    from swarmcensus.watching.offers import KEYS, PLAYED
+
+    text = urlsplit(options.moment).fragment or options.moment
     query = dict(parse_qsl(text.lstrip("#")))
-    if options.at and not query:
-        raise InputError(f"--at {options.at[:80]}: should be a copied link, or the part of it behind #")
-    given: dict[str, str] = {}
-    for pair in options.set:
-        key, sign, value = pair.partition("=")
-        if not sign or not key:
-            raise InputError(f"--set {pair}: should be such as robots=100")
-        if key in given:
-            raise InputError(f"--set gives {key} twice")
-        given[key] = value
-    return query | given
+    if options.moment and not query:
+        raise wrong_option("moment", options.moment[:80], "should be a copied link, or the part of it behind #")
+    controls = once("set", options.set)
+    for key in controls:
+        if key not in (*KEYS, *PLAYED):
+            known = f"{did_you_mean(key, (*KEYS, *PLAYED))}there are {', '.join((*KEYS, *PLAYED))}"
+            raise wrong_option("set", key, f"{known}; {option('parameter')} is for parameters of the brain")
+    numbers = once("parameter", options.parameter)
+    return query | controls | {key: str(list(x) if isinstance(x, tuple) else x) for key, x in numbers.items()}
+
+
+COMMANDS = (
+    Command(
+        "watch", "Watch one trial live in a browser, or write it as an HTML page to share.",
+        Group.LOOK, watch, add_watch_options, json=False,
+    ),
+)  # fmt: skip

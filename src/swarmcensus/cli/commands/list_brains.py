@@ -7,8 +7,9 @@ import sys
 from collections.abc import Callable, Collection, Iterator
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.cli.cost_table import show_costs
+from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import answer, present, say
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 MODULES = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
     "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.spreading",
-    "figures": "figures.kinds",
+    "figures": "figures.kinds", "targets": "deployment.targets",
 }  # fmt: skip  # kinds of plugins, and the module that finds each
 COLUMNS = ("memory", "message", "single")
 LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
@@ -50,7 +51,7 @@ def add_brains_options(sub: argparse.ArgumentParser) -> None:
 def brains(options: argparse.Namespace) -> int:
     """List, show, check or measure brains and adversaries."""
     if options.single and options.check is None:
-        raise InputError("--single needs --check with a brain or an adversary")
+        raise OptionError("--single needs --check with a brain or an adversary", key="single")
     if options.check is None and options.show is None:
         if options.wearing:
             raise InputError(f"--wearing {options.wearing} needs --check or --show with an adversary")
@@ -74,7 +75,7 @@ def brains(options: argparse.Namespace) -> int:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
     if options.show is not None:
         if options.json:
-            raise InputError("--json does not go with --show, which prints a program")
+            raise OptionError("--json does not go with --show, which prints a program", key="json")
         sys.stdout.write(brain_to_check(options.show, options.wearing).source)
         return 0
     say(f"checking {options.check}, which is compiled for it: up to a minute")
@@ -272,3 +273,16 @@ def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
             yield from (argument.arg for argument in node.args.kwonlyargs)
             if node.name == "quantile":
                 yield from (argument.arg for argument in node.args.args[1:])
+
+
+COMMANDS = (
+    Command(
+        "brains",
+        "List brains and adversaries, print the source of one, check a file, or measure what brains take of a chip.",
+        Group.BRAINS, brains, add_brains_options, table=True,
+    ),
+    Command(
+        "list", "List what studies and figures can use by name, including plugins from other packages.",
+        Group.BRAINS, choices, add_list_options, table=True,
+    ),
+)  # fmt: skip

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from swarmcensus.basics.formatting import counted, elapsed
-from swarmcensus.cli.options import from_zero, positive
+from swarmcensus.cli.options import Command, Group, add_shared, positive
 from swarmcensus.cli.output import answer, reporting, say, wrote
 
 
@@ -19,11 +19,12 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
         help="search this adversary of the study's members for the most harm; --brain is then the one that hears it",
     )
     sub.add_argument(
-        "--parameters",
-        nargs="+",
+        "--parameter",
+        action="append",
         required=True,
         metavar="NAME=LOW:HIGH",
-        help="ranges to search, such as prior=1:100, prior=1:100:log, k=1:9:whole, weights[0]=0:1",
+        help="range in which a parameter is searched, such as prior=1:100, prior=1:100:log, k=1:9:whole or "
+        "weights[0]=0:1; may be repeated",
     )
     sub.add_argument(
         "--metric",
@@ -40,10 +41,7 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--trials", type=positive, default=10, help="trials in each world of an evaluation (default: %(default)s)"
     )
-    sub.add_argument("--seed", type=from_zero, help="seed of all random numbers, instead of the study's own")
-    sub.add_argument(
-        "--jobs", type=positive, help="number of threads (default: one per core); results do not depend on it"
-    )
+    add_shared(sub, "seed", "jobs", "fresh")
     sub.add_argument(
         "--out",
         type=Path,
@@ -51,7 +49,6 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
         help="what was found as a part of a study file (default: NAME-tuned.toml, or of an adversary NAME-worst.toml, "
         "in this folder)",
     )
-    sub.add_argument("--fresh", action="store_true", help="start over instead of continuing the log of --out")
 
 
 def tune(options: argparse.Namespace) -> int:
@@ -73,7 +70,7 @@ def tune(options: argparse.Namespace) -> int:
         with reporting(f"{'searching' if target.harms else 'tuning'} {searched}") as progress:
             tuning = tune(
                 study,
-                options.parameters,
+                options.parameter,
                 target.brain.name,
                 options.metric,
                 budget=options.budget,
@@ -95,3 +92,12 @@ def tune(options: argparse.Namespace) -> int:
         print(tuning)
     wrote(f"{out}: {counted(len(tuning.evaluations), 'evaluation')}, {elapsed(time.monotonic() - begun)}")
     return 0
+
+
+COMMANDS = (
+    Command(
+        "tune",
+        "Search for good values of a brain's parameters, or an adversary's worst, and evaluate them in new trials.",
+        Group.BRAINS, tune, add_tune_options,
+    ),
+)  # fmt: skip

@@ -4,15 +4,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.cli.options import from_zero, positive, round_or_time
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.options import Command, Group, add_shared, from_zero, round_or_time
 from swarmcensus.cli.output import answer, present, reporting, wrote
 from swarmcensus.cli.source import (
     MOST_ROWS,
-    RESULTS_HELP,
-    add_label_option,
     add_limit_option,
+    add_results,
     add_source_options,
     again,
     read,
@@ -38,7 +38,7 @@ def add_show_options(sub: argparse.ArgumentParser) -> None:
         "--sort", metavar="COLUMN", help="sort by a column, such as error, right, K or fill_ratio (default: as stored)"
     )
     sub.add_argument("--reverse", action="store_true", help="reverse the order of --sort")
-    add_label_option(sub)
+    add_shared(sub, "label")
     add_limit_option(sub, "; with --json and in a pipe: all")
 
 
@@ -54,7 +54,7 @@ def show(options: argparse.Namespace) -> int:
     if options.sort:
         data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
     elif options.reverse:
-        raise InputError("--reverse needs --sort")
+        raise OptionError("--reverse needs --sort", key="reverse")
     shown = data.isel(setting=slice(options.limit or None))
     limit = MOST_ROWS if options.limit is None else options.limit
     title, line = tables.head(stored, options.results), again(options, "show", SHOW_OPTIONS)
@@ -74,7 +74,7 @@ def show(options: argparse.Namespace) -> int:
 
 def add_merge_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `merge`."""
-    sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc", help="results files to merge")
+    add_results(sub, text="results files to merge", nargs="+")
     sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True, help="file of the merged results")
     sub.add_argument(
         "--fresh", action="store_true", help="replace --out even if it holds trials that the merged files lack"
@@ -86,7 +86,7 @@ def merge(options: argparse.Namespace) -> int:
     from swarmcensus.results import merging
 
     if options.out.suffix != ".nc":
-        raise InputError(f"--out {options.out}: results are written as .nc")
+        raise wrong_option("out", options.out, "results are written as .nc")
     data = merging.write(options.out, options.results, fresh=options.fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
     wrote(f"{options.out}: {counted(data.sizes['setting'], 'setting')}, {done:,} of {counted(total, 'trial')}")
@@ -95,7 +95,7 @@ def merge(options: argparse.Namespace) -> int:
 
 def add_verify_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `verify`."""
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc", help=RESULTS_HELP)
+    add_results(sub)
     which = sub.add_mutually_exclusive_group()
     which.add_argument(
         "--sample",
@@ -105,15 +105,8 @@ def add_verify_options(sub: argparse.ArgumentParser) -> None:
         help="share of the trials to check (default: %(default)s)",
     )
     which.add_argument("--all", action="store_true", help="check every trial")
-    sub.add_argument(
-        "--brain",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="a brain or metric file of your own that the study uses; may be repeated",
-    )
+    add_shared(sub, "brain_file", "jobs")
     sub.add_argument("--seed", type=from_zero, help="seed of the sample, to check the same trials again")
-    sub.add_argument("--jobs", type=positive, help="number of threads (default: one per core)")
 
 
 def verify(options: argparse.Namespace) -> int:
@@ -128,7 +121,7 @@ def verify(options: argparse.Namespace) -> int:
     sample = 1.0 if options.all else options.sample
     with reporting("verify") as progress:
         verification = verifying.verify(
-            options.results, sample, brain=options.brain, seed=seed, jobs=options.jobs, progress=progress
+            options.results, sample, brain_file=options.brain_file, seed=seed, jobs=options.jobs, progress=progress
         )
     if options.json:
         answer("verification", {
@@ -160,3 +153,19 @@ def verify(options: argparse.Namespace) -> int:
 
 def _code(verification: "Verification") -> int:
     return DIFFER if verification.differences or verification.labels else 0
+
+
+COMMANDS = (
+    Command(
+        "show", "Print a summary of a results file: medians and right decisions, one row per setting.",
+        Group.LOOK, show, add_show_options, table=True,
+    ),
+    Command(
+        "merge", "Merge results files with different settings or trials into one.",
+        Group.STUDIES, merge, add_merge_options, json=False,
+    ),
+    Command(
+        "verify", "Run trials of a results file again and compare them bit for bit.",
+        Group.STUDIES, verify, add_verify_options,
+    ),
+)  # fmt: skip

@@ -4,9 +4,10 @@ import argparse
 import time
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.errors import Interrupted, OptionError
 from swarmcensus.basics.formatting import counted, elapsed
-from swarmcensus.cli.options import add_run_options, share
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared, part_of_trials
 from swarmcensus.cli.output import answer, present, reporting, say, wrote
 
 
@@ -24,7 +25,7 @@ def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
         "--only", nargs="+", metavar="PART", help="only these parts, such as fig2, fig3, fig4, fig5 or claims"
     )
     sub.add_argument("--pdf", action="store_true", help="also write the figures as PDF")
-    add_run_options(sub)
+    add_shared(sub, *OF_RUNS)
 
 
 def reproduce(options: argparse.Namespace) -> int:
@@ -32,18 +33,11 @@ def reproduce(options: argparse.Namespace) -> int:
     from swarmcensus.paper import report, reproducing
     from swarmcensus.statistics.intervals import FEWEST
 
-    done = reproducing.reproduce(
-        options.out,
-        of=options.of,
-        trials=options.trials,
-        seed=options.seed,
-        jobs=options.jobs,
-        only=options.only,
-        fresh=options.fresh,
-        pdf=options.pdf,
-        reporting=reporting,
-        say=wrote,
-    )
+    with reporting("reproduce") as progress:
+        done = reproducing.reproduce(
+            options.out, of=options.of, trials=options.trials, seed=options.seed, jobs=options.jobs,
+            only=options.only, fresh=options.fresh, pdf=options.pdf, progress=progress, say=wrote,
+        )  # fmt: skip
     if options.json:
         print(report.as_json(done.claims, done.datasets, done.of.source), end="")
     elif done.claims:
@@ -63,10 +57,10 @@ def add_study_options(sub: argparse.ArgumentParser) -> None:
         metavar="FILE.nc",
         help="results file (default: name of the study file with .nc, in this folder)",
     )
-    add_run_options(sub)
+    add_shared(sub, *OF_RUNS)
     sub.add_argument(
         "--share",
-        type=share,
+        type=part_of_trials,
         metavar="K/N",
         help="run only the K-th of N parts of the trials; 'merge' joins the results",
     )
@@ -86,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
     study = Study.load(options.study)
     out = options.out or Path(options.study.stem + ".nc")
     if out.suffix != ".nc":
-        raise InputError(f"--out {out}: results are written as .nc")
+        raise wrong_option("out", out, "results are written as .nc")
     check_writable(out, options.study)
     study = study.with_(trials=options.trials, seed=options.seed)
     # After the checks above, since these imports are slow:
@@ -122,13 +116,15 @@ def run(options: argparse.Namespace) -> int:
 
 def _cluster(options: argparse.Namespace) -> str | None:
     if options.scheduler and options.cluster:
-        raise InputError("--scheduler and --cluster exclude each other: give one of them")
+        raise OptionError("--scheduler and --cluster exclude each other: give one of them", key="scheduler")
     if options.jobs and (options.scheduler or options.cluster):
-        raise InputError(
-            f"--jobs {options.jobs} sets the threads of this machine: it does not go with --scheduler or --cluster"
+        raise OptionError(
+            f"--jobs {options.jobs} sets the threads of this machine: it does not go with --scheduler or --cluster",
+            key="jobs",
+            value=options.jobs,
         )
     if options.scheduler and "://" not in options.scheduler:
-        raise InputError(f"--scheduler {options.scheduler}: should be an address such as tcp://host:8786")
+        raise wrong_option("scheduler", options.scheduler, "should be an address such as tcp://host:8786")
     return options.scheduler or options.cluster  # type: ignore[no-any-return]
 
 
@@ -147,3 +143,19 @@ def status(options: argparse.Namespace) -> int:
     else:
         print("\n".join(progress.lines))
     return 0
+
+
+COMMANDS = (
+    Command(
+        "reproduce", "Run the paper's evaluation, draw its figures and check its claims.",
+        Group.STUDIES, reproduce, add_reproduce_options,
+    ),
+    Command(
+        "run", "Run a study file and write its results as netCDF.",
+        Group.STUDIES, run, add_study_options, table=True,
+    ),
+    Command(
+        "status", "Show how far a running or interrupted study is, and when it will end.",
+        Group.STUDIES, status, add_status_options,
+    ),
+)  # fmt: skip

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command
+from swarmcensus.basics.options import command, wrong_option
 from swarmcensus.basics.version import __version__
+from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import answer, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
@@ -40,10 +41,10 @@ def new(options: argparse.Namespace) -> int:
     """Write a commented study or brain to start from."""
     from swarmcensus.basics.files import atomic_write
 
-    starter = Path(__file__).parent / "starters" / STARTERS[options.what]
+    starter = Path(__file__).parents[1] / "starters" / STARTERS[options.what]
     out = options.file or _free(Path(f"my_{starter.name}"))
     if out.suffix != starter.suffix:
-        raise InputError(f"{out}: a {options.what} is a {starter.suffix} file")
+        raise InputError.of(out, f"a {options.what} is a {starter.suffix} file")
     _not_there(out)
     text = starter.read_text(encoding="utf-8").replace("THIS_FILE", out.name)
     with atomic_write(out) as temporary:
@@ -56,7 +57,7 @@ def add_studies_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `studies`."""
     what = sub.add_mutually_exclusive_group()
     what.add_argument("name", nargs="?", metavar="NAME", help="copy this study, with the files that it uses")
-    what.add_argument("--schema", action="store_true", help="print the JSON schema of study files, for editors")
+    add_shared(what, "schema")
     sub.add_argument(
         "--out", type=Path, metavar="FILE.toml", help="file of the copy (default: NAME.toml in this folder)"
     )
@@ -72,7 +73,7 @@ def studies(options: argparse.Namespace) -> int:
     known = shipped_studies()
     if options.name is None:
         if options.out:
-            raise InputError(f"--out {options.out} needs the name of a study to copy")
+            raise OptionError(f"--out {options.out} needs the name of a study to copy", key="out", value=options.out)
         from swarmcensus.basics.terminal import console, table
 
         rows = [(name, _first_words(path)) for name, path in known.items()]
@@ -82,7 +83,7 @@ def studies(options: argparse.Namespace) -> int:
         console().print(table([("study", False), ("what it is", False)], rows))
         return 0
     if options.json:
-        raise InputError(f"--json goes with the list of studies only, not with {options.name}")
+        raise OptionError(f"--json goes with the list of studies only, not with {options.name}", key="json")
     name = options.name.removesuffix(".toml")
     if name not in known:
         hint = did_you_mean(name, known)
@@ -99,7 +100,7 @@ def _schema(options: argparse.Namespace) -> int:
     from swarmcensus.studies.schema import schema
 
     if options.out:
-        raise InputError(f"--out {options.out}: a schema is printed: swarmcensus studies --schema > study.schema.json")
+        raise wrong_option("out", options.out, "a schema is printed: swarmcensus studies --schema > study.schema.json")
     print(json.dumps(schema(), indent=2, ensure_ascii=False))
     return 0
 
@@ -107,7 +108,7 @@ def _schema(options: argparse.Namespace) -> int:
 def _copy(study: Path, out: Path) -> None:
     """Copy a study and the files that it uses to one folder, and adapt their names in the study."""
     if out.suffix != ".toml":
-        raise InputError(f"--out {out}: a study is a .toml file")
+        raise wrong_option("out", out, "a study is a .toml file")
     from swarmcensus.basics.files import atomic_write
 
     text = study.read_text(encoding="utf-8")
@@ -156,7 +157,7 @@ def _usable(path: Path, like: Path | None) -> bool:
 
 def _not_there(path: Path) -> None:
     if path.exists() or path.is_symlink():
-        raise InputError(f"{path} already exists: name another file")
+        raise InputError(f"{path} already exists: name another file", file=path)
 
 
 def _plain(stem: str) -> str:
@@ -263,3 +264,19 @@ def _version(name: str) -> str:
         return importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         return ""
+
+
+COMMANDS = (
+    Command(
+        "new", "Write a study or a brain to start from, with every line explained.",
+        Group.STUDIES, new, add_new_options, json=False,
+    ),
+    Command(
+        "studies", "List the studies that come with swarmcensus, copy one, or print their schema.",
+        Group.STUDIES, studies, add_studies_options,
+    ),
+    Command(
+        "doctor", "Show which versions are installed, and what is missing.",
+        Group.SETUP, doctor,
+    ),
+)  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.formatting import counted
-from swarmcensus.cli.options import from_zero
+from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 
@@ -33,15 +33,13 @@ MOST_CHECKPOINTS = 6  # shown in the table
 def add_explain_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `explain`."""
     add_source_options(sub)
-    sub.add_argument(
-        "--setting", type=from_zero, metavar="N", help="explain this setting, by its number in 'show' (default: all)"
-    )
+    add_shared(sub, setting="default: all")
     add_limit_option(sub, "; in a pipe: all")
 
 
 def explain(options: argparse.Namespace) -> int:
     """Explain one setting, or compare all with theory."""
-    from swarmcensus.basics.errors import InputError
+    from swarmcensus.basics.errors import OptionError
     from swarmcensus.explaining import one_setting
     from swarmcensus.results.partial import say_partial
     from swarmcensus.results.summaries import asked_anew
@@ -50,7 +48,7 @@ def explain(options: argparse.Namespace) -> int:
         return _all(options)
     for name in ("where", "limit"):
         if getattr(options, name) is not None:
-            raise InputError(f"--{name} does not go with --setting, which shows one setting")
+            raise OptionError(f"--{name} does not go with --setting, which shows one setting", key=name)
     data = read(options).stored
     explanation = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
@@ -180,3 +178,11 @@ def _percent(value: float) -> str:
 
 def _ends(interval: "Interval", form: Callable[[float], str]) -> str:
     return f"[{form(interval[1])}, {form(interval[2])}]" if math.isfinite(interval[1]) else ""
+
+
+COMMANDS = (
+    Command(
+        "explain", "Compare all settings with theory, or show one in detail and what limits its error.",
+        Group.LOOK, explain, add_explain_options, table=True,
+    ),
+)  # fmt: skip

@@ -5,16 +5,15 @@ import contextlib
 import itertools
 import re
 import sys
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import STOPPED, InputError
+from swarmcensus.basics.errors import STOPPED, InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command
-from swarmcensus.cli.deploy import number
-from swarmcensus.cli.options import from_zero, positive
-from swarmcensus.cli.output import answer, wrote
-from swarmcensus.cli.swarm_watch import Page, add_page_options
+from swarmcensus.basics.options import command, wrong_option
+from swarmcensus.cli.options import Command, Group, add_shared, from_zero, number, positive, share
+from swarmcensus.cli.output import answer, say, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.studies.study import Study
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from swarmcensus.swarm.running import Swarm
 
 OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults
-    "robots": 20, "topology": "ring", "loss": 0.0, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
+    "robots": 20, "topology": "ring", "link_success": 1.0, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
     "message": "float32", "precision": "double",
 }  # fmt: skip
 TIME = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s)")
@@ -32,18 +31,17 @@ TIME = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s)")
 def add_swarm_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `swarm`."""
     sub.add_argument("what", metavar="BRAIN|STUDY.toml", help="a brain's name or file, or a study with a fixed network")
-    sub.add_argument("--setting", type=from_zero, help="of a study, its number (default: 0)")
+    add_shared(sub, setting="of a study; default: 0")
     world = sub.add_argument_group("the swarm, in place of a study")
     world.add_argument("--robots", type=positive, metavar="N", help="processes (default: 20)")
     world.add_argument("--topology", metavar="NAME", help="who hears whom: ring, scale-free, full ... (default: ring)")
-    world.add_argument("--loss", type=number, metavar="SHARE", help="of messages that are lost (default: 0)")
-    world.add_argument("--fill-ratio", type=number, metavar="F", help="how much is black (default: 0.55)")
+    world.add_argument("--link-success", type=share, metavar="SHARE", help="share of messages that arrive (default: 1)")
+    add_shared(world, fill_ratio="default: 0.55")
     world.add_argument("--accuracy", metavar="B", help='of sensors: 0.8 (default), or a spread "U(0.6, 0.9)"')
     world.add_argument("--rounds", type=positive, metavar="C", help="ticks of each robot (default: 500)")
-    world.add_argument("--message", metavar="FORMAT", help="float32 (default), float16, ratio16 or ratio8")
-    world.add_argument("--precision", metavar="WHICH", help="of robots' arithmetic: double (default) or single")
+    add_shared(world, message="default: float32", precision="default: double")
     clocks = sub.add_argument_group("clocks and radios")
-    clocks.add_argument("--hz", type=number, default=10.0, help="ticks a second (default: 10)")
+    add_shared(clocks, hz="default: 10")
     clocks.add_argument(
         "--jitter",
         type=number,
@@ -55,19 +53,18 @@ def add_swarm_options(sub: argparse.ArgumentParser) -> None:
     clocks.add_argument(
         "--duplicate", type=number, default=0.0, metavar="SHARE", help="of messages that are heard twice (default: 0)"
     )
-    clocks.add_argument("--host", default="127.0.0.1", help="address that sockets bind to (default: this machine only)")
+    add_shared(clocks, "host")
     clocks.add_argument(
         "--micropython", type=from_zero, default=0, metavar="N", help="robots that run MicroPython (default: 0)"
     )
     sub.add_argument(
-        "--at",
+        "--fault",
         action="append",
         default=[],
         metavar="FAULT",
         help='what happens to robots, such as "5s kill 3" or "10s partition 0-9"; may be repeated',
     )
-    sub.add_argument("--trial", type=from_zero, default=0, help="which trial's readings and network (default: 0)")
-    sub.add_argument("--seed", type=from_zero, help="seed of all random numbers (default: 0, or the study's)")
+    add_shared(sub, trial="default: 0", seed="default: 0")
     sub.add_argument(
         "--out", type=Path, metavar="FOLDER", help="where logs go; it should be new (default: swarm, swarm-2 ...)"
     )
@@ -91,8 +88,8 @@ def swarm(options: argparse.Namespace) -> int:
         raise InputError(f"--out {folder} is the folder that you are in: it should name a new one, such as swarm")
     study, air = _study(options), _air(options)
     seed = study.seed if options.seed is None else options.seed
-    plan = interruptible(plan_of)(study, options.setting or 0, seed, options.trial, air, options.micropython)
-    faults = faults_of(options.at, plan.setting.robots, plan.period, plan.seconds)
+    plan = interruptible(plan_of)(study, options.setting or 0, seed, options.trial or 0, air, options.micropython)
+    faults = faults_of(options.fault, plan.setting.robots, plan.period, plan.seconds)
     stopped = ""
     with contextlib.closing(Page(options, folder)) as page:
         try:
@@ -134,28 +131,24 @@ def _study(options: argparse.Namespace) -> "Study":
     if options.what.endswith((".toml", ".nc")):
         if given:
             flag = next(iter(given)).replace("_", "-")
-            raise InputError(f"--{flag} does not go with a study: write it into {options.what}")
+            raise OptionError(f"--{flag} does not go with a study: write it into {options.what}", key=flag)
         return Study.load(options.what)
     if options.setting is not None:
-        raise InputError("--setting goes with a study: swarmcensus swarm STUDY.toml --setting 0")
+        raise OptionError("--setting goes with a study: swarmcensus swarm STUDY.toml --setting 0", key="setting")
     values = OF_STUDIES | given
-    if not 0.0 <= values["loss"] <= 1.0:
-        raise InputError(f"--loss {values['loss']:g}: should be a share of messages, from 0 to 1")
     if values["topology"] == "moving":
         raise InputError("--topology moving: robots that move have no fixed neighbours: ring, full or a file")
-    if values["message"] == "double":
-        raise InputError("--message double has no bytes: float32, float16, ratio16 or ratio8 is right")
     return Study(
         name="swarm",
         seed=options.seed or 0,
-        trials=options.trial + 1,
+        trials=(options.trial or 0) + 1,
         swarm={
             "brain": options.what, "robots": values["robots"], "accuracy": _accuracy(values["accuracy"]),
             "precision": values["precision"],
         },
         world={
             "topology": values["topology"], "fill_ratio": values["fill_ratio"],
-            "link_success": round(1.0 - values["loss"], 12), "message": values["message"],
+            "link_success": values["link_success"], "message": values["message"],
         },
         schedule={"rounds": values["rounds"], "observations_per_round": 1},
     )  # fmt: skip
@@ -173,12 +166,79 @@ def _air(options: argparse.Namespace) -> "Air":
 
     match = TIME.fullmatch(options.delay.strip())
     if match is None:
-        raise InputError(f"--delay {options.delay}: should be a time in ms or s, such as 50ms")
+        raise wrong_option("delay", options.delay, "should be a time in ms or s, such as 50ms")
     delay = round(float(match[1]) * (1000.0 if match[2] == "s" else 1.0))
-    return Air(options.hz, delay, options.duplicate, options.jitter, options.host)
+    return Air(10.0 if options.hz is None else options.hz, delay, options.duplicate, options.jitter, options.host)
 
 
 def _free(name: str) -> Path:
     """A folder of this name that is not there yet, or with a number behind it."""
     names = itertools.chain([name], (f"{name}-{k}" for k in itertools.count(2)))
     return next(path for path in map(Path, names) if not path.exists())
+
+
+HOST = "127.0.0.1"  # the page is for this machine, wherever robots' sockets listen
+
+
+def add_page_options(sub: argparse.ArgumentParser) -> None:
+    """Add the options of the live page."""
+    page = sub.add_argument_group("the live page")
+    page.add_argument("--watch", action="store_true", help="show the swarm in a browser while it runs, until Ctrl-C")
+    add_shared(page, "port", "no_browser")
+
+
+class Page:
+    """The page of a swarm, served as soon as a robot has written into its log; nothing without --watch."""
+
+    def __init__(self, options: argparse.Namespace, folder: Path) -> None:
+        """Listen on the port. Raises InputError if options do not go together, or the page cannot be served."""
+        if not options.watch and (options.port is not None or options.no_browser):
+            given = "--port" if options.port is not None else "--no-browser"
+            raise OptionError(
+                f"{given} is for the live page: it goes with --watch", key=given.strip("-").replace("-", "_")
+            )
+        self.options, self.folder = options, folder
+        self._stack = contextlib.ExitStack()
+        self._waits = bool(options.watch)
+        self._serves = False
+        if self._waits:
+            from swarmcensus.watching.server import bound
+
+            self._socket = self._stack.enter_context(bound(HOST, options.port or 0))
+
+    def show(self, swarm: "Swarm") -> None:
+        """Begin to serve, once there is something to show."""
+        if not self._waits or not any(known.last and known.last.ticks for known in swarm.robots):
+            return
+        from swarmcensus.cli.commands.watch import open_browser
+        from swarmcensus.watching.offers import offer_of
+        from swarmcensus.watching.server import Served, serving, warm
+
+        self._waits = False
+        served = Served(offer_of(self.folder), HOST, self._socket)
+        self._stack.enter_context(serving(served))
+        self._serves = True
+        warm(served, {})
+        print(f"live page: {served.address()}", file=sys.stderr, flush=True)  # with --quiet, too: nobody can guess it
+        if not self.options.no_browser:
+            open_browser(served.address())
+
+    def stay(self) -> None:
+        """Serve on after the swarm's end, until Ctrl-C."""
+        if self._serves:
+            say("The live page goes on showing the day. Press Ctrl-C to stop.")
+            with contextlib.suppress(KeyboardInterrupt):
+                while True:
+                    time.sleep(0.5)
+
+    def close(self) -> None:
+        """End the server."""
+        self._stack.close()
+
+
+COMMANDS = (
+    Command(
+        "swarm", "Run a swarm of processes on this machine that talk over sockets, as robots do.",
+        Group.ROBOTS, swarm, add_swarm_options,
+    ),
+)  # fmt: skip

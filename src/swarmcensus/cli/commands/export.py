@@ -3,8 +3,10 @@
 import argparse
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.source import RESULTS_HELP, add_source_options, read
 
@@ -16,11 +18,12 @@ OF_RESULTS = ("where", "bins", "delta")  # options that select and measure resul
 def add_export_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `export`."""
     add_source_options(sub, "RESULTS.nc|FOLDER", f"{RESULTS_HELP}; or a folder of robots' logs")
+    sub.set_defaults(reads_results=False)  # logs neither
     sub.add_argument(
-        "--to", choices=FORMATS, help="format (default: by the ending of --out, else csv; of robots' logs mcap)"
+        "--format", choices=FORMATS, help="format (default: by the ending of --out, else csv; of robots' logs mcap)"
     )
     sub.add_argument(
-        "--out", type=Path, metavar="FILE", help="file to write (default: the input's name and .TO, next to it)"
+        "--out", type=Path, metavar="FILE", help="file to write (default: the input's name and .FORMAT, next to it)"
     )
 
 
@@ -34,20 +37,20 @@ def export(options: argparse.Namespace) -> int:
     source = options.results
     logs = logs_in(source)
     if not logs:
-        if source.is_dir() and not folder_of(source).is_dir() and options.to in (None, "mcap"):
+        if source.is_dir() and not folder_of(source).is_dir() and options.format in (None, "mcap"):
             raise InputError(without_logs(source))
         check_there(source)
     formats = ("mcap",) if logs else TABLES
     ending = options.out.suffix.lower().removeprefix(".") if options.out else ""
-    kind = options.to or (ending if ending in FORMATS else formats[0])
+    kind = options.format or (ending if ending in FORMATS else formats[0])
     if kind not in formats:
-        asked = f"--to {kind}" if options.to else f"--out {options.out}"
+        asked = f"--format {kind}" if options.format else f"--out {options.out}"
         what = "robots' logs are written as mcap" if logs else "results are written as csv or parquet"
-        raise InputError(f"{source}: {what}, not by {asked}")
+        raise InputError.of(source, f"{what}, not by {asked}")
     whole = source if source.name not in ("", "..") else source.resolve()
     out = options.out or whole.parent / f"{whole.name if logs else source.stem}.{kind}"  # each folder keeps its own
     if (ending in FORMATS and ending != kind) or (logs and ending not in ("", "mcap")):
-        raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
+        raise wrong_option("out", out, f"--format {kind} is written as .{kind}")
     check_writable(out, source, *logs)
     return _export_logs(options, out) if logs else _export_results(options, out, kind)
 
@@ -57,7 +60,7 @@ def _export_logs(options: argparse.Namespace, out: Path) -> int:
 
     for name in OF_RESULTS:
         if getattr(options, name) is not None:
-            raise InputError(f"--{name} is for results files: {options.results} holds robots' logs")
+            raise OptionError(f"--{name} is for results files: {options.results} holds robots' logs", key=name)
     written = write_mcap(options.results, out)
     if written.lost:
         say(f"{options.results}: logs are cut or damaged: {counted(written.lost, 'byte')} could not be read")
@@ -75,3 +78,11 @@ def _export_results(options: argparse.Namespace, out: Path, kind: str) -> int:
     rows = store.export(source.selected, out, kind)
     wrote(f"{out}: {counted(rows, 'row')}")
     return 0
+
+
+COMMANDS = (
+    Command(
+        "export", "Write results as a table with one row per robot and trial, or robots' logs as MCAP.",
+        Group.LOOK, export, add_export_options, json=False,
+    ),
+)  # fmt: skip

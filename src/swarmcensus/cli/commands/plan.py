@@ -5,8 +5,10 @@ import time
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import elapsed
-from swarmcensus.cli.options import from_zero, positive
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
 from swarmcensus.cli.output import present, reporting, say
 
 KEYS = {
@@ -78,26 +80,22 @@ def add_plan_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument(
         "--body",
+        type=assignment,
         action="append",
         default=[],
         metavar="KEY=VALUE",
         help="property of the robots, such as speed=0.1 or radio_range=2; may be repeated",
     )
-    sub.add_argument("--schema", action="store_true", help="print the JSON schema of mission files, for editors")
+    add_shared(sub, "schema", "jobs", seed="default: 0")
     sub.add_argument("--trials", type=positive, help="trials of each simulation that confirms the plan (default: 200)")
-    sub.add_argument("--seed", type=from_zero, help="seed of all random numbers (default: 0)")
-    sub.add_argument(
-        "--jobs", type=positive, help="number of threads (default: one per core); results do not depend on it"
-    )
     sub.add_argument("--out", type=Path, metavar="FILE.json|toml", help="write the plan to a file")
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="draw the number of robots against minutes")
+    add_shared(sub, plot="the number of robots against minutes")
 
 
 def plan(options: argparse.Namespace) -> int:
     """Plan a mission, or print the schema of mission files."""
     if options.schema:
         return _schema(options)
-    from swarmcensus.basics.errors import InputError
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.plan_table import show
     from swarmcensus.planning.mission import load_mission, mission_of
@@ -112,7 +110,7 @@ def plan(options: argparse.Namespace) -> int:
         check_out(options.out, *inputs)
     if options.plot:
         if options.plot.suffix not in (".png", ".svg", ".pdf"):
-            raise InputError(f"--plot {options.plot}: a figure is written as .png, .svg or .pdf")
+            raise wrong_option("plot", options.plot, "a figure is written as .png, .svg or .pdf")
         check_writable(options.plot, *inputs)
         check_lines(mission_of(tables, where, base))
     begun = time.monotonic()
@@ -134,7 +132,6 @@ def plan(options: argparse.Namespace) -> int:
 def _schema(options: argparse.Namespace) -> int:
     import json
 
-    from swarmcensus.basics.errors import InputError
     from swarmcensus.planning.mission import schema
 
     if options.mission or options.out or options.plot or tables_of(options, {}):
@@ -148,7 +145,6 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
 
     A value that should be a table and is none stays as it is: `mission_of` refuses it and names the file.
     """
-    from swarmcensus.basics.errors import InputError
 
     merged = {key: dict(value) if isinstance(value, dict) else value for key, value in tables.items()}
 
@@ -169,11 +165,8 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
                 entries.pop(other, None)
     if options.brain:
         put("free", "brain", options.brain)
-    for pair in options.body:
-        name, equals, text = pair.partition("=")
-        if not equals:
-            raise InputError(f"--body {pair}: should be such as speed=0.1")
-        put("body", name, _value(name, text, f"--body {pair}"))
+    for name, text in once("body", options.body).items():
+        put("body", name, _value(name, text, f"--body {name}={text}"))
     for key in ("trials", "seed"):
         if getattr(options, key) is not None:
             merged[key] = getattr(options, key)
@@ -183,8 +176,6 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
 def _value(key: str, text: str, option: str = "") -> Any:
     """The value that an option means: a range has a colon, plain words need no quotation marks. Raises InputError."""
     import tomllib
-
-    from swarmcensus.basics.errors import InputError
 
     option = option or f"--{key.replace('_', '-')} {text}"
     wanted = "a number" + (f"; to give several, repeat --{key}" if key in SEVERAL else ", or a range such as 10:100")
@@ -208,3 +199,11 @@ def _number(text: str) -> float:
         return int(text)
     except ValueError:
         return float(text)
+
+
+COMMANDS = (
+    Command(
+        "plan", "Find how many robots, or how many minutes, a mission needs.",
+        Group.MISSIONS, plan, add_plan_options, table=True,
+    ),
+)  # fmt: skip

@@ -6,7 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
+from swarmcensus.basics.options import wrong_option
+from swarmcensus.cli.options import Command, Group, add_shared, once
 from swarmcensus.cli.output import answer, say, wrote
 
 if TYPE_CHECKING:
@@ -25,12 +27,9 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--brain", action="append", default=[], metavar="BRAIN", help="live the day under this brain too; repeatable"
     )
-    sub.add_argument(
-        "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter of --brain; repeatable"
-    )
-    sub.add_argument("--message", metavar="FORMAT", help="message format under --brain (default: that of the logs)")
-    sub.add_argument("--brain-file", type=Path, metavar="FILE.py", help="the robots' brain, if FOLDER lacks its file")
-    sub.add_argument("--fill-ratio", type=float, metavar="F", help="the true share of black, not that of FOLDER")
+    add_shared(sub, parameter="of --brain", message="under --brain; default: that of the logs")
+    sub.add_argument("--brain-file", type=Path, metavar="FILE", help="the robots' brain, if FOLDER lacks its file")
+    add_shared(sub, fill_ratio="default: that of FOLDER")
     sub.add_argument("--out", type=Path, metavar="FILE.nc", help="results to write: one setting per brain")
     sub.add_argument(
         "--trace",
@@ -38,7 +37,7 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
         metavar="FILE.nc|csv",
         help="write every robot's estimate and memory after every tick, under --brain if there is one",
     )
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="plot the estimates of that trace")
+    add_shared(sub, plot="the estimates of that trace")
 
 
 def relive(options: argparse.Namespace) -> int:
@@ -77,57 +76,49 @@ def relive(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> None:
     """Raise InputError for options that do not go together, before anything is lived."""
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.basics.hints import did_you_mean
-    from swarmcensus.brains.packing import FORMATS
-    from swarmcensus.cli.plot import figure_files
+    from swarmcensus.cli.commands.plot import figure_files
 
-    if options.fill_ratio is not None and not 0.0 <= options.fill_ratio <= 1.0:
-        raise InputError(f"--fill-ratio {options.fill_ratio:g}: should be a share of black, from 0 to 1")
     for flag, value in (("--parameter", options.parameter), ("--message", options.message)):
         if value and not options.brain:
             raise InputError(f"{flag} goes with --brain")
     if options.parameter and len(options.brain) > 1:
-        raise InputError("--parameter goes with one --brain")
-    if options.message and options.message not in FORMATS[1:]:
-        hint = did_you_mean(options.message, FORMATS[1:])
-        raise InputError(f"--message {options.message}: {hint}should be one of {', '.join(FORMATS[1:])}")
+        raise OptionError("--parameter goes with one --brain", key="parameter")
     if (options.trace or options.plot) and len(options.brain) > 1:
         flag, other = ("trace", "") if options.trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
-        raise InputError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}")
+        raise OptionError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}", key=flag)
     for flag, path, suffixes in (("--out", options.out, (".nc",)), ("--trace", options.trace, (".nc", ".csv"))):
         if path and path.suffix not in suffixes:
             raise InputError(f"{flag} {path}: it is written as {' or '.join(suffixes)}")
         if path:
             check_writable(path)
     if options.out and options.trace and options.out.resolve() == options.trace.resolve():
-        raise InputError(f"--out and --trace both name {options.out}: they should name two files")
+        raise OptionError(f"--out and --trace both name {options.out}: they should name two files", key="out")
     if options.plot:
         figure_files(options.plot, ("png",))
 
 
 def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
     from swarmcensus import brains
-    from swarmcensus.cli.deploy import parameters_of
 
-    found = []
+    found, values = [], once("parameter", options.parameter)
     for name in options.brain:
         brain = brains.load(name)
         try:
-            brain = brain.with_parameters(parameters_of(options.parameter))
+            brain = brain.with_parameters(values)
         except ValueError as error:
-            raise InputError(f"--parameter: {error}") from None
+            raise OptionError(f"--parameter: {error}", key="parameter") from None
         if brain.name == day.brain.name and brain.sha256 != day.brain.sha256:
             brain = replace(brain, name=f"{brain.name} (--brain)")
         found.append(brain)
     labels = [day.brain.label, *(brain.label for brain in found)]
     if twice := next((label for label in labels if labels.count(label) > 1 and options.out), None):
         why = "the robots' own brain is always there" if twice == day.brain.label else "give each --brain once"
-        raise InputError(f"--out {options.out}: {twice} would be there twice: {why}")
+        raise wrong_option("out", options.out, f"{twice} would be there twice: {why}")
     return found
 
 
 def _write_trace(options: argparse.Namespace, trace: Any) -> None:
-    from swarmcensus.cli.plot import save_figure
+    from swarmcensus.cli.commands.plot import save_figure
     from swarmcensus.results.recordings import write_trace
 
     if options.trace:
@@ -259,3 +250,11 @@ def _list(lines: Sequence[str]) -> None:
 
 def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.4f}"
+
+
+COMMANDS = (
+    Command(
+        "relive", "Live robots' minds again from their logs, to the bit, or the same day under another brain.",
+        Group.ROBOTS, relive, add_relive_options,
+    ),
+)  # fmt: skip

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.brains.packing import Numbers
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.deployment.chips import KILOBOT, avr_size, for_avr, missing
 from swarmcensus.deployment.comments import quoted
 from swarmcensus.deployment.folders import write_texts
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.micropython_files import BOARDS
-from swarmcensus.deployment.plans import Plan
+from swarmcensus.deployment.target import Order, Target
 
 TICKS_A_SECOND = 32  # of a Kilobot's clock
 FLASH, RAM = 20_000, 1_300  # bytes left beside Kilobot's own library, its boot loader and a stack
@@ -56,14 +56,16 @@ that has arrived, fuse, estimate.
 """
 
 
-def kilobot_files(plan: Plan) -> dict[str, str]:
+def kilobot_files(order: Order) -> dict[str, str]:
     """The texts of all files by name. Raises InputError if the brain has no translation to C."""
-    brain = plan.brain.with_numbers(Numbers(precision="single", message=plan.brain.numbers.message))
-    if plan.hz > TICKS_A_SECOND:
-        raise InputError(f"--hz {plan.hz:g}: a Kilobot has at most {TICKS_A_SECOND} ticks a second")
+    brain = order.brain
+    assert order.b is not None
+    assert order.w is not None
+    if order.hz > TICKS_A_SECOND:
+        raise wrong_option("hz", order.hz, f"a Kilobot has at most {TICKS_A_SECOND} ticks a second")
     settings = SETTINGS.format(
-        brain=quoted(brain.label), b=_literal(plan.b), w=_literal(plan.w),
-        period=max(1, round(TICKS_A_SECOND / plan.hz)), second=TICKS_A_SECOND, mark=plan.mark & 0xFF,
+        brain=quoted(brain.label), b=_literal(order.b), w=_literal(order.w),
+        period=max(1, round(TICKS_A_SECOND / order.hz)), second=TICKS_A_SECOND, mark=order.mark & 0xFF,
         luck=int(brain.uses.luck), named=int(brain.uses.name),
         done="done(&me)" if brain.ends else "false",
     )  # fmt: skip
@@ -72,16 +74,16 @@ def kilobot_files(plan: Plan) -> dict[str, str]:
         "settings.h": settings,
         "main.c": (BOARDS / "kilobot.c").read_text(encoding="utf-8"),
         "Makefile": (BOARDS / "kilobot.mk").read_text(encoding="utf-8"),
-        "README.md": README.format(brain=quoted(brain.label), body=plan.brain.message_bytes),
+        "README.md": README.format(brain=quoted(brain.label), body=order.brain.message_bytes),
     }
 
 
-def check_fits(plan: Plan, texts: Mapping[str, str]) -> tuple[int | None, int | None]:
+def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int | None]:
     """The bytes of flash and of memory beside Kilobot's own library; None without avr-gcc. Raises InputError."""
-    name = plan.brain.name
-    if plan.brain.memory_bytes > RAM:
+    name = order.brain.name
+    if order.brain.memory_bytes > RAM:
         raise InputError(
-            f"the brain {name!r} remembers {plan.brain.memory_bytes:,} bytes, and a Kilobot has {RAM:,} for it: it is "
+            f"the brain {name!r} remembers {order.brain.memory_bytes:,} bytes, and a Kilobot has {RAM:,} for it: it is "
             "too large"
         )
     if missing(("avr-gcc", "avr-size")):
@@ -104,3 +106,15 @@ def _literal(value: float) -> str:
     """A number in C, with the digits that a float holds."""
     text = f"{rounded_to_single(value):.9g}"
     return text if "." in text or "e" in text else f"{text}.0"
+
+
+TARGET = Target(
+    "a Kilobot's infrared",
+    kilobot_files,
+    largest=9,
+    checked=False,  # its own library adds a checksum
+    message="ratio16",
+    precisions=("single",),
+    refuses={"robot": "a Kilobot has a number of its own", "log": "a Kilobot has no files"},
+    measure=check_fits,
+)
