@@ -28,7 +28,7 @@ def test_titles_of_results_and_recordings_are_escaped(small_results):
     assert NASTY not in page
 
 
-def test_the_live_page_has_all_styles_and_scripts_of_its_folder():
+def test_live_page_has_all_assets():
     assert {path.name for path in PAGE.iterdir() if path.suffix in (".css", ".js")} == {*STYLES, *SCRIPTS}
 
 

@@ -107,7 +107,7 @@ def test_a_partition_parts(tmp_path, capsys):
         assert set(late) == {log.number // 2}
 
 
-def test_a_robot_that_dies_by_itself_is_told_and_the_rest_goes_on(tmp_path):
+def test_crashed_robot_is_reported(tmp_path):
     process = started(tmp_path / "out", "--json", rounds=120)
     [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]
     os.kill(int(pid), signal.SIGKILL)
