@@ -191,6 +191,7 @@ def folder(tmp_path_factory):
     return path
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("want", "body"),
     [(want, {}) for want in ("NEVER", "ABSURD", "CIRCLE", "STRAIGHT", "SEEN")]

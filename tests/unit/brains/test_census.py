@@ -140,6 +140,7 @@ class TestPatches:
             known.append(me.alike)
         assert np.mean(known[5000:]) == pytest.approx(0.7, abs=0.05)
 
+    @pytest.mark.long
     def test_liars_on_a_white_floor(self):
         study = sc.Study(
             trials=15, seed=9, swarm={"robots": 20, "accuracy": 0.99, "brain": "census"},
@@ -431,6 +432,7 @@ class TestLiars:
         DO.receive(me, DO.broadcast(other))
         assert me.voices == heard
 
+    @pytest.mark.long(only=["slow-liar"])
     @pytest.mark.parametrize("liar", ["always-black", "slow-liar"])
     def test_a_swarm_that_hears_liars_all_over_follows_a_change(self, liar):
         study = sc.Study(
@@ -475,6 +477,7 @@ class TestLiars:
             assert (me.own_s / me.own_v == pytest.approx(0.2)) == changed
             assert (me.guard > 0.0) != changed
 
+    @pytest.mark.long(but=["shouter", "creeper"])
     @pytest.mark.parametrize(
         "liar",
         [
