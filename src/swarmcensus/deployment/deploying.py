@@ -30,9 +30,10 @@ class Deployed:
         order, brain = self.order, self.order.brain
         return {
             "brain": brain.label, "target": order.name, "folder": self.folder, "files": self.files,
-            "message": brain.numbers.message, "precision": brain.numbers.precision, "message_bytes": brain.message_bytes,
-            "datagram_bytes": order.datagram_bytes, "memory_bytes": brain.memory_bytes,
-            "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes, "mark": order.mark,
+            "message": brain.numbers.message, "precision": brain.numbers.precision,
+            "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes,
+            "memory_bytes": brain.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
+            "mark": order.mark,
         }  # fmt: skip
 
 
