@@ -42,7 +42,7 @@ def docs(session: nox.Session) -> None:
     """The site is built, its tutorials run, and no link of it is dead."""
     session.install("-c", "constraints.txt", ".[docs,test]")
     session.run("mkdocs", "build", "--strict", *session.posargs)
-    session.run("pytest", "tests/test_site.py")
+    session.run("pytest", "tests/docs/test_site.py")
 
 
 @nox.session

@@ -2,8 +2,8 @@
 
 FOLDER is where `swarmcensus leaderboard --out FOLDER` writes, if it has not. Its page becomes docs/leaderboard.md,
 cells of tables in docs/which-brain.md are replaced by those of the same brain and column, and the example's brain is
-put beside in FOLDER for docs/your-brain-on-the-leaderboard.md. The words around them stay: tests/test_which_brain.py
-says which of them are right no more.
+put beside in FOLDER for docs/your-brain-on-the-leaderboard.md. The words around them stay:
+tests/docs/test_which_brain.py says which of them are right no more.
 """
 
 import contextlib

@@ -17,6 +17,7 @@ from swarmcensus import Study, run
 from swarmcensus.basics.files import shipped_study
 from swarmcensus.engine.addresses import address
 from swarmcensus.runs.tasks import metrics_of
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, run_ride
 from swarmcensus.simulation.walking import walk
@@ -63,7 +64,7 @@ def mind_cost(density, ticks, repeats=5):
         schedule={"ticks": ticks},
     )
     (setting,) = study.settings()
-    ground = setting.ground(0, 0)
+    ground = sampling.ground(setting, 0, 0)
     chunks = [(c, ground.colours(c.tiles)) for c in walked(25, density, ticks)]
 
     def ride():

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from swarmcensus import metrics
-from swarmcensus.vocabulary import coordinates, quantities
+from swarmcensus.studies import coordinates
+from swarmcensus.vocabulary import quantities
 
 if TYPE_CHECKING:  # the script needs no mkdocs
     from mkdocs.config.defaults import MkDocsConfig
@@ -25,7 +26,7 @@ METRICS = "<!-- the shipped metrics -->"
 
 def of_coordinates() -> str:
     """The coordinates along `setting`."""
-    rows = [f"| `{one.name}` | {one.type} | {one.page}{_elsewhere(one)} |" for one in coordinates.ALL]
+    rows = [f"| `{one.name}` | {one.type} | {one.page}{_elsewhere(one)} |" for one in coordinates.COORDINATES.values()]
     return "\n".join(["| coordinate | type | meaning |", "|---|---|---|", *rows])
 
 
@@ -68,7 +69,7 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
 
 def _elsewhere(one: coordinates.Coordinate) -> str:
     """Where a coordinate says nothing, and what it is there."""
-    if one.world == "any":
+    if one.world in (None, "any"):
         return ""
     blank = {"text": "empty", "number": "NaN", "whole number": one.blank}[one.type]
     return f"; {blank} {'on fixed networks' if one.world == 'moving' else 'where robots move'}"

@@ -1,8 +1,6 @@
 """What tests share."""
 
 import gc
-import hashlib
-import math
 import os
 import signal
 import sys
@@ -10,21 +8,20 @@ import threading
 
 import hypothesis
 import numba
-import numpy as np
 import pytest
 from numba.core import event
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.basics.terminal import UNFOLDED
 from swarmcensus.simulation.living import Life
-from tests import interpreted
-from tests.long import Long
+from tests.support import interpreted
+from tests.support.long import Long
+from tests.support.small import SMALL
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should depend on no setting, here and in processes begun here
-os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pipes is tests/test_piping.py
+os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pipes is tests/cli/test_piping.py
 
 
 # how long a draw takes is the machine's business
@@ -123,45 +120,6 @@ def no_ctrl_c():
     signal.signal(signal.SIGINT, before)
 
 
-POINTS = [0.001 * k for k in range(1, 20_000)]
-# walks are chaotic: whether they are those of the docs depends on the last bits of what the C library computes
-OUR_C_LIBRARY = (
-    hashlib.sha256(np.array([[f(x) for f in (math.sin, math.cos, math.log)] for x in POINTS]).tobytes()).hexdigest()[
-        :16
-    ]
-    == "e7a65513f63370a7"
-)
-
-SMALL = """
-name   = "small"
-seed   = 7
-trials = 4
-
-[swarm]
-robots   = [5, 12]
-accuracy = [0.675, "U(0.525, 0.975)"]
-
-[world]
-topology   = ["full", "ring", "line", "scale-free"]
-fill_ratio = [0.55, 0.95]
-
-[schedule]
-rounds                 = 60
-observations_per_round = 10
-
-[measure]
-checkpoints = [10, 60]
-"""
-
-
-# the shipped brain, which now and then divides by zero after 600 readings: of one source, so as to be compiled once
-FAILS = brains.load("minimalistic").source.replace(
-    "    me.t += looks\n",
-    "    me.t += looks\n    if me.t == 600.0 and me.n > 275.0:\n        me.x = 1.0 / (me.t - me.t)\n",
-    1,
-)
-
-
 @pytest.fixture(scope="session")
 def small_study():
     return sc.Study.parse(SMALL)
@@ -177,9 +135,3 @@ def small_file(small_results, tmp_path_factory):
     path = tmp_path_factory.mktemp("results") / "small.nc"
     sc.save(small_results, path)
     return path
-
-
-def beliefs_of(setting, study, trial):
-    """What each robot of a trial believes of its sensor, as `infer` takes it."""
-    _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(study.seed, trial, 1))
-    return np.broadcast_to(b, setting.robots), np.broadcast_to(w, setting.robots)

@@ -87,14 +87,18 @@ def names() -> list[str]:
 def addresses(name: str) -> str:
     """What each setting of a study is called, its coordinates, its fingerprint and its random keys, a line each."""
     import swarmcensus as sc
+    from swarmcensus.studies import addresses as keys_of
+    from swarmcensus.studies.coordinates import coordinates_of
 
     study = sc.Study.load(ROOT / "studies" / f"{name}.toml")
     lines = []
     for setting in study.settings():
         moves = setting.body is not None
-        keys = [getattr(setting, key)(study.seed) for key in KEYS if moves or key not in ("floor_key", "walk_key")]
+        keys = [
+            getattr(keys_of, key)(setting, study.seed) for key in KEYS if moves or key not in ("floor_key", "walk_key")
+        ]
         words = " ".join(digest(np.asarray(key).tobytes()) for key in keys)
-        lines.append(f"{setting} {setting.coordinates} {setting.fingerprint(study.seed)} {words}")
+        lines.append(f"{setting} {coordinates_of(setting)} {keys_of.fingerprint(setting, study.seed)} {words}")
     return f"{name}: {len(lines)} settings\n" + "\n".join(lines) + "\n\n"
 
 

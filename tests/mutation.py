@@ -27,43 +27,88 @@ from queue import SimpleQueue
 from mutants import EQUIVALENT, ROOT, SOURCE, Mutant, read, sampled
 
 FOLLOW = " ".join(
-    f"test_traces::test_{name}"
+    f"unit/simulation/test_traces::test_{name}"
     for name in (
         "edges_exchange_at_the_end_of_each_round",
         "messages_are_heard_at_their_step",
         "steps_left_over_end_without_an_exchange",
     )
 )
-SENSORS = "test_sensors --deselect=tests/test_sensors.py::test_truncated_normal"
+SENSORS = "unit/worlds/test_sensors --deselect=tests/unit/worlds/test_sensors.py::test_truncated_normal"
 # The tests that know a module: first those that are quick in CPython, then those that are run compiled. Below tests/.
 TESTS: dict[str, tuple[str, str]] = {
-    "simulation/metrics": ("test_metrics test_lives", "test_engine"),
-    "statistics/intervals": ("test_statistics", "test_precision statistical/test_intervals"),
-    "worlds/sensors": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
-    "worlds/spreading": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
-    "worlds/networks": ("test_networks test_lives test_draws", "test_bad_inputs test_engine"),
-    "worlds/wiring": ("test_networks test_lives test_draws", "test_plugins test_engine"),
-    "worlds/faults": ("test_draws test_lives", "test_faults"),
-    "engine/random": ("test_draws test_random test_lives", "test_engine"),
-    "engine/draws": ("test_draws test_random test_lives", "test_engine statistical/test_theory"),
-    "engine/world": ("test_draws test_lives test_walks", "test_floors"),
-    "engine/scores": ("test_draws", "test_floors"),
-    "engine/kernel": (f"test_lives {FOLLOW}", "test_engine test_faults test_traces"),
-    "engine/rounds": (f"test_lives {FOLLOW}", "test_engine test_faults test_traces test_delays"),
-    "engine/watching": ("test_metric_files::test_cpython_finds_what_machine_code_finds", "test_metric_files"),
-    "simulation/watches": ("test_metric_files::test_cpython_finds_what_machine_code_finds", "test_metric_files"),
-    "engine/failures": ("test_faults", "test_lives test_walks"),
-    "engine/minds": ("test_lives test_walks test_decisions", "test_engine test_faults test_moving"),
-    "simulation/trials": ("test_lives test_walks", "test_engine test_bad_inputs test_remeasuring"),
-    "engine/riding": ("test_walks", "test_moving test_faults test_steering"),
-    "simulation/inputs": ("test_lives test_walks", "test_engine test_moving"),
-    "simulation/rides": ("test_walks", "test_moving test_floors test_steering"),
-    "engine/walk": ("test_walks", "test_moving statistical/test_fidelity"),
-    "simulation/walking": ("test_walks", "test_moving test_steering"),
-    "engine/motion": ("test_walks", "test_moving statistical/test_fidelity"),
-    "engine/neighbours": ("test_walks", "test_moving"),
-    "engine/steering": ("test_walks", "test_steering"),
-    "engine/return_values": ("test_walks", "test_steering"),
+    "simulation/metrics": ("unit/simulation/test_metrics reference/test_networks", "unit/engine/test_batches"),
+    "statistics/intervals": ("unit/statistics/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
+    "worlds/sensors": (
+        f"{SENSORS} unit/engine/test_draws",
+        "unit/worlds/test_sensors unit/explaining/test_beliefs statistical/test_theory",
+    ),
+    "worlds/spreading": (
+        f"{SENSORS} unit/engine/test_draws",
+        "unit/worlds/test_sensors unit/explaining/test_beliefs statistical/test_theory",
+    ),
+    "worlds/networks": (
+        "unit/worlds/test_networks reference/test_networks unit/engine/test_draws",
+        "cli/test_bad_inputs unit/engine/test_batches",
+    ),
+    "worlds/wiring": (
+        "unit/worlds/test_networks reference/test_networks unit/engine/test_draws",
+        "unit/basics/test_plugins unit/engine/test_batches",
+    ),
+    "worlds/faults": ("unit/engine/test_draws reference/test_networks", "unit/worlds/test_faults"),
+    "engine/random": (
+        "unit/engine/test_draws unit/engine/test_random reference/test_networks",
+        "unit/engine/test_batches",
+    ),
+    "engine/draws": (
+        "unit/engine/test_draws unit/engine/test_random reference/test_networks",
+        "unit/engine/test_batches statistical/test_theory",
+    ),
+    "engine/world": ("unit/engine/test_draws reference/test_networks reference/test_walks", "unit/worlds/test_floors"),
+    "engine/scores": ("unit/engine/test_draws", "unit/worlds/test_floors"),
+    "engine/kernel": (
+        f"reference/test_networks {FOLLOW}",
+        "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_traces",
+    ),
+    "engine/rounds": (
+        f"reference/test_networks {FOLLOW}",
+        "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_traces unit/simulation/test_delays",
+    ),
+    "engine/watching": (
+        "unit/metrics/test_files::test_cpython_finds_what_machine_code_finds",
+        "unit/metrics/test_files",
+    ),
+    "simulation/watches": (
+        "unit/metrics/test_files::test_cpython_finds_what_machine_code_finds",
+        "unit/metrics/test_files",
+    ),
+    "engine/failures": ("unit/worlds/test_faults", "reference/test_networks reference/test_walks"),
+    "engine/minds": (
+        "reference/test_networks reference/test_walks unit/simulation/test_decisions",
+        "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_moving",
+    ),
+    "simulation/trials": (
+        "reference/test_networks reference/test_walks",
+        "unit/engine/test_batches cli/test_bad_inputs unit/results/test_remeasuring",
+    ),
+    "engine/riding": (
+        "reference/test_walks",
+        "unit/simulation/test_moving unit/worlds/test_faults unit/simulation/test_steering",
+    ),
+    "simulation/inputs": (
+        "reference/test_networks reference/test_walks",
+        "unit/engine/test_batches unit/simulation/test_moving",
+    ),
+    "simulation/rides": (
+        "reference/test_walks",
+        "unit/simulation/test_moving unit/worlds/test_floors unit/simulation/test_steering",
+    ),
+    "engine/walk": ("reference/test_walks", "unit/simulation/test_moving statistical/test_fidelity"),
+    "simulation/walking": ("reference/test_walks", "unit/simulation/test_moving unit/simulation/test_steering"),
+    "engine/motion": ("reference/test_walks", "unit/simulation/test_moving statistical/test_fidelity"),
+    "engine/neighbours": ("reference/test_walks", "unit/simulation/test_moving"),
+    "engine/steering": ("reference/test_walks", "unit/simulation/test_steering"),
+    "engine/return_values": ("reference/test_walks", "unit/simulation/test_steering"),
 }
 SECONDS = 240, 900  # after which tests have noticed: the fault goes on for ever
 PRELOADED = ["numba", "numpy", "scipy.stats", "xarray", "h5netcdf", "pydantic", "networkx", "pytest", "hypothesis",

@@ -19,5 +19,6 @@ if [ "${1:-all}" = all ]; then
 else
 	"$scripts/uv" pip install --quiet --resolution lowest-direct .
 	"$scripts/uv" pip install --quiet --no-build pytest pytest-xdist hypothesis
-	"$scripts/python" -m pytest -n 2 -m "not long" tests/test_{merging,piping,results,plotting,traces}.py -k "not parquet"
+	"$scripts/python" -m pytest -n 2 -m "not long" \
+		tests/unit/{runs/test_merging,results/test_dataset,simulation/test_traces}.py tests/cli/test_{piping,plot}.py -k "not parquet"
 fi

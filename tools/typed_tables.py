@@ -16,7 +16,8 @@ from pydantic import BaseModel
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.schema import schema_of
-from swarmcensus.studies.tables import Case, Measure, Schedule, Swarm, Tables, World
+from swarmcensus.studies.settings import Schedule, Swarm, World
+from swarmcensus.studies.tables import Case, Measure, Tables
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.faults import Fault
 
@@ -136,9 +137,6 @@ def text() -> str:
     """The file."""
     whole = schema_of(Tables, "study")
     tables = {model: schema_of(model, "table") for model in MODELS}
-    keys = {name: field for model in (Swarm, World, Schedule) for name, field in tables[model]["properties"].items()}
-    for name, told in tables[Case]["properties"].items():
-        told["description"] = keys[name]["description"]
     tables[Tables] = whole
     parts = [*(table(model, schema) for model, schema in tables.items()), changes(whole)]
     return "\n\n".join([HEAD, *(f"{part}\n" for part in parts)])

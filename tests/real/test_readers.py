@@ -9,7 +9,8 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from tests.test_docs import ROOT, blocks
+from tests.support.pages import blocks
+from tests.support.places import ROOT
 
 
 def skip_without(program, *options):

@@ -15,7 +15,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters
 from tests.real.one_node import until
-from tests.test_clusters import LONG, same, study
+from tests.support.clusters import LONG, same, study
 
 SHORT = LONG.replace("trials = 200", "trials = 20")
 

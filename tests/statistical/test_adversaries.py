@@ -7,7 +7,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.engine.constants import HEARD
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
-from tests.long import in_two_sizes
+from tests.support.long import in_two_sizes
 
 pytestmark = pytest.mark.interpreted
 SEED = 11

@@ -11,7 +11,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.simulation.trials import record_trial
-from tests.small import SEED
+from tests.support.small import SEED
 
 CHANGING = brains.load("changing-floor")
 ALARM = 4.05  # between two values that the sums can take: rounding then decides nothing

@@ -9,6 +9,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.simulation import sampling
 
 
 @pytest.mark.long(but=["ring"])
@@ -86,7 +87,7 @@ def test_asdf_mends_a_minority():
     assert setting.brain.name == "asdf"
     off = []
     for trial in range(40):
-        who = setting.groups(14, trial, 1)[0] == 1
+        who = sampling.groups(setting, 14, trial, 1)[0] == 1
         trace = sc.replay(results, 1, trial)
         assert (trace["mended"].values[-1, who] > 0).all()
         off += list(trace["accuracy"].values[-1, who] - 0.75)

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 
@@ -103,7 +104,7 @@ def test_what_moving_robots_meet_and_read_follows_the_tick(change, accuracy):
 def test_no_more_tiles_turn_than_need_be():
     """From 0.3 to 0.8 half of all tiles turn, each once and from white: a binomial p-value, error rate 0.1 %."""
     change = {"from": 0.3, "to": 0.8, "at": 5, "until": 20}
-    ground = setting_of(change, 0.9, topology="moving", density=2.0).ground(17, 0)
+    ground = sampling.ground(setting_of(change, 0.9, topology="moving", density=2.0), 17, 0)
     tiles, turns = ground.all_tiles().astype(bool), ground.turns()
     turned = turns <= ROUNDS
     assert not (tiles & turned).any()

@@ -7,8 +7,8 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.second import SEED, brain
-from tests.test_consensus_rivals import CONSTANT
+from tests.support.lying import CONSTANT
+from tests.support.second import SEED, brain
 
 PLACES = brains.load("linear-consensus").functions
 P = 1e-3

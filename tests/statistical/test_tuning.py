@@ -7,8 +7,8 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.tuning import generations, tuning
-from tests.long import in_two_sizes
-from tests.tunable import study_of
+from tests.support.long import in_two_sizes
+from tests.support.tunable import study_of
 
 
 def called_better(folder, seeds):

@@ -18,6 +18,7 @@ from swarmcensus.brains.syntax import functions_of
 
 CONSTANTS = ("pi", "e", "tau", "inf")  # of math
 EXACT = 2**24  # up to here single precision has all whole numbers
+MODULE = __name__  # from which a source in single precision imports it
 ROUND = "rounded_to_single"  # what the function is called that rounds, in the source that is made here
 
 
@@ -37,7 +38,7 @@ def codec_source(precision: str) -> str:
 def in_single(tree: ast.Module, kinds: Kinds) -> ast.Module:
     """The source in single precision, with calls of `rounded_to_single`; `kinds` are those of `tree`."""
     made: ast.Module = _Rounding(kinds).visit(copy.deepcopy(tree))  # with the lines of the file
-    made.body.insert(0, ast.ImportFrom(__name__, [ast.alias(ROUND)], 0))
+    made.body.insert(0, ast.ImportFrom(MODULE, [ast.alias(ROUND)], 0))
     return ast.fix_missing_locations(made)
 
 

@@ -18,7 +18,7 @@ from swarmcensus.basics.options import option
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.summaries import restated
 from swarmcensus.results.values import parameters_in
-from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import NUMERIC
 
 NONE = -1
 

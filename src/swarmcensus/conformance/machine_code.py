@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import without_colours
-from swarmcensus.brains import FUNCTIONS, Brain, Vector, numbers
+from swarmcensus.brains import FUNCTIONS, Brain, Vector
 from swarmcensus.conformance.contract_checks import is_wish
 from swarmcensus.conformance.sample_minds import ACCURACIES, SEED, Fault
 from swarmcensus.engine import codegen, compiler
@@ -81,7 +81,7 @@ def agrees(brain: Brain) -> None:
 
 @interruptible
 def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
-    """How minds (robot, field) steer, compiled, without limits of wheels.
+    """How minds, records (robot), steer, compiled, without limits of wheels.
 
     Returns (3, robot): whether they steer at all, speed, turn.
     """
@@ -89,7 +89,8 @@ def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
     body["step"] = body["turn"] = np.inf
     wishes = np.empty((3, len(minds)))
     made = swarm((brain,), np.zeros(len(minds), np.int64), "moving", LUCK)
-    compiler.compile_world("riding").steer(made, minds, body, np.full(len(minds), np.inf), 0, 1, wishes)
+    memory = minds.view(np.uint8).reshape(len(minds), -1)
+    compiler.compile_world("riding").steer(made, memory, body, np.full(len(minds), np.inf), 0, 1, wishes)
     return wishes
 
 
@@ -97,7 +98,7 @@ def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) 
     """Compare how the minds of a trace (round, robot) steer in CPython and in machine code. Raises Fault."""
     luck = oracle.own_luck(brain, LUCK, 0, 1, LUCK_STEER, len(b))
     for k in range(trace.sizes["round"]):
-        minds = np.empty((len(b), compiler.array_layout(brain).mind_width))
+        minds = np.zeros(len(b), compiler.array_layout(brain).record)
         wishes = []
         for i in range(len(b)):
             me = brain.robot(float(b[i]), float(w[i]), float(i))
@@ -105,7 +106,8 @@ def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) 
                 value = trace[name].values[k, i].tolist()
                 setattr(me, name, Vector(value) if long else value)
             oracle.give(brain, me, luck, i)
-            minds[i] = numbers({n: tuple(v) if isinstance(v := getattr(me, n), list) else v for n in me.__slots__})
+            for name in me.__slots__:
+                minds[name][i] = getattr(me, name)
             wishes.append(brain.functions.steer(me))
         if not all(map(is_wish, wishes)):
             return  # another check reports this

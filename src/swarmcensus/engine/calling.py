@@ -98,7 +98,7 @@ def _machine_word(typing, words, place):
 
 
 def _plain_word(words, place):
-    return words.reshape(-1)[int(place)]
+    return words.reshape(-1).view(np.uint8)[8 * int(place) : 8 * int(place) + 8].view(np.uint64)[0]
 
 
 def _plain_blank(dtype):

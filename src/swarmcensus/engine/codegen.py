@@ -1,21 +1,18 @@
 """Writes the few lines of source that fit one brain, or one metric, to the compiled loops."""
 
 import ast
-import functools
 import itertools
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
-import numpy as np
-
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, is_shipped, length, slots
 from swarmcensus.brains.packing import MOST, READ, STEPS, Part
 from swarmcensus.brains.single import ROUND
-from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID
+from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID, SILENT
 from swarmcensus.metrics import Metric
 
 BEFORE = "base_of_power"
-CLIPPED, OWED, UNUSED = "_clipped", "_owed_{}", "_unused_"  # of a mind, where its messages have a format
+CLIPPED, OWED = "_clipped", "_owed_{}"  # of a mind, where its messages have a format
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 STRICT = """
@@ -42,9 +39,16 @@ for file in ({files},):
         if isinstance(value, type(lambda: None)):
             setattr(file, name, compiled(value, {checked}))
 {functions}
-width = {width}
-number, columns = {number}, {columns}
+number, width = {number}, {width}
+is_signalled = {signalled}
 options = {options}
+
+
+@compiled
+def give(me, i, b, w):
+    {name}
+    me.b = b
+    me.w = w
 
 
 @compiled
@@ -213,31 +217,19 @@ def fields_of(brain: Brain) -> dict[str, int]:
 
 
 def record_fields(brain: Brain) -> list[tuple[Any, ...]]:
-    """The fields of a mind, as NumPy takes them.
-
-    In single precision a float32 lies in the first half of the eight bytes of each number, so that rows are as long as
-    in double precision; a vector's items lie together. A name and a count are whole numbers in double precision.
-    """
-    fields: list[tuple[Any, ...]] = []
-    for name, long in fields_of(brain).items():
-        single = brain.numbers.precision == "single" and name not in ("name", CLIPPED)
-        kinds = (("f4", name), ("f4", UNUSED + name)) if single else (("f8", name),)
-        fields += [(part, kind, (long,)) if long else (part, kind) for kind, part in kinds]
-    return fields
+    """The fields of a mind, as NumPy takes them: numbers in the brain's precision, and a name in double precision."""
+    kinds = {"name": "f8", CLIPPED: "i8"}
+    usual = "f4" if brain.numbers.precision == "single" else "f8"
+    return [(name, kinds.get(name, usual), *([(long,)] if long else [])) for name, long in fields_of(brain).items()]
 
 
-def is_flagged(brain: Brain, mixed: bool) -> bool:
-    """Whether the last number that the engine keeps of a message says whether it was said."""
+def is_signalled(brain: Brain, mixed: bool) -> bool:
+    """Whether robots may be silent or jam, so that each says in every round what it does."""
     return mixed or brain.uses.silence or brain.jams
 
 
-@functools.lru_cache(maxsize=256)
-def outbox_width(brain: Brain, mixed: bool = False) -> int:
-    """How many numbers the engine keeps of a message. Where `receive` only adds, they are what it adds."""
-    return len(_kept(brain, mixed)) + is_flagged(brain, mixed)
-
-
-def _kept(brain: Brain, mixed: bool) -> list[str]:
+def kept_of_message(brain: Brain, mixed: bool) -> list[str]:
+    """The numbers that the engine keeps of a message. Where `receive` only adds, they are what it adds."""
     if brain.sums and not mixed:
         return slots({name: brain.lengths[name] for name in brain.sums})
     return slots(brain.message)
@@ -249,12 +241,10 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
     Where `receive` only adds, what a message adds is computed once by its sender, and not by each receiver; but not in
     a `mixed` swarm, where other brains hear it, too.
     """
-    kept = _kept(brain, mixed)
+    kept = kept_of_message(brain, mixed)
     single = brain.numbers.precision == "single"
-    step = 2 if single else 1  # a float32 lies in the first half of a number's eight bytes, as in a mind
-    columns = [f"outbox[i, {step * k}]" for k, _ in enumerate(kept)]
+    columns = [f"outbox[i, {k}]" for k, _ in enumerate(kept)]
     sums = kept if brain.sums and not mixed else []
-    flag = [f"outbox[i, {step * len(kept) + step - 1}]"] if is_flagged(brain, mixed) else []
     rounds = single or any(part.coding == "float32" for part in brain.parts)
     files, chance = ["brain", "codec"] if brain.parts else ["brain"], "single_chance" if single else "chance"
 
@@ -263,7 +253,9 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
 
     read = [rounded(column) for column in columns]
     heard = ", ".join(
-        _part(start, long, step) if long else read[start] for start, long in _starts(brain.message) if not sums
+        f"outbox[i, {start}:{start + long}]" if long else read[start]
+        for start, long in _starts(brain.message)
+        if not sums
     )
     return MIND.format(
         files=", ".join(files),
@@ -281,11 +273,12 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
             + ["jam = brain.jam"] * brain.jams
             + [OBSERVE_SINGLE.format(round=ROUND)] * single
         ),
-        width=len(columns) + len(flag),
         number="float32" if single else "float64",
-        columns=step * (len(columns) + len(flag)),
+        width=len(columns),
+        signalled=is_signalled(brain, mixed),
+        name="me.name = i" if brain.uses.name else "pass",
         options=brain.options,
-        saying="\n    ".join(_saying(brain, columns, sums, flag)),
+        saying="\n    ".join(_saying(brain, columns, sums)),
         taking="\n    ".join(
             [_added(name, column, rounded) for column, name in zip(read, sums, strict=True)]
             if sums
@@ -307,19 +300,16 @@ def _added(name: str, term: str, rounded: Callable[[str], str]) -> str:
     return f"me.{name} = {whole}" if whole.startswith(ROUND) else f"me.{name} += {term}"
 
 
-def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) -> list[str]:
+def _saying(brain: Brain, columns: list[str], sums: list[str]) -> list[str]:
     """The lines of `say`."""
-    step = 2 if brain.numbers.precision == "single" else 1
     names = [f"said_{k}" for k, _ in enumerate(brain.message)]
     unpacked = f"{', '.join(names)}, = broadcast(me)"
     lines = [unpacked]
-    unsaid = [f"    {column} = 0.0" for column in (*columns, *flag)]
-    noise = []
-    if brain.jams:
-        noise = ["if jam(me):", *unsaid[:-1], f"    {flag[0]} = {_flag(brain, NOISE)}", "    return"]
+    unsaid = [f"    {column} = 0.0" for column in columns]
+    noise = ["if jam(me):", *unsaid, f"    return {NOISE}"] if brain.jams else []
     if brain.uses.silence:
         blank = "".join(f"{(0.0,) * long if long else 0.0}, " for long in brain.message.values())
-        lines = [f"there, message = spoken(broadcast(me), ({blank}))", "if not there:", *unsaid, "    return"]
+        lines = [f"there, message = spoken(broadcast(me), ({blank}))", "if not there:", *unsaid, f"    return {SILENT}"]
         lines += [f"{', '.join(names)}, = message"]
     lines += [f"whole_vector({n}, {long})" for n, long in zip(names, brain.message.values(), strict=True) if long]
     if brain.parts:
@@ -333,16 +323,10 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
     else:
         for name, (start, long) in zip(names, _starts(brain.message), strict=True):
             if long:
-                lines += [f"for k in range({long}):", f"    outbox[i, {step} * ({start} + k)] = 1.0 * {name}[k]"]
+                lines += [f"for k in range({long}):", f"    outbox[i, {start} + k] = 1.0 * {name}[k]"]
             else:
                 lines += [f"{columns[start]} = 1.0 * {name}"]
-    return noise + lines + [f"{column} = {_flag(brain, SAID)}" for column in flag]
-
-
-def _flag(brain: Brain, value: float) -> float:
-    """What is written to the flag of a message: if single, the second half of the float64 that the engine reads."""
-    single = brain.numbers.precision == "single"
-    return float(np.array([value]).view(np.float32)[1]) if single else value
+    return [*noise, *lines, f"return {SAID}"]
 
 
 def _coded(brain: Brain, names: list[str]) -> list[str]:
@@ -357,7 +341,7 @@ def _coded(brain: Brain, names: list[str]) -> list[str]:
             lines.append(f"plain_{place} = {ROUND}({number})" if single else f"plain_{place} = {number}")
             sent = f"codec.added(plain_{place}, me.{OWED.format(place)})" if place in owed else f"plain_{place}"
             lines.append(f"number_{place} = {sent}")
-    lines += ["clipped = 0.0"]
+    lines += ["clipped = 0"]
     for part in brain.parts:
         lines += _code(part, owed, single)
     lines += [f"me.{CLIPPED} += clipped"]
@@ -377,7 +361,7 @@ def _code(part: Part, owed: Collection[int], single: bool) -> list[str]:
     name = READ[coding]
     numbers = f"float({ROUND}({numbers}))" if coding == "float32" and not single else numbers
     lines = [f"{reads} = codec.read_{name}({numbers}{given})", f"holds = codec.holds_{name}({numbers}{given})"]
-    lines += ["if not holds:", "    clipped = 1.0"]
+    lines += ["if not holds:", "    clipped = 1"]
     for place in places:
         if place in owed:
             kept = f"me.{OWED.format(place)}"
@@ -401,11 +385,6 @@ def _starts(message: dict[str, int]) -> list[tuple[int, int]]:
     """Where each part of a message begins, and how long it is; 0 for a number."""
     ends = itertools.accumulate((max(long, 1) for long in message.values()), initial=0)
     return list(zip(ends, message.values(), strict=False))
-
-
-def _part(start: int, long: int, step: int) -> str:
-    """The items of a message's vector."""
-    return f"outbox[i, {step * start} : {step * (start + long)}{' : 2' if step > 1 else ''}]"
 
 
 def _tuple(items: Iterable[str]) -> str:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.basics.errors import without_colours
-from swarmcensus.brains import Brain, is_shipped, numbers
+from swarmcensus.brains import Brain, is_shipped
 from swarmcensus.brains.single import codec_source
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
@@ -19,7 +19,7 @@ LOOPS = (
     "world", "scores", "failures", "minds", "rounds", "kernel", "living", "motion", "neighbours", "walk", "riding",
     "steering",
 )  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
-ALWAYS = ("sense", "believe")  # what of a brain is needed with whatever neighbours
+ALWAYS = ("begin", "sense", "believe")  # what of a brain is needed with whatever neighbours
 ONE_BY_ONE, IN_SUMS, IN_SUMS_OF_ALL = "one by one", "in sums", "in sums of all"
 HEARING = {  # and what by how a round's messages reach robots on fixed networks
     ONE_BY_ONE: {"hear", "end_round"},
@@ -41,23 +41,14 @@ class ArrayLayout(NamedTuple):
     """How a brain's minds and messages lie in the engine's arrays."""
 
     record: np.dtype  # a mind, with the brain's names
-    blank: np.ndarray  # (field): a mind before its first observation: MEMORY, parameters, zeros for what is given
-    message_width: int  # how many numbers are kept of a message
-    flag: int  # which of them says whether the robot talked; -1 where every robot does
-    clipped: int  # which number of a mind counts messages that its format cannot hold; -1 without a format
-
-    @property
-    def mind_width(self) -> int:
-        """How many numbers a mind is."""
-        return self.blank.size
-
-    def said(self, messages: np.ndarray) -> np.ndarray:
-        """The numbers of messages (..., number), as the outbox has them."""
-        single = self.record[0] == np.float32
-        return messages.view(np.float32)[..., ::2] if single else messages
+    blank: np.ndarray  # (byte): a mind before its first observation: MEMORY, parameters, zeros for what is given
+    number: np.dtype  # a number of a message
+    message_bytes: int  # that are kept of a message
+    is_signalled: bool  # whether a robot may be silent or jam
+    clipped: int  # which byte of a mind begins its count of messages that its format cannot hold; -1 without a format
 
     def records(self, minds: np.ndarray) -> np.ndarray:
-        """Minds (..., field) as records (...)."""
+        """Minds (..., byte) as records (...)."""
         return minds.view(self.record)[..., 0]
 
 
@@ -68,12 +59,12 @@ def array_layout(brain: Brain, mixed: bool = False) -> ArrayLayout:
     mind = np.zeros(1, record)
     for name, value in (brain.memory | brain.parameters).items():
         mind[name] = value
-    blank = mind.view(np.float64)
+    blank = mind.view(np.uint8)
     blank.flags.writeable = False
-    width = codegen.outbox_width(brain, mixed)
-    clipped = len(numbers(brain.memory)) + len(numbers(brain.parameters)) if brain.parts else -1  # then what is owed
-    flag = width - 1 if codegen.is_flagged(brain, mixed) else -1
-    return ArrayLayout(record, blank, width, flag, clipped)
+    number = np.dtype(np.float32 if brain.numbers.precision == "single" else np.float64)
+    size = number.itemsize * len(codegen.kept_of_message(brain, mixed))
+    clipped = record.fields[codegen.CLIPPED][1] if brain.parts and record.fields else -1
+    return ArrayLayout(record, blank, number, size, codegen.is_signalled(brain, mixed), clipped)
 
 
 def blank_record(metric: Metric, **given: float) -> np.ndarray:
@@ -113,7 +104,7 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
 def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
     """Which of a brain's functions a use calls."""
     if use == "alone":
-        return {"go_alone", "believe"}
+        return {"begin", "go_alone", "believe"}
     ways = {use} if use in HEARING else {ONE_BY_ONE}
     if use in ("network", "moving") and brain.sums and not mixed:
         ways |= {IN_SUMS} if use == "moving" and not brain.is_oracle else {IN_SUMS, IN_SUMS_OF_ALL}

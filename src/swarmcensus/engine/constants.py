@@ -9,8 +9,8 @@ BLOCK = 256
 # what is counted of a robot's messages
 SENT, HEARD, CLIPPED = 0, 1, 2
 
-# flags of a message; silence is 0. Noise drowns all other messages that reach the same robot
-SAID, NOISE = 1.0, 2.0
+# what a robot does in a round. Noise drowns all other messages that reach the same robot
+SILENT, SAID, NOISE = 0, 1, 2
 
 # the parts of a robot that may fail
 MOVING, SENSING, TALKING = 0, 1, 2
@@ -33,8 +33,8 @@ STATE = 14
 
 # what is compiled for each brain (`phases.py`), and the index of each function's address in `Swarm.functions`
 PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask",
-          "bound")  # fmt: skip
-SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND = range(11)
+          "bound", "begin")  # fmt: skip
+SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND, BEGIN = range(12)
 
 # what is known of each robot's decision: the option, -1 for none; when it first decided and last changed it, infinity
 # for never; when it was done, with which estimate, and whether it is; its first invalid decision, -1 for none, and when

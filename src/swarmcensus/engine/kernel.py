@@ -28,7 +28,7 @@ from .minds import (
     ZERO,
     believe_all,
     blank_minds,
-    copy_rows,
+    copy_all,
     count_clipped,
     count_known,
     find_wrong,
@@ -62,7 +62,8 @@ def simulate(
     segment, all get one. To see all estimates of a trial, run it alone and step by step with the same groups:
     minds.rows then hold the estimates of the step.
     """
-    memory, outbox, rows, checkpoints = minds.memory, minds.outbox, minds.rows, intervals.checkpoints
+    memory, outbox, signals, rows = minds
+    checkpoints = intervals.checkpoints
     robots = memory.shape[0]
     segment = rows.shape[0]
     count = (rounds + segment - 1) // segment
@@ -74,7 +75,7 @@ def simulate(
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
     uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
-    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
+    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
         number = first_trial + trial
@@ -110,15 +111,17 @@ def simulate(
             s = step if forward else 2 * count - 2 - step
             shot = s - before
             if forward and 0 <= shot < segments.snapshots.shape[0]:
-                copy_rows(segments.snapshots[shot], memory)
+                copy_all(segments.snapshots[shot], memory)
                 if late:
-                    copy_rows(segments.outboxes[shot], outbox)
+                    copy_all(segments.outboxes[shot], outbox)
+                    copy_all(segments.signals[shot], signals)
             elif not forward and undecided and s == 0:
                 blank_minds(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             elif not forward and undecided:
-                copy_rows(memory, segments.snapshots[shot])
+                copy_all(memory, segments.snapshots[shot])
                 if late:
-                    copy_rows(outbox, segments.outboxes[shot])
+                    copy_all(outbox, segments.outboxes[shot])
+                    copy_all(signals, segments.signals[shot])
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
@@ -132,7 +135,7 @@ def simulate(
                         if asks:
                             end = checkpoints[c] + 1
                         advance(
-                            swarm, Minds(memory, outbox, rows[begun - first :]), work, source, graph, radio,
+                            swarm, Minds(memory, outbox, signals, rows[begun - first :]), work, source, graph, radio,
                             counted if forward else again, failures, number, begun, end, stop,
                         )  # fmt: skip
                         if stop[0] != 0:
@@ -169,14 +172,14 @@ def simulate(
 
 @entry
 def believe(swarm, history, estimates):
-    """Fill `estimates` (round, robot) with those of minds (round, robot, field)."""
+    """Fill `estimates` (round, robot) with those of minds (round, robot, byte)."""
     for k in range(history.shape[0]):
         believe_all(swarm, history[k], estimates, np.uint64(k * history.shape[1]))
 
 
 @entry
 def decided(swarm, history, estimates, decisions):
-    """Fill `decisions` (round, robot, 2) with the option of minds (round, robot, field), and whether they are done.
+    """Fill `decisions` (round, robot, 2) with the option of minds (round, robot, byte), and whether they are done.
 
     `estimates` (round, robot) are those of the minds.
     """
@@ -194,7 +197,7 @@ def decided(swarm, history, estimates, decisions):
 
 @entry
 def bounded(swarm, history, bounds):
-    """Fill `bounds` (round, end, robot) with the intervals of minds (round, robot, field), where brains have one."""
+    """Fill `bounds` (round, end, robot) with the intervals of minds (round, robot, byte), where brains have one."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         if swarm.functions[group, BOUND]:
@@ -207,7 +210,8 @@ def bounded(swarm, history, bounds):
 
 @entry
 def follow(
-    swarm, outbox, beliefs, readings, every, periodic, first_message, senders, receivers, judged, history, estimates
+    swarm, outbox, signals, beliefs, readings, every, periodic, first_message, senders, receivers, judged, history,
+    estimates,
 ):  # fmt: skip
     """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
 
@@ -217,14 +221,14 @@ def follow(
     """
     robots = np.uint64(readings.shape[1])
     functions = swarm.functions[0]
-    memory = np.empty((readings.shape[1], swarm.fields[0]))
+    memory = np.empty((readings.shape[1], swarm.sizes[0]), np.uint8)
     row, seen = np.zeros(readings.shape[1]), np.empty(readings.shape[1])
     verdicts, agreed = np.empty((readings.shape[1], VERDICTS)), np.empty(2)
     luck = np.zeros((2, readings.shape[1]), np.uint64)
     message_luck = np.zeros(senders.size, np.uint64)
     arrivals = np.zeros((2, senders.size), np.uint32)
     blank_minds(swarm, memory, beliefs[0], beliefs[1])
-    copy_rows(history[0], memory)
+    copy_all(history[0], memory)
     k = 0
     for s in range(readings.shape[0]):
         whole = (s + 1) % every == 0
@@ -239,14 +243,14 @@ def follow(
                     judge(swarm, block, memory, row, ZERO, verdicts, k)
         for i in range(robots):
             seen[i] = -1.0 if verdicts[i, IS_DONE] != 0.0 else readings[s, i]
-        call(functions[SENSE], memory, outbox, ZERO, seen, 1.0, ZERO, robots, luck[0], ZERO)
+        call(functions[SENSE], memory, outbox, signals, ZERO, seen, 1.0, ZERO, robots, luck[0], ZERO)
         if periodic:
             first, last = 0, senders.size if whole else 0
         else:
             first, last = first_message[s], first_message[s + 1]
         count = 0
         for m in range(first, last):
-            if is_said(outbox, np.uint64(senders[m]), swarm.flag):
+            if is_said(signals, np.uint64(senders[m])):
                 arrivals[0, count] = receivers[m]
                 arrivals[1, count] = senders[m]
                 if swarm.luck.size > 0:
@@ -256,6 +260,6 @@ def follow(
         if ends:
             call(functions[END_ROUND], memory, row, ZERO, ZERO, robots, luck[1])
             k += 1
-            copy_rows(history[k], memory)
+            copy_all(history[k], memory)
     for k in range(history.shape[0]):
         believe_all(swarm, history[k], estimates, np.uint64(k) * robots)

@@ -14,20 +14,19 @@ from swarmcensus.engine.constants import BLOCK
 class Swarm(NamedTuple):
     """Which robot has which brain. Robots with the same brain are a group.
 
-    In `memory` (robot, field) each group has room for all robots, from its base on, and uses the rows of its own
-    robots: a row per robot, as long as its brain needs. So little is wasted that packing would gain nothing.
+    In `memory` (robot, byte) each group has room for all robots, from its base on, and uses that of its own robots: a
+    record for each, as its brain needs it. So little is wasted that packing would gain nothing.
     """
 
     functions: Any  # (group, function): addresses of the brains' functions, see `constants.py`
-    bases: np.ndarray  # (group): where its rows begin, in numbers
-    fields: np.ndarray  # (group): how long a row is
-    named: np.ndarray  # (group): whether a mind holds its robot's name, before its beliefs
-    clipped: np.ndarray  # (group): where a row counts messages that no format could hold; -1 without a format
-    blanks: np.ndarray  # (group, field): a mind before its first observation
+    bases: np.ndarray  # (group): where its records begin, in bytes
+    sizes: np.ndarray  # (group): bytes of a record
+    clipped: np.ndarray  # (group): which byte of it begins the count of messages that no format could hold, or -1
+    blanks: np.ndarray  # (group, byte): a mind before its first observation
     runs: np.ndarray  # (run, 3): group, first robot, last robot + 1; none crosses the end of a block
     of_block: np.ndarray  # (block + 1): where the runs of a block of BLOCK robots begin
     additive: bool  # whether all brains only add up what they hear
-    flag: int  # the column of a message that says whether it was SAID, or is NOISE; -1 where every robot talks
+    is_signalled: bool  # whether robots may be silent or jam, and say so in `Minds.signals`
     jams: bool  # whether any brain may drown what others say
     luck: np.ndarray  # two keys of two words each; empty where no brain uses luck
     honest: np.ndarray  # (robot): whom decisions and metrics count; empty where they count all
@@ -36,8 +35,9 @@ class Swarm(NamedTuple):
 class Minds(NamedTuple):
     """The minds of one trial: what they hold, say and estimate."""
 
-    memory: np.ndarray  # (robot, field), see `Swarm`
-    outbox: np.ndarray  # (round x robot, number): the messages of the last rounds, which take turns
+    memory: np.ndarray  # (robot, byte), see `Swarm`
+    outbox: np.ndarray  # (round x robot, byte): the messages of the last rounds, which take turns
+    signals: np.ndarray  # (round x robot): whether each was SAID, or its robot SILENT, or NOISE; empty if all are said
     rows: np.ndarray  # (round, robot): estimates
 
 
@@ -78,8 +78,9 @@ class Links(NamedTuple):
 class Segments(NamedTuple):
     """Room to run rounds of a trial again from a copy of its minds, see `kernel.simulate`."""
 
-    snapshots: np.ndarray  # (segment, robot, field): memory before the segment
-    outboxes: np.ndarray  # (segment, round x robot, number): the outbox; no segments if messages are not late
+    snapshots: np.ndarray  # (segment, robot, byte): memory before the segment
+    outboxes: np.ndarray  # (segment, round x robot, byte): the outbox; no segments if messages are not late
+    signals: np.ndarray  # (segment, round x robot): as the outbox
     extremes: np.ndarray  # (3, robot): least and greatest estimate of all later rounds, and the estimate of round 0
 
 
@@ -170,7 +171,7 @@ class Chunk(NamedTuple):
 class Recorded(NamedTuple):
     """Room for what is recorded of a chunk; no rows if nothing is."""
 
-    history: np.ndarray  # (tick, robot, field): minds after the tick
+    history: np.ndarray  # (tick, robot, byte): minds after the tick
     readings: np.ndarray  # (tick, robot): 1 for black; set where a robot made one
 
 

@@ -5,10 +5,9 @@ import numpy as np
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.constants import BLOCK, HEARD, SENT, TALKING
-from swarmcensus.engine.layout import Minds
 
 from .failures import works
-from .minds import ZERO, believe_all, blank_minds, copy_rows, forget_verdicts, heard_by, judge_blank
+from .minds import ZERO, believe_all, blank_minds, copy_all, forget_verdicts, heard_by, judge_blank
 from .rounds import Work, advance, count_heard, graph_of, most_arrivals
 
 
@@ -23,12 +22,12 @@ def start_minds(swarm, minds, beliefs, tally):
 
 
 @entry
-def live(swarm, minds, sensors, radio, links, stops, tally, trial, first, history, said, messages, stop):
+def live(swarm, minds, sensors, radio, links, stops, tally, trial, first, history, said, signals, messages, stop):
     """Run the rounds of one trial from `first` on, as many as minds.rows, which get the estimates.
 
-    After each round its minds go to `history` (round, robot, field), the messages that were heard to `said` (round,
-    robot, number), and the totals of messages sent and heard so far to `messages` (round, what). `tally` counts on from
-    the round before `first`. The other groups are those of one trial (`layout.py`).
+    After each round its minds go to `history` (round, robot, byte), the messages that were heard to `said` (round,
+    robot, byte) and `signals` (round, robot), and the totals of messages sent and heard so far to `messages` (round,
+    what). `tally` counts on from the round before `first`. The other groups are those of one trial (`layout.py`).
     """
     memory, outbox, rows = minds.memory, minds.outbox, minds.rows
     counts, delay = tally.counts, radio.delay
@@ -39,21 +38,23 @@ def live(swarm, minds, sensors, radio, links, stops, tally, trial, first, histor
     most = most_arrivals(graph, robots)
     arrivals = np.zeros((2, most), np.uint32)
     luck = np.zeros((3, max(robots, most if swarm.luck.size > 0 else 0)), np.uint64)
-    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
+    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
     work = Work(blacks, bits, np.zeros(0), luck, beside, arrivals)
     source = source_of(sensors)
     for r in range(rows.shape[0]):
         k = first + r
         renew(source, k)
         advance(
-            swarm, Minds(memory, outbox, rows[r:]), work, source, graph, radio, tally, stops, trial, k, k + 1, stop
+            swarm, minds._replace(rows=rows[r:]), work, source, graph, radio, tally, stops, trial, k, k + 1, stop
         )  # fmt: skip
         if stop[0] != 0:
             return
-        copy_rows(history[r], memory)
+        copy_all(history[r], memory)
         here = (k + 2) % (delay + 2) * robots
-        copy_rows(said[r], outbox[here : here + robots])
-        if swarm.flag < 0:
+        copy_all(said[r], outbox[here : here + robots])
+        if swarm.is_signalled:
+            copy_all(signals[r], minds.signals[here : here + robots])
+        else:
             for i in range(robots):
                 counts[SENT, i] += works(stops, TALKING, i, k)
         if k > delay:

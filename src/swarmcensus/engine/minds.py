@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.calling import call, place, word_at
 from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import (
+    BEGIN,
     BELIEVE,
     BOUND,
     CHANGED,
@@ -39,20 +40,13 @@ TILE = 256  # robots whose curves are looked at together: their extremes fit in 
 
 @loop()
 def blank_minds(swarm, memory, b, w):
-    """Blank minds that assume the accuracies b and w (robot or 1), which are their last fields."""
-    flat = memory.reshape(-1)
-    b_step, w_step = np.int64(b.size > 1), np.int64(w.size > 1)
+    """Blank minds that assume the accuracies b and w (robot or 1)."""
     for run in range(swarm.runs.shape[0]):
-        group = swarm.runs[run, 0]
-        fields = swarm.fields[group]
-        for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
-            row = swarm.bases[group] + i * fields
-            for j in range(fields):
-                flat[row + j] = swarm.blanks[group, j]
-            if swarm.named[group]:
-                flat[row + fields - 3] = i
-            flat[row + fields - 2] = b[i * b_step]
-            flat[row + fields - 1] = w[i * w_step]
+        group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        call(
+            swarm.functions[group, BEGIN], place(memory, swarm.bases[group]),
+            place(swarm.blanks, np.int64(group) * swarm.blanks.shape[1]), b, w, b.size > 1, w.size > 1, first, last,
+        )  # fmt: skip
 
 
 @loop()
@@ -64,11 +58,11 @@ def believe_all(swarm, memory, rows, start):
 
 
 @loop()
-def copy_rows(target, rows):
-    """Copy an array of two dimensions: `target[:] = rows` would take two seconds to compile."""
-    for i in range(rows.shape[0]):
-        for j in range(rows.shape[1]):
-            target[i, j] = rows[i, j]
+def copy_all(target, source):
+    """Copy an array: `target[:] = source` would take two seconds to compile."""
+    there, here = target.reshape(-1), source.reshape(-1)
+    for k in range(here.size):
+        there[k] = here[k]
 
 
 @loop(forceinline=True)
@@ -95,23 +89,23 @@ def arrives(radio, trial, tick, receiver, sender, stops):
 
 
 @loop(forceinline=True)
-def is_said(outbox, place, flag):
-    """Whether a message was said: `flag` is the outbox's column that tells, below 0 where every robot talks."""
-    return flag < 0 or outbox[place, flag] == SAID
+def is_said(signals, place):
+    """Whether a message was said."""
+    return signals.size == 0 or signals[place] == SAID
 
 
 @loop(forceinline=True)
-def is_noise(swarm, outbox, said, sender, stops, tick):
+def is_noise(signals, said, sender, stops, tick):
     """Whether a robot made noise at `tick`."""
-    return outbox[said + np.uint64(sender), swarm.flag] == NOISE and works(stops, TALKING, sender, tick)
+    return signals[said + np.uint64(sender)] == NOISE and works(stops, TALKING, sender, tick)
 
 
 @loop()
-def drowned(swarm, outbox, said, senders, first, last, stops, tick):
+def drowned(signals, said, senders, first, last, stops, tick):
     """Whether any of senders[first:last] makes noise: then their receiver hears nothing in that round."""
     noises = 0
     for e in range(first, last):
-        noises += is_noise(swarm, outbox, said, np.int64(senders[e]), stops, tick)
+        noises += is_noise(signals, said, np.int64(senders[e]), stops, tick)
     return noises > 0
 
 
@@ -133,40 +127,40 @@ def count_known(swarm, counts, stops, rounds):
         sent = last
         for tick in range(last + 1, rounds + 1 if stops.shape[0] > PARTS else 0):
             sent += works(stops, TALKING, i, tick)
-        counts[SENT, i] = sent if swarm.flag < 0 else 0
+        counts[SENT, i] = 0 if swarm.is_signalled else sent
         counts[HEARD, i] = 0
 
 
 @loop()
-def count_sent(swarm, outbox, said, stops, tick, counts):
+def count_sent(signals, said, stops, tick, counts):
     """Count who talks in this round, where robots may be silent; else `count_known` has counted it."""
     for i in range(counts.shape[1]):
-        counts[SENT, i] += outbox[said + np.uint64(i), swarm.flag] == SAID and works(stops, TALKING, i, tick)
+        counts[SENT, i] += signals[said + np.uint64(i)] == SAID and works(stops, TALKING, i, tick)
 
 
 @loop()
-def count_said(swarm, outbox, said, bounds, senders, links, counts):
+def count_said(signals, said, bounds, senders, links, counts):
     """Count what is heard in this round, where robots may be silent, messages are sums and none is lost."""
     total = 0
     for i in range(counts.shape[1]):
-        total += outbox[said + np.uint64(i), swarm.flag] == SAID
+        total += signals[said + np.uint64(i)] == SAID
     for i in range(counts.shape[1]):
         if links == FULL:
-            counts[HEARD, i] += total - (outbox[said + np.uint64(i), swarm.flag] == SAID)
+            counts[HEARD, i] += total - (signals[said + np.uint64(i)] == SAID)
         else:
             for e in range(bounds[i], bounds[i + 1]):
-                counts[HEARD, i] += outbox[said + np.uint64(senders[e]), swarm.flag] == SAID
+                counts[HEARD, i] += signals[said + np.uint64(senders[e])] == SAID
 
 
 @loop()
 def count_clipped(swarm, memory, counts):
     """Count each robot's messages with a number that the format cannot hold: its mind has counted them."""
-    flat = memory.reshape(-1)
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         if swarm.clipped[group] >= 0 and counts.shape[1] > 0:
             for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
-                counts[CLIPPED, i] = np.int64(flat[swarm.bases[group] + i * swarm.fields[group] + swarm.clipped[group]])
+                at = swarm.bases[group] + i * swarm.sizes[group] + swarm.clipped[group]
+                counts[CLIPPED, i] = np.int64(word_at(place(memory, at), 0))
 
 
 @loop()

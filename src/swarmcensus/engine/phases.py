@@ -1,10 +1,10 @@
 """What robots do in a round: all of the engine that is compiled for each brain.
 
 `.mind` is that brain (see `codegen.py`). The engine's loops call these functions by address (`calling.py`), which costs
-little because each call handles many robots. Minds are rows of float64, one per robot, with the fields of `record`. A
-round's messages are rows of the outbox, from row `place` on, and estimates go to `rows` from index `start` on: offsets,
-because making a view of an array costs more than such a call. Robots are counted in uint64: Numba then does not check
-for negative indices. `luck` is a random word for each call of the brain, which only brains that use luck read.
+little because each call handles many robots. Minds are records, one per robot. A round's messages are rows of the
+outbox, from row `place` on, and estimates go to `rows` from index `start` on: offsets, because making a view of an
+array costs more than such a call. Robots are counted in uint64: Numba then does not check for negative indices. `luck`
+is a random word for each call of the brain, which only brains that use luck read.
 """
 
 import numpy as np
@@ -26,13 +26,14 @@ from swarmcensus.engine.return_values import chosen, ends_of
 from .mind import (
     add_sums,
     broadcast,  # noqa: F401
-    columns,
     decide,
     done,
     estimate,
     fuse,
+    give,
     give_luck,
     interval,
+    is_signalled,
     keep_sums,
     number,
     observe,
@@ -53,30 +54,47 @@ ZERO = np.uint64(0)
 ONE = np.uint64(1)
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE, ARRAY, WHOLE)
-def sense(memory, outbox, place, readings, looks, first, last, luck, begins):
+@phase(ARRAY, ARRAY, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, WHOLE)
+def begin(memory, blank, b, w, b_step, w_step, first, last):
+    """Robots first ... last - 1 have `blank` minds that assume accuracies b[i * b_step] and w[i * w_step]."""
+    minds = seen_as(memory, last, record)
+    size = minds.itemsize
+    rows, start = seen_as(memory, (last, size), np.uint8), seen_as(blank, size, np.uint8)
+    of_b, of_w = seen_as(b, last, np.float64), seen_as(w, last, np.float64)
+    for i in range(first, last):
+        for k in range(np.uint64(size)):
+            rows[i, k] = start[k]
+        give(minds[i], float(i), of_b[i * b_step], of_w[i * w_step])
+
+
+@phase(ARRAY, ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE, ARRAY, WHOLE)
+def sense(memory, outbox, signals, place, readings, looks, first, last, luck, begins):
     """Robots first ... last - 1 observe `readings` black ones of `looks`, below 0 for no reading, and then talk.
 
     Robots that are done make no reading; they are asked for it only where a round `begins`. Both branches call `say`,
-    so that what was just computed is not read back from memory: that halves the time.
+    so that what was just computed is not read back from memory: that halves the time. Robots that may be silent or jam
+    write to `signals` what they do.
     """
     minds = seen_as(memory, last, record)
-    said = seen_as(outbox, (place + last, columns), number)
+    said = seen_as(outbox, (place + last, width), number)
+    does = seen_as(signals, place + last if is_signalled else ZERO, np.uint8)
     seen = seen_as(readings, last - first, np.float64)
     for i in range(first, last):
         if seen[i - first] >= 0.0 and not (begins and done(minds[i])):
             give_luck(minds[i], luck, i - first)
             observe(minds[i], seen[i - first], looks)
-            say(said, place + i, minds[i])
+            signal = say(said, place + i, minds[i])
         else:
-            say(said, place + i, minds[i])
+            signal = say(said, place + i, minds[i])
+        if is_signalled:
+            does[place + i] = signal
 
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
 def hear(memory, outbox, place, receivers, senders, first, last, robots, luck):
     """Messages pass along links first ... last - 1."""
     minds = seen_as(memory, robots, record)
-    said = seen_as(outbox, (place + robots, columns), number)
+    said = seen_as(outbox, (place + robots, width), number)
     to = seen_as(receivers, last, np.uint32)
     by = seen_as(senders, last, np.uint32)
     for link in range(first, last):
@@ -91,7 +109,7 @@ def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, firs
     For brains whose `receive` only adds: sums stay in the processor's registers.
     """
     minds = seen_as(memory, last, record)
-    said = seen_as(outbox, (place + robots, columns), number)
+    said = seen_as(outbox, (place + robots, width), number)
     bounds = seen_as(heard, last + ONE, np.int64)
     by = seen_as(senders, messages, np.uint32)
     estimates = seen_as(rows, start + last, np.float64)
@@ -112,8 +130,8 @@ def add_up(outbox, place, sums_beside, size, robots):
     Blocks have `size` robots. Row 0 is the sum over the robots before the first: zeros.
     """
     blocks = (robots + size - ONE) // size
-    said = seen_as(outbox, (place + robots, columns), number)
-    beside = seen_as(sums_beside, (ONE + blocks, width), np.float64)
+    said = seen_as(outbox, (place + robots, width), number)
+    beside = seen_as(sums_beside, (ONE + blocks, width), number)
     for j in range(np.uint64(width)):
         beside[0, j] = 0.0
     sums = sums_at(beside, ZERO)
@@ -135,8 +153,8 @@ def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last
     `last`; row 1 + block is the sum over the robots from `last` on.
     """
     minds = seen_as(memory, last, record)
-    said = seen_as(outbox, (place + last, columns), number)
-    beside = seen_as(sums_beside, (block + ONE + ONE, width), np.float64)
+    said = seen_as(outbox, (place + last, width), number)
+    beside = seen_as(sums_beside, (block + ONE + ONE, width), number)
     estimates = seen_as(rows, start + last, np.float64)
     sums = sums_at(beside, ZERO)
     for i in range(first, last):

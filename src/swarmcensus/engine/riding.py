@@ -34,7 +34,7 @@ from .minds import (
     arrives,
     believe_all,
     blank_minds,
-    copy_rows,
+    copy_all,
     count_clipped,
     count_known,
     count_said,
@@ -63,12 +63,12 @@ class Buffers(NamedTuple):
     message_luck: Any  # (message)
     b: Any  # (robot): accuracies of the tick, where they drift
     w: Any
-    beside: Any  # (2, number): sums of messages, see `phases.add_up`
+    beside: Any  # (2, byte): sums of messages, see `phases.add_up`
 
 
 @njit(nogil=True, **INSIDE)
-def buffers_of(robots, messages, width):
-    """Room for so many robots and messages per tick; a message is `width` numbers."""
+def buffers_of(robots, messages, size):
+    """Room for so many robots and messages per tick; a message has `size` bytes."""
     return Buffers(
         np.zeros(robots, np.uint64),
         np.zeros(robots),
@@ -77,7 +77,7 @@ def buffers_of(robots, messages, width):
         np.zeros(messages, np.uint64),
         np.zeros(robots),
         np.zeros(robots),
-        np.zeros((2, width)),
+        np.zeros((2, size), np.uint8),
     )
 
 
@@ -92,8 +92,8 @@ def start_minds(swarm, minds, start, beliefs, tally, stops):
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         call(
-            swarm.functions[group, SENSE], place(memory, swarm.bases[group]), minds.outbox, ZERO, no_readings, 1.0, a,
-            z, luck, ONE,
+            swarm.functions[group, SENSE], place(memory, swarm.bases[group]), minds.outbox, minds.signals, ZERO,
+            no_readings, 1.0, a, z, luck, ONE,
         )  # fmt: skip
     believe_all(swarm, memory, start, ZERO)
     forget_verdicts(tally.verdicts, tally.agreed)
@@ -113,17 +113,17 @@ def look(readings, looked, black, b, w, bits):
 @loop()
 def hear_each(swarm, minds, buffers, radio, counts, stops, trial, tick, said, heard, senders):
     """Robot i hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and broken radios."""
-    memory, outbox, arrivals = minds.memory, minds.outbox, buffers.arrivals
+    memory, outbox, signals, arrivals = minds.memory, minds.outbox, minds.signals, buffers.arrivals
     said_at = tick - radio.delay
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         count = 0
         for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
             before = count
-            if swarm.jams and drowned(swarm, outbox, said, senders, heard[i], heard[i + 1], stops, said_at):
+            if swarm.jams and drowned(signals, said, senders, heard[i], heard[i + 1], stops, said_at):
                 continue
             for e in range(heard[i], heard[i + 1]):
-                if is_said(outbox, said + senders[e], swarm.flag) and arrives(radio, trial, tick, i, senders[e], stops):
+                if is_said(signals, said + senders[e]) and arrives(radio, trial, tick, i, senders[e], stops):
                     arrivals[0, count] = i
                     arrivals[1, count] = senders[e]
                     count += 1
@@ -153,12 +153,11 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
     `black` (tick, robot) says whether the tile under a robot's sensor is black. The outbox holds delay + 1 ticks. The
     other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know them.
     """
-    memory, outbox, rows = minds.memory, minds.outbox, minds.rows
+    memory, outbox, signals, rows = minds
     bits, seen, luck = buffers.bits, buffers.seen, buffers.luck
     counts, verdicts, delay = tally.counts, tally.verdicts, radio.delay
     n = memory.shape[0]
     lucky = swarm.luck.size > 0
-    silent = swarm.flag >= 0
     in_sums = swarm.additive and radio.threshold == 0 and stops.shape[1] == 0
     for k in range(chunk.looked.shape[0]):
         if stop[0] != 0:
@@ -185,11 +184,11 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
             at = np.int64(a)
             call(
-                swarm.functions[group, SENSE], place(memory, swarm.bases[group]), outbox, said, place(seen, at), 1.0,
-                a, z, place(luck, at), ONE,
+                swarm.functions[group, SENSE], place(memory, swarm.bases[group]), outbox, signals, said,
+                place(seen, at), 1.0, a, z, place(luck, at), ONE,
             )  # fmt: skip
-        if silent:
-            count_sent(swarm, outbox, np.uint64(said), stops, now, counts)
+        if swarm.is_signalled:
+            count_sent(signals, np.uint64(said), stops, now, counts)
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
@@ -205,8 +204,8 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
                 swarm.functions[0, HEAR_SUMS], memory, outbox, then, heard, chunk.senders, chunk.senders.size, rows,
                 here, ZERO, n, n, place(luck, n),
             )  # fmt: skip
-            if silent:
-                count_said(swarm, outbox, np.uint64(then), heard, chunk.senders, LISTED, counts)
+            if swarm.is_signalled:
+                count_said(signals, np.uint64(then), heard, chunk.senders, LISTED, counts)
             else:
                 for i in range(n):
                     counts[HEARD, i] += heard[i + 1] - heard[i]
@@ -230,7 +229,7 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
             if c < intervals.checkpoints.size and intervals.checkpoints[c] == now:
                 measure_intervals(swarm, memory, c, intervals)
         if recorded.history.shape[0] > 0:
-            copy_rows(recorded.history[k], memory)
+            copy_all(recorded.history[k], memory)
     count_clipped(swarm, memory, counts)
 
 

@@ -67,7 +67,7 @@ class Work(NamedTuple):
     bits: Any  # (robot): random words
     single: Any  # (robot): single readings; no robots if they do not go alone
     luck: Any  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
-    beside: Any  # (block + 1, number): sums of messages, see `phases.add_up`
+    beside: Any  # (block + 1, byte): sums of messages, see `phases.add_up`
     arrivals: Any  # (2, message): receivers and senders of what gets through
 
 
@@ -98,7 +98,7 @@ def most_arrivals(graph, robots):
 def count_heard(swarm, graph, radio, stops, rounds, counts):
     """Count what robots hear in so many rounds if it is the same in each round; else `advance` counts it."""
     sound = radio.threshold == 0 and stops.shape[1] == 0 and graph.mode != PAIRS
-    if swarm.flag < 0 and (graph.mode == FULL or sound):
+    if not swarm.is_signalled and (graph.mode == FULL or sound):
         robots = graph.bounds.size - 1
         for i in range(counts.shape[1]):
             degree = robots - 1 if graph.mode == FULL else graph.bounds[i + 1] - graph.bounds[i]
@@ -106,7 +106,7 @@ def count_heard(swarm, graph, radio, stops, rounds, counts):
 
 
 @loop()
-def take_drowned_away(swarm, outbox, said, graph, arrivals, count, stops, tick, counts):
+def take_drowned_away(signals, said, graph, arrivals, count, stops, tick, counts):
     """Drop arrivals at robots that a neighbour's noise reaches, and return how many are left; they come by receiver.
 
     A function of its own, because it would slow the loop below by a fifth for brains that never jam.
@@ -116,7 +116,7 @@ def take_drowned_away(swarm, outbox, said, graph, arrivals, count, stops, tick, 
     for k in range(count):
         to = np.int64(arrivals[0, k])
         if to != receiver:
-            receiver, deaf = to, drowned(swarm, outbox, said, senders, bounds[to], bounds[to + 1], stops, tick)
+            receiver, deaf = to, drowned(signals, said, senders, bounds[to], bounds[to + 1], stops, tick)
         if deaf and counts.shape[1] > 0:
             counts[HEARD, to] -= 1
         if not deaf:
@@ -129,18 +129,18 @@ def take_drowned_away(swarm, outbox, said, graph, arrivals, count, stops, tick, 
 @loop()
 def hear_what_arrives(swarm, minds, work, graph, radio, counts, stops, trial, tick, said, group, first, last):
     """Messages at `said` in the outbox pass along links first ... last - 1, but for lost ones and broken radios."""
-    arrivals, outbox, luck = work.arrivals, minds.outbox, work.luck[2]
+    arrivals, outbox, signals, luck = work.arrivals, minds.outbox, minds.signals, work.luck[2]
     count = 0
     for link in range(first, last):
         to, by = np.int64(graph.receivers[link]), np.int64(graph.senders[link])
-        if is_said(outbox, said + np.uint64(by), swarm.flag) and arrives(radio, trial, tick, to, by, stops):
+        if is_said(signals, said + np.uint64(by)) and arrives(radio, trial, tick, to, by, stops):
             arrivals[0, count] = to
             arrivals[1, count] = by
             count += 1
             if counts.shape[1] > 0:
                 counts[HEARD, to] += 1
     if swarm.jams:
-        count = take_drowned_away(swarm, outbox, said, graph, arrivals, count, stops, tick - radio.delay, counts)
+        count = take_drowned_away(signals, said, graph, arrivals, count, stops, tick - radio.delay, counts)
     if swarm.luck.size > 0:
         draw_message_luck(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
     call(
@@ -152,26 +152,22 @@ def hear_what_arrives(swarm, minds, work, graph, radio, counts, stops, trial, ti
 @loop()
 def hear_pairs(swarm, minds, work, radio, counts, stops, trial, tick, said, stop):
     """All hear all, message by message: O(N^2), for a radio that loses messages or a brain that does more than add."""
-    arrivals, outbox, luck = work.arrivals, minds.outbox, work.luck[2]
+    arrivals, outbox, signals, luck = work.arrivals, minds.outbox, minds.signals, work.luck[2]
     robots, said_at = minds.memory.shape[0], tick - radio.delay
     noises = 0
     if swarm.jams:
         for j in range(robots):
-            noises += is_noise(swarm, outbox, said, j, stops, said_at)
+            noises += is_noise(signals, said, j, stops, said_at)
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
             if stop[0] != 0:
                 return
             count = 0
-            if noises > 0 and noises > is_noise(swarm, outbox, said, i, stops, said_at):  # another robot's noise
+            if noises > 0 and noises > is_noise(signals, said, i, stops, said_at):  # another robot's noise
                 continue
             for j in range(robots):
-                if (
-                    i != j
-                    and is_said(outbox, said + np.uint64(j), swarm.flag)
-                    and arrives(radio, trial, tick, i, j, stops)
-                ):
+                if i != j and is_said(signals, said + np.uint64(j)) and arrives(radio, trial, tick, i, j, stops):
                     arrivals[0, count] = i
                     arrivals[1, count] = j
                     count += 1
@@ -194,7 +190,7 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
     one more for each round that messages are late; `said` is where the messages begin that are heard in this round.
     Nothing is counted or judged where the `Tally` has no robots.
     """
-    memory, outbox, rows = minds.memory, minds.outbox, minds.rows
+    memory, outbox, signals, rows = minds
     blacks, bits, luck, beside = work.blacks, work.bits, work.luck, work.beside
     counts, verdicts, agreed = tally.counts, tally.verdicts, tally.agreed
     tables, key = source.tables, source.sensors.key
@@ -205,11 +201,11 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
     said, next_said = np.uint64((first + 1) % (delay + 2)) * n, np.uint64(first % (delay + 2)) * n
     sound = radio.threshold == 0 and stops.shape[1] == 0
     in_sums = links == LISTED and sound and swarm.additive
-    one_by_one = links == LISTED and not (sound and swarm.flag < 0)
+    one_by_one = links == LISTED and (swarm.is_signalled or not sound)
     at_once = n <= CACHED
     lucky = swarm.luck.size > 0
     fused, heard = np.int64(luck.shape[1]), np.int64(2 * luck.shape[1])  # where in `luck` those parts begin
-    addresses, bases, runs, of_block, flag = swarm.functions, swarm.bases, swarm.runs, swarm.of_block, swarm.flag
+    addresses, bases, runs, of_block = swarm.functions, swarm.bases, swarm.runs, swarm.of_block
     shared = addresses[0]  # functions of all robots, if the swarm is additive
     for k in range(first - 1, last):
         if stop[0] != 0:
@@ -227,8 +223,8 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                 call(shared[HEAR_ALL], memory, outbox, said, beside, ZERO, rows, here, ZERO, n, place(luck, fused))
         elif hears and links != LISTED:
             hear_pairs(swarm, minds, work, radio, counts, stops, trial, k, said, stop)
-        if hears and flag >= 0 and (in_sums or links == FULL):
-            count_said(swarm, outbox, said, bounds, senders, links, counts)
+        if hears and swarm.is_signalled and (in_sums or links == FULL):
+            count_said(signals, said, bounds, senders, links, counts)
         for block in range(ZERO, np.uint64(beside.shape[0] - 1)):
             start = block * np.uint64(BLOCK)
             end = min(start + np.uint64(BLOCK), n)
@@ -278,11 +274,11 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     offset = np.int64(a - start)
                     call(
-                        addresses[group, SENSE], place(memory, bases[group]), outbox, next_said,
+                        addresses[group, SENSE], place(memory, bases[group]), outbox, signals, next_said,
                         place(blacks, offset), float(looks), a, z, place(luck, offset), ONE,
                     )  # fmt: skip
-        if k + 1 < last and flag >= 0:
-            count_sent(swarm, outbox, next_said, stops, k + 1, counts)
+        if k + 1 < last and swarm.is_signalled:
+            count_sent(signals, next_said, stops, k + 1, counts)
         if r >= 0 and verdicts.shape[0] > 0:
             agree(verdicts, swarm.honest, agreed, k)
         said = said + n if said + n < ring else ZERO

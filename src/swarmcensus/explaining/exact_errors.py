@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from swarmcensus import brains, theory
 from swarmcensus.basics.formatting import counted
 from swarmcensus.explaining.expectations import ALONE, MIXED, mixing_of, reasons
+from swarmcensus.simulation import sampling
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -43,7 +44,7 @@ def exact_errors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> Ex
     if setting.brain.sha256 != brains.load(name).sha256:
         return _unknown(f"{name} is not the one that ships")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
-    drawn = [accuracies[trials - first] for accuracies in setting.accuracies(study.seed, first, count)]
+    drawn = [accuracies[trials - first] for accuracies in sampling.accuracies(setting, study.seed, first, count)]
     absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
     line = ALONE if hears_nobody else BRAINS[name]
     if line in absent:

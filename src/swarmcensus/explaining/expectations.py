@@ -16,6 +16,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.summaries import done
+from swarmcensus.simulation import sampling
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.theory.late_mixing import fits
@@ -74,7 +75,7 @@ def expect(
     if not trials.size:
         raise InputError(f"setting {number}: none of its trials has been run")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
-    drawn = [values[trials - first] for values in setting.accuracies(study.seed, first, count)]
+    drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
     absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
     if _some_stop_early(data.sel(setting=[number])):
         absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
@@ -219,7 +220,7 @@ def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Flo
     )
     matrices: list[Floats] = []
     for trial in chosen.tolist():
-        links = setting.links(seed, trial, 1)
+        links = sampling.links(setting, seed, trial, 1)
         everyone = np.full((setting.robots, setting.robots), 1.0 / setting.robots)
         matrix = from_links(setting.robots, links.receivers, links.senders) if links.mode == LISTED else everyone
         matrices.append(matrices[0] if same_graph and matrices else matrix)

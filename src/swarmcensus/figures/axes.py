@@ -17,7 +17,7 @@ from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
 from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import show_range
 from swarmcensus.results.values import metric_of, metrics_in
-from swarmcensus.vocabulary.coordinates import OF_FIGURES
+from swarmcensus.studies.coordinates import OF_FIGURES
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades

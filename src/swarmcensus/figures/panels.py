@@ -11,7 +11,7 @@ from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.results.labels import renamed, titles_in
 from swarmcensus.results.selecting import TooMuch, require
-from swarmcensus.vocabulary.coordinates import caption_form, idle_caption
+from swarmcensus.studies.coordinates import caption_form, idle_caption
 
 MOST_PANELS = 24
 Names = Sequence[str] | str | None  # of coordinates

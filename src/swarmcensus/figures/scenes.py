@@ -1,13 +1,11 @@
-"""One trial for figures: its trace, given or replayed, and the floor of moving robots."""
+"""One trial for figures: its trace, given or replayed, with the floor of moving robots."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.times import in_ticks, parse_time
@@ -15,11 +13,13 @@ from swarmcensus.results import replaying
 from swarmcensus.results.selecting import require
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
+from swarmcensus.simulation import sampling
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.networks import MOVING
 
 MOST_TILES = 4000  # from wall to wall; a finer floor is drawn as plain grey
+FLOOR, TURNS = "arena floor", "arena turns"  # variables of a trace; no field of a brain has a space in its name
 
 
 class Clock(NamedTuple):
@@ -41,21 +41,6 @@ class Clock(NamedTuple):
             raise InputError(str(error)) from None
 
 
-class ChangingFloor(NamedTuple):
-    """A floor whose fill ratio changes (see `worlds.changing_ground`)."""
-
-    tiles: NDArray[np.uint8]  # (row, column), 1 is black: at tick 1
-    turns: NDArray[np.int32]  # (row, column): tick from which a tile has the other colour
-
-    def at(self, tick: int) -> NDArray[np.uint8]:
-        """The tiles at a tick."""
-        return self.tiles ^ (tick >= self.turns)
-
-
-Tiles = NDArray[np.uint8] | ChangingFloor | None
-Scene = tuple[xr.Dataset, Tiles]  # a trace with links, and its floor
-
-
 def is_trace(data: xr.Dataset) -> bool:
     """Whether a dataset is a trace of one trial, not results of a study."""
     return "round" in data.dims
@@ -72,28 +57,30 @@ def trace_of(
 
 def scene_of(
     results: xr.Dataset | str | Path, setting: int | None = None, trial: int = 0, brain_file: str | Path | None = None
-) -> Scene:
-    """Return what `snapshot` and `film` draw of one trial: its trace with links, and its floor.
+) -> xr.Dataset:
+    """Return what `arena` and `film` draw of one trial: its trace with links, and its floor as two more variables.
 
-    Arguments are those of `replay`; `setting` is by default the first with moving robots. The floor is None if it has
-    too many tiles for a picture. Raises InputError, also if the setting's robots do not move.
+    `FLOOR` (row, column) holds the tiles at tick 1, 1 for black, in squares of the attribute `tile_side` in metres, the
+    lowest row first, centred on the arena. `TURNS` (row, column) is the tick from which a tile of a floor that changes
+    has the other colour. A floor that has too many tiles for a picture is left out. Arguments are those of `replay`;
+    `setting` is by default the first with moving robots. Raises InputError, also if the setting's robots do not move.
     """
     data = results if isinstance(results, xr.Dataset) else load(results)
     setting, chosen = find_moving(data, setting, trial, brain_file)
     assert chosen.body is not None
     trace = replaying.replay(data, setting, trial, brain_file, links=True)
     trace.attrs["tick_seconds"] = chosen.body.tick
-    drawn = tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES
-    if not drawn:
-        return trace, None
-    ground = chosen.ground(trace.attrs["seed"], trial)
-    tiles = ground.all_tiles()
-    return trace, ChangingFloor(tiles, ground.turns()) if chosen.change else tiles
+    if tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES:
+        ground = sampling.ground(chosen, trace.attrs["seed"], trial)
+        trace[FLOOR] = ("row", "column"), ground.all_tiles()
+        if chosen.change:
+            trace[TURNS] = ("row", "column"), ground.turns()
+    return trace
 
 
-def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None) -> Scene:
-    """A trace without its floor, or the scene of results. Raises InputError as `scene_of` does."""
-    return (results, None) if is_trace(results) else scene_of(results, setting, trial, brain_file)
+def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None) -> xr.Dataset:
+    """A trace as it is, or the scene of results. Raises InputError as `scene_of` does."""
+    return results if is_trace(results) else scene_of(results, setting, trial, brain_file)
 
 
 def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None, robot: int) -> Clock:

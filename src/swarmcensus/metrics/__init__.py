@@ -5,6 +5,6 @@ Out: a Metric: its functions, the fields of its record, its unit and meaning.
 Must not know: how metrics are compiled, brains, worlds, studies.
 """
 
-from swarmcensus.metrics.metric import GIVEN, PLUGINS, RESERVED, Metric, find, load, parse, variable_of
+from swarmcensus.metrics.metric import GIVEN, PLUGINS, Metric, find, load, parse, variable_of
 
-__all__ = ["GIVEN", "PLUGINS", "RESERVED", "Metric", "find", "load", "parse", "variable_of"]
+__all__ = ["GIVEN", "PLUGINS", "Metric", "find", "load", "parse", "variable_of"]

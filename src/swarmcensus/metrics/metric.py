@@ -12,21 +12,13 @@ from typing import Any
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.plugins import Plugins
-from swarmcensus.vocabulary.coordinates import COORDINATES, NUMERIC
-from swarmcensus.vocabulary.quantities import QUANTITIES
 
 PLUGINS = Plugins("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
 FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
 MAY_HAVE = {"after": 2}  # only in metrics of a swarm
 GIVEN = ("low", "high", "delta", "rounds", "robots")  # fields that each record has before `begin`
-RESERVED = {  # names of the dataset, and of its summary
-    *QUANTITIES, *COORDINATES, *NUMERIC, "setting", "trial", "robot", "checkpoint", "end", "parameters",
-    "trials", "failed", "K", "error", "right",
-}  # fmt: skip
 BETTER = {"low": True, "high": False}
 LONGEST_LABEL = 24
-PREFIXES = ("edge_", "edges_", "floor_", "row_", "column_")  # of other variables of the dataset
-SUFFIXES = ("_low", "_high")  # of columns of the summary
 
 
 @dataclass(frozen=True)
@@ -129,8 +121,6 @@ def parse(source: str, name: str, path: Path) -> Metric:
     variable = variable_of(name)
     if not safe_source.is_name(variable):
         raise error(f"{variable!r} cannot name a variable of the results: use letters, digits and _ before .py")
-    if variable in RESERVED or variable.startswith(PREFIXES) or variable.endswith(SUFFIXES):
-        raise error(f"the name {variable!r} is used in the results: give the file another name")
     for function in functions.values():
         for node in ast.walk(function):
             if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and node.attr in GIVEN:

@@ -1,14 +1,26 @@
-"""The evaluations that `reproduce` runs: the paper's own, and published results on rivals."""
+"""The evaluations that `reproduce` runs: the paper's own, and published results on rivals.
 
+Each is a file beside this one, `paper.toml` and `rivals.toml`. There a claim names the function that measures it, and
+perhaps one that explains why it does not hold and one that writes a note, as a text, or as a table with its arguments.
+"""
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.paper import bayesian_claims, claims, number_claims, opinion_claims
-from swarmcensus.paper.evidence import Claim
-from swarmcensus.paper.figures import FIGURES, PaperFigure
+from swarmcensus.paper import explanations, measures, rival_explanations, rival_measures
+from swarmcensus.paper.evidence import Claim, Range
+from swarmcensus.paper.figures import PaperFigure, View
 
-RIVAL_CLAIMS: tuple[Claim, ...] = (*opinion_claims.CLAIMS, *bayesian_claims.CLAIMS, *number_claims.CLAIMS)
+ONE, SEVERAL = ("first", "second"), ("others", "contenders")  # arguments that name contenders
+INFINITE = float("inf")
 
 
 @dataclass(frozen=True)
@@ -41,37 +53,58 @@ def evaluation(name: str) -> Evaluation:
     return EVALUATIONS[name]
 
 
-PAPER = Evaluation(
-    name="paper",
-    title="The paper, run again",
-    lead="The results of a paper on swarms of robots with lying sensors, simulated again, drawn, and checked sentence "
-    "by sentence.",
-    source="Chin, Khaluf and Pinciroli, “Minimalistic Collective Perception with Imperfect Sensors”",
-    about="its evaluation on fixed communication networks (Sec. IV-B) and with robots that move (Sec. IV-C)",
-    symbols="N robots estimate f, the share of the floor that is black; b and w are the probabilities that a sensor "
-    "reads black and white rightly. On a fixed network there are C communication rounds with R observations each. "
-    "Robots that move observe and communicate once a tick, ten times a second, and their density is D = N π r² / L² "
-    "in a square of side L, with radio range r. An estimate has converged at K (round or tick) if it then stays "
-    "within 0.01 of its value there; its error is |x(K) - f|.",
-    settings="100 robots on a fixed network, or 25 that move, unless it says otherwise",
-    figures=FIGURES,
-    claims=claims.CLAIMS,
-    section="Sec. ",
-    quoted=True,
-)
-RIVALS = Evaluation(
-    name="rivals",
-    title="The rivals, run again",
-    lead="Published results on other algorithms for collective perception, simulated again and checked.",
-    source="Published results on rivals of the minimalistic brain",
-    about="orderings and effects stated in abstracts and reviews, in our words, checked on small studies of our own",
-    symbols="f is the share of the floor that is black; b and w are the probabilities that a sensor reads black and "
-    "white rightly. A robot that decides chooses black or white; a trial reaches a consensus when all honest robots "
-    "have made the same choice.",
-    settings="those of the studies in the folder rivals, whose files give numbers of robots and rounds",
-    figures=(),
-    claims=RIVAL_CLAIMS,
-    section="",
-    quoted=False,
-)
+def _read(name: str, measuring: ModuleType, explaining: ModuleType) -> Evaluation:
+    """The evaluation of a file; its claims name functions of the two modules."""
+    known = tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
+    dots, contenders = known.pop("dots", ""), known.pop("contenders", {})
+    figures = tuple(_figure(table, dots) for table in known.pop("figures", ()))
+    claims = tuple(_claim(table, contenders, measuring, explaining) for table in known.pop("claims"))
+    return Evaluation(name, figures=figures, claims=claims, **known)
+
+
+def _figure(table: Mapping[str, Any], dots: str) -> PaperFigure:
+    given = dict(table) | {"claims": tuple(table["claims"]), "text": table["text"].replace("{dots}", dots)}
+    return PaperFigure(views=tuple(View(**panel) for panel in given.pop("panels")), **given)
+
+
+def _claim(
+    table: Mapping[str, Any], contenders: Mapping[str, Mapping[str, Any]], measuring: ModuleType, explaining: ModuleType
+) -> Claim:
+    given = {"right": _range_of(table["threshold"])} | dict(table)
+    wanted = dict(given["measure"]) if isinstance(given["measure"], dict) else {"name": given["measure"]}
+    if contenders:
+        found = {name: (table["study"], {k: v for k, v in table.items() if k != "study"})
+                 for name, table in contenders.items()}  # fmt: skip
+        wanted |= {key: found[wanted[key]] for key in ONE if key in wanted}
+        wanted |= {key: [found[name] for name in wanted[key]] for key in SEVERAL if key in wanted}
+        wanted |= {"of": getattr(measuring, wanted["of"])} if "of" in wanted else {}
+        named = [*(wanted[key] for key in ONE if key in wanted), *(c for key in SEVERAL for c in wanted.get(key, ()))]
+        given["studies"] = dict.fromkeys(study for study, _ in named)
+    for key, module in (("note", measuring), ("explanation", explaining)):
+        given |= {key: _function(module, given[key])} if key in given else {}
+    return Claim(**given | {
+        "measure": _function(measuring, wanted), "right": tuple(given["right"]),
+        "studies": tuple(given.get("studies", ())),
+    })  # fmt: skip
+
+
+def _function(module: ModuleType, wanted: str | Mapping[str, Any]) -> Callable[..., Any]:
+    """A function of a module by its name, or by a table of its name and arguments."""
+    given = {"name": wanted} if isinstance(wanted, str) else dict(wanted)
+    function: Callable[..., Any] = getattr(module, given.pop("name"))
+    return partial(function, **given) if given else function
+
+
+def _range_of(threshold: str) -> Range | None:
+    """The range that words such as "below 0.05" and "within 0.8 to 1.25" mean; None for other words."""
+    if found := re.fullmatch(r"within (\S+) to (\S+)", threshold):
+        return float(found[1]), float(found[2])
+    if found := re.match(r"(below|above) (-?\d\S*)", threshold):
+        end = float(found[2])
+        return (-INFINITE, end) if found[1] == "below" else (end, INFINITE)
+    return None
+
+
+PAPER = _read("paper", measures, explanations)
+RIVALS = _read("rivals", rival_measures, rival_explanations)
 EVALUATIONS = {each.name: each for each in (PAPER, RIVALS)}

@@ -18,7 +18,7 @@ from swarmcensus.statistics.intervals import Floats
 YES, NO, OPEN = "yes", "no", "undecided"  # of one setting
 HOLDS, FAILS, UNDECIDED, UNMEASURED = "holds", "does not hold", "not decided", "not measured"
 Range = tuple[float, float]
-BELOW_ZERO, BELOW_ONE, ABOVE_ONE, ALIKE = (-math.inf, 0.0), (-math.inf, 1.0), (1.0, math.inf), (0.8, 1.25)
+BELOW_ZERO, BELOW_ONE, ABOVE_ONE = (-math.inf, 0.0), (-math.inf, 1.0), (1.0, math.inf)
 
 
 class Missing(LookupError):
@@ -151,6 +151,17 @@ class Evidence:
             elif high < right[0] or low > right[1]:
                 verdict = NO
         return Detail(setting, value, (low, high), verdict)
+
+
+def check(datasets: Mapping[str, xr.Dataset], claims: Iterable[Claim]) -> list[Outcome]:
+    """Check claims on datasets by the name of their study.
+
+    A claim is "not measured" if settings are missing or some of their trials were not run. Of its studies, only the
+    trials that all of them have count.
+    """
+    sizes = {claim: common_trials(datasets, claim.studies) for claim in claims}
+    evidence = {trials: Evidence(datasets, trials=trials) for trials in set(sizes.values())}
+    return [outcome(claim, evidence[trials]) for claim, trials in sizes.items()]
 
 
 def common_trials(datasets: Mapping[str, xr.Dataset], studies: Iterable[str]) -> int:

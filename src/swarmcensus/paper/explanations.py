@@ -1,42 +1,36 @@
 """Why claims do not hold: computed numbers, with reasons where the data support them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.basics.bins import right_bin
 from swarmcensus.basics.formatting import counted
-from swarmcensus.paper import measures, moving_measures
+from swarmcensus.paper import measures
 from swarmcensus.paper.evidence import BELOW_ONE, NO, YES, Detail, Evidence
-from swarmcensus.paper.measures import ERROR, MIXED, SPARSE, K
-from swarmcensus.paper.moving_measures import DENSITIES
+from swarmcensus.paper.measures import D1, D10, ERROR, MIXED, SPARSE, K
 from swarmcensus.statistics.intervals import Floats
 from swarmcensus.worlds.sensors import parse_accuracy
 
-Explanation = Callable[[Evidence, Sequence[Detail]], str]
 ROUND = 10  # observations in a communication round
 LATE = 0.9  # share of a run after which an estimate may not have settled yet
 FEW = 0.25  # share of a swarm that counts as few robots
 
 
-def mixed(fill: float) -> Explanation:
+def mixed(_: Evidence, details: Sequence[Detail], fill: float) -> str:
     """Why a heterogeneous swarm is not like b = w = 0.75: the accuracy of equal Fisher information."""
-
-    def explain(_: Evidence, details: Sequence[Detail]) -> str:
-        ahead, behind = _sides(details)
-        low, high = parse_accuracy(MIXED).black.numbers
-        drawn = low + (high - low) * (np.arange(10_000) + 0.5) / 10_000
-        sentences = [f"Beyond the margin, the heterogeneous swarm is {_parts(('ahead', ahead), ('behind', behind))}."]
-        sentences.append(
-            f"The mean of {MIXED} is {drawn.mean():.2f}, but robots are weighted by the Fisher information of their "
-            f"readings. Its mean over the swarm is that of b = w = {worth(drawn, fill):.2f} at f = {fill}."
-        )
-        if worth(drawn, fill) > drawn.mean() and ahead and not behind:
-            sentences.append("Good sensors count for more than poor ones cost.")
-        return " ".join(sentences)
-
-    return explain
+    ahead, behind = _sides(details)
+    low, high = parse_accuracy(MIXED).black.numbers
+    drawn = low + (high - low) * (np.arange(10_000) + 0.5) / 10_000
+    sentences = [f"Beyond the margin, the heterogeneous swarm is {_parts(('ahead', ahead), ('behind', behind))}."]
+    sentences.append(
+        f"The mean of {MIXED} is {drawn.mean():.2f}, but robots are weighted by the Fisher information of their "
+        f"readings. Its mean over the swarm is that of b = w = {worth(drawn, fill):.2f} at f = {fill}."
+    )
+    if worth(drawn, fill) > drawn.mean() and ahead and not behind:
+        sentences.append("Good sensors count for more than poor ones cost.")
+    return " ".join(sentences)
 
 
 def worth(accuracies: Floats, fill: float) -> float:
@@ -95,7 +89,7 @@ def blacker_full(evidence: Evidence, details: Sequence[Detail]) -> str:
         )
         if abs(soon) > max(abs(late), abs(other)):
             sentences.append("The swarm settles as this fades.")
-    if all(d.verdict != NO for d in measures.blacker_first(evidence, BELOW_ONE, SPARSE)):
+    if all(d.verdict != NO for d in measures.blacker(evidence, BELOW_ONE, SPARSE)):
         sentences.append("In a sparse network each robot averages over few, and noise outweighs the bias.")
     return " ".join(sentences)
 
@@ -106,9 +100,9 @@ def denser_first(evidence: Evidence, details: Sequence[Detail]) -> str:
     sentences = [f"Beyond doubt, robots settle {_parts(('sooner', sooner), ('later', later))}."]
     ticks = float(evidence.datasets["moving"]["checkpoint"].values[-1])
     settled = min(
-        float(moving_measures.at(evidence, K, density, f, accuracy)[0])
+        float(measures.at(evidence, K, density, f, accuracy)[0])
         for accuracy, f in map(_swarm, later)
-        for density in DENSITIES
+        for density in (D1, D10)
     )
     if settled > LATE * ticks:
         sentences.append(
@@ -133,7 +127,7 @@ def denser_alike(evidence: Evidence, details: Sequence[Detail]) -> str:
     if fall and not rise:
         sentences.append("In a crowd each robot averages over more neighbours.")
     both = {
-        d.setting: [float(moving_measures.at(evidence, ERROR, density, f, a)[0]) for density in DENSITIES]
+        d.setting: [float(measures.at(evidence, ERROR, density, f, a)[0]) for density in (D1, D10)]
         for d, (a, f) in zip(details, map(_swarm, details), strict=True)
     }
     most = max(both, key=lambda name: abs(both[name][1] - both[name][0]))
@@ -150,7 +144,7 @@ def mixed_consensus(evidence: Evidence, details: Sequence[Detail]) -> str:
         if d.verdict != NO:
             continue
         f = float(d.setting.removeprefix("f = "))
-        right = moving_measures.right_movers(evidence, f, MIXED)
+        right = measures.right_robots(evidence, D1, f, MIXED)
         final = evidence.values("moving", "final_estimate", density=1.0, robots=25, accuracy=MIXED, fill_ratio=f)
         split = np.flatnonzero(right[:, -1] < 1)
         low, high = right_bin(f)
@@ -171,7 +165,7 @@ def mixed_consensus(evidence: Evidence, details: Sequence[Detail]) -> str:
 
 
 def _error_ratio(evidence: Evidence, accuracy: str, fill: float) -> Floats:
-    above, below = (moving_measures.at(evidence, ERROR, density, fill, accuracy) for density in reversed(DENSITIES))
+    above, below = (measures.at(evidence, ERROR, density, fill, accuracy) for density in (D10, D1))
     return measures.ratio(above, below)
 
 

@@ -1,17 +1,18 @@
-"""How each claim about fixed networks is measured: a function per claim, which yields one detail per setting.
+"""How each claim of the paper is measured: a function that yields one detail per setting, or a note on the data.
 
-Unless a name says otherwise, settings are the paper's: 100 robots, R = 10, C = 1,000; K is the convergence round.
+Unless a name says otherwise, R = 10 and C = 1,000 on fixed networks, with 100 robots; 25 robots move for 10,000 ticks,
+and K counts ticks. Swarms that move at the same density share their trajectories in each trial, so that the joint
+bootstrap of trials compares them as pairs.
 """
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.conformance import minimalism
-from swarmcensus.paper.evidence import ABOVE_ONE, NO, OPEN, YES, Detail, Evidence, Range
+from swarmcensus.paper.evidence import ABOVE_ONE, BELOW_ZERO, NO, OPEN, YES, Detail, Evidence, Range
 from swarmcensus.statistics import intervals
 from swarmcensus.statistics.intervals import Floats
 
@@ -24,22 +25,35 @@ SPARSE = ("ring", "line", "scale-free")
 TOPOLOGIES = ("full", *SPARSE)
 K, ERROR = "convergence_round", "convergence_error"
 BOTH = ((K, "convergence"), (ERROR, "error"))
+IMPAIRED = "0.625"
+WORST = NUMBERS[:4]  # b = w up to 0.675
 PAPER_TRIALS = 30
+D1, D10 = "D = 1", "D = 10"
+# The study of each swarm, and the coordinates that select its settings there. At the last two R = 1.
+SWARMS: dict[str, tuple[str, dict[str, object]]] = {
+    **{topology: ("topologies", {"topology": topology, "robots": 100}) for topology in TOPOLOGIES},
+    D1: ("moving", {"density": 1.0, "robots": 25}),
+    D10: ("moving", {"density": 10.0, "robots": 25}),
+    "same-observations": ("same-observations", {"topology": "scale-free"}),
+    "same-rounds": ("same-rounds", {"topology": "scale-free"}),
+}
 
 
-def at(evidence: Evidence, name: str, topology: str, fill: float, accuracy: str) -> Floats:
-    """The median of a variable over robots and trials in one setting of the study "topologies"."""
-    return evidence.median("topologies", name, topology=topology, robots=100, accuracy=accuracy, fill_ratio=fill)
-
-
-def tree(evidence: Evidence, study: str, name: str, fill: float, accuracy: str) -> Floats:
-    """The median of a variable over robots and trials on the scale-free network of another study."""
-    return evidence.median(study, name, topology="scale-free", accuracy=accuracy, fill_ratio=fill)
+def at(evidence: Evidence, name: str, swarm: str, fill: float, accuracy: str) -> Floats:
+    """The median of a variable over robots and trials in one setting of a swarm of `SWARMS`."""
+    study, where = SWARMS[swarm]
+    return evidence.median(study, name, accuracy=accuracy, fill_ratio=fill, **where)
 
 
 def alone(evidence: Evidence, name: str, accuracy: str) -> Floats:
     """The median of a variable of the local estimate at f = 0.55, as in the paper's Fig. 2a, without a network."""
     return evidence.median("local", name, robots=100, accuracy=accuracy, fill_ratio=0.55)
+
+
+def right_robots(evidence: Evidence, swarm: str, fill: float, accuracy: str) -> Floats:
+    """The share of robots in the right bin, (trial, checkpoint)."""
+    study, where = SWARMS[swarm]
+    return evidence.values(study, "correct", accuracy=accuracy, fill_ratio=fill, **where)
 
 
 def ratio(above: Floats, below: Floats) -> Floats:
@@ -49,10 +63,13 @@ def ratio(above: Floats, below: Floats) -> Floats:
     return quotient
 
 
-def low_errors(evidence: Evidence, right: Range, fill: float) -> Iterator[Detail]:
-    """Median errors on the ring and on the scale-free network."""
-    for topology, accuracy in itertools.product(("ring", "scale-free"), ALL):
-        yield evidence.judge(f"{topology}, {accuracy}", at(evidence, ERROR, topology, fill, accuracy), right)
+def errors(
+    evidence: Evidence, right: Range, swarms: Sequence[str], fills: Sequence[float], accuracies: Sequence[str] = ALL
+) -> Iterator[Detail]:
+    """Median errors. Settings are named by what differs between them."""
+    for swarm, accuracy, fill in itertools.product(swarms, accuracies, fills):
+        parts = [swarm, *[accuracy] * (len(accuracies) > 1), *[f"f = {fill}"] * (len(fills) > 1)]
+        yield evidence.judge(", ".join(parts), at(evidence, ERROR, swarm, fill, accuracy), right)
 
 
 def full_agrees(evidence: Evidence, right: Range) -> Iterator[Detail]:
@@ -72,11 +89,11 @@ def full_first(evidence: Evidence, right: Range) -> Iterator[Detail]:
         yield evidence.judge(f"full / {topology}, {accuracy}, f = {f}", faster, right)
 
 
-def ring_like_line(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Line divided by ring, for convergence and for error."""
-    for (name, what), (f, accuracy) in itertools.product(BOTH, GRID):
-        both = ratio(at(evidence, name, "line", f, accuracy), at(evidence, name, "ring", f, accuracy))
-        yield evidence.judge(f"{what}, {accuracy}, f = {f}", both, right)
+def swarm_ratios(evidence: Evidence, right: Range, of: Sequence[str], above: str, below: str) -> Iterator[Detail]:
+    """Medians of one swarm divided by those of another. Where there are several, each is named."""
+    for name, (f, accuracy) in itertools.product(of, GRID):
+        both = ratio(at(evidence, name, above, f, accuracy), at(evidence, name, below, f, accuracy))
+        yield evidence.judge(f"{dict(BOTH)[name]}, " * (len(of) > 1) + f"{accuracy}, f = {f}", both, right)
 
 
 def informed_first(evidence: Evidence, right: Range) -> Iterator[Detail]:
@@ -97,37 +114,26 @@ def helps_poor(evidence: Evidence, right: Range) -> Iterator[Detail]:
         yield evidence.judge(topology, gains[:5].mean(0) - gains[5:].mean(0), right)
 
 
-def rank_correlation(medians: Sequence[Floats]) -> Floats:
-    """Kendall's rank correlation of accuracies with medians; -1 if each better sensor has a smaller median."""
-    first, second = np.triu_indices(len(NUMBERS), 1)
-    stacked = np.array(medians)
-    return np.asarray(np.sign(stacked[second] - stacked[first]).mean(0))
+def grows(evidence: Evidence, right: Range, swarms: Sequence[str]) -> Iterator[Detail]:
+    """Kendall's rank correlation of accuracy with median K and with median error.
 
-
-def grows(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The rank correlation of accuracy with median K and with median error."""
-    for (name, what), topology, f in itertools.product(BOTH, TOPOLOGIES, FILLS):
-        tau = rank_correlation([at(evidence, name, topology, f, accuracy) for accuracy in NUMBERS])
-        yield evidence.judge(f"{what}, {topology}, f = {f}", tau, right)
-
-
-def steps_back(evidence: Evidence) -> str:
-    """A note on the steps of accuracy that slow a swarm on a fixed network; see `slower_steps`."""
-    return slower_steps(
-        evidence, {f"{t}, f = {f}": partial(at, evidence, K, t, f) for t, f in itertools.product(TOPOLOGIES, FILLS)}
-    )
-
-
-def slower_steps(evidence: Evidence, swarms: Mapping[str, Callable[[str], Floats]]) -> str:
-    """The single steps of accuracy that make a swarm slower, where the whole interval of the ratio is above 1.
-
-    `swarms` gives K by accuracy for each kind of swarm.
+    It is -1 if each better sensor has a smaller median.
     """
-    steps = list(itertools.product(swarms.items(), itertools.pairwise(NUMBERS)))
+    first, second = np.triu_indices(len(NUMBERS), 1)
+    for (name, what), swarm, f in itertools.product(BOTH, swarms, FILLS):
+        medians = np.array([at(evidence, name, swarm, f, accuracy) for accuracy in NUMBERS])
+        tau = np.sign(medians[second] - medians[first]).mean(0)
+        yield evidence.judge(f"{what}, {swarm}, f = {f}", np.asarray(tau), right)
+
+
+def steps_back(evidence: Evidence, swarms: Sequence[str]) -> str:
+    """A note on the single steps of accuracy that make a swarm slower, with the whole interval of the ratio above 1."""
+    steps = list(itertools.product(swarms, FILLS, itertools.pairwise(NUMBERS)))
     back = []
-    for (swarm, rounds), (worse, better) in steps:
-        if evidence.judge("", ratio(rounds(better), rounds(worse)), ABOVE_ONE).verdict == YES:
-            back.append(f"{swarm}, {worse} to {better}")
+    for swarm, f, (worse, better) in steps:
+        slower = ratio(at(evidence, K, swarm, f, better), at(evidence, K, swarm, f, worse))
+        if evidence.judge("", slower, ABOVE_ONE).verdict == YES:
+            back.append(f"{swarm}, f = {f}, {worse} to {better}")
     if not back:
         return f"Of {len(steps)} single steps of accuracy, none slows a swarm beyond doubt."
     return f"Of {len(steps)} single steps of accuracy, {len(back)} slow the swarm: {'; '.join(back)}."
@@ -141,39 +147,31 @@ def mixed_like_middle(evidence: Evidence, right: Range, fill: float) -> Iterator
         yield evidence.judge(f"{what}, {topology}", both, right)
 
 
-def blacker_first(evidence: Evidence, right: Range, topologies: Sequence[str]) -> Iterator[Detail]:
-    """K at f = 0.95 divided by K at f = 0.55."""
-    for topology, accuracy in itertools.product(topologies, ALL):
-        faster = ratio(at(evidence, K, topology, 0.95, accuracy), at(evidence, K, topology, 0.55, accuracy))
-        yield evidence.judge(f"{topology}, {accuracy}", faster, right)
+def blacker(evidence: Evidence, right: Range, swarms: Sequence[str], of: str = K) -> Iterator[Detail]:
+    """A median at f = 0.95 divided by that at f = 0.55."""
+    for swarm, accuracy in itertools.product(swarms, ALL):
+        both = ratio(at(evidence, of, swarm, 0.95, accuracy), at(evidence, of, swarm, 0.55, accuracy))
+        yield evidence.judge(f"{swarm}, {accuracy}", both, right)
 
 
 def same_observations(evidence: Evidence, right: Range) -> Iterator[Detail]:
     """R = 1 divided by R = 10 for the same number of observations: K in observations, and error."""
     for (name, what), (f, accuracy) in itertools.product(BOTH, GRID):
         seldom = (10 if name == K else 1) * at(evidence, name, "scale-free", f, accuracy)
-        often = tree(evidence, "same-observations", name, f, accuracy)
+        often = at(evidence, name, "same-observations", f, accuracy)
         yield evidence.judge(f"{what}, {accuracy}, f = {f}", ratio(often, seldom), right)
 
 
-def same_rounds(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """R = 1 divided by R = 10 for the same number of rounds: K in rounds."""
-    for f, accuracy in GRID:
-        often = tree(evidence, "same-rounds", K, f, accuracy)
-        slower = ratio(often, at(evidence, K, "scale-free", f, accuracy))
-        yield evidence.judge(f"{accuracy}, f = {f}", slower, right)
-
-
-def right_robots(evidence: Evidence, topology: str, fill: float, accuracy: str) -> Floats:
-    """The share of robots in the right bin, (trial, checkpoint)."""
-    return evidence.values("topologies", "correct", topology=topology, robots=100, accuracy=accuracy, fill_ratio=fill)
-
-
-def consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The share of trials in which all robots are right after the last round."""
+def consensus(evidence: Evidence, right: Range, swarm: str) -> Iterator[Detail]:
+    """The share of trials in which all robots are right at the end."""
     for f, accuracy in itertools.product(FILLS, NUMBERS[3:]):
-        robots = right_robots(evidence, "scale-free", f, accuracy)
-        yield unanimous(f"{accuracy}, f = {f}", robots, right)
+        yield unanimous(f"{accuracy}, f = {f}", right_robots(evidence, swarm, f, accuracy), right)
+
+
+def mixed_consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
+    """The share of trials in which all robots of the heterogeneous swarm that moves are right at the end."""
+    for f in FILLS:
+        yield unanimous(f"f = {f}", right_robots(evidence, D1, f, MIXED), right)
 
 
 def unanimous(setting: str, robots: Floats, right: Range) -> Detail:
@@ -195,6 +193,57 @@ def sooner_right(evidence: Evidence, right: Range) -> Iterator[Detail]:
             for accuracy in NUMBERS[3:]
         ]
         yield evidence.judge(f"{topology}, f = {f}", evidence.mean(-np.mean(more, axis=(0, 2))), right)
+
+
+def mixed_sooner(evidence: Evidence, right: Range) -> Iterator[Detail]:
+    """Share of wrong robots in the heterogeneous swarm minus that in the worst swarm that it is compared with."""
+    for f in FILLS:
+        yield evidence.judge(f"f = {f}", np.min([_less_wrong(evidence, f, a) for a in WORST], axis=0), right)
+
+
+def overtaken(evidence: Evidence) -> str:
+    """A note on the swarms that the heterogeneous one beats with the whole interval."""
+    parts = []
+    for f in FILLS:
+        beaten = [a for a in WORST if evidence.judge("", _less_wrong(evidence, f, a), BELOW_ZERO).verdict == YES]
+        parts.append(f"at f = {f}: {', '.join(beaten) or 'none'}")
+    return f"Swarms that it leaves behind beyond doubt: {'; '.join(parts)}."
+
+
+def _less_wrong(evidence: Evidence, fill: float, accuracy: str) -> Floats:
+    """Share of wrong robots in the heterogeneous swarm minus that in another, over all checkpoints."""
+    gain = right_robots(evidence, D1, fill, MIXED) - right_robots(evidence, D1, fill, accuracy)
+    return evidence.mean(-gain.mean(axis=1))
+
+
+def expense(evidence: Evidence) -> str:
+    """A note on the cost in time of poor sensors: their K divided by that of the best sensors."""
+    parts = []
+    for swarm, f in itertools.product((D1, D10), FILLS):
+        slower = ratio(at(evidence, K, swarm, f, IMPAIRED), at(evidence, K, swarm, f, NUMBERS[-1]))
+        _, low, high = intervals.interval(slower)
+        parts.append(f"{low:.1f} to {high:.1f} ({swarm}, f = {f})")
+    return f"The expense, K over that of b = w = {NUMBERS[-1]}, {100 * intervals.LEVEL:g} %: {', '.join(parts)}."
+
+
+def like_tree(evidence: Evidence, right: Range) -> Iterator[Detail]:
+    """Share of right robots at D = 1 divided by that on the scale-free network, at the same numbers of observations."""
+    for f, accuracy in GRID:
+        moving = evidence.mean(right_robots(evidence, D1, f, accuracy).mean(axis=1))
+        fixed = evidence.mean(right_robots(evidence, "scale-free", f, accuracy).mean(axis=1))
+        yield evidence.judge(f"{accuracy}, f = {f}", ratio(moving, fixed), right)
+
+
+def settled_like_tree(evidence: Evidence) -> str:
+    """A note on K and error, divided by those of the scale-free network at R = 1: smallest and largest ratio."""
+    parts = []
+    for name, what in BOTH:
+        both = [
+            float(ratio(at(evidence, name, D1, f, a), at(evidence, name, "same-observations", f, a))[0])
+            for f, a in GRID
+        ]
+        parts.append(f"median {what} is {min(both):.2f} to {max(both):.2f} times")
+    return f"At R = 1, where a round is an observation too: {' and '.join(parts)} that of the scale-free network."
 
 
 def minimal(evidence: Evidence, right: Range) -> Iterator[Detail]:

@@ -1,7 +1,7 @@
 """`reproduce`: run the studies of an evaluation, draw its figures, check its claims and write a page.
 
-To add a part of the paper's evaluation, add study files to studies/paper, figures to `figures.FIGURES` and claims to
-`claims.CLAIMS`. The claims on rivals are in `evaluations.RIVAL_CLAIMS`, and their studies in studies/rivals/claims.
+To add a part of the paper's evaluation, add study files to studies/paper, and figures and claims to paper.toml. The
+claims on rivals are in rivals.toml, and their studies in studies/rivals/claims.
 """
 
 import contextlib
@@ -17,8 +17,9 @@ from swarmcensus.basics.fork import in_background
 from swarmcensus.basics.formatting import elapsed
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import command
-from swarmcensus.paper import claims, page, report
+from swarmcensus.paper import page, report
 from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
+from swarmcensus.paper.evidence import check
 from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.page import Reproduction
 from swarmcensus.runs.collect import Progress, Report
@@ -94,7 +95,7 @@ def reproduce(
             drawn = list(zip(figures, _drawn(figures, datasets, stems, formats), strict=True))
     if checks:
         with stage("claims"):
-            outcomes = claims.check(datasets, checks)
+            outcomes = check(datasets, checks)
             _write(out / "claims.json", report.as_json(outcomes, datasets, this.source))
     done = Reproduction(out, _command(this, out, trials, seed, parts), datasets, drawn, outcomes, seconds, this)
     with stage("page"):

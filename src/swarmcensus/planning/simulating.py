@@ -16,6 +16,7 @@ from swarmcensus.planning.mission import Mission
 from swarmcensus.results.summaries import failed_trials
 from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.running import predicted_seconds, run
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.statistics.intervals import estimate, expected_share
 from swarmcensus.studies.settings import Setting
@@ -152,8 +153,8 @@ def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats
     if not setting.faults:
         return np.asarray(right.mean(axis=2))
     trials = range(right.shape[1])
-    honest = setting.groups(seed, 0, len(trials)) == 0
-    works = np.array([(setting.stops(seed, trial)[SENSING] == NEVER)[honest[trial]] for trial in trials])
+    honest = sampling.groups(setting, seed, 0, len(trials)) == 0
+    works = np.array([(sampling.stops(setting, seed, trial)[SENSING] == NEVER)[honest[trial]] for trial in trials])
     return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
 
 

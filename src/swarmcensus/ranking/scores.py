@@ -12,7 +12,7 @@ from swarmcensus.comparing.contenders import NONE, Grid, grid_of
 from swarmcensus.comparing.pair_tests import ContestInput, contests
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import Statistic, centres
-from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.worlds.networks import MOVING
 
 Floats = NDArray[np.float64]

@@ -12,6 +12,7 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.basics.files import check_no_log
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains import Brain
 from swarmcensus.reliving.logs import RobotLog, read_log
 from swarmcensus.studies.study import Study
@@ -137,7 +138,7 @@ class Brains:
         """The brain in a file of the folder."""
         if name not in self.read:
             path = self.folder / name
-            source = brains.read_source("brain", path)
+            source = read_source("brain", path)
             label = self.name if name == self.file and self.name else _name_of(source) or path.stem
             brain = brains.parse(source, label, path)
             self.read[name] = self._with_values(brain) if name == self.file else brain
@@ -146,7 +147,7 @@ class Brains:
     def _shipped(self, log: RobotLog) -> Brain:
         mark = log.states[0].brain
         for name in brains.shipped():
-            if brains.digest(brains.read_source("brain", brains.find(name))).startswith(mark.hex()):
+            if digest(read_source("brain", brains.find(name))).startswith(mark.hex()):
                 if name not in self.read:
                     self.read[name] = self._with_values(brains.load(name))
                 return self.read[name]
@@ -193,9 +194,9 @@ def study_of(about: Mapping[str, Any]) -> Study | None:
 
 def _name_of(source: str) -> str | None:
     """The name of the shipped brain with this source."""
-    mark = brains.digest(source)
+    mark = digest(source)
     for name in brains.shipped():
-        if brains.digest(brains.read_source("brain", brains.find(name))) == mark:
+        if digest(read_source("brain", brains.find(name))) == mark:
             return name
     return None
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.basics.files import atomic_write
+from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.deployment.messages import messages_of
 from swarmcensus.reliving.folders import OWN, about_of, without_logs
@@ -223,8 +224,8 @@ def _brains(folder: Path, about: dict[str, Any], named: set[bytes]) -> dict[byte
     known: dict[bytes, brains.Brain] = {}
     names = {str(about.get("file", OWN)): str(about["name"])} if about.get("name") else {}
     for path in [*(brains.find(name) for name in brains.shipped()), *sorted(folder.glob("*.py"))]:
-        source = brains.read_source("brain", path)
-        if (mark := bytes.fromhex(brains.digest(source))[:8]) in named:
+        source = read_source("brain", path)
+        if (mark := bytes.fromhex(digest(source))[:8]) in named:
             name = names.get(path.name) or (known[mark].name if mark in known else path.stem)
             known[mark] = brains.unloaded(name, source)
     return known

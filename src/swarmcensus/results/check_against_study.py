@@ -25,6 +25,7 @@ from swarmcensus.results.values import (
     metrics_in,
     same_bits,
 )
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -69,7 +70,7 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
 @functools.lru_cache(maxsize=8)
 def settings_of(study: Study) -> dict[str, Setting]:
     """A study's settings by their fingerprints, in order."""
-    return {setting.fingerprint(study.seed): setting for setting in study.settings()}
+    return {addresses.fingerprint(setting, study.seed): setting for setting in study.settings()}
 
 
 def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:

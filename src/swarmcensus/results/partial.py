@@ -13,6 +13,7 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.results import structure
+from swarmcensus.results.presence import folder_of
 from swarmcensus.results.store import checked, read, stored
 from swarmcensus.results.values import Values, blank
 
@@ -26,7 +27,7 @@ def opened(path: str | Path) -> xr.Dataset:
         return stored(path)
     from swarmcensus.results import shards
 
-    sketch = shards.folder_of(path) / shards.SKETCH
+    sketch = folder_of(path) / shards.SKETCH
     if not sketch.is_file():
         return stored(path)  # raises the right error
     try:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results.values import EVERY, MISSING, ArrayStore
-from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.worlds.sensors import start_of
 
 NOT_RUN = "{}: no such robot, or not run"  # the attribute `comment` of times

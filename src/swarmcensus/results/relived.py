@@ -17,6 +17,7 @@ from swarmcensus.results.source_study import RELIVED
 from swarmcensus.results.store import dataset
 from swarmcensus.results.values import Values
 from swarmcensus.simulation.metrics import convergence, correct, error_at
+from swarmcensus.studies import addresses
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import to_toml
 
@@ -34,7 +35,7 @@ def dataset_of(day: Day, lived: Sequence[OtherDay], clock: Clock, message: Forma
         if np.isnan(curves).any():
             raise InputError(f"{day.folder}: not every robot's estimates are known under {one.brain.label}")
         values.put(number, 0, _columns(day, study, one, curves, honest))
-    marks = [setting.fingerprint(study.seed) for setting in settings]
+    marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     data = dataset(study, settings, marks, values)
     data.attrs |= {RELIVED: day.title, "trials_done": len(lived), "trials_total": len(lived)}
     return data

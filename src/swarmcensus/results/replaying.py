@@ -12,6 +12,7 @@ from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inferring import trace_of, warn_of_estimates
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.swarming import ended, free
@@ -103,7 +104,7 @@ def honest_in(trace: xr.Dataset) -> np.ndarray:
 
 def _name_members(trace: xr.Dataset, chosen: Setting, seed: int, trial: int) -> np.ndarray:
     """Add the number of each robot's table of members, and who is honest; return the latter (robot,)."""
-    who = chosen.groups(seed, trial, 1)[0]
+    who = sampling.groups(chosen, seed, trial, 1)[0]
     meanings = "; ".join(f"{number}: {member}" for number, member in enumerate(chosen.members, start=1))
     trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {meanings}"})
     honest = np.array([True, *(member.honest for member in chosen.members)])[who]
@@ -149,7 +150,7 @@ def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dat
         says = {"long_name": "black share of the floor that robots can reach, as it changes"}
         trace[free("true_fill_ratio", trace)] = ("round", ride.true_fill_ratio, says)
     if chosen.faults:
-        stops = chosen.stops(seed, trial)
+        stops = sampling.stops(chosen, seed, trial)
         says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
         name, part = free("stops", trace), free("part", trace)
         shown = np.where(stops == NEVER, -1, stops)
@@ -191,7 +192,7 @@ def recording(
         tick, i, j = ride.links.T
         messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
         return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
-    links = chosen.links(study.seed, trial, 1)
+    links = sampling.links(chosen, study.seed, trial, 1)
     if links.mode == LISTED or chosen.robots == 1:
         pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
         if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):

@@ -15,10 +15,12 @@ import xarray as xr
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
+from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.basics.times import Time, in_ticks
 from swarmcensus.brains import adversary
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds.networks import MOVING
@@ -38,7 +40,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
         # usually its place in the grid; not in merged results
         order = [settings[number], *settings] if 0 <= number < len(settings) else settings
         for setting in order:
-            if setting.fingerprint(study.seed) == mark:
+            if addresses.fingerprint(setting, study.seed) == mark:
                 if run:
                     must_be_read(setting)
                 return study, setting
@@ -49,7 +51,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
 def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Study, Setting]]:
     """The studies and settings by number, as `setting_of`, but without running any brain. Raises InputError."""
     known = {
-        setting.fingerprint(study.seed): (study, setting)
+        addresses.fingerprint(setting, study.seed): (study, setting)
         for study in studies_of(data, run=False)
         for setting in study.settings()
     }
@@ -75,11 +77,9 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     liars: dict[str, brains.Adversary] = {}
     for path in [brain] if isinstance(brain, str | Path) else brain or ():
         place = adversary.find(path) if adversary.exists(str(path), None) else brains.find(path)
-        given = brains.read_source("brain", place)
-        names, theirs = (
-            [n for n, s in stored.items() if s["sha256"] == brains.digest(given)] for stored in (sources, lying)
-        )
-        if any(metric["sha256"] == brains.digest(given) for metric in metrics_in(data).values()):
+        given = read_source("brain", place)
+        names, theirs = ([n for n, s in stored.items() if s["sha256"] == digest(given)] for stored in (sources, lying))
+        if any(metric["sha256"] == digest(given) for metric in metrics_in(data).values()):
             continue
         if not names and not theirs:
             made_with = ", ".join([*sources, *lying])
@@ -149,14 +149,14 @@ def must_be_read(setting: Setting) -> None:
 def metrics_may_run(study: Study, given: Brains = ()) -> None:
     """Raise InputError for a metric whose source in the results is neither shipped, nor given, nor found."""
     paths = [given] if isinstance(given, str | Path) else given or ()
-    known = {brains.digest(brains.read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
+    known = {digest(read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
     for metric in study.measure.metrics:
         name, here = metric.name, False
         if metric.sha256 in known:
             continue
         known_here = name in metrics.PLUGINS
         if known_here:
-            here = brains.read_source("metric", metrics.PLUGINS.path(name)) == metric.source
+            here = read_source("metric", metrics.PLUGINS.path(name)) == metric.source
         if here or _lies_here("metric", name, metric.source):
             continue
         if known_here:
@@ -180,5 +180,5 @@ def _lies_here(kind: str, name: str, source: str) -> bool:
     with contextlib.suppress(OSError, ValueError, InputError):
         place = Path(name).resolve()
         small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends, a byte mark
-        return small and place.is_relative_to(Path.cwd().resolve()) and brains.read_source(kind, place) == source
+        return small and place.is_relative_to(Path.cwd().resolve()) and read_source(kind, place) == source
     return False

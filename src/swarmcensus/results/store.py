@@ -20,12 +20,12 @@ from swarmcensus.basics.options import command
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
 from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
-from swarmcensus.results.presence import check_there
+from swarmcensus.results.presence import check_there, folder_of
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
+from swarmcensus.studies.coordinates import COORDINATES, coordinates_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
-from swarmcensus.vocabulary.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     robots = values.arrays["final_estimate"].shape[2]
     sizes = {"setting": len(settings), "trial": values.trials, "robot": robots, "checkpoint": len(checkpoints)}
     coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints}
-    columns = [s.coordinates for s in settings]
+    columns = [coordinates_of(s) for s in settings]
     for key in dict.fromkeys(key for column in columns for key in column):
         coordinates[key] = ("setting", column_of(filled([c.get(key) for c in columns], key)))
     variables: dict[str, Any] = {}
@@ -278,7 +278,7 @@ def _absent(path: Path) -> str:
     """Why there is no results file."""
     from swarmcensus.results import shards
 
-    folder = shards.folder_of(path)
+    folder = folder_of(path)
     if path.is_dir():
         return "it is a folder"
     if not (folder / "run.json").is_file():

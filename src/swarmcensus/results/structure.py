@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.safe_source import digest
 from swarmcensus.metrics import parse, variable_of
 from swarmcensus.results.values import (
     ENDLESS,
@@ -28,7 +28,7 @@ from swarmcensus.results.values import (
     metrics_in,
     robots_in,
 )
-from swarmcensus.vocabulary.coordinates import COORDINATES
+from swarmcensus.studies.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, stored
 from swarmcensus.worlds.networks import MOVING
 
@@ -102,7 +102,7 @@ def _metrics(data: xr.Dataset) -> str | None:
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
         return "the attribute metrics does not name metrics and their sources"
     for variable, name, sha256, source in named:
-        if brains.digest(source) != sha256:
+        if digest(source) != sha256:
             return f"the source of the metric {name!r} is not the one that the hash beside it is of"
         dims = PER_TRIAL if parse(source, name, Path(name)).of_swarm else PER_ROBOT
         if variable != variable_of(name) or variable not in data or data.variables[variable].dims != dims:
@@ -300,7 +300,7 @@ def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]
     try:
         items = json.loads(data.attrs[key]).items()
         sources = {str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])} for n, s in items}
-        changed = [n for n, s in sources.items() if brains.digest(s["source"]) != s["sha256"]]
+        changed = [n for n, s in sources.items() if digest(s["source"]) != s["sha256"]]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise _unknown_origin(key, error) from None
     if changed:

@@ -20,7 +20,7 @@ from swarmcensus.results.store import load
 from swarmcensus.results.values import INTERVALS, bounds_in, is_missing, metrics_in, robots_in
 from swarmcensus.statistics.bootstrap import centres
 from swarmcensus.statistics.intervals import LEVEL, estimate
-from swarmcensus.vocabulary.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import NUMERIC
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 if TYPE_CHECKING:

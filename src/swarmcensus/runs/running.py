@@ -27,6 +27,7 @@ from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.simulation.trials import seconds
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -72,7 +73,7 @@ def run(
             f"({study.trials})"
         )
     settings = study.settings()
-    marks = [setting.fingerprint(study.seed) for setting in settings]
+    marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())

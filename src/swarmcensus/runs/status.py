@@ -13,6 +13,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import command
 from swarmcensus.results import shards
+from swarmcensus.results.presence import folder_of
 from swarmcensus.results.store import stored
 from swarmcensus.results.structure import failures, finished
 from swarmcensus.runs.progress import clock
@@ -72,7 +73,7 @@ def status(out: str | Path) -> Status:
     out = Path(out)
     if out.is_dir():
         raise InputError(f"results file {out}: it is a folder")
-    folder = shards.folder_of(out)
+    folder = folder_of(out)
     if (folder / "run.json").is_file():
         return _status_of_run(out, folder)
     if not out.is_file():

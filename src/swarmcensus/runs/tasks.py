@@ -27,6 +27,7 @@ from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Batch, Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.simulation.watches import MetricFails
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -103,7 +104,7 @@ def _tasks_by_kind(settings: Sequence[Setting], wanted: Wanted, local: Wanted | 
         ):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
             yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds)
-    for numbers in _group_by(settings, lambda s: s.walk_group if s.body else None):
+    for numbers in _group_by(settings, lambda s: addresses.walk_group(s) if s.body else None):
         if settings[numbers[0]].body is not None:
             yield from _rides(numbers, settings, wanted)
 

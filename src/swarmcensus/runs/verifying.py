@@ -34,6 +34,7 @@ from swarmcensus.results.values import (
 from swarmcensus.runs.collect import Report
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -205,7 +206,7 @@ def _settings_in(
 ) -> tuple[NDArray[np.intp], list[Setting]]:
     """The unmatched settings of a dataset that are of this study: their places in the dataset, and the settings."""
     marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist()) if unmatched[k]}
-    by_place = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
+    by_place = {marks[mark]: s for s in study.settings() if (mark := addresses.fingerprint(s, study.seed)) in marks}
     for setting in by_place.values():
         must_be_read(setting)
     return np.array(sorted(by_place), np.intp), [by_place[k] for k in sorted(by_place)]

@@ -10,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import line_of
 from swarmcensus.engine.constants import FULL, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER, PAIRS, SENSING, TALKING
 from swarmcensus.engine.random import chance, word_of, words
-from swarmcensus.simulation import oracle
+from swarmcensus.simulation import oracle, sampling
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
@@ -121,7 +121,7 @@ def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tup
             yield ride.readings[tick], both[first[tick] : first[tick + 1], 1:]
         return
     _, _, blacks = record_trial(setting, seed, trial)
-    links = setting.links(seed, trial, 1)
+    links = sampling.links(setting, seed, trial, 1)
     if links.mode in (FULL, PAIRS):
         pairs = np.argwhere(~np.eye(setting.robots, dtype=np.bool_))
     else:

@@ -89,14 +89,15 @@ def infer(
     if compiled:
         shape = (-(-len(readings) // every) + 1, robots)
         layout = compiler.array_layout(used)
-        history, estimates = np.empty((*shape, layout.mind_width)), np.empty(shape)
-        outbox = np.zeros((robots, layout.message_width))
+        history, estimates = np.empty((*shape, layout.record.itemsize), np.uint8), np.empty(shape)
+        outbox = np.zeros((robots, layout.message_bytes), np.uint8)
+        signals = np.zeros(robots if layout.is_signalled else 0, np.uint8)
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
             alike = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
             interruptible(compiler.compile_world("kernel").follow)(
-                alike, outbox, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends, history,
-                estimates,
+                alike, outbox, signals, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends,
+                history, estimates,
             )  # fmt: skip
             fields = fields_of((used,), alike, history, estimates)
         except Exception as error:

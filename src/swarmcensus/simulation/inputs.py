@@ -6,6 +6,8 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.layout import Links, Radio, Sensors
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 
 NO_GROUPS = np.zeros((0, 0), np.int64)
@@ -20,7 +22,6 @@ class Inputs(NamedTuple):
     first: int
     sensors: Sensors
     beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
-    kept: tuple[np.ndarray, np.ndarray]  # the same, as they lie in minds: see `codegen.record_fields`
     radio: Radio
     links: Links | None  # who hears whom; None where robots move
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `engine.failures`
@@ -39,62 +40,52 @@ class Inputs(NamedTuple):
         return self._replace(
             first=self.first + k,
             sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
-            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), kept=(self.kept[0][one], self.kept[1][one]),
-            links=links, stops=self.stops[one],
+            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
             speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
         )  # fmt: skip
 
     @property
     def first_beliefs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The accuracies that robots assume in the first trial, as they lie in minds."""
-        return self.kept[0][0], self.kept[1][0]
+        """The accuracies that robots assume in the first trial."""
+        return self.beliefs[0][0], self.beliefs[1][0]
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
     """Prepare trials; `order` if single readings are needed. Raises InputError if no graph can be made."""
     moves = setting.body is not None
     try:
-        links = None if moves else setting.links(seed, first, trials)
+        links = None if moves else sampling.links(setting, seed, first, trials)
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
-    b, w, assumed_b, assumed_w = setting.accuracies(seed, first, trials)
-    beliefs = kept = (assumed_b, assumed_w)
+    b, w, assumed_b, assumed_w = sampling.accuracies(setting, seed, first, trials)
+    beliefs = (assumed_b, assumed_w)
     if setting.precision == "single":
-        assumed_b, assumed_w = (side.astype(np.float32).astype(np.float64) for side in beliefs)
-        beliefs, kept = (assumed_b, assumed_w), (in_halves(assumed_b), in_halves(assumed_w))
-    drift, readings = setting.drifts(seed, first, trials, b), setting.readings_key(seed)
-    orders = setting.readings_key(seed, "order") if order else NO_KEY
+        beliefs = (assumed_b.astype(np.float32).astype(np.float64), assumed_w.astype(np.float32).astype(np.float64))
+    drift, readings = sampling.drifts(setting, seed, first, trials, b), addresses.readings_key(setting, seed)
+    orders = addresses.readings_key(setting, seed, "order") if order else NO_KEY
     sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)
-    losses = setting.losses_key(seed) if setting.loss_threshold else NO_KEY
+    losses = addresses.losses_key(setting, seed) if setting.loss_threshold else NO_KEY
     group, honest = _groups_of(setting, seed, first, trials)
     return Inputs(
         first=first,
         sensors=sensors,
         beliefs=beliefs,
-        kept=kept,
         radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
         links=links,
-        stops=np.stack([setting.stops(seed, first + t) for t in range(trials)]),
-        luck=setting.luck_keys(seed, alone=order),
-        walk=setting.walk_key(seed) if moves else NO_KEY,
-        speeds=np.stack([setting.speeds(seed, first + t) for t in range(trials)]) if moves else NO_SPEEDS,
+        stops=np.stack([sampling.stops(setting, seed, first + t) for t in range(trials)]),
+        luck=addresses.luck_keys(setting, seed, alone=order),
+        walk=addresses.walk_key(setting, seed) if moves else NO_KEY,
+        speeds=np.stack([sampling.speeds(setting, seed, first + t) for t in range(trials)]) if moves else NO_SPEEDS,
         group=group,
         honest=honest,
     )
-
-
-def in_halves(numbers: np.ndarray) -> np.ndarray:
-    """Numbers as float32 in the first half of their eight bytes: see `codegen.record_fields`."""
-    halves = np.zeros((*numbers.shape, 2), np.float32)
-    halves[..., 0] = numbers
-    return halves.view(np.float64)[..., 0]
 
 
 def _groups_of(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
     group, honest = NO_GROUPS, ALL_HONEST
     if not setting.members:
         return group, honest
-    groups, brains = setting.groups(seed, first, trials), setting.brains
+    groups, brains = sampling.groups(setting, seed, first, trials), setting.brains
     if len(brains) > 1:
         group = np.array(
             [0, *(brains.index(m.brain_in(setting.brain).with_numbers(setting.brain.numbers)) for m in setting.members)]

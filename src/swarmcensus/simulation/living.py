@@ -14,8 +14,9 @@ import numpy as np
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.layout import Chunk, Recorded, Swarm, Tally
+from swarmcensus.engine.layout import Chunk, Minds, Recorded, Swarm, Tally
 from swarmcensus.engine.threads import interruptible
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, wishes_of
@@ -35,8 +36,9 @@ class Stretch:
     """Some rounds, or ticks, of a trial: arrays (round, robot), whose first row is that of round `first`."""
 
     first: int
-    history: np.ndarray  # (round, robot, number): minds after the round
-    said: np.ndarray  # (round, robot, number): the message of each that was heard in the round, as in an outbox
+    history: np.ndarray  # (round, robot, byte): minds after the round
+    said: np.ndarray  # (round, robot, byte): the message of each that was heard in the round, as in an outbox
+    signals: np.ndarray  # (round, robot): whether each was said, see `Minds`; no robots if all are said
     estimates: np.ndarray
     messages: np.ndarray  # (round, what): how many all robots have sent and heard so far
     poses: np.ndarray  # x, y, heading after the tick; from here to `links` no rows on fixed networks
@@ -133,31 +135,45 @@ class _Network:
             self.minds = minds_of(setting, self.swarm, given.radio.delay + 2, np.empty((1, robots)))
             self.tally = tally_of(setting, 1).of_trial(0)
             self.kernel.start_minds(self.swarm, self.minds, given.first_beliefs, self.tally)
-        memory, outbox, start = self.minds
-        self.arrays = [memory, outbox, *self.tally]
+        memory, outbox, signals, start = self.minds
+        self.arrays = [memory, outbox, signals, *self.tally]
         no_messages, none_done = np.zeros((1, 2)), np.zeros(robots, np.bool_)
-        self.start = _standing(0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], start, no_messages, none_done)
+        self.start = _standing(
+            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], start, no_messages, none_done
+        )
 
     def on(self, first: int, rounds: int) -> Stretch:
         setting, given, links = self.setting, self.given, self.given.links
         assert links is not None
-        history, done = np.empty((rounds, *self.minds.memory.shape)), _done(self.tally, setting.robots)
-        said = np.empty((rounds, setting.robots, self.minds.outbox.shape[1]))
+        done = _done(self.tally, setting.robots)
+        history, said, signals = room_for(self.minds, rounds)
         estimates, messages = np.empty((rounds, setting.robots)), np.zeros((rounds, 2), np.int64)
         with blaming(setting, given.first):
             self.kernel.live(
                 self.swarm, self.minds._replace(rows=estimates), given.sensors.of_trial(0), given.radio, links,
-                given.stops[0], self.tally, given.first, first, history, said, messages, np.zeros(1, np.uint8),
+                given.stops[0], self.tally, given.first, first, history, said, signals, messages,
+                np.zeros(1, np.uint8),
             )  # fmt: skip
-        return _standing(first, history, said, estimates, messages, done)
+        return _standing(first, history, said, signals, estimates, messages, done)
+
+
+def room_for(minds: Minds, rounds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Room for `history`, `said` and `signals` of a stretch."""
+    robots, size = minds.memory.shape
+    return (
+        np.empty((rounds, robots, size), np.uint8),
+        np.empty((rounds, robots, minds.outbox.shape[1]), np.uint8),
+        np.empty((rounds, robots if minds.signals.size else 0), np.uint8),
+    )
 
 
 def _standing(
-    first: int, history: np.ndarray, said: np.ndarray, estimates: np.ndarray, messages: np.ndarray, done: np.ndarray
-) -> Stretch:
+    first: int, history: np.ndarray, said: np.ndarray, signals: np.ndarray, estimates: np.ndarray, messages: np.ndarray,
+    done: np.ndarray,
+) -> Stretch:  # fmt: skip
     nothing = np.zeros((0, estimates.shape[1]))
     poses, links = np.zeros((*nothing.shape, 3)), np.zeros((0, 3), np.int64)
-    return Stretch(first, history, said, estimates, messages, poses, nothing, nothing, links, done)
+    return Stretch(first, history, said, signals, estimates, messages, poses, nothing, nothing, links, done)
 
 
 def _done(tally: Tally, robots: int) -> np.ndarray:
@@ -170,7 +186,7 @@ class _Moving:
         assert setting.body is not None
         self.setting, self.given = setting, given
         self.stop = np.zeros(1, np.uint8)
-        self.rider, self.ground = Rider(setting, given), setting.ground(seed, given.first)
+        self.rider, self.ground = Rider(setting, given), sampling.ground(setting, seed, given.first)
         # the engine writes estimates at their tick: pages of earlier stretches are given back after use
         rows = self.rider.minds.rows
         self.pages = mmap.mmap(-1, rows.nbytes)
@@ -181,23 +197,24 @@ class _Moving:
             setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, self.stop, True,
             given.stops[0], self.wishes, given.speeds[0],
         )  # fmt: skip
-        memory, outbox, _ = self.rider.minds
+        memory, outbox, signals, _ = self.rider.minds
         self.arrays = [
-            self.walk.bodies.state, *self.walk.neighbours, self.wishes, memory, outbox, *self.rider.tally
+            self.walk.bodies.state, *self.walk.neighbours, self.wishes, memory, outbox, signals,
+            *self.rider.tally,
         ]  # fmt: skip
         shape = (1, setting.robots)
         self.start = Stretch(
-            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], self.rider.start, np.zeros((1, 2)),
-            self.walk.poses_now()[np.newaxis], np.full(shape, np.nan), np.full(shape, np.nan),
+            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], self.rider.start,
+            np.zeros((1, 2)), self.walk.poses_now()[np.newaxis], np.full(shape, np.nan), np.full(shape, np.nan),
             np.zeros((0, 3), np.int64), np.zeros(setting.robots, np.bool_),
         )  # fmt: skip
 
     def on(self, first: int, rounds: int) -> Stretch:
         setting, rider, robots = self.setting, self.rider, self.setting.robots
         shape = (rounds, robots)
-        memory, outbox, rows = rider.minds
+        _, outbox, signals, rows = rider.minds
         counts, delay = rider.tally.counts, self.given.radio.delay
-        history, said = np.empty((rounds, *memory.shape)), np.empty((*shape, outbox.shape[1]))
+        history, said, does = room_for(rider.minds, rounds)
         poses, colours, readings = np.empty((*shape, 3)), np.empty(shape), np.full(shape, np.nan)
         messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(rider.tally, robots)
         done = 0
@@ -216,7 +233,9 @@ class _Moving:
                     rider.steer(self.wishes, first + row)
                 heard = (first + row - delay) % (delay + 1) * robots
                 said[row] = outbox[heard : heard + robots]
-                if self.swarm.flag < 0:
+                if signals.size:
+                    does[row] = signals[heard : heard + robots]
+                else:
                     counts[SENT] += [works(rider.stops, TALKING, i, first + row) for i in range(robots)]
                 messages[row] = counts[SENT].sum(), counts[HEARD].sum()
             done = part.stop
@@ -224,7 +243,7 @@ class _Moving:
         if hasattr(self.pages, "madvise"):
             self.pages.madvise(mmap.MADV_DONTNEED)
         return Stretch(
-            first, history, said, estimates, messages, poses, colours, readings, np.concatenate(links), ended
+            first, history, said, does, estimates, messages, poses, colours, readings, np.concatenate(links), ended
         )
 
 

@@ -9,6 +9,7 @@ from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine import compiler
 from swarmcensus.engine.layout import Chunk, Recorded
 from swarmcensus.engine.threads import interruptible
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.answers import check_estimates, check_intervals, check_verdicts, check_wishes
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
@@ -23,12 +24,13 @@ from swarmcensus.simulation.swarming import (
 from swarmcensus.simulation.trials import Batch, Metrics, blaming
 from swarmcensus.simulation.walking import set_out, walk
 from swarmcensus.simulation.watches import Truths, Watch, results_of
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.changing_ground import ChangingGround
 from swarmcensus.worlds.ground import Ground
 
-NOTHING = Recorded(np.zeros((0, 0, 0)), np.zeros((0, 0)))
+NOTHING = Recorded(np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0)))
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
 
@@ -120,8 +122,10 @@ def run_ride(
     if settings[0].steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
         batch = steered(settings[0], seed, trial, metrics, stop)  # no other setting has the same walk
         return None if batch is None else [batch]
-    keys = [(setting.floor_key(seed).tobytes(), setting.change) for setting in settings]
-    grounds = {key: setting.ground(seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
+    keys = [(addresses.floor_key(setting, seed).tobytes(), setting.change) for setting in settings]
+    grounds = {
+        key: sampling.ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()
+    }
     riders = [
         Rider(setting, inputs_of(setting, seed, trial), metrics.checkpoints, truths_of(setting, metrics, grounds[key]))
         for setting, key in zip(settings, keys, strict=True)
@@ -147,7 +151,7 @@ def tiles_of(setting: Setting) -> int:
 def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.ndarray) -> Batch | None:
     """One trial of robots whose brain steers, on a floor that is small enough to be painted beforehand."""
     assert setting.body is not None
-    given, ground = inputs_of(setting, seed, trial), setting.ground(seed, trial)
+    given, ground = inputs_of(setting, seed, trial), sampling.ground(setting, seed, trial)
     rider = Rider(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
     bodies, neighbours = set_out(
         setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, wishes_of(setting), given.speeds[0]
@@ -208,9 +212,9 @@ class Ride:
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     """Run one trial of moving robots again, and keep all of it."""
     stop = np.zeros(1, np.uint8)
-    rider, ground = Rider(setting, inputs_of(setting, seed, trial)), setting.ground(seed, trial)
+    rider, ground = Rider(setting, inputs_of(setting, seed, trial)), sampling.ground(setting, seed, trial)
     shape = (setting.rounds + 1, setting.robots)
-    history = np.empty((*shape, rider.minds.memory.shape[1]))
+    history = np.empty((*shape, rider.minds.memory.shape[1]), np.uint8)
     history[0] = rider.minds.memory
     poses = np.full((*shape, 3), np.nan)
     looked = np.zeros(shape, np.bool_)

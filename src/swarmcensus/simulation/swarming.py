@@ -58,22 +58,21 @@ def swarm(
     """A swarm in which robot i has the brain brains[group[i]]; `luck` are keys. Raises NotCompiled."""
     mixed = len(brains) > 1
     layouts = [compiler.array_layout(brain, mixed) for brain in brains]
-    fields = np.array([layout.mind_width for layout in layouts])
-    blanks = np.zeros((len(brains), fields.max()))
+    sizes = np.array([layout.record.itemsize for layout in layouts])
+    blanks = np.zeros((len(brains), sizes.max()), np.uint8)
     for row, layout in zip(blanks, layouts, strict=True):
-        row[: layout.mind_width] = layout.blank
+        row[: layout.blank.size] = layout.blank
     runs, of_block = runs_of(group)
     return Swarm(
         functions=np.stack([compiler.compile_brain(brain, use, mixed=mixed) for brain in brains]),
-        bases=group.size * (np.cumsum(fields) - fields),
-        fields=fields,
-        named=np.array([brain.uses.name for brain in brains]),
+        bases=group.size * (np.cumsum(sizes) - sizes),
+        sizes=sizes,
         clipped=np.array([layout.clipped for layout in layouts]),
         blanks=blanks,
         runs=runs,
         of_block=of_block,
         additive=not mixed and bool(brains[0].sums),
-        flag=layouts[0].flag,
+        is_signalled=layouts[0].is_signalled,
         jams=any(brain.jams for brain in brains),
         luck=luck if any(brain.uses.luck for brain in brains) else NO_LUCK,
         honest=honest,
@@ -82,14 +81,14 @@ def swarm(
 
 def minds_of(setting: Setting, swarm: Swarm, rounds: int, rows: np.ndarray) -> Minds:
     """Room for minds and their messages of so many rounds; `rows` (round, robot) is room for estimates."""
-    width = compiler.array_layout(setting.brain, swarm.fields.size > 1).message_width
-    outbox = np.zeros((rounds * setting.robots, width))
-    return Minds(np.empty((setting.robots, numbers_of(swarm))), outbox, rows)
-
-
-def numbers_of(swarm: Swarm) -> int:
-    """How many numbers `memory` has for each robot."""
-    return int(swarm.fields.sum())
+    size = compiler.array_layout(setting.brain, swarm.sizes.size > 1).message_bytes
+    messages = rounds * setting.robots
+    return Minds(
+        np.empty((setting.robots, swarm.sizes.sum()), np.uint8),
+        np.zeros((messages, size), np.uint8),
+        np.zeros(messages if swarm.is_signalled else 0, np.uint8),
+        rows,
+    )
 
 
 def tally_of(setting: Setting, trials: int, local: bool = False) -> Tally:
@@ -123,7 +122,7 @@ def right_option(truth: float, options: int) -> float:
 def fields_of(
     brains: tuple[Brain, ...], swarm: Swarm, history: np.ndarray, estimates: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """What a trace shows of minds (round, robot, number): fields of MEMORY, decisions, whether done, intervals.
+    """What a trace shows of minds (round, robot, byte): fields of MEMORY, decisions, whether done, intervals.
 
     In a mixed swarm a field is NaN for robots whose brain has no such field, or only a shorter vector.
     """
@@ -131,7 +130,7 @@ def fields_of(
     fields: dict[str, np.ndarray] = {}
     flat = history.reshape(len(history), -1)
     for group, brain in enumerate(brains):
-        base, size = swarm.bases[group], swarm.fields[group]
+        base, size = swarm.bases[group], swarm.sizes[group]
         rows = np.ascontiguousarray(flat[:, base : base + robots * size]).reshape(len(flat), robots, size)
         minds = compiler.array_layout(brain).records(rows)
         own = np.zeros(robots, np.bool_)

@@ -26,7 +26,6 @@ from swarmcensus.simulation.swarming import (
     ended,
     fields_of,
     minds_of,
-    numbers_of,
     swarm_of,
     tally_of,
 )
@@ -127,19 +126,14 @@ def _live(
     honest = given.honest[0] if given.honest.size else None
     with blaming(setting, first, trials):
         swarm = swarm_of(setting, given, "alone" if local else setting.use)
-    numbers = numbers_of(swarm)
-    width = compiler.array_layout(setting.brain, swarm.fields.size > 1).message_width
-    kept_words = (delay + 2) * width if delay else 0  # a robot's, where a segment may be run again
-    length = segment_length(setting.robots, rounds, 8 * (numbers + kept_words), looks if local else 1, threads)
-    segments = -(-rounds // length)
     # NumPy asks for huge pages where a large array wants them, Numba does not
-    minds = minds_of(setting, swarm, delay + 2, np.empty((length, setting.robots)))
-    between = max(segments - 2, 0)
-    room = Segments(
-        np.empty((between, setting.robots, numbers)),
-        np.empty((between if delay else 0, *minds.outbox.shape)),
-        np.empty((3, setting.robots)),
-    )
+    minds = minds_of(setting, swarm, delay + 2, np.empty((0, setting.robots)))
+    memory, outbox, signals, _ = minds
+    kept = memory.nbytes + (outbox.nbytes + signals.nbytes if delay else 0)  # where a segment may be run again
+    length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1, threads)
+    segments = -(-rounds // length)
+    minds = minds._replace(rows=np.empty((length, setting.robots)))
+    room = room_of(minds, max(segments - 2, 0), max(segments - 2, 0) if delay else 0)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)
     checkpoints = np.array(metrics.checkpoints, np.int64)
@@ -178,6 +172,16 @@ def _live(
     )  # fmt: skip
 
 
+def room_of(minds: Minds, snapshots: int, outboxes: int) -> Segments:
+    """Room for so many copies of minds, and of their messages."""
+    return Segments(
+        np.empty((snapshots, *minds.memory.shape), np.uint8),
+        np.empty((outboxes, *minds.outbox.shape), np.uint8),
+        np.empty((outboxes, *minds.signals.shape), np.uint8),
+        np.empty((3, minds.memory.shape[0])),
+    )
+
+
 def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
     """Room for the metrics of a batch."""
     shape, count = (trials, setting.robots), len(metrics.checkpoints)
@@ -212,7 +216,7 @@ def _simulate(
     rounds = setting.rounds * (setting.observations_per_round if local else 1)
     radio = given.radio._replace(delay=0) if local else given.radio
     finished: bool = compiler.compile_world("kernel").simulate(
-        swarm, minds, room, given.sensors, given.kept, radio, given.links, given.stops, measures, tally, intervals,
+        swarm, minds, room, given.sensors, given.beliefs, radio, given.links, given.stops, measures, tally, intervals,
         given.first, rounds, local, begin, end, stop,
     )  # fmt: skip
     return finished
@@ -274,11 +278,11 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     It is run like any other, in segments of one round: the snapshots before each are the history of its minds.
     """
     shape = (setting.rounds + 1, setting.robots)
-    given = inputs_of(setting, seed, trial)
+    given, estimates, blacks = inputs_of(setting, seed, trial), np.empty(shape), np.zeros(shape)
     with blaming(setting, trial):
         swarm = swarm_of(setting, given, setting.use)
-        history, estimates, blacks = np.empty((*shape, numbers_of(swarm))), np.empty(shape), np.zeros(shape)
         minds = minds_of(setting, swarm, setting.message_delay + 2, np.empty((1, setting.robots)))
+        history = np.empty((len(estimates), *minds.memory.shape), np.uint8)
         _rerun(setting, given, swarm, minds._replace(memory=history[-1]), history[:-1])
         compiler.compile_world("kernel").believe(swarm, history, estimates)
     compiler.compile_world().round_readings(given.sensors.of_trial(0), trial, blacks[1:])
@@ -301,16 +305,20 @@ def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
     with blaming(setting, trial):
         swarm = swarm_of(setting, given, setting.use)
         minds = minds_of(setting, swarm, setting.message_delay + 2, estimates[1:])
-        estimates[0] = _rerun(setting, given, swarm, minds, np.empty((0, *minds.memory.shape)))
+        estimates[0] = _rerun(setting, given, swarm, minds)
     return estimates
 
 
-def _rerun(setting: Setting, given: Inputs, swarm: Swarm, minds: Minds, snapshots: np.ndarray) -> np.ndarray:
+def _rerun(
+    setting: Setting, given: Inputs, swarm: Swarm, minds: Minds, snapshots: np.ndarray | None = None
+) -> np.ndarray:
     """Run one trial forward and measure nothing; returns the estimates before any observation (robot).
 
-    `snapshots` get the minds before each segment of rounds, if there is room for them.
+    `snapshots` get the minds before each segment of rounds.
     """
-    room = Segments(snapshots, np.empty((0, *minds.outbox.shape)), np.empty((3, setting.robots)))
+    room = room_of(minds, 0, 0)
+    if snapshots is not None:
+        room = room._replace(snapshots=snapshots)
     measures = measures_of(setting, 1, Metrics(delta=1.0, bins=1, checkpoints=()))
     tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
     end, stop = -(-setting.rounds // len(minds.rows)), np.zeros(1, np.uint8)

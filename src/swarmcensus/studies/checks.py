@@ -8,12 +8,12 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Brain
 from swarmcensus.brains.library import namesakes
-from swarmcensus.metrics.metric import PREFIXES, RESERVED, SUFFIXES
 from swarmcensus.studies import members
+from swarmcensus.studies.coordinates import is_taken
 from swarmcensus.studies.fields import LARGEST, plain_text
 from swarmcensus.studies.grids import SIZES, Grid
 from swarmcensus.studies.precision import Until
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds import arena
@@ -21,8 +21,6 @@ from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 
 MOST_TILES = 2**30  # from wall to wall: a tile's place is two 32-bit numbers
-MOVING_ONLY = ("density", "side", "floor", "body", "ticks")  # keys of robots that move
-FIXED_ONLY = ("rounds", "observations_per_round")  # of fixed networks
 
 
 def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
@@ -47,11 +45,6 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     for grid in grids:
         if grid.moves:
             _check_moving(grid)
-            if "message_delay" in grid.world.model_fields_set:
-                raise ValueError(
-                    f"{grid.key('message_delay')} counts rounds of fixed networks: how late robots that move hear each "
-                    "other is world.body.message_delay, in ticks"
-                )
     _check_faults(tables, grids, all_used)
     for grid in grids:
         _check_changes(grid, all_used)
@@ -89,10 +82,9 @@ def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:
             )
 
 
-def taken_in_results(brain: Brain, also: Iterable[str] = ()) -> str:
+def taken_in_results(brain: Brain, also: Sequence[str] = ()) -> str:
     """The first parameter of a brain with a name that is taken in datasets; empty if there is none."""
-    taken = {*RESERVED, *also}
-    return next((n for n in brain.parameters if n in taken or n.startswith(PREFIXES) or n.endswith(SUFFIXES)), "")
+    return next((name for name in brain.parameters if name in also or is_taken(name)), "")
 
 
 NAMES = {
@@ -116,19 +108,19 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         for key in table.model_fields_set
         if getattr(table, key) is not None
     }
-    for keys, kind in ((MOVING_ONLY, "moves"), (FIXED_ONLY, "stands")):
-        for key in keys:
-            replaced_by = SIZES if key in SIZES else {key}
-            users = [grid for grid in grids if getattr(grid, kind) and not (grid.given & replaced_by)]
-            useless = [grids[0]] if key in base and not users else []
-            useless += [grid for grid in grids if key in grid.given and not getattr(grid, kind)]
-            for grid in useless:
-                raise ValueError(f"{grid.key(key)} is of {MEANING[kind]}")
+    for key in KEYS.values():
+        replaced_by = SIZES if key.name in SIZES else {key.name}
+        users = [grid for grid in grids if grid.uses(key) and not (grid.given & replaced_by)]
+        useless = [grids[0]] if key.name in base and not users else []
+        useless += [grid for grid in grids if key.name in grid.given and not grid.uses(key)]
+        for grid in useless:
+            instead = f": {key.instead}" if key.instead else ""
+            raise ValueError(f"{grid.key(key.name)} is of {MEANING[key.world]}{instead}")
     _check_late(grids)
     if "feedback" in tables.world.model_fields_set and all(grid.world.message == ["double"] for grid in grids):
         raise ValueError("world.feedback is of messages with a number format: world.message says which")
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
-        raise ValueError(f'measure.truth = "floor" is of {MEANING["moves"]}')
+        raise ValueError(f'measure.truth = "floor" is of {MEANING["moving"]}')
 
 
 def _check_late(grids: Sequence[Grid]) -> None:
@@ -145,10 +137,7 @@ def _check_late(grids: Sequence[Grid]) -> None:
             )
 
 
-MEANING = {
-    "moves": 'robots that move: it goes with topology = "moving"',
-    "stands": "fixed networks: robots that move observe once a tick at most, and schedule.ticks says how long",
-}
+MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks"}
 
 
 def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
@@ -168,6 +157,11 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
     for metric in tables.measure.metrics:
         if variables.count(metric.variable) > 1:
             raise ValueError(f"measure.metrics: two of them would be called {metric.variable!r} in the results")
+        if is_taken(metric.variable):
+            raise ValueError(
+                f"measure.metrics: metric file {metric.name}: the name {metric.variable!r} is used in the results: "
+                "give the file another name"
+            )
     if tables.measure.local:
         if any(grid.moves for grid in grids):
             raise ValueError("measure.local = true follows robots on fixed networks, not robots that move")

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from swarmcensus.brains.packing import Numbers
+from swarmcensus.studies.keys import Key
 from swarmcensus.studies.members import Member, Members
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.tables import Case, Schedule, Swarm, World
+from swarmcensus.studies.settings import KEYS, Schedule, Setting, Swarm, World
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
+from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
 
+LAST = ("members", "rounds", "observations_per_round", "density", "floor", "ticks")  # vary fastest, in this order
 SIZES = {"density", "side"}  # of an arena: a case that gives one replaces the other
 
 
@@ -33,8 +35,7 @@ class Grid:
         """A key's name in messages: "world.side", "case[0].side" or "case[0]: world.side"."""
         if name in self.given:
             return f"{self.case}.{name}"
-        table = next(t for t in ("swarm", "world", "schedule") if name in type(getattr(self, t)).model_fields)
-        return f"{self.case}: {table}.{name}" if self.case else f"{table}.{name}"
+        return f"{self.case}: " * bool(self.case) + f"{KEYS[name].table}.{name}"
 
     @property
     def moves(self) -> bool:
@@ -46,6 +47,10 @@ class Grid:
         """Whether some of its networks are fixed."""
         return any(not t.moves for t in self.world.topology)
 
+    def uses(self, key: Key) -> bool:
+        """Whether a key has an effect in it."""
+        return any(key.has_effect(topology.moves) for topology in self.world.topology)
+
     @property
     def lengths(self) -> set[int]:
         """The numbers of rounds, or ticks, of its settings."""
@@ -56,69 +61,47 @@ class Grid:
         sides = [arena.density(robots, side, self.world.body) for side in self.world.side or ()]
         return [*(self.world.density or ()), *sides]
 
-    @property
-    def _lists(self) -> list[list[Any]]:
-        swarm, world = self.swarm, self.world
-        return [
-            swarm.brain, world.topology, swarm.robots, swarm.accuracy, [*(swarm.assumed_accuracy or (None,))],
-            world.fill_ratio, world.link_success, world.message_delay, self._numbers,
-        ]  # fmt: skip
-
-    @property
-    def _numbers(self) -> list[Numbers]:
-        """The number formats of its robots."""
-        every = itertools.product(self.swarm.precision, self.world.message)
-        return [Numbers(precision, message, self.world.feedback) for precision, message in every]
-
     def _mixes(self, robots: int) -> list[tuple[Member, ...]]:
         """The combinations of members in swarms of this size, each once, without members of 0 robots."""
         every = itertools.product(*(list(table.every()) for table in self.members))
         return list(dict.fromkeys(tuple(m for m in members if m.count(robots)) for members in every))
 
+    def _spans(self, topology: Topology, robots: int) -> dict[str, list[Any]]:
+        """The lists that span the settings with this topology and size, by key; the last one varies fastest."""
+        keys = [key for key in KEYS.values() if key.spans and key.has_effect(topology.moves)]
+        values = {key.name: getattr(getattr(self, key.table), key.name) or [key.default] for key in keys}
+        values |= {"topology": [topology], "robots": [robots], "members": self._mixes(robots)}
+        if topology.moves:
+            values |= {"density": self.densities(robots), "floor": self.world.floor or [Floor()]}
+        order = [*(name for name in values if name not in LAST), *(name for name in LAST if name in values)]
+        return {name: values[name] for name in order if name != "side"}  # densities include it
+
     @property
     def count(self) -> int:
         """The number of settings."""
-        world, schedule = self.world, self.schedule
-        moving = sum(t.moves for t in world.topology)
-        fixed = len(world.topology) - moving
-        return (
-            max(len(self._mixes(n)) for n in self.swarm.robots)
-            * math.prod(len(values) for values in self._lists if values is not world.topology)
-            * (
-                fixed * len(schedule.rounds) * len(schedule.observations_per_round)
-                + moving * len(self.densities(1)) * len(world.floor or [None]) * len(schedule.ticks)
-            )
-        )
+        kinds = itertools.product(self.world.topology, self.swarm.robots)
+        return sum(math.prod(map(len, self._spans(*kind).values())) for kind in kinds)
 
     def settings(self, faults: tuple[Fault, ...]) -> Iterator[Setting]:
         """All combinations of the values: brain, topology, robots and accuracy vary slowest."""
-        world, schedule = self.world, self.schedule
-        fixed = [(c, r, None, None, faults) for c in schedule.rounds for r in schedule.observations_per_round]
-        moving = {
-            robots: [
-                (ticks, 1, density, world.body, faults, floor)
-                for density in self.densities(robots)
-                for floor in world.floor or [Floor()]
-                for ticks in schedule.ticks
-            ]
-            for robots in self.swarm.robots
-        }
-        mixes = {robots: self._mixes(robots) for robots in self.swarm.robots}
-        brains = {(b, numbers): b.with_numbers(numbers) for b in self.swarm.brain for numbers in self._numbers}
-        for named, topology, robots, *sensors, fill, success, delay, numbers in itertools.product(*self._lists):
-            brain = brains[named, numbers]
-            lengths = moving[robots] if topology.moves else fixed
-            change = fill if isinstance(fill, Change) else None
-            for mix, (rounds, *length) in itertools.product(mixes[robots], lengths):
-                end = change.ends_in(rounds) if change else fill  # type: ignore[arg-type]
-                of_world = (end, success, rounds, *length)
-                yield Setting(  # type: ignore[misc]
-                    brain, topology, robots, *sensors, *of_world, members=mix, change=change, delay=delay
-                )
+        kinds = [(kind[0], self._spans(*kind)) for kind in itertools.product(self.world.topology, self.swarm.robots)]
+        formats = itertools.product(self.swarm.precision, self.world.message)
+        every = [Numbers(precision, message, self.world.feedback) for precision, message in formats]
+        for brain in self.swarm.brain:
+            brains = {numbers[:2]: brain.with_numbers(numbers) for numbers in every}
+            for topology, lists in kinds:
+                fixed = {"observations_per_round": 1, "body": self.world.body} if topology.moves else {}
+                fields = [KEYS[name].field if name in KEYS else name for name in lists]
+                for values in itertools.product(*(lists | {"brain": [brain]}).values()):
+                    chosen = dict(zip(fields, values, strict=True)) | fixed
+                    chosen["brain"] = brains[chosen.pop("precision"), chosen.pop("message")]
+                    if isinstance(change := chosen["fill_ratio"], Change):
+                        chosen |= {"fill_ratio": change.ends_in(chosen["rounds"]), "change": change}
+                    yield Setting(faults=faults, **chosen)
 
 
 def grids_of(
-    swarm: Swarm, world: World, schedule: Schedule, cases: Iterable[Case], members: tuple[Members, ...] = ()
+    swarm: Swarm, world: World, schedule: Schedule, cases: Iterable[Any], members: tuple[Members, ...] = ()
 ) -> list[Grid]:
     """The full grid of a study, followed by the grid of each case."""
     grids = [Grid(swarm, world, schedule, members=members)]

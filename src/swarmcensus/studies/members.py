@@ -5,14 +5,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-import numpy as np
 from pydantic import Field
 
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.forms import Robots, Several, Table
 from swarmcensus.brains import Adversary, Brain, lying_brain
-from swarmcensus.engine.addresses import address
-from swarmcensus.engine.compiler import compile_world
 from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
 from swarmcensus.worlds.bodies import Least
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
@@ -148,21 +145,3 @@ def _check_adversary(n: int, table: Members, adversary: Adversary, brains: list[
 
 def _message_text(brain: Brain) -> str:
     return ", ".join(name if not long else f"{name} of {long}" for name, long in brain.message.items())
-
-
-def member_numbers(members: tuple[Member, ...], seed: int, first: int, trials: int, robots: int) -> np.ndarray:
-    """Which table of members each robot belongs to (trial, robot): counted from 1, and 0 for none.
-
-    Robots are drawn for each trial, by random numbers that depend only on the size of the swarm. So a larger share
-    includes the robots of a smaller one.
-    """
-    lots = np.empty((trials, robots))
-    compile_world().spread_uniform(address(seed, "members", robots=robots), first, 0.0, 1.0, lots)
-    order = np.argsort(lots, axis=1, kind="stable")
-    out = np.zeros((trials, robots), np.int64)
-    begin = 0
-    for number, member in enumerate(members, start=1):
-        end = begin + member.count(robots)
-        np.put_along_axis(out, order[:, begin:end], number, axis=1)
-        begin = end
-    return out

@@ -5,7 +5,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from swarmcensus.basics.forms import Schema
-from swarmcensus.studies.tables import Schedule, Swarm, Tables, World
+from swarmcensus.studies.tables import Tables
 
 DRAFT = "http://json-schema.org/draft-07/schema#"  # the draft that editors support best
 # pydantic's own names of bounds behind a validator, and a later draft's name for the items of a pair
@@ -21,11 +21,7 @@ def schema() -> Schema:
     It refuses no valid study. It may accept an invalid one, as only `Study.load` checks files and keys against each
     other.
     """
-    found = schema_of(Tables, "study")
-    keys = {name: field for table in (Swarm, World, Schedule) for name, field in table.model_fields.items()}
-    for name, told in found["$defs"]["Case"]["properties"].items():
-        told["description"] = keys[name].description
-    return found
+    return schema_of(Tables, "study")
 
 
 def schema_of(tables: type[BaseModel], what: str) -> Schema:

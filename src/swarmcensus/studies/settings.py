@@ -1,35 +1,317 @@
-"""A setting: one point of a study's grid, what its swarm and world are in a trial, and its random numbers' addresses.
+"""Settings, the points of a study's grid: the keys in which they differ, and the record of one value each.
 
-An address contains only what its random numbers depend on. So two settings that differ only in brain or topology have
-the same tiles and readings, trial by trial, and a setting's numbers do not depend on its place in a grid.
+A key is declared once, in its table here. `keys_of` makes `KEYS` of the declarations, and the rest follows from it: the
+grid, cases, checks, coordinates, captions, addresses of random numbers, tables of pages. A key also needs a field of
+`Setting` and, in **simulation**, its use.
 """
 
 import functools
-import hashlib
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.forms import Table
 from swarmcensus.brains import Brain, Value
-from swarmcensus.brains.packing import PLAIN
-from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
-from swarmcensus.engine.layout import Links
-from swarmcensus.studies.members import Member, member_numbers
+from swarmcensus.studies.fields import (
+    Accuracies,
+    Beliefs,
+    Brains,
+    Delays,
+    FillRatios,
+    Floors,
+    Formats,
+    Positives,
+    Precisions,
+    Shares,
+    Times,
+    Topologies,
+    Wholes,
+)
+from swarmcensus.studies.keys import Coordinate, Key, keys_of
+from swarmcensus.studies.members import Member
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.changes import Change, along, steady
-from swarmcensus.worlds.changing_ground import ChangingGround
-from swarmcensus.worlds.faults import Fault, for_an_oracle, stops
-from swarmcensus.worlds.ground import Ground
+from swarmcensus.worlds.faults import Fault
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 
-NO_LUCK = np.zeros(0, np.uint64)
+HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks says how long"
+
+
+class Swarm(Table):
+    """The robots: their brains, their number, their sensors, and what they assume about these."""
+
+    brain: Annotated[
+        Brains,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "name or path, as in the study file",
+                caption="{}",
+                plural="brains",
+                always=True,
+                of=lambda setting: setting.brain.name,
+            ),
+        ),
+    ] = Field(default=["minimalistic"], validate_default=True)
+    """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
+    robots: Annotated[
+        Wholes,
+        Key(
+            draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
+            coordinate=Coordinate(
+                "whole number",
+                "*N*",
+                caption="N = {:,.0f}",
+                title="robots $N$",
+                plural="numbers of robots",
+                counts=True,
+                always=True,
+            ),
+        ),
+    ]
+    """N, how many."""
+    accuracy: Annotated[
+        Accuracies,
+        Key(
+            draws=("readings",),
+            coordinate=Coordinate(
+                "text",
+                "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `beta(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 "
+                "drift=-1e-05 least=0.6`",
+                caption="accuracy {}",
+                title="sensor accuracy",
+                plural="accuracies",
+                always=True,
+                of=lambda setting: str(setting.accuracy),
+            ),
+        ),
+    ]
+    """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
+    assumed_accuracy: Annotated[
+        Beliefs | None,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their "
+                "sensors",
+                caption="assumed accuracy {}",
+                plural="assumed accuracies",
+                always=True,
+                of=lambda setting: str(setting.assumed_accuracy or setting.accuracy.start),
+            ),
+        ),
+    ] = None
+    """The b and w that robots assume; by default the true ones."""
+    precision: Annotated[
+        Precisions,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "`single` or `double` [precision](study-file.md#numbers-of-robots); only if single in any setting",
+                caption="{} precision",
+                title="precision",
+                plural="precisions",
+            ),
+        ),
+    ] = Field(default=["double"])
+    """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
+
+
+class World(Table):
+    """The robots' world: who hears whom, the share of black, and how often and how late messages get through.
+
+    `density` or `side`, `floor` and `body` are for robots that move (topology "moving"); `message_delay`, in rounds, is
+    for fixed networks.
+    """
+
+    topology: Annotated[
+        Topologies,
+        Key(
+            draws=("losses", "luck"),
+            coordinate=Coordinate(
+                "text",
+                "name, with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a networkx "
+                "function with its arguments",
+                caption="{}",
+                plural="topologies",
+                always=True,
+                of=lambda setting: str(setting.topology),
+            ),
+        ),
+    ]
+    """Who hears whom: a network, or "moving" for robots that walk in an arena."""
+    fill_ratio: Annotated[
+        FillRatios,
+        Key(
+            draws=("readings", "floor"),
+            coordinate=Coordinate(
+                "number",
+                "*f*; where it changes, that of the last round",
+                caption="f = {}",
+                title="fill ratio $f$",
+                plural="fill ratios",
+                always=True,
+            ),
+        ),
+    ]
+    """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
+    link_success: Annotated[
+        Shares,
+        Key(
+            draws=("losses",),
+            coordinate=Coordinate(
+                "number",
+                "the probability that a message gets through",
+                caption="link success {}",
+                always=True,
+            ),
+        ),
+    ] = Field(default=[1.0])
+    """The probability that a message gets through."""
+    message_delay: Annotated[
+        Delays,
+        Key(
+            world="networks",
+            field="delay",
+            instead="how late robots that move hear each other is world.body.message_delay, in ticks",
+            coordinate=Coordinate(
+                "whole number",
+                "[delay](study-file.md#late-messages) in rounds; only if above 0 in any setting",
+                caption="delay {:,.0f}",
+                title="message delay (rounds)",
+                plural="message delays",
+            ),
+        ),
+    ] = Field(default=[0])
+    """How many rounds late messages are on fixed networks."""
+    message: Annotated[
+        Formats,
+        Key(
+            coordinate=Coordinate(
+                "text",
+                "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`; only if "
+                "any setting has one",
+                caption="messages as {}",
+                title="message format",
+                plural="message formats",
+            ),
+        ),
+    ] = Field(default=["double"])
+    """How the numbers of a message are sent: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
+    feedback: Annotated[bool, Field(strict=True), Key(spans=False)] = True
+    """Whether what rounding takes of a message is added to the next one."""
+    density: Annotated[
+        Positives | None,
+        Key(
+            world="moving",
+            draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
+            coordinate=Coordinate(
+                "number",
+                "*D* of robots",
+                caption="D = {}",
+                title="density $D$",
+                plural="densities",
+                counts=True,
+                always=True,
+            ),
+        ),
+    ] = None
+    """D = N π r² / L² of robots that move."""
+    side: Annotated[
+        Positives | None,
+        Key(
+            world="moving",
+            coordinate=Coordinate(
+                "number",
+                "*L* in metres, to twelve digits",
+                caption="L = {} m",
+                title="side of the arena $L$ (m)",
+                plural="sides of the arena",
+                counts=True,
+                always=True,
+            ),
+        ),
+    ] = None
+    """The side L of the arena in metres, in place of a density."""
+    floor: Annotated[
+        Floors | None,
+        Key(
+            world="moving",
+            draws=("floor",),
+            coordinate=Coordinate(
+                "text",
+                "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, "
+                "`hills(0.3)`",
+                caption="floor {}",
+                plural="floors",
+                always=True,
+                of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
+            ),
+        ),
+    ] = None
+    """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
+    body: Annotated[Body, Key(world="moving", spans=False)] = Body()
+    """The body of robots that move."""
+
+
+class Schedule(Table):
+    """How long: communication rounds (C), and observations in each (R); ticks for robots that move."""
+
+    rounds: Annotated[
+        Wholes,
+        Key(
+            world="networks",
+            instead=HOW_LONG,
+            coordinate=Coordinate(
+                "whole number",
+                "*C*, or ticks where robots move",
+                caption="C = {:,.0f}",
+                title="rounds $C$",
+                plural="numbers of rounds",
+                counts=True,
+                always=True,
+                world="any",
+            ),
+        ),
+    ] = Field(default=[1000])
+    """C, communication rounds on fixed networks."""
+    observations_per_round: Annotated[
+        Wholes,
+        Key(
+            world="networks",
+            instead=HOW_LONG,
+            draws=("readings",),
+            coordinate=Coordinate(
+                "whole number",
+                "*R*, 1 where robots move",
+                caption="R = {:,.0f}",
+                title="observations per round $R$",
+                counts=True,
+                always=True,
+                world="any",
+            ),
+        ),
+    ] = Field(default=[10])
+    """R, observations of each robot before each exchange."""
+    ticks: Annotated[Times, Key(world="moving", field="rounds")] = Field(default=[10_000])
+    """How long robots move: a number of ticks, or a time such as "17 min"."""
+
+
+KEYS = keys_of(  # in the order of the dataset's coordinates
+    {"swarm": Swarm, "world": World, "schedule": Schedule},
+    (
+        "brain", "topology", "robots", "density", "side", "accuracy", "assumed_accuracy", "fill_ratio", "floor",
+        "link_success", "rounds", "observations_per_round", "message_delay", "precision", "message",
+    ),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -57,11 +339,6 @@ class Setting:
         """The setting in one line, for messages."""
         return _line(self)
 
-    @property
-    def coordinates(self) -> dict[str, object]:
-        """Its coordinates in the dataset."""
-        return _coordinates(self)
-
     # the swarm
 
     @functools.cached_property
@@ -71,10 +348,6 @@ class Setting:
             return (self.brain,)
         theirs = (m.brain_in(self.brain).with_numbers(self.brain.numbers) for m in self.members)
         return tuple(dict.fromkeys([self.brain, *theirs]))
-
-    def groups(self, seed: int, first_trial: int, trials: int) -> np.ndarray:
-        """Which table of members each robot belongs to (trial, robot): counted from 1, and 0 for none."""
-        return member_numbers(self.members, seed, first_trial, trials, self.robots)
 
     @property
     def precision(self) -> str:
@@ -109,7 +382,7 @@ class Setting:
             return "moving"
         if self.message_delay:
             return "network"
-        if self.additive and self._all_is_heard and (self.brain.is_oracle or self.topology.is_full):
+        if self.additive and self.hears_all and (self.brain.is_oracle or self.topology.is_full):
             return IN_SUMS_OF_ALL
         return IN_SUMS if self.additive and self.link_success == 1.0 and not self.faults else ONE_BY_ONE
 
@@ -138,15 +411,6 @@ class Setting:
             return np.nan
         return float(f"{self.arena_side:.12g}")
 
-    def ground(self, seed: int, trial: int) -> Ground | ChangingGround:
-        """The floor of a trial; only of robots that move."""
-        assert self.body is not None
-        floor = self.floor or Floor()
-        if self.change:
-            shares = self.fill_ratios(np.arange(1, min(self.rounds, self.change.end) + 1))
-            return ChangingGround(floor, self.body, self.arena_side, shares, self.floor_key(seed), trial)
-        return Ground(floor, self.body, self.arena_side, self.fill_ratio, self.floor_key(seed), trial)
-
     @property
     def fastest_body(self) -> Body:
         """The body with the speed of the fastest robots, which decides how far away neighbours are looked for."""
@@ -154,24 +418,9 @@ class Setting:
         speed = max([self.body.speed, *(m.speed for m in self.members if m.speed is not None)])
         return self.body if speed == self.body.speed else self.body.model_copy(update={"speed": speed})
 
-    def speeds(self, seed: int, trial: int) -> np.ndarray:
-        """The distance that each robot drives straight ahead in a tick, in metres (robot); empty on fixed networks."""
-        if self.body is None:
-            return np.zeros(0)
-        speeds = np.full(self.robots, self.body.speed)
-        groups = self.groups(seed, trial, 1)[0] if self.members else None
-        for number, member in enumerate(self.members, start=1):
-            if member.speed is not None:
-                speeds[groups == number] = member.speed
-        return speeds * self.body.tick
-
-    def links(self, seed: int, first_trial: int, trials: int) -> Links:
-        """The links of these trials: who hears whom."""
-        topology = Topology("full") if self.brain.is_oracle else self.topology
-        return topology.links(self.robots, seed, first_trial, trials, self._all_is_heard, self.additive)
-
     @property
-    def _all_is_heard(self) -> bool:
+    def hears_all(self) -> bool:
+        """Whether every message is heard by all neighbours."""
         lossless = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
         return self.brain.is_oracle or lossless
 
@@ -189,155 +438,27 @@ class Setting:
             return np.uint64(0)
         return np.uint64(max(1, int(self.link_success * 2.0**64)))
 
-    def stops(self, seed: int, trial: int) -> np.ndarray:
-        """When parts of robots fail, as `swarmcensus.worlds.faults.stops` gives it."""
-        times = stops(self.faults, seed, trial, self.robots)
-        lies = np.array([False, *(not m.honest for m in self.members)])
-        return for_an_oracle(times, lies[self.groups(seed, trial, 1)[0]]) if self.brain.is_oracle else times
-
-    def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
-        """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""
-        where = (seed, first_trial, trials, self.robots)
-        if any(m.accuracy or m.assumed_accuracy for m in self.members):
-            groups = self.groups(seed, first_trial, trials)
-            drawn = _mixed_accuracies(self.accuracy, self.assumed_accuracy, self.members, groups, where)
-        else:
-            drawn = _accuracies(self.accuracy, self.assumed_accuracy, where)
-        return drawn[:2] * 2 if self.brain.is_oracle else drawn
-
-    def drifts(self, seed: int, first_trial: int, trials: int, start: np.ndarray) -> np.ndarray:
-        """How true accuracies drift from `start`, b of round 1 (trial, robot or 1): see `_drifts`."""
-        return _drifts(self.accuracy, self.members, lambda: self.groups(seed, first_trial, trials), start)
-
-    # addresses of random numbers
-
-    def fingerprint(self, seed: int) -> str:
-        """A hash of the brain's name and all that a trial's numbers depend on: equal settings share it."""
-        content: tuple[object, ...] = (
-            self.brain.name,
-            self.brain.sha256,
-            self.topology.content,
-            self.robots,
-            str(self.accuracy),
-            "" if self.assumed_accuracy is None else str(self.assumed_accuracy),
-            self.fill_ratio,
-            self.link_success,
-            self.rounds,
-            self.observations_per_round,
-            self.density,
-            self.body and self.body.model_dump(),
-            [fault.content for fault in self.faults],
-            self.floor and [str(self.floor), self.floor.content],
-        )
-        if self.members:
-            content = (*content, [member.content for member in self.members])
-        if self.brain.parameters:
-            content = (*content, [*self.brain.parameters.items()])
-        if self.change:
-            content = (*content, str(self.change))
-        if self.delay:
-            content = (*content, "message_delay", self.delay)
-        if self.brain.numbers != PLAIN:
-            content = (*content, "numbers", *self.brain.numbers)
-        if self.editions:
-            content = (*content, self.editions)
-        return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
-
-    @property
-    def editions(self) -> list[str]:
-        """Hashes of the files of other packages that it uses."""
-        theirs = (part for m in self.members for part in (m.accuracy, m.assumed_accuracy))
-        parts = (self.topology, self.accuracy, self.assumed_accuracy, self.floor, *theirs)
-        return [part.edition for part in parts if part is not None and part.edition]
-
-    def readings_key(self, seed: int, purpose: str = "readings") -> np.ndarray:
-        """The address of sensor readings. A change or drift is no part of it: only how the world begins is."""
-        return address(
-            seed,
-            purpose,
-            robots=self.robots,
-            accuracy=str(self.accuracy.start),
-            fill_ratio=float(self.course[0]),
-            observations_per_round=self.observations_per_round,
-            **self._where,
-        )
-
-    def losses_key(self, seed: int) -> np.ndarray:
-        """The address of message losses."""
-        return address(
-            seed,
-            "losses",
-            topology=self.topology.content,
-            robots=self.robots,
-            success=self.link_success,
-            **self._where,
-        )
-
-    def luck_keys(self, seed: int, alone: bool = False) -> np.ndarray:
-        """The addresses of random numbers for brains, in their functions and in messages; empty if none asks for any.
-
-        All brains share them. With `alone` all networks do too: settings that differ only in the network share their
-        local estimates.
-        """
-        if not any(brain.uses.luck for brain in self.brains):
-            return NO_LUCK
-        network = {} if alone else {"topology": self.topology.content}
-        content = {"robots": self.robots, **network, **self._where}
-        return np.concatenate([address(seed, purpose, **content) for purpose in ("luck", "luck of messages")])
-
-    @property
-    def _where(self) -> dict[str, object]:
-        return {} if self.density is None else {"density": self.density}
-
-    def floor_key(self, seed: int) -> np.ndarray:
-        """The address of the floor's tiles. A change is no part of it: only how the floor begins is."""
-        assert self.body is not None
-        return address(
-            seed,
-            "floor",
-            robots=self.robots,
-            density=self.density,
-            tile=self.body.tile,
-            fill_ratio=float(self.course[0]),
-            **({} if self.floor in (None, Floor()) else {"floor": self.floor.content}),
-        )
-
-    def walk_key(self, seed: int) -> np.ndarray:
-        """The address of trajectories: where robots start and how they walk."""
-        return address(seed, "walk", **self.walk_content)
-
-    @property
-    def walk_content(self) -> dict[str, object]:
-        """What the random numbers of trajectories depend on."""
-        assert self.body is not None
-        body = self.body.model_dump(exclude={"message_delay"})
-        return {"robots": self.robots, "density": self.density, "body": body}
-
-    @property
-    def walk_group(self) -> str:
-        """Settings of one group share their trajectories, trial by trial. Where a brain steers, it shares with none."""
-        if self.steers:
-            return self.fingerprint(0)
-        speeds = [(m.robots, m.speed) for m in self.members] if any(m.speed is not None for m in self.members) else []
-        lame = [(n, f.at, f.until, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
-        return repr((self.walk_content, self.rounds, lame, *speeds))
-
 
 def _line(setting: Setting) -> str:
-    """The setting in one line."""
-    where, fill_ratio = f"{setting.topology}, N = {setting.robots:,}", setting.change or setting.fill_ratio
-    assumed = "" if setting.assumed_accuracy is None else f", assumed accuracy {setting.assumed_accuracy}"
-    lossy = "" if setting.link_success == 1.0 else f", link success {setting.link_success}"
-    mixed = "".join(f", of them {member}" for member in setting.members)
-    late = "" if not setting.delay else f", messages {counted(setting.delay, 'round')} late"
-    late += "" if setting.precision == "double" else f", {setting.precision} precision"
-    late += "" if setting.message == "double" else f", messages as {setting.message}"
-    parameters = "".join(f", {name} = {_shown(value)}" for name, value in _parameters(setting))
-    what = f"accuracy {setting.accuracy}{assumed}, f = {fill_ratio}{lossy}{late}{parameters}{mixed}"
-    if setting.body is not None:
-        floor = f", floor {setting.floor}" if setting.floor not in (None, Floor()) else ""
-        return f"{where}, {_arena(setting)}, {what}{floor}, {counted(setting.rounds, 'tick')}"
-    return f"{where}, {what}, C = {setting.rounds:,}, R = {setting.observations_per_round:,}"
+    """The setting in one line. Newer keys appear where they are not at their default."""
+    moves = setting.body is not None
+    said = [str(setting.topology), f"N = {setting.robots:,}", *([_arena(setting)] if moves else [])]
+    said += [f"accuracy {setting.accuracy}"]
+    said += [f"assumed accuracy {setting.assumed_accuracy}"] if setting.assumed_accuracy is not None else []
+    said += [f"f = {setting.change or setting.fill_ratio}"]
+    said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
+    said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
+    said += [f"{name} = {shown(value)}" for name, value in _parameters(setting)]
+    said += [f"of them {member}" for member in setting.members]
+    if not moves:
+        return ", ".join([*said, f"C = {setting.rounds:,}", f"R = {setting.observations_per_round:,}"])
+    said += [f"floor {setting.floor}"] if setting.floor not in (None, Floor()) else []
+    return ", ".join([*said, counted(setting.rounds, "tick")])
+
+
+def set_apart(setting: Setting) -> list[Key]:
+    """The newer keys that are not at their default in a setting."""
+    return [key for key in KEYS.values() if key.is_new and getattr(setting, key.field) != key.default]
 
 
 def _parameters(setting: Setting) -> list[tuple[str, Value]]:
@@ -352,109 +473,6 @@ def _arena(setting: Setting) -> str:
     return f"L = {side} m" if len(side) < len(density) else f"D = {density}"
 
 
-def _coordinates(setting: Setting) -> dict[str, object]:
-    """The setting's coordinates in the dataset."""
-    return {
-        "brain": setting.brain.name,
-        "topology": str(setting.topology),
-        "robots": setting.robots,
-        "density": np.nan if setting.density is None else setting.density,
-        "side": setting.side,
-        "accuracy": str(setting.accuracy),
-        "assumed_accuracy": str(setting.assumed_accuracy or setting.accuracy.start),
-        "fill_ratio": setting.fill_ratio,
-        "floor": "" if setting.body is None else str(setting.floor or Floor()),
-        "link_success": setting.link_success,
-        "rounds": setting.rounds,
-        "observations_per_round": setting.observations_per_round,
-        **{name: _shown(value) for name, value in setting.brain.parameters.items()},
-        **_members(setting),
-        **({"fill_ratio_change": str(setting.change)} if setting.change else {}),
-        **({"message_delay": setting.delay} if setting.delay else {}),
-        **({"precision": setting.precision} if setting.precision != "double" else {}),
-        **({"message": setting.message} if setting.message != "double" else {}),
-    }
-
-
-def _members(setting: Setting) -> dict[str, object]:
-    """The coordinates of a swarm with members: what they are, how many robots lie, and how."""
-    if not setting.members:
-        return {}
-    lying = dict.fromkeys(", ".join(m.traits) for m in setting.members if not m.honest)
-    return {
-        "members": "; ".join(map(str, setting.members)),
-        "liars": setting.robots - setting.honest,
-        "adversary": "; ".join(lying),
-    }
-
-
-def _shown(value: Value) -> float | str:
+def shown(value: Value) -> float | str:
     """A parameter as a coordinate; a vector becomes a text."""
     return f"({', '.join(f'{number:g}' for number in value)})" if isinstance(value, tuple) else value
-
-
-Sides = tuple[np.ndarray, ...]
-Where = tuple[int, int, int, int]  # seed, first trial, trials, robots
-
-
-def _accuracies(true: Accuracy, assumed: Accuracy | Misjudgement | None, where: Where) -> Sides:
-    """True b and w, then assumed b and w, each (trial, robot) or (trial, 1). Without `assumed`, robots know theirs."""
-    own = _drawn(true, "accuracy", where, ())
-    return *own, *(own if assumed is None else _drawn(assumed, "assumed", where, own))
-
-
-def _mixed_accuracies(
-    true: Accuracy,
-    assumed: Accuracy | Misjudgement | None,
-    members: Sequence[Member],
-    groups: np.ndarray,
-    where: Where,
-) -> Sides:
-    """True b and w, then assumed b and w, each (trial, robot), where members have accuracies of their own.
-
-    A member assumes what its table says, else what the swarm assumes. `groups` (trial, robot) is from `Setting.groups`.
-    """
-    of_swarm = [np.broadcast_to(side, groups.shape) for side in _accuracies(true, assumed, where)]
-    own = of_swarm[:2]
-    for number, member in enumerate(members, start=1):
-        if member.accuracy:
-            drawn = _drawn(member.accuracy, f"accuracy of members {number}", where, ())
-            own = _replaced(groups == number, drawn, own)
-    believed = own if assumed is None else of_swarm[2:]
-    for number, member in enumerate(members, start=1):
-        belief = member.assumed_accuracy
-        if not belief and member.accuracy and isinstance(assumed, Misjudgement):
-            belief = assumed
-        if belief:
-            drawn = _drawn(belief, f"assumed by members {number}", where, own)
-            believed = _replaced(groups == number, drawn, believed)
-    return tuple(np.ascontiguousarray(side) for side in (*own, *believed))
-
-
-def _drifts(
-    true: Accuracy, members: Sequence[Member], groups: Callable[[], np.ndarray], start: np.ndarray
-) -> np.ndarray:
-    """How robots' accuracies drift: their gain a round, their least and their greatest, (trial, 3, robot).
-
-    (trial, 3, 1) where all robots drift alike, (trial, 3, 0) where none drifts. `groups` is as
-    `Setting.groups`. `start` is b of round 1, (trial, robot) or (trial, 1). An accuracy that starts
-    beyond its bound stays.
-    """
-    kinds = [true, *(member.accuracy or true for member in members)]
-    if all(accuracy.drift is None for accuracy in kinds):
-        return np.zeros((len(start), 3, 0))
-    differ = any(member.accuracy for member in members)
-    numbers = np.array([(0.0, 0.0, 1.0) if a.drift is None else a.drift.numbers for a in kinds])
-    slope, least, most = np.moveaxis(numbers[groups() if differ else np.zeros(start.shape, int)], -1, 0)
-    return np.ascontiguousarray(np.stack([slope, np.minimum(least, start), np.maximum(most, start)], axis=1))
-
-
-def _drawn(what: Accuracy | Misjudgement, purpose: str, where: Where, true: Sequence[np.ndarray]) -> Sides:
-    seed, first, trials, robots = where
-    if isinstance(what, Misjudgement):
-        return what.draw(seed, first, trials, robots, (true[0], true[1]))
-    return what.draw(seed, purpose, first, trials, robots)
-
-
-def _replaced(which: np.ndarray, new: Sequence[np.ndarray], old: Sequence[np.ndarray]) -> list[np.ndarray]:
-    return [np.where(which, after, before) for after, before in zip(new, old, strict=True)]

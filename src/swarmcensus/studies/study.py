@@ -19,7 +19,7 @@ from swarmcensus.brains import Adversary, Brain, adversary
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import Grid, grids_of
 from swarmcensus.studies.precision import Until
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables, explain
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml, to_toml_value
 from swarmcensus.worlds import patterns, spreading, wiring
@@ -231,8 +231,6 @@ def _of(door: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
 SHOWN_VALUES = 12
 LONGEST = 60  # characters of a value
 COUNTED = 10_000  # settings up to which equal ones of cases are counted once
-OF_FIXED = {"rounds", "observations_per_round", "message_delay"}
-OF_MOVING = {"ticks", "density", "side", "floor"}
 
 
 def size_of(study: Any) -> str:
@@ -259,12 +257,10 @@ def grid(study: Any) -> str:
 
 def _keys(grid: Grid) -> Iterator[tuple[str, list[Any]]]:
     """The keys that have an effect in a grid, with their values."""
-    idle = (set() if grid.moves else OF_MOVING) | (set() if grid.stands else OF_FIXED)
-    for table in (grid.swarm, grid.world, grid.schedule):
-        default = {name: field.default for name, field in type(table).model_fields.items()}
-        for name, values in table:
-            shown = values != default[name] or name in ("brain", "rounds", "ticks", "observations_per_round")
-            if isinstance(values, list) and name not in idle and shown:
+    for table in ("swarm", "world", "schedule"):
+        for name, values in getattr(grid, table):
+            shown = values != [KEYS[name].default] or name in ("brain", "rounds", "ticks", "observations_per_round")
+            if isinstance(values, list) and grid.uses(KEYS[name]) and shown:
                 yield name, values
 
 

@@ -2,117 +2,40 @@
 
 import re
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args, get_type_hints
 
-from pydantic import BaseModel, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, create_model, model_validator
 
 from swarmcensus.basics.errors import pydantic_message
 from swarmcensus.basics.forms import Number, Table
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import in_ticks
-from swarmcensus.studies.fields import (
-    Accuracies,
-    Beliefs,
-    Brains,
-    Delays,
-    FillRatios,
-    Floors,
-    Formats,
-    Metrics,
-    Name,
-    Positives,
-    Precisions,
-    SeveralTables,
-    Shares,
-    Times,
-    Topologies,
-    Trials,
-    Wholes,
-)
+from swarmcensus.studies.fields import Metrics, Name, SeveralTables, Times, Trials
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
+from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
 from swarmcensus.studies.toml_text import to_toml_value
-from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 
 UNNAMED = "study"  # what a study is called that has no name and comes from no file
 
 
-class Swarm(Table):
-    """The robots: their brains, their number, their sensors, and what they assume about these."""
-
-    brain: Brains = Field(default=["minimalistic"], validate_default=True)
-    """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
-    robots: Wholes
-    """N, how many."""
-    accuracy: Accuracies
-    """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
-    assumed_accuracy: Beliefs | None = None
-    """The b and w that robots assume; by default the true ones."""
-    precision: Precisions = Field(default=["double"])
-    """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
+def _case() -> Any:
+    """The table of a case: every key that spans the grid, none of them required."""
+    fields: dict[str, Any] = {}
+    for table in (Swarm, World, Schedule):
+        for name, kind in get_type_hints(table, include_extras=True).items():
+            if name in KEYS and KEYS[name].spans:
+                fields[name] = (kind | None, Field(default=None, description=KEYS[name].meaning))
+    meaning = "Values in place of some of the tables' above: another grid, beside the full one."
+    return create_model("Case", __base__=Table, __doc__=meaning, **fields)
 
 
-class World(Table):
-    """The robots' world: who hears whom, the share of black, and how often and how late messages get through.
-
-    `density` or `side`, `floor` and `body` are for robots that move (topology "moving"); `message_delay`, in rounds, is
-    for fixed networks.
-    """
-
-    topology: Topologies
-    """Who hears whom: a network, or "moving" for robots that walk in an arena."""
-    fill_ratio: FillRatios
-    """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
-    link_success: Shares = Field(default=[1.0])
-    """The probability that a message gets through."""
-    message_delay: Delays = Field(default=[0])
-    """How many rounds late messages are on fixed networks."""
-    message: Formats = Field(default=["double"])
-    """How the numbers of a message are sent: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
-    feedback: Annotated[bool, Field(strict=True)] = True
-    """Whether what rounding takes of a message is added to the next one."""
-    density: Positives | None = None
-    """D = N π r² / L² of robots that move."""
-    side: Positives | None = None
-    """The side L of the arena in metres, in place of a density."""
-    floor: Floors | None = None
-    """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
-    body: Body = Body()
-    """The body of robots that move."""
-
-
-class Schedule(Table):
-    """How long: communication rounds (C), and observations in each (R); ticks for robots that move."""
-
-    rounds: Wholes = Field(default=[1000])
-    """C, communication rounds on fixed networks."""
-    observations_per_round: Wholes = Field(default=[10])
-    """R, observations of each robot before each exchange."""
-    ticks: Times = Field(default=[10_000])
-    """How long robots move: a number of ticks, or a time such as "17 min"."""
-
-
-class Case(Table):
-    """Values in place of some of the tables' above: another grid, beside the full one."""
-
-    brain: Brains | None = None
-    robots: Wholes | None = None
-    accuracy: Accuracies | None = None
-    assumed_accuracy: Beliefs | None = None
-    precision: Precisions | None = None
-    topology: Topologies | None = None
-    fill_ratio: FillRatios | None = None
-    link_success: Shares | None = None
-    message_delay: Delays | None = None
-    message: Formats | None = None
-    density: Positives | None = None
-    side: Positives | None = None
-    floor: Floors | None = None
-    rounds: Wholes | None = None
-    observations_per_round: Wholes | None = None
-    ticks: Times | None = None
+if TYPE_CHECKING:
+    Case: TypeAlias = Any  # its keys are those of the tables
+else:
+    Case = _case()
 
 
 class Measure(Table):

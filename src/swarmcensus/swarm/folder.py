@@ -15,8 +15,7 @@ from swarmcensus.basics.documents import json_value
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.brains.fields import Value
 from swarmcensus.brains.packing import FORMATS
-from swarmcensus.brains.single import ROUND, codec_source, rounded_to_single
-from swarmcensus.brains.single import __name__ as SINGLE
+from swarmcensus.brains.single import MODULE, ROUND, codec_source, rounded_to_single
 from swarmcensus.deployment.folders import new_folder, write_texts
 from swarmcensus.robot import log, runtime
 from swarmcensus.studies.toml_text import to_toml_value
@@ -84,7 +83,7 @@ def clear(folder: Path) -> None:
 
 def _alone(source: str) -> str:
     """A source that imports nothing of swarmcensus."""
-    return source.replace(f"from {SINGLE} import {ROUND}", f"from {ROUNDING} import {ROUND}")
+    return source.replace(f"from {MODULE} import {ROUND}", f"from {ROUNDING} import {ROUND}")
 
 
 def _module(file: str) -> str:

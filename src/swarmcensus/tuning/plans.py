@@ -11,6 +11,7 @@ from swarmcensus.basics.times import UNITS, parse_time
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results.measures import Measure
+from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.optimiser import library
@@ -100,7 +101,7 @@ class Plan:
     @property
     def identity(self) -> dict[str, Any]:
         """What determines a search: with an equal identity and equal losses it proposes the same candidates."""
-        worlds = "".join(world.fingerprint(self.study.seed) for world in self.worlds)
+        worlds = "".join(addresses.fingerprint(world, self.study.seed) for world in self.worlds)
         measure = self.study.measure
         measured = (worlds, measure.delta, measure.bins, measure.truth, self.study.checkpoints)
         files = [metric.sha256 for metric in measure.metrics]

@@ -1,6 +1,6 @@
-"""The names of the dataset: what is measured, and what settings differ in. Each is declared once, here.
+"""What is measured and compared: each quantity is declared once, here.
 
 In: nothing.
-Out: `QUANTITIES` and `COORDINATES`: dimensions, units, meanings, labels, directions.
+Out: `QUANTITIES`: dimensions, units, meanings, labels, directions.
 Must not know: datasets, studies, figures.
 """

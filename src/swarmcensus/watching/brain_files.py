@@ -6,6 +6,7 @@ from pathlib import Path
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.safe_source import read_source
 from swarmcensus.brains import Brain
 
 
@@ -54,7 +55,7 @@ class BrainFiles:
     def _read(self, name: str, known: Brain) -> bool:
         """Read a file; returns whether its brain is another one now."""
         try:
-            brain = brains.parse(brains.read_source("brain", known.path), name, known.path)
+            brain = brains.parse(read_source("brain", known.path), name, known.path)
         except InputError as error:
             self._errors[name] = str(error)
             return False

@@ -199,17 +199,17 @@ class Logged:
         history, known = self._minds(blocks)
         nothing = np.zeros((0, robots))
         return Stretch(
-            first, history, np.zeros((rounds, robots, 0)), estimates, self.messages[rows],
+            first, history, np.zeros((rounds, robots, 0)), np.zeros((rounds, 0)), estimates, self.messages[rows],
             np.zeros((0, robots, 3)), nothing, nothing, np.zeros((0, 3), np.int64), np.zeros(robots, np.bool_), known,
         )  # fmt: skip
 
     def _minds(self, blocks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Minds as the engine has them (round, robot, number), and whose are known; others are as at the start."""
+        """Minds as the engine has them (round, robot, byte), and whose are known; others are as at the start."""
         history = np.repeat(self.blank[np.newaxis], len(blocks), axis=0)
         known = np.zeros(blocks.shape, np.bool_)
         flat, group = history.reshape(len(blocks), -1), self.given.group
         for k, brain in enumerate(self.setting.brains):
-            base, size = self.swarm.bases[k], self.swarm.fields[k]
+            base, size = self.swarm.bases[k], self.swarm.sizes[k]
             robots = np.flatnonzero(group[0] == k) if group.size else np.arange(self.setting.robots)
             records = compiler.array_layout(brain).records(
                 flat[:, base : base + size * self.setting.robots].reshape(len(blocks), -1, size)

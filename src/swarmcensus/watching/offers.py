@@ -20,6 +20,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.brains import Adversary, adversary
 from swarmcensus.conformance.quick import caution
+from swarmcensus.studies import addresses
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -171,7 +172,7 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
         raise InputError.at("setting", number, f"there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
     first, began = (offer.logged.day.trial, offer.logged.day.seed) if offer.logged else (0, study.seed)
-    mark = setting.fingerprint(study.seed)[:8]
+    mark = addresses.fingerprint(setting, study.seed)[:8]
     if request.get("of", mark) != mark:
         raise InputError.at("of", request["of"][:40], f"this link is not for {offer.name} as it is now")
     trial = _whole(request, "trial", first, 0, 2**31 - 1)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.engine.constants import LISTED
+from swarmcensus.simulation import sampling
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.worlds.arena import tiles_across
 
@@ -50,7 +51,7 @@ def scene_of(show: Show) -> dict[str, Any]:
     }
     across = tiles_across(setting.arena_side, body.tile)
     if across <= MOST_TILES:
-        ground = setting.ground(show.seed, show.trial)
+        ground = sampling.ground(setting, show.seed, show.trial)
         scene |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles()).tobytes()).decode()}
         turns = ground.turns()
         if turns.size:

@@ -13,6 +13,7 @@ import numpy as np
 
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine.constants import LISTED, SLACK
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.living import Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
@@ -56,7 +57,7 @@ class Show:
         self.moves = setting.body is not None
         self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
         self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
-        self._ground = setting.ground(self.seed, self.trial) if self.moves else None
+        self._ground = sampling.ground(setting, self.seed, self.trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
         names = {name for brain in setting.brains for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]

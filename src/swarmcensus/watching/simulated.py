@@ -38,7 +38,7 @@ class Simulated(Life):
         """The messages that a robot heard in a round: the sender, and the contents or what they add to the sums."""
         senders, carried = self.hears(stretch, row, robot)
         brain = self.setting.brain
-        said = compiler.array_layout(brain, len(self.setting.brains) > 1).said(stretch.said[row])
+        said = stretch.said[row].view(compiler.array_layout(brain).number)
         names = slots({name: brain.lengths[name] for name in brain.sums} if self.adds else brain.message)
         return [
             {"from": int(sender), "said": dict(zip(names, map(json_value, said[sender].tolist()), strict=False))}
@@ -63,12 +63,11 @@ class Simulated(Life):
         works_now = np.ones(setting.robots, np.bool_)
         if given.stops[0].shape[1]:
             works_now &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
-        talks = works_now
-        if self.swarm.flag >= 0:
-            talks = works_now & (stretch.said[row][:, self.swarm.flag] == SAID)
+        signals = stretch.signals[row]
+        talks = works_now & (signals == SAID) if signals.size else works_now
         out *= talks[senders]
         if self.swarm.jams:
-            noisy = (stretch.said[row][:, self.swarm.flag] == NOISE) & works_now
+            noisy = (signals == NOISE) & works_now
             out[np.isin(receivers, receivers[noisy[senders]])] = 0
         return out
 

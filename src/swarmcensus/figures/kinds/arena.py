@@ -35,12 +35,10 @@ from swarmcensus.figures.arena_margins import (
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, halo
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.scenes import ChangingFloor, Tiles, check_robot, scene_of
+from swarmcensus.figures.scenes import FLOOR, TURNS, check_robot
 from swarmcensus.figures.sheets import Own, figure_of, own_axes
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
-
-__all__ = ["Arena", "arena", "scene_of", "snapshot"]
 
 STROKE = 0.7, 1.7  # ends of the strokes across a failed robot, in radii from its centre: its colour stays visible
 LEAST = 0.004  # the smallest drawn radius of a robot, as a share of the arena's side
@@ -65,8 +63,8 @@ def arena(
     Robots are discs to scale, coloured by their estimates, with their heading. Lines join robots that hear each other.
     A dotted circle is the radio range of one robot. Strokes across a robot say what it has stopped doing.
 
-    - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. A trace
-      has no tiles, so its floor is the grey of the fill ratio.
+    - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
+      trace has no tiles, so its floor is the grey of the fill ratio.
     - `setting`, `trial`: the trial to replay; by default the first trial of the first setting whose robots move.
     - `brain_file`: the brain file to replay with, if the brain is your own.
     - `tick`: a tick, or a time such as "5 min"; by default the last tick.
@@ -80,30 +78,9 @@ def arena(
     clock = scenes.clock_of(results, setting, trial, brain_file, robot)
     drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
     scenes.check_tick(drawn_tick, (clock.first, clock.last))
-    trace, floor = scenes.drawn_of(results, setting, trial, brain_file)
-    return snapshot(trace, drawn_tick, floor, robot=robot, title=title, ax=ax)
-
-
-def snapshot(
-    trace: xr.Dataset,
-    tick: int,
-    floor: Tiles = None,
-    *,
-    robot: int = 0,
-    title: str | None = None,
-    ax: Own = None,
-) -> Figure:
-    """Draw the arena at the end of a tick from a trace and a floor; see `arena`.
-
-    `trace` is the trace of a trial with moving robots, with links. `floor` holds the tiles (row, column), 1 black, as
-    `Ground.all_tiles` does: squares of `trace.attrs["tile_side"]` metres, the lowest row first, centred on the arena.
-    Without it, the floor is the grey of the fill ratio. A changing floor is drawn as it is in this tick.
-
-    Raises InputError if the trace lacks a variable, tick or robot, and if the floor does not cover the arena.
-    """
-    arena = Arena(trace, floor, robot=robot, title=title, ax=ax)
-    arena.show(tick)
-    return figure_of([arena.axes])
+    drawn = Arena(scenes.drawn_of(results, setting, trial, brain_file), robot=robot, title=title, ax=ax)
+    drawn.show(drawn_tick)
+    return figure_of([drawn.axes])
 
 
 def _new_axes() -> tuple[Axes, ArenaSize]:
@@ -121,16 +98,13 @@ class Arena:
     """
 
     def __init__(
-        self,
-        trace: xr.Dataset,
-        floor: Tiles,
-        *,
-        robot: int = 0,
-        title: str | None = None,
-        note: str = "",
-        ax: Own = None,
+        self, trace: xr.Dataset, *, robot: int = 0, title: str | None = None, note: str = "", ax: Own = None
     ) -> None:
-        """Draw everything that does not move, with a `note` under the arena. Raises InputError as `snapshot` does."""
+        """Draw everything of a trace that does not move, with a `note` under the arena.
+
+        The trace has links, and perhaps a floor (see `scenes.scene_of`); without it the floor is the grey of the fill
+        ratio. Raises InputError if it lacks a variable or the robot, and if the floor does not cover the arena.
+        """
         self._read(trace, robot)
         if ax is None:
             self.axes, self.size = _new_axes()
@@ -141,27 +115,19 @@ class Arena:
         if ax is not None:
             self.size = size_in(self.axes)
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
-        self.floor = floor
         self._draw_floor()
         self._draw_robots()
         self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
         draw_scale(self.axes, self.size, self.half, note)
         to_scale = self.drawn_radius == self.radius
         draw_key(
-            self.axes, self.size, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None,
+            self.axes, self.size, self.robot, list(self.stops), to_scale=to_scale, tiles=self.floor is not None,
             liars=not self.honest.all(),
         )  # fmt: skip
         name = str(trace.attrs.get("title", "")) if title is None else title
         self.when, self.right = write_titles(self.axes, self.size, name, self.robots)
-        self.moving: list[Artist] = [
-            self.links,
-            self.range,
-            self.discs,
-            self.headings,
-            self.failed,
-            self.when,
-            self.right,
-        ]
+        self.moving: list[Artist] = [self.links, self.range, self.discs, self.headings, self.failed]
+        self.moving += [self.when, self.right]
 
     def _read(self, trace: xr.Dataset, robot: int) -> None:
         """Take the arrays and sizes from the trace. Raises InputError if it lacks some."""
@@ -170,7 +136,7 @@ class Arena:
         if "link" not in trace:
             raise InputError("the trace has no links: replay it with links=True")
         require(trace, "estimate", "heading", dimensions=("round", "robot"))
-        first = "edge", "fault", "part", "round", "robot", "axis", "link", "end"
+        first = "edge", "fault", "part", "round", "robot", "axis", "link", "end", "row", "column"
         trace = trace.transpose(*first, ..., missing_dims="ignore")
         self.ticks = trace["round"].values
         self.position, self.heading = trace["position"].values, trace["heading"].values
@@ -189,6 +155,8 @@ class Arena:
         self.truth = truth_of(trace) if self.truths is None else float(self.truths[0])
         self.bins = int(trace.attrs.get("bins", 10))
         self.seconds: float | None = trace.attrs.get("tick_seconds")
+        self.floor: NDArray[np.uint8] | None = trace[FLOOR].values if FLOOR in trace else None
+        self.turns: NDArray[np.int32] | None = trace[TURNS].values if TURNS in trace else None
 
     def index(self, tick: int) -> int:
         """Return the index of a tick in the trace. Raises InputError if the trace lacks it."""
@@ -204,10 +172,10 @@ class Arena:
         self.truth = float(self.truths[self.index(tick)])
         self.bar.remove()
         self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
-        if isinstance(self.floor, ChangingFloor):
-            self.image.set_data(self._greys(self.floor.at(tick)))
-        elif self.floor is None:
+        if self.floor is None:
             self._draw_floor()
+        elif self.turns is not None:
+            self.image.set_data(self._greys(self.floor ^ (tick >= self.turns)))
         return True
 
     def show(self, tick: int) -> None:
@@ -247,12 +215,12 @@ class Arena:
         if self.floor is None:
             self.axes.set_facecolor(str(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * self.truth))
             return
-        floor = self.floor.tiles if isinstance(self.floor, ChangingFloor) else self.floor
+        floor = self.floor
         across = np.array(floor.shape[::-1]) * self.tile
-        if floor.ndim != 2 or (across < 2.0 * self.half - 1e-6).any():
+        if (across < 2.0 * self.half - 1e-6).any():
             raise InputError(
                 f"a floor of shape {floor.shape}, in tiles of {self.tile:g} m, does not cover an arena of "
-                f"{2.0 * self.half:.2f} m: should be (row, column)"
+                f"{2.0 * self.half:.2f} m"
             )
         greys, step = self._greys(floor), -(-max(floor.shape) // FINE)
         left, bottom = -across / 2.0

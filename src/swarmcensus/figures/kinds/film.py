@@ -25,7 +25,7 @@ from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE
 from swarmcensus.figures.files import checked_dpi
 from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.scenes import Tiles, check_tick
+from swarmcensus.figures.scenes import Clock, check_tick
 from swarmcensus.figures.sheets import Own
 
 MP4_DPI, GIF_DPI = 128, 80
@@ -78,51 +78,18 @@ def film(
     if ax is not None and out != "film.mp4":
         raise InputError(f"film: with ax no file is written: leave out={out} out, or ax")
     suffix_of(out)
-    clock = scenes.clock_of(results, setting, trial, brain_file, robot)
+    clock, path = scenes.clock_of(results, setting, trial, brain_file, robot), Path(out)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
-    film_ticks(out, (clock.first, clock.last), first=begin, last=end, every=every, fps=fps)
+    ticks = _ticks(path, clock, begin, end, every, fps)
+    ffmpeg = None
     if ax is None:
-        check_writable(Path(out))
-        ffmpeg_for(out)
-    trace, floor = scenes.drawn_of(results, setting, trial, brain_file)
-    if ax is not None:
-        return animation(
-            trace, floor, ax, first=begin, last=end, every=every, fps=fps, robot=robot, title=title, progress=progress
-        )
-    return write_film(
-        trace, floor, out, first=begin, last=end, every=every, fps=fps, dpi=dpi, robot=robot, title=title,
-        progress=progress,
-    )  # fmt: skip
-
-
-def write_film(
-    trace: xr.Dataset,
-    floor: Tiles,
-    path: str | Path,
-    *,
-    first: int = 1,
-    last: int | None = None,
-    every: int = 2,
-    fps: int = 20,
-    dpi: int | None = None,
-    robot: int = 0,
-    title: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> int:
-    """Write a film of a trace and a floor, and return the number of frames.
-
-    `trace`, `floor`, `robot` and `title` are as in `snapshot`, and the others as in `film`.
-
-    Raises InputError as `snapshot` does, for impossible ticks or speeds, another suffix, a missing imageio-ffmpeg, and
-    a file that cannot be written.
-    """
-    path = Path(path)
-    suffix_of(path)
-    arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps))
-    known = int(arena.ticks[0]), int(arena.ticks[-1])
-    ticks = film_ticks(path, known, first=first, last=last, every=every, fps=fps)
-    ffmpeg = ffmpeg_for(path)
+        check_writable(path)
+        ffmpeg = ffmpeg_for(path)
     dots = (MP4_DPI if ffmpeg else GIF_DPI) if dpi is None else int(checked_dpi(dpi))
+    trace = scenes.drawn_of(results, setting, trial, brain_file)
+    arena = Arena(trace, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
+    if ax is not None:
+        return _animation(arena, ticks, fps, progress)
     if ffmpeg:
         _make_even(arena.figure, dots)
     frames = _drawn(arena, ticks, dots, progress)
@@ -134,23 +101,8 @@ def write_film(
     return len(ticks)
 
 
-def animation(
-    trace: xr.Dataset,
-    floor: Tiles,
-    ax: Own,
-    *,
-    first: int = 1,
-    last: int | None = None,
-    every: int = 2,
-    fps: int = 20,
-    robot: int = 0,
-    title: str | None = None,
-    progress: Callable[[int, int], None] | None = None,
-) -> FuncAnimation:
-    """The frames of `film` as an animation of the figure of these axes. Raises InputError as `film` does."""
-    arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
-    known = int(arena.ticks[0]), int(arena.ticks[-1])
-    ticks = film_ticks("film.mp4", known, first=first, last=last, every=every, fps=fps)
+def _animation(arena: Arena, ticks: range, fps: int, progress: Callable[[int, int], None] | None) -> FuncAnimation:
+    """The frames as an animation of the figure of the caller's axes."""
 
     def show(tick: int) -> list[Artist]:
         arena.show(tick)
@@ -169,20 +121,15 @@ def suffix_of(path: str | Path) -> str:
     return suffix
 
 
-def film_ticks(
-    path: str | Path, known: tuple[int, int], *, first: int = 1, last: int | None = None, every: int = 2, fps: int = 20
-) -> range:
-    """Return the ticks that a film shows of a trial with the ticks known[0] to known[1]; the others are as in `film`.
-
-    Raises InputError for another suffix and for impossible ticks or speeds.
-    """
+def _ticks(path: Path, clock: Clock, first: int, last: int | None, every: int, fps: int) -> range:
+    """The ticks that a film shows of a trial. Raises InputError for impossible ticks or speeds."""
     gif = suffix_of(path) == ".gif"
     fastest = MOST_GIF_FPS if gif else 240
     if every < 1 or not 1 <= fps <= fastest:
         raise InputError(f"every {every}, fps {fps}: should be from 1, and at most {fastest} frames a second")
-    last = min(first + LENGTH - 1, known[1]) if last is None else last
+    last = min(first + LENGTH - 1, clock.last) if last is None else last
     for tick in (first, last):
-        check_tick(tick, known)
+        check_tick(tick, (clock.first, clock.last))
     ticks = range(first, last + 1, every)
     if not ticks:
         raise InputError(f"no tick from {first} to {last}: a film needs one at least")

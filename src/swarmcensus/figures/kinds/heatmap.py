@@ -24,7 +24,7 @@ from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figure_of, layout, name_axes, sheet
 from swarmcensus.results.labels import titles_in
 from swarmcensus.results.selecting import TooMuch
-from swarmcensus.vocabulary.coordinates import title_of
+from swarmcensus.studies.coordinates import title_of
 
 Z = Literal["convergence_error", "convergence_round"]
 LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers

@@ -41,7 +41,7 @@ from swarmcensus.results.measures import derivable, is_share, statistic_of, with
 from swarmcensus.results.selecting import require
 from swarmcensus.results.values import bounds_in, robots_in
 from swarmcensus.statistics.intervals import estimate_pooled
-from swarmcensus.vocabulary.coordinates import title_of
+from swarmcensus.studies.coordinates import title_of
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
 ENDLESS = r"$\infty$"  # the marker of an infinite statistic

@@ -1,0 +1,136 @@
+"""Addresses of a setting's random numbers, and its fingerprint.
+
+An address contains only what its random numbers depend on. So two settings that differ only in brain or topology have
+the same tiles and readings, trial by trial, and a setting's numbers do not depend on its place in a grid.
+"""
+
+import dataclasses
+import hashlib
+
+import numpy as np
+
+from swarmcensus.brains.packing import PLAIN
+from swarmcensus.engine.addresses import address
+from swarmcensus.studies.keys import Key
+from swarmcensus.studies.settings import KEYS, Setting, set_apart
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.networks import Topology
+from swarmcensus.worlds.patterns import Floor
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+
+FIRST = (  # fields of a setting that are part of every fingerprint, in this order
+    "topology", "robots", "accuracy", "assumed_accuracy", "fill_ratio", "link_success", "rounds",
+    "observations_per_round", "density", "body", "faults", "floor",
+)  # fmt: skip
+FIELDS = {field.name for field in dataclasses.fields(Setting)}
+NAMES = {"link_success": "success"}  # of keys in addresses, where they differ
+NO_KEYS = np.zeros(0, np.uint64)
+
+
+def fingerprint(setting: Setting, seed: int) -> str:
+    """A hash of the brain's name and all that a trial's numbers depend on: equal settings share it."""
+    content: list[object] = [setting.brain.name, setting.brain.sha256]
+    content += [_whole(setting, field) for field in FIRST]
+    content += [[member.content for member in setting.members]] if setting.members else []
+    content += [[*setting.brain.parameters.items()]] if setting.brain.parameters else []
+    content += [str(setting.change)] if setting.change else []
+    for key in set_apart(setting):
+        if key.field in FIELDS:
+            content += [key.name, getattr(setting, key.field)]
+    content += ["numbers", *setting.brain.numbers] if setting.brain.numbers != PLAIN else []
+    content += [editions] if (editions := _editions(setting)) else []
+    return hashlib.blake2b(repr((seed, tuple(content))).encode(), digest_size=16).hexdigest()
+
+
+def _whole(setting: Setting, field: str) -> object:
+    """A value of a setting, with all that it says."""
+    value = getattr(setting, field)
+    if field == "assumed_accuracy" and value is None:
+        return ""
+    if isinstance(value, Topology):
+        return value.content
+    if isinstance(value, Accuracy | Misjudgement):
+        return str(value)
+    if isinstance(value, Floor):
+        return [str(value), value.content]
+    if isinstance(value, tuple):
+        return [fault.content for fault in value]
+    return value.model_dump() if isinstance(value, Body) else value
+
+
+def _editions(setting: Setting) -> list[str]:
+    """Hashes of the files of other packages that it uses."""
+    theirs = (part for m in setting.members for part in (m.accuracy, m.assumed_accuracy))
+    parts = (setting.topology, setting.accuracy, setting.assumed_accuracy, setting.floor, *theirs)
+    return [part.edition for part in parts if part is not None and part.edition]
+
+
+def _address(setting: Setting, seed: int, draws: str, purpose: str = "", **more: object) -> np.ndarray:
+    """The address of what is drawn: the keys that declare that these numbers depend on them, and `more`."""
+    content = {
+        NAMES.get(key.name, key.name): value
+        for key in KEYS.values()
+        if draws in key.draws and (value := _begun(setting, key)) is not None
+    }
+    return address(seed, purpose or draws, **content, **more)
+
+
+def _begun(setting: Setting, key: Key) -> object:
+    """The value of a key as the world begins: no change or drift. None for one that leaves no trace in addresses."""
+    value = getattr(setting, key.field)
+    if (key.is_new and value == key.default) or value == Floor():
+        return None
+    if key.name == "fill_ratio":
+        return float(setting.course[0])
+    if isinstance(value, Accuracy):
+        return str(value.start)
+    return value.content if isinstance(value, Topology | Floor) else value
+
+
+def readings_key(setting: Setting, seed: int, purpose: str = "readings") -> np.ndarray:
+    """The address of sensor readings."""
+    return _address(setting, seed, "readings", purpose)
+
+
+def losses_key(setting: Setting, seed: int) -> np.ndarray:
+    """The address of message losses."""
+    return _address(setting, seed, "losses")
+
+
+def luck_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
+    """The addresses of random numbers for brains, in their functions and in messages; empty if none asks for any.
+
+    All brains share them. With `alone` all networks do too: settings that differ only in the network share their
+    local estimates.
+    """
+    if not any(brain.uses.luck for brain in setting.brains):
+        return NO_KEYS
+    what = "luck alone" if alone else "luck"
+    return np.concatenate([_address(setting, seed, what, purpose) for purpose in ("luck", "luck of messages")])
+
+
+def floor_key(setting: Setting, seed: int) -> np.ndarray:
+    """The address of the floor's tiles."""
+    assert setting.body is not None
+    return _address(setting, seed, "floor", tile=setting.body.tile)
+
+
+def walk_key(setting: Setting, seed: int) -> np.ndarray:
+    """The address of trajectories: where robots start and how they walk."""
+    return _address(setting, seed, "walk", body=_walking(setting))
+
+
+def _walking(setting: Setting) -> dict[str, object]:
+    assert setting.body is not None
+    return setting.body.model_dump(exclude={"message_delay"})
+
+
+def walk_group(setting: Setting) -> str:
+    """Settings of one group share their trajectories, trial by trial. Where a brain steers, it shares with none."""
+    if setting.steers:
+        return fingerprint(setting, 0)
+    members, faults = setting.members, enumerate(setting.faults)
+    speeds = [(m.robots, m.speed) for m in members] if any(m.speed is not None for m in members) else []
+    content = {"robots": setting.robots, "density": setting.density, "body": _walking(setting)}
+    lame = [(n, f.at, f.until, f.robots) for n, f in faults if "moving" in f.stop]
+    return repr((content, setting.rounds, lame, *speeds))

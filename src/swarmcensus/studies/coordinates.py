@@ -1,0 +1,128 @@
+"""The coordinates of the dataset along `setting`: everything that settings differ in.
+
+They follow from the keys of `studies/settings.py`; `OTHERS` come from other tables of a study file. Parameters of
+brains are coordinates too, by their own names; they have no entry.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from swarmcensus.studies.keys import Coordinate
+from swarmcensus.studies.settings import KEYS, Setting, set_apart, shown
+from swarmcensus.vocabulary.quantities import QUANTITIES
+
+OTHERS = (
+    Coordinate(
+        "text", "[members](study-file.md#members), `0.1 liar.py, not honest`; only if a study has any",
+        caption="{}", idle="robots alike", plural="mixtures of robots", name="members",
+        of=lambda setting: "; ".join(map(str, setting.members)) if setting.members else None,
+    ),
+    Coordinate(
+        "whole number", "how many robots are not honest; only with `members`",
+        caption="{:,.0f} liars", plural="numbers of liars", blank=0, name="liars",
+        of=lambda setting: setting.robots - setting.honest if setting.members else None,
+    ),
+    Coordinate(
+        "text",
+        "the liars' [adversaries](adversaries.md) or brains, with parameters, or how else they differ; empty if nobody "
+        "lies",
+        caption="{}", idle="nobody lies", plural="adversaries", name="adversary",
+        of=lambda setting: _how_they_lie(setting) if setting.members else None,
+    ),
+    Coordinate(
+        "text",
+        "how *f* [changes](study-file.md#floors-that-change), `0.9 to 0.1 at 200 until 600`, or empty; only if it "
+        "changes in any setting",
+        caption="f {}", idle="f stays", name="fill_ratio_change",
+        of=lambda setting: str(setting.change) if setting.change else None,
+    ),
+)  # fmt: skip
+_OF_KEYS = [
+    dataclasses.replace(
+        key.coordinate, name=name, world=key.coordinate.world or key.world,
+        blank=key.default if key.is_new else None,
+    )
+    for name, key in KEYS.items() if key.coordinate
+]  # fmt: skip
+COORDINATES = {
+    one.name: one for one in (*(c for c in _OF_KEYS if c.always), *OTHERS, *(c for c in _OF_KEYS if not c.always))
+}
+NUMERIC = {  # worked out from `accuracy`, a text, when Python opens results
+    coordinate.name: coordinate
+    for coordinate in (
+        Coordinate(
+            "number", "b, how likely black is read as black: the mean over robots, in round 1",
+            title="sensor accuracy $b$", name="accuracy_black",
+        ),
+        Coordinate(
+            "number", "w, how likely white is read as white: the mean over robots, in round 1",
+            title="sensor accuracy $w$", name="accuracy_white",
+        ),
+        Coordinate(
+            "number", "how far robots differ: the standard deviation of b or w, the larger one",
+            title="spread of sensor accuracies", name="accuracy_spread",
+        ),
+    )
+}  # fmt: skip
+IN_CAPTIONS = (  # in this order; others follow
+    "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change", "floor", "rounds",
+    "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy", "accuracy",
+    "checkpoint", "members", "adversary", "liars",
+)  # fmt: skip
+ROUNDS = Coordinate(  # of quantities that are measured at checkpoints
+    "whole number", "a round after which decisions were recorded", caption="after {:,.0f}", counts=True,
+    name="checkpoint",
+)  # fmt: skip
+TAKEN = {  # names of the dataset, and of its summary
+    *QUANTITIES, *COORDINATES, *NUMERIC, "setting", "trial", "robot", "checkpoint", "end", "parameters",
+    "trials", "failed", "K", "error", "right",
+}  # fmt: skip
+PREFIXES = ("edge_", "edges_", "floor_", "row_", "column_")  # of other variables of the dataset
+SUFFIXES = ("_low", "_high")  # of columns of the summary
+OF_FIGURES = COORDINATES | NUMERIC | {ROUNDS.name: ROUNDS}
+
+
+def coordinates_of(setting: Setting) -> dict[str, object]:
+    """The setting's coordinates in the dataset, by their names; without those of newer keys at their default."""
+    found = {one.name: _value(setting, one) for one in COORDINATES.values() if one.always}
+    found |= {name: shown(value) for name, value in setting.brain.parameters.items()}
+    found |= {one.name: value for one in OTHERS if (value := _value(setting, one)) is not None}
+    return found | {key.name: getattr(setting, key.field) for key in set_apart(setting)}
+
+
+def _value(setting: Setting, coordinate: Coordinate) -> object:
+    value = coordinate.of(setting) if coordinate.of else getattr(setting, coordinate.name)
+    return np.nan if value is None and coordinate.type == "number" else value
+
+
+def _how_they_lie(setting: Setting) -> str:
+    return "; ".join(dict.fromkeys(", ".join(m.traits) for m in setting.members if not m.honest))
+
+
+def is_taken(name: str) -> bool:
+    """Whether a name already means something in datasets and summaries, so that no parameter or metric may have it."""
+    return name in TAKEN or name.startswith(PREFIXES) or name.endswith(SUFFIXES)
+
+
+def caption_form(name: str) -> str:
+    """How a caption formats a value of a coordinate, or of a brain's parameter."""
+    known = OF_FIGURES.get(name)
+    return known.caption if known and known.caption else name + " = {}"
+
+
+def idle_caption(name: str) -> str:
+    """What a caption says of a value that says nothing; empty where it leaves it out."""
+    return COORDINATES[name].idle if name in COORDINATES else ""
+
+
+def title_of(name: str) -> str:
+    """What an axis or a key calls a coordinate."""
+    known = OF_FIGURES.get(name)
+    return known.title if known and known.title else name.replace("_", " ").replace("$", r"\$")
+
+
+def plural_of(name: str) -> str:
+    """What several values of a coordinate are called."""
+    known = COORDINATES.get(name)
+    return known.plural if known and known.plural else f"values of {name}"

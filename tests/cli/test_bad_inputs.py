@@ -1,0 +1,210 @@
+"""Inputs that once did harm, or ended in something else than one clear sentence; test_fuzz.py looks for more."""
+
+import os
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics import files
+from swarmcensus.cli.commands import main
+from swarmcensus.results import recordings
+from swarmcensus.results import store as results
+from swarmcensus.results.selecting import where
+from swarmcensus.runs import clusters
+from swarmcensus.studies import addresses, toml_text
+from tests.support.small import SMALL
+
+BRAIN = brains.load("minimalistic").source
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "X = 9**9**9", "X = 'a' * 10**10", "X = '%1000000000000d' % 1", "X = 1 << 10**10", "X = [0] * 10**10",
+        "X = 0x" + "f" * 5000, "X = (*(1,), 2)", "X = 2.0**2000", "import math\nmath.pi = 3",
+        "def f(x=abs(1)):\n    pass", "def f(x: abs(1)):\n    pass", "def f(x) -> abs(1):\n    pass",
+    ],
+)  # fmt: skip
+def test_loading_a_brain_computes_and_calls_nothing(line):
+    with pytest.raises(sc.InputError, match=r"mine\.py, line \d+: "):
+        brains.parse(f"{line}\n{BRAIN}", "mine.py", "mine.py")
+
+
+@pytest.mark.parametrize("name", ["OPTIONS", "ROLES", "FIELD"])
+def test_constants_in_constants_are_counted(name):
+    huge = "(" * 9 + "1,)" + " * 10000,)" * 8 + " * 10000"
+    source = (
+        BRAIN.replace("MEMORY = {", f'MEMORY = {{"y": {huge}, ') if name == "FIELD" else f"{BRAIN}\n{name} = {huge}"
+    )
+    with pytest.raises(sc.InputError, match=r"mine\.py, line \d+: a constant holds more than 1,000,000 numbers"):
+        brains.parse(source, "mine.py", "mine.py")
+
+
+@pytest.mark.parametrize("key", ["__class__", "__slots__", "\uff54"])
+@pytest.mark.parametrize("table", ["MEMORY", "PARAMETERS"])
+def test_fields_have_names_that_python_keeps(table, key):
+    source = BRAIN.replace("MEMORY = {", f"MEMORY = {{{key!r}: 0.0, ") if table == "MEMORY" else ""
+    with pytest.raises(sc.InputError, match=rf"{table} key {key!r}.* Python"):
+        brains.parse(source or f"{BRAIN}\nPARAMETERS = {{{key!r}: 0.0}}", "mine.py", "mine.py")
+
+
+def test_constants_may_be_plain_arithmetic():
+    brain = brains.parse(f"import math\nA = -2.0 * math.pi\nB = (A / 3, 2**10)\n{BRAIN}", "mine.py", "mine.py")
+    assert brain.functions.B[1] == 1024
+
+
+def test_a_link_stays_and_its_target_is_written(tmp_path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "x.csv").symlink_to(tmp_path / "there" / "y.csv")
+    with files.atomic_write(tmp_path / "x.csv") as temporary:
+        temporary.write_text("new")
+    assert (tmp_path / "x.csv").is_symlink()
+    assert (tmp_path / "there" / "y.csv").read_text() == "new"
+    assert os.listdir(tmp_path / "there") == ["y.csv"]
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "circle", "folder", "long"])
+def test_what_cannot_be_written_stays_as_it_is(kind, small_file, tmp_path, capsys):
+    path = tmp_path / "x.csv"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path.symlink_to("/dev/full")
+    elif kind == "circle":
+        path.symlink_to(path)
+    elif kind == "folder":
+        path.mkdir()
+    else:
+        path = tmp_path / ("x" * 300 + ".csv")
+    before = sorted(os.listdir(tmp_path))
+    assert main(["export", str(small_file), "--out", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("swarmcensus: cannot write")
+    assert error.count("\n") == 1
+    assert sorted(os.listdir(tmp_path)) == before
+
+
+def test_figures_of_results_with_points_in_their_names_are_written_next_to_them(small_file, tmp_path, capsys):
+    results = tmp_path / "a.v2.nc"
+    results.write_bytes(small_file.read_bytes())
+    assert main(["plot", str(results), "--kind", "decisions"]) == 0
+    assert {p.name for p in tmp_path.iterdir()} == {"a.v2.nc", "a.v2-decisions.png", "a.v2-decisions.svg"}
+    assert main(["plot", str(results), "--out", str(tmp_path / "a.v2")]) == 2
+    assert "figures are written as" in capsys.readouterr().err
+
+
+def test_an_interrupted_writer_leaves_nothing(tmp_path):
+    def write():
+        with files.atomic_write(tmp_path / "x.csv") as temporary:
+            temporary.write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write()
+    assert not os.listdir(tmp_path)
+
+
+def test_accuracy_files_are_read_strictly(tmp_path):
+    path = tmp_path / "a.csv"
+    for text, said in (
+        ("O.8\n0.7\n", "'O.8': there should be accuracy"),
+        ("0.8,0.7\n0.9\n", "line 2"),
+        ("", "a row for each robot"),
+    ):
+        path.write_text(text)
+        with pytest.raises(sc.InputError, match=said):
+            recordings.read_accuracy(str(path))
+    path.write_text("0.8\n")
+    with pytest.raises(sc.InputError, match="one for each of 2 robots"):
+        sc.infer([[0, 1]], None, recordings.read_accuracy(str(path)))
+
+
+def test_links_too_large_for_a_number(tmp_path):
+    (tmp_path / "l.csv").write_text(f"2,{'9' * 5000}\n")
+    with pytest.raises(sc.InputError, match="should be a whole number from 0"):
+        recordings.read_links(tmp_path / "l.csv")
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"world": {"body": {"radius": 1e308}}}, {"world": {"body": {"radius": 1e-320}}},
+        {"world": {"body": {"sensor": [float("inf"), 0.0]}}}, {"world": {"body": {"tile": 1e-9, "radio_range": 1e9}}},
+        {"faults": [{"at": 10**30, "robots": 1, "stop": "talking"}]}, {"swarm": {"accuracy": 10**400}},
+        {"swarm": {"accuracy": 2**20000}},
+        {"swarm": {"accuracy": [k / 2000 for k in range(2000)]}, "world": {"fill_ratio": [k / 999 for k in range(999)]}},  # noqa: E501
+    ],
+)  # fmt: skip
+def test_numbers_out_of_all_bounds(tables):
+    whole = {
+        "swarm": {"robots": 3, "accuracy": 0.8},
+        "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.5},
+    }
+    mixed = {k: whole.get(k, {}) | v if isinstance(v, dict) else v for k, v in (whole | tables).items()}
+    with pytest.raises(sc.InputError, match="study"):
+        sc.Study(trials=1, **mixed)
+
+
+def test_parts_of_a_study_make_another():
+    swarm = {"robots": 3, "accuracy": ["U(0.5, 0.9)", {"black": 0.9, "white": "N(0.6, 0.1)"}],
+             "assumed_accuracy": [{"error": "N(0.0, 0.1)"}, 0.7]}  # fmt: skip
+    world = {"topology": ["ring", {"networkx": "path_graph"}, "moving"], "density": 1.0, "fill_ratio": 0.5,
+             "floor": ["half", {"clusters": 0.2}], "body": {"radius": 0.05}}  # fmt: skip
+    old = sc.Study(trials=1, swarm=swarm, world=world)
+    new = sc.Study(trials=1, swarm=old.swarm, world=old.world)
+    again = sc.Study.parse(new.text)
+    prints = [[addresses.fingerprint(s, 1) for s in study.settings()] for study in (old, new, again)]
+    assert prints[0] == prints[1] == prints[2]
+
+
+def test_texts_with_control_characters_are_toml():
+    assert toml_text.read_toml(toml_text.to_toml({"a b": '\x01\x7f\n"\\ü'}), "x") == {"a b": '\x01\x7f\n"\\ü'}
+
+
+def test_a_long_comment_is_kept_with_the_results(tmp_path):
+    study = sc.Study.parse(SMALL.replace("trials = 4", "trials = 1") + "# long\n" * 100_000)
+    sc.save(sc.run(study, jobs=1), tmp_path / "x.nc")
+    assert sc.load(tmp_path / "x.nc").attrs["study"] == study.text
+
+
+@pytest.mark.parametrize("name", ["title", "brains", "study", "seed", "trials_done"])
+def test_results_without_an_attribute(name, small_results, tmp_path):
+    changed = small_results.copy()
+    del changed.attrs[name]
+    results.save(changed, tmp_path / "x.nc")
+    with pytest.raises(sc.InputError, match=f"damaged or changed.*{name}"):
+        sc.load(tmp_path / "x.nc")
+
+
+def test_results_of_other_shapes(small_results, tmp_path):
+    results.save(small_results.transpose("trial", "setting", ...), tmp_path / "x.nc")
+    with pytest.raises(sc.InputError, match="convergence_round should be int32"):
+        sc.load(tmp_path / "x.nc")
+
+
+def test_numbers_too_large_to_compare(small_results):
+    with pytest.raises(sc.InputError, match=r"^where="):
+        where(small_results, f"accuracy == 0x{'f' * 300}")
+
+
+def test_unknown_keys_are_told_from_those_of_their_own_table(tmp_path):
+    (tmp_path / "c.toml").write_text("jobs = 1\ncores = 1\nmemory = '1GB'\npartitions = 'x'\n")
+    with pytest.raises(sc.InputError, match="did you mean 'partition'"):
+        clusters.read_queue(tmp_path / "c.toml")
+    with pytest.raises(sc.InputError, match="did you mean 'robots'"):
+        sc.Study.parse(SMALL + "[[faults]]\nat = 1\nrobots = 1\nstop = 'talking'\nrobotss = 1\n")
+
+
+def test_a_study_file_without_an_end(capsys):
+    if not os.path.exists("/dev/zero"):
+        pytest.skip("there is no such device")
+    assert main(["run", "/dev/zero"]) == 2
+    assert "study file /dev/zero: over 20 MB: should be text that a person wrote" in capsys.readouterr().err
+
+
+def test_a_full_disk_is_told_in_one_line(tmp_path):
+    said = r"^cannot write .*x\.nc: No space left on device$"
+    with pytest.raises(sc.InputError, match=said), files.atomic_write(tmp_path / "x.nc"):
+        raise OSError(28, "No space left on device")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,393 @@
+"""The command line, as a user meets it: what it prints, what it writes, how it fails."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli.commands import commands, main
+from tests.support.small import SMALL
+
+FIRST = ["good.nc", "--setting", "0", "--trial", "0"]
+HELLO = """
+trials = 3
+[swarm]
+robots = 6
+accuracy = [0.7, 0.9]
+[world]
+topology = "ring"
+fill_ratio = [0.55, 0.95]
+[schedule]
+rounds = 20
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hello.toml").write_text(HELLO)
+    return tmp_path
+
+
+def test_help_lists_every_command(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    listed = capsys.readouterr().out
+    assert main([]) == 0
+    assert capsys.readouterr().out == listed
+    assert all(re.search(rf"^ +{name}\b", listed, re.MULTILINE) for name in commands())
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
+def test_output_that_the_shell_closed_is_not_missed():
+    command = f"{sys.executable} -m swarmcensus brains"
+    done = subprocess.run(f"{command} >&-", shell=True, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert subprocess.run(f"{command} >&- 2>&-", shell=True).returncode == 0
+
+
+def test_help_is_quick_and_imports_nothing_heavy():
+    code = (
+        "import sys; from swarmcensus.cli.commands import parser; parser().format_help(); "
+        "print([m for m in ('numba', 'numpy', 'xarray', 'pydantic', 'rich', 'matplotlib') if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_a_first_session(here, capsys):
+    assert main(["run", "hello.toml", "--jobs", "2"]) == 0
+    out = capsys.readouterr().out
+    assert "4 settings of 3 trials" in out
+    assert "right" in out
+    assert main(["export", "hello.nc", "--where", "accuracy == 0.7"]) == 0
+    assert "36 rows" in capsys.readouterr().out
+    for kind in ("scatter", "decisions", "heatmap", "curves"):
+        assert main(["plot", "hello.nc", "--kind", kind]) == 0
+        assert (here / f"hello-{kind}.png").stat().st_size > 10_000
+        assert (here / f"hello-{kind}.svg").exists()
+    assert main(["plot", "hello.nc", "--where", "fill_ratio < 0.6", "--out", "x.pdf"]) == 0
+    assert (here / "x.pdf").exists()
+    capsys.readouterr()
+    replay = ["replay", "hello.nc", "--setting", "1", "--trial", "2", "--out", "t.nc", "--plot", "t.png"]
+    assert main([*replay, "--recording", "rec"]) == 0
+    assert "accuracy 0.7, f = 0.95" in capsys.readouterr().out
+    infer = ["infer", "rec/observations.csv", "--links", "rec/links.csv", "--accuracy", "0.7"]
+    assert main([*infer, "--out", "again.csv"]) == 0
+    assert (here / "again.png").exists()
+    assert {p.suffix for p in here.iterdir() if p.is_file()} == {".toml", ".nc", ".csv", ".png", ".svg", ".pdf"}
+    last = (here / "again.csv").read_text().splitlines()[-1].split(",")
+    assert float(last[-1]) == sc.load("hello.nc")["final_estimate"].values[1, 2, -1]
+
+
+def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
+    assert main(["run", "hello.toml", "--trials", "2", "--seed", "5", "--out", "a.nc"]) == 0
+    data = sc.load("a.nc")
+    assert (data.sizes["trial"], data.attrs["seed"]) == (2, 5)
+    assert main(["run", "hello.toml", "--share", "1/2", "--out", "b.nc"]) == 0
+    assert "b.nc: share 1/2 of 4 settings of 3 trials" in capsys.readouterr().out
+    assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
+
+
+def test_brains(here, capsys, untraced_processes):
+    assert main(["brains"]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"minimalistic +48 +8  ", out)  # as wide as the longest name asks
+    estimates, opinions, *_ = re.split(r"^brain ", out, flags=re.MULTILINE)[1:]
+    assert "\nlegacy " in estimates
+    assert "\nvoter " in opinions  # whose estimate is 0 or 1
+    assert "forger        value 1, names 1,000,000  Forger" in out
+    (here / "mine.py").write_text(brains.load("minimalistic").source.replace("def fuse", "def fuze"))
+    assert main(["brains", "--check", "mine.py"]) == 2
+    assert "the function fuse is missing" in capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_a_brain_that_conforms_is_said_to(here, capsys, untraced_processes):
+    (here / "mine.py").write_text(brains.load("minimalistic").source)
+    assert main(["brains", "--check", "mine.py"]) == 0
+    assert "mine.py: conforms" in capsys.readouterr().out
+
+
+def test_a_list_of_ours_alone_does_not_say_whose_they_are(capsys):
+    assert main(["list", "topologies"]) == 0
+    head, *rows = capsys.readouterr().out.splitlines()
+    assert head.split() == ["topologies", "keys", "what", "it", "is"]
+    assert len(rows) == 5
+    assert not any("swarmcensus" in row for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("robots", "robot"), "study file hello.toml: unknown key swarm.robot"),
+        (("= 6", '= "six"'), 'swarm.robots = "six": should be a valid integer'),
+        (("[0.7, 0.9]", "[]"), "swarm.accuracy = []: should be a list of at least one"),
+        (("[0.7, 0.9]", "1.7"), "swarm.accuracy = 1.7: a sensor accuracy lies in [0, 1]"),
+        (("= 20", "= -20"), "schedule.rounds = -20: should be greater"),
+        (
+            ('"ring"', '{name = "x", edges = [[0, 6]]}'),
+            "edge (0, 6) of topology 'x' leads to a robot that is not there",
+        ),
+        (("[swarm]", '[swarm]\nbrain = "broken.py"'), "broken.py, line 1: not Python"),
+        (("[swarm]", '[swarm]\nbrain = "lame.py"'), "lame.py: the function fuse is missing"),
+    ],
+)
+def test_bad_studies(change, said, here, capsys):
+    (here / "hello.toml").write_text(HELLO.replace(*change))
+    (here / "broken.py").write_text("def observe(:\n")
+    (here / "lame.py").write_text(brains.load("minimalistic").source.replace("def fuse", "def fuze"))
+    files = set(here.iterdir())
+    assert main(["run", "hello.toml"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert "Traceback" not in error
+    assert set(here.iterdir()) == files
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["run", "none.toml"], "study file none.toml: cannot be read"),
+        (["run", "hello.toml", "--out", "hello.toml/x.nc"], "cannot write hello.toml/x.nc"),
+        (["run", "hello.toml", "--out", "x.csv"], "results are written as .nc"),
+        (["run", "hello.toml", "--out", "folder.nc"], "cannot write folder.nc: it is a folder"),
+        (["run", "hello.toml", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
+        (["verify", "good.nc", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
+        (["show", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
+        (["show", "none.nc"], "there is no such file"),
+        (["run", "folder.nc"], "study file folder.nc: cannot be read: Is a directory"),
+        *[([name, "folder.nc"], "results file folder.nc: it is a folder") for name in ("show", "status", "verify")],
+        (["merge", "good.nc", "folder.nc", "--out", "x.nc"], "results file folder.nc: it is a folder"),
+        (["plot", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
+        (["plot", "hello.toml"], "hello.toml is a study, not results"),
+        (["plot", "none.nc"], "there is no such file"),
+        (["plot", "good.nc", "--where", "robots == 99"], "no setting is so"),
+        (["plot", "good.nc", "--out", "x.bmp"], "figures are written as"),
+        (["plot", "good.nc", "--kind", "heatmap", "--local"], "--local goes with --kind scatter"),
+        (["plot", "good.nc", "--local"], "local"),
+        (["plot", "good.nc", "--kind", "heatmap"], "select some of the settings, as --where 'topology == "),
+        (["replay", "good.nc", "--setting", "77", "--trial", "0"], "setting 77: these results hold"),
+        (["replay", "good.nc", "--setting", "0", "--trial", "0", "--out", "x.txt"], "written as .csv or .nc"),
+        (["replay", *FIRST, "--out", "new.nc", "--plot", "folder.png"], "cannot write folder.png: it is a folder"),
+        (["replay", *FIRST, "--out", "new.nc", "--plot", "obs.csv/x.png"], "obs.csv is a file, not a folder"),
+        (["replay", *FIRST, "--out", "new.nc", "--recording", "obs.csv"], "obs.csv is a file, not a folder"),
+        (["export", "cut.nc"], "cut.nc"),
+        (["export", "good.nc", "--format", "parquet", "--out", "x.csv"], "--format parquet is written as .parquet"),
+        (["verify", "good.nc", "--all", "--seed", "3"], "--seed 3 is for a sample: it does not go with --all"),
+        *[(["plot", "good.nc", "--out", name], "it is a folder") for name in (".", "..", "/", "plain")],
+        (["replay", *FIRST, "--plot", "."], "cannot write .: it is a folder"),
+        (["plot", "good.nc", "--local", "--delta", "0.1"], "--local does not go with --delta"),
+        (["show", "good.nc", "--where", "setting == 1 == 1"], "a chain has a coordinate between"),
+        (["show", "/dev/null"], "results file /dev/null: it is no file"),
+        (["export", "good.nc", "--out", "hello.toml/x.csv"], "cannot write"),
+        (["infer", "none.csv", "--accuracy", "0.8"], "none.csv: cannot be read"),
+        (["infer", "obs.csv", "--accuracy", "x"], "accuracy 'x': there is no such file: should be"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--links", "bad.csv"], "names a robot that is not there"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--observations-per-round", "0"], "whole number from 1"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--out", "x.txt"], "written as .csv or .nc"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--plot", "folder.png"], "cannot write folder.png: it is a folder"),
+        (["reproduce", "--out", "hello.toml/x"], "cannot write"),
+        (["reproduce", "--only", "fig99"], "fig99"),
+    ],
+)
+def test_bad_commands(command, said, here, capsys, small_file):
+    whole = small_file.read_bytes()
+    (here / "good.nc").write_bytes(whole)
+    (here / "cut.nc").write_bytes(whole[: len(whole) // 2])
+    (here / "obs.csv").write_text("1,1\n0,1\n")
+    (here / "bad.csv").write_text("0,2\n")
+    for name in ("folder.nc", "folder.png", "plain"):
+        (here / name).mkdir()
+    files = set(here.iterdir())
+    assert main(command) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert set(here.iterdir()) == files
+
+
+@pytest.mark.parametrize("option", [["--jobs", "0"], ["--trials", "-1"], ["--seed", "x"], ["--joobs", "1"]])
+def test_bad_options(option, here, capsys):
+    assert main(["run", "hello.toml", *option]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"swarmcensus run: {option[0]} ")
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["deploy", "commons", "--b", "nan"], "swarmcensus deploy: --b nan: should be a number"),
+        (["deploy", "commons", "--robot", "-1"], "swarmcensus deploy: --robot -1: should be a whole number from 0"),
+        (["run", "x.toml", "--trials"], "swarmcensus run: --trials: a value is missing after it"),
+        (["run", "x.toml", "--trials", "a\nb"], "swarmcensus run: --trials 'a b': should be a whole number from 1"),
+        (["run", "x.toml", "y.toml"],
+         "swarmcensus run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is"),
+        (["verify", "x.nc", "--sample", "x"], "swarmcensus verify: --sample x: should be a number"),
+        (["merge", "--ouu", "x", "a.nc"], "swarmcensus merge: --out is missing: did you mean '--out'?"),
+        (["new", "foo"], "swarmcensus new: foo: should be study or brain"),
+        (["show", "x.nc", "--quiet=3"], "swarmcensus show: --quiet takes no value, but has '3'"),
+        (["swarm", "sure", "--robot", "2"],
+         "swarmcensus swarm: --robot is no option of this command: did you mean '--robots'?"),
+        (["swarm", "--rob=2"], "swarmcensus swarm: BRAIN|STUDY.toml is missing: did you mean '--robots'?"),
+        (["replay", "x.nc"],
+         "swarmcensus replay: --setting and --trial are missing: 'swarmcensus replay --help' shows what there is"),
+        (["brains", "--show", "a", "--check", "b"], "swarmcensus brains: --check does not go with --show"),
+    ],
+)  # fmt: skip
+def test_errors_of_options_are_one_sentence(command, said, capsys):
+    assert main(command) == 2
+    assert capsys.readouterr().err == f"{said}\n"
+
+
+def test_blind_sensors_are_allowed_with_a_warning(here, capsys):
+    (here / "hello.toml").write_text(HELLO.replace("[0.7, 0.9]", "0.5"))
+    assert main(["run", "hello.toml"]) == 0
+    assert "warning: study file hello.toml: accuracy 0.5 carries no information" in capsys.readouterr().err
+    assert (sc.load("hello.nc")["final_estimate"] == 0.5).all()
+
+
+def test_a_folder_without_permission(here, capsys, monkeypatch):
+    """As the system answers anybody but root, whom no folder is closed to."""
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    assert main(["run", "hello.toml", "--out", "locked/x.nc"]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+    assert {p.name for p in here.iterdir()} == {"hello.toml"}
+
+
+@pytest.mark.long(but=["a user without a home"])
+@pytest.mark.parametrize("known", [True, False], ids=["a home that is a file", "a user without a home"])
+def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_behind(here, known):
+    """Interpreted, so that it is quick: where brains go is settled before they are compiled."""
+    (here / "hello.toml").write_text(HELLO.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "legacy"]'))
+    (here / "scratch").mkdir()
+    code = "import os, pwd, sys; from swarmcensus.cli.commands import main"
+    if not known:  # as in a container that runs under a number
+        code += "\ndef nobody(_): raise KeyError\npwd.getpwuid = nobody"
+    kept = {k: v for k, v in os.environ.items() if k not in ("HOME", "XDG_CACHE_HOME", "SWARMCENSUS_CACHE")}
+    kept |= {"NUMBA_DISABLE_JIT": "1", "TMPDIR": str(here / "scratch")}
+    ran = subprocess.run(
+        [sys.executable, "-c", f"{code}\nsys.exit(main(['run', 'hello.toml', '--trials', '1']))"],
+        env=kept | ({"HOME": str(here / "hello.toml")} if known else {}),
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    warned = [line for line in ran.stderr.splitlines() if "for this run alone" in line]
+    assert len(warned) == 1
+    assert ("hello.toml/.cache/swarmcensus cannot be used" if known else "there is no home folder") in warned[0]
+    assert sc.load("hello.nc").attrs["trials_done"] == 8
+    assert list((here / "scratch").iterdir()) == []
+
+
+def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
+    """A study of minutes; the interrupt comes once it is under way."""
+    text = SMALL.replace("trials = 4", "trials = 300").replace("rounds                 = 60", "rounds = 200_000")
+    (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))
+    with subprocess.Popen(
+        [
+            sys.executable,
+            "-c",
+            "from swarmcensus.cli.commands import main; from swarmcensus.runs import progress; "
+            "progress.LINE_SECONDS = 0.2; raise SystemExit(main())",
+            "run",
+            "long.toml",
+            "--jobs",
+            "1",
+        ],
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as run:
+        assert run.stderr is not None
+        for line in run.stderr:  # plain lines; the first may come before any trial
+            assert line.startswith("small: ")
+            if "left" in line:
+                break
+        begun = time.monotonic()
+        run.send_signal(signal.SIGINT)
+        _, error = run.communicate(timeout=60)
+    took = time.monotonic() - begun
+    assert run.returncode == 130
+    assert "stopped after" in error
+    assert "Traceback" not in error
+    data = sc.load(here / "long.nc")
+    done = int((~data["final_estimate"].isel(robot=0).isnull()).sum())
+    assert data.attrs["trials_done"] == done > 0
+    assert took < 10  # saving is most of it; that threads stop at once is tested in the engine
+
+
+def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
+    """In its results, which are verified and merged as others are; without a file it is titled "study"."""
+    assert main(["run", "hello.toml", "--jobs", "1"]) == 0
+    assert sc.load("hello.nc").attrs["title"] == "hello"
+    assert sc.load("hello.nc").attrs["study"] == f'name = "hello"\n{HELLO}'
+    assert main(["verify", "hello.nc", "--all"]) == 0
+    assert main(["merge", "hello.nc", "--out", "both.nc"]) == 0
+    assert main(["verify", "both.nc"]) == 0
+    assert sc.load("both.nc").attrs["title"] == "hello"
+    sc.save(sc.run(sc.Study.parse(HELLO), jobs=1), "hello.nc")
+    assert sc.load("hello.nc").attrs["title"] == "study"
+    assert main(["verify", "hello.nc", "--all"]) == 0
+    capsys.readouterr()
+    assert main(["run", "hello.toml", "--jobs", "1", "--trials", "4"]) == 0
+    assert "found 12 of 16 trials" in capsys.readouterr().err
+    assert sc.load("hello.nc").attrs["title"] == "hello"
+
+
+def test_one_is_singular_and_thousands_have_commas(here, capsys):
+    text = HELLO.replace("trials = 3", "trials = 1").replace("[0.7, 0.9]", "0.7").replace("[0.55, 0.95]", "0.55")
+    (here / "one.toml").write_text(text.replace("rounds = 20", "rounds = 1000"))
+    assert main(["run", "one.toml", "--jobs", "1"]) == 0
+    said = capsys.readouterr()
+    assert "\none.nc: 1 setting of 1 trial, " in said.out
+    assert "after round 1,000;" in said.out
+    assert "rounds 1,000, " in said.out
+    for command, line in (
+        (["show", "one.nc"], "1 setting, 1 of 1 trial done"),
+        (["status", "one.nc"], "one: 1 setting; 1 of 1 trial done (100.0 %)"),
+        (["merge", "one.nc", "--out", "two.nc"], "two.nc: 1 setting, 1 of 1 trial\n"),
+        (["verify", "one.nc"], "1 of 1 trial run again"),
+        (["explain", "one.nc", "--setting", "0"], "ring, N = 6, accuracy 0.7, f = 0.55, C = 1,000, R = 10; 1 trial\n"),
+    ):
+        main(command)
+        assert line in capsys.readouterr().out
+
+
+def test_a_run_in_the_background_goes_on_when_another_program_is_stopped(no_ctrl_c, small_study, small_results):
+    """A shell sends Ctrl-C to all that it began, and has what is in the background ignore it."""
+    data = sc.run(small_study, jobs=1, progress=lambda _: signal.raise_signal(signal.SIGINT))
+    assert data.drop_attrs(deep=False).identical(small_results.drop_attrs(deep=False))
+
+
+@pytest.mark.long
+def test_a_reader_that_goes_away_is_no_error(here):
+    pipe = subprocess.run(
+        f"{sys.executable} -c 'from swarmcensus.cli.commands import main; raise SystemExit(main([\"brains\"]))' | true",
+        shell=True, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert "Traceback" not in pipe.stderr
+
+
+def test_a_study_and_its_results_are_told_apart(tmp_path, monkeypatch, capsys):
+    """Who gives one for the other reads which command takes it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.toml").write_text("trials = 1\n")
+    (tmp_path / "a.nc").write_bytes(b"\x89HDF\r\n")
+    assert main(["show", "a.toml"]) == 2
+    assert (
+        capsys.readouterr().err
+        == "swarmcensus: a.toml is a study, not results: first run it with swarmcensus run a.toml\n"
+    )
+    assert main(["run", "a.nc"]) == 2
+    assert (
+        capsys.readouterr().err == "swarmcensus: a.nc holds results, not a study: see them with swarmcensus show a.nc\n"
+    )

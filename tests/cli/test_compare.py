@@ -1,0 +1,312 @@
+"""The command `compare`: what it prints, writes and draws, and what it says where it cannot."""
+
+import csv
+from itertools import takewhile
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import swarmcensus as sc
+from swarmcensus.basics.readers import AS_TERMINAL
+from swarmcensus.brains.library import TITLES
+from swarmcensus.cli import compare_tables
+from swarmcensus.cli.commands import main
+from swarmcensus.comparing.table_text import as_text
+from swarmcensus.comparing.verdicts import findings
+from swarmcensus.figures.kinds.pareto import draw_pareto, front
+from swarmcensus.figures.kinds.ranks import draw_ranks
+from swarmcensus.results.labels import renamed
+from tests.support.contending import made_up
+
+STUDY = """
+name   = "two"
+seed   = 3
+trials = 10
+
+[swarm]
+brain    = ["minimalistic", "legacy"]
+robots   = 10
+accuracy = [0.6, 0.8]
+
+[world]
+topology   = ["ring", "full"]
+fill_ratio = 0.55
+
+[schedule]
+rounds = 60
+"""
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory):
+    path = tmp_path_factory.mktemp("compare") / "two.nc"
+    sc.save(sc.run(sc.Study.parse(STUDY)), path)
+    return path
+
+
+def test_it_prints_worlds_and_a_verdict(two, capsys):
+    assert main(["compare", str(two)]) == 0
+    out = capsys.readouterr().out
+    lines = out.splitlines()
+    assert lines[0].startswith(f"{two}: two (seed 3, swarmcensus ")
+    assert lines[1].startswith("all with robots 10, fill_ratio 0.55, ")
+    assert lines[2].split()[:5] == ["world", "topology", "accuracy", "contender", "final"]
+    assert [line.split()[0] for line in lines[3:11:2]] == ["0", "1", "2", "3"]
+    found = sc.compare(two)
+    assert "12 tests, corrected by Holm's method" in out
+    for said in (*findings(found), *(f"caution: {one}" for one in found.cautions)):
+        assert said in lines
+    assert [line.split() for line in lines if line.startswith(("cost of", "minimalistic "))] == [
+        ["cost", "of", "a", "robot", "messages", "bytes", "memory"], ["minimalistic", "60", "480", "48"]
+    ]  # fmt: skip
+    width = {len(line) for line in lines[2:11]}
+    assert max(width) - min(width) <= 1  # all cells end at the edge
+    assert out.endswith("--pairs, or --csv FILE\n")
+
+
+def test_pairs_are_printed_written_and_the_same(two, tmp_path, capsys):
+    assert main(["compare", str(two), "--pairs", "--csv", str(tmp_path / "a.csv"), "--metric", "correct"]) == 0
+    out = capsys.readouterr().out
+    frame = sc.compare(two, "correct").pairs
+    with open(tmp_path / "a.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [list(row) for row in rows] == [list(frame.columns)] * 4
+    for row, kept in zip(rows, frame.to_dict("records"), strict=True):
+        assert float(row["p"]) == kept["p"]
+        assert row["told_apart"] == str(kept["told_apart"])
+    printed = [line for line in out.splitlines() if line.startswith("right %  ")]
+    assert [line.split()[2] for line in printed] == ["0", "1", "2", "3"]
+    assert all(line.split()[-1] in ("yes", "no") for line in printed)
+    assert "a.csv: 4 rows" in out
+
+
+def test_some_worlds_are_shown_and_the_command_for_all_is_named(two, capsys):
+    where = "robots == 10"
+    assert main(["compare", str(two), "--limit", "4", "--where", where, "--metric", "correct"]) == 0
+    out = capsys.readouterr().out
+    assert f"2 of 4 worlds; show all: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
+    assert sum(line.strip().startswith("legacy") for line in out.splitlines()) == 2 + 1  # and what it costs
+
+
+@pytest.mark.parametrize("against", [None, "minimalistic"])
+def test_worlds_are_counted_by_what_they_differ_in(against):
+    """By hand, from the table of worlds."""
+    found = sc.compare(made_up(worlds=("a", "b", "c", "d"), gap=0.4), ["final_error", "correct"], against=against)
+    for w, world in enumerate(found.grid.worlds):
+        world["half"] = w // 2
+    table = found.table
+    table["half"] = [found.grid.worlds[w]["half"] for w in table["world"]]
+    rows = found.by("half")
+    assert len(rows) == 2 * (4 if against is None else 3)
+    for row in rows.to_dict("records"):
+        mine = table[(table["half"] == row["half"]) & (table["contender"] == row["contender"])]
+        assert row["worlds"] == len(mine) == 2
+        ways = ("best", "level", "behind") if against is None else ("better", "level", "worse")
+        assert [row[f"final_error_{way}"] for way in ways] == [(mine["final_error_standing"] == w).sum() for w in ways]
+        if against is not None:
+            other = table[(table["half"] == row["half"]) & (table["contender"] == against)]
+            ratios = mine["final_error"].values / other["final_error"].values
+            assert row["final_error_ratio"] == pytest.approx(np.median(ratios))
+            assert row["final_error_worst"] == pytest.approx(ratios.max())
+            shares = mine["correct"].values - other["correct"].values
+            assert row["correct_difference"] == pytest.approx(np.median(shares))
+            assert row["correct_worst"] == pytest.approx(shares.min())
+    assert rows["final_error_best" if against is None else "final_error_worse"].sum() > 0
+    assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
+
+
+def test_counts_of_worlds_are_printed_and_the_command_for_all_is_named(two, capsys):
+    words = ["compare", str(two), "--against", "legacy", "--by", "topology", "--by", "accuracy", "--limit", "3"]
+    assert main(words) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].split()[:4] == ["topology", "accuracy", "contender", "worlds"]
+    assert [line.split()[0] for line in lines[2:5]] == ["ring", "0.8", "full"]  # what is as above is not said again
+    assert f"3 of 4 rows; show all: swarmcensus {' '.join(words[:-2])} --limit 0" in lines
+    assert {*findings(sc.compare(two, against="legacy"))} < {*lines}
+
+
+def test_an_axis_that_is_given_twice_is_counted_once(two, capsys):
+    assert main(["compare", str(two), "--by", "topology"]) == 0
+    once = capsys.readouterr().out
+    assert main(["compare", str(two), "--by", "topology", "--by", "topology"]) == 0
+    assert capsys.readouterr().out == once
+
+
+def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch):
+    monkeypatch.setenv(AS_TERMINAL, "60")
+    assert main(["compare", str(two)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert sum(line.startswith("world ") for line in lines) == 3  # measures
+    assert sum(line.strip().startswith("legacy  ") for line in lines) == 3 * 4 + 1  # a line a world, and one for costs
+    monkeypatch.setenv(AS_TERMINAL, "80")
+    assert main(["compare", str(two)]) == 0
+    out = capsys.readouterr().out
+    assert "left out, as they do not fit into 80 columns: intervals; --json has all" in out
+    assert sum(line.startswith("world") for line in out.splitlines()) == 1
+
+
+@pytest.mark.parametrize("width", [60, 80, 200])
+def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, monkeypatch):
+    monkeypatch.setenv(AS_TERMINAL, str(width))
+    assert main(["compare", str(two), "--limit", "4"]) == 0
+    printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+    monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
+    lines = as_text(sc.compare(two), width, limit=4).splitlines()
+    assert all(len(line) <= width for line in lines)
+    table = [*takewhile(lambda line: not line.startswith(("left out", "final error: ")), lines)]
+    assert sum("minimalistic" in line or "legacy" in line for line in table) == (3 if width == 60 else 1) * 4
+    assert {*table} <= {*printed}
+    assert {*lines[-4:]} <= {*printed}  # costs
+    assert " ".join(lines).count("the property `table` has all") == 1 + (width < 200)  # worlds, and columns
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--metric", "corect"], "--metric corect: did you mean 'correct'?"),
+        (["--csv", "a.txt"], "--csv a.txt: this table is written as .csv"),
+        (["--latex", "a.csv"], "--latex a.csv: this table is written as .tex"),
+        (["--out", "a.gif"], "a-ranks.gif: figures are written as .png, .svg or .pdf"),
+        (["--csv", "no/file/../"], "this table is written as .csv"),
+        (["--where", "brain == 'legacy'"], "there is nothing to compare: all settings are of legacy"),
+        (["--where", "brain == 'lgacy'"], "no setting is so"),
+        (["--by", "topolgy"], "--by topolgy: did you mean 'topology'? worlds differ in topology, accuracy"),
+        (["--by", "robots"], "--by robots: all worlds have the same, 10"),
+        (["--by", "topology", "--pairs"], "--by counts worlds, --pairs shows single worlds: give one of them"),
+        (["--out", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_a_line_and_nothing_is_written(two, words, said, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compare", str(two), *words]) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert len(told.err.splitlines()) == 1
+    assert said in told.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_latex_and_figures_are_written(two, tmp_path, capsys):
+    out, tex = tmp_path / "c.png", tmp_path / "c.tex"
+    assert main(["compare", str(two), "--plot", str(out), "--latex", str(tex)]) == 0
+    told = capsys.readouterr()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["c-pareto.png", "c-ranks.png", "c.tex"]
+    assert tex.read_text().count(r"\\") == 9
+    assert "is not drawn" not in told.err
+
+
+def test_results_without_costs_have_no_front(two):
+    bare = sc.load(two).drop_vars(["messages_sent", "message_bytes", "memory_bytes", "anonymous"])
+    with pytest.raises(sc.InputError, match="cost 'bytes_sent': these results have no such cost"):
+        sc.plot.pareto(bare)
+
+
+@pytest.mark.long
+def test_figures_are_kinds_too_of_the_same_bytes(two, tmp_path, capsys):
+    assert main(["compare", str(two), "--plot", str(tmp_path / "a.svg")]) == 0
+    assert main(["plot", str(two), "--kind", "ranks", "--out", str(tmp_path / "b.svg")]) == 0
+    assert (tmp_path / "a-ranks.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+    assert main(["plot", str(two), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 0
+    assert (tmp_path / "a-pareto.svg").read_bytes() == (tmp_path / "c.svg").read_bytes()
+
+
+# ---- what is drawn
+
+
+def texts_of(figure):
+    figure.draw_without_rendering()
+    return [text.get_text() for text in figure.findobj(mpl.text.Text)]
+
+
+def test_ranks_stand_where_they_are_and_bars_join_what_is_not_told_apart():
+    found = sc.compare(made_up(gap=0.15), "final_error")
+    figure = sc.plot.ranks(made_up(gap=0.15), metric="final_error")
+    [axes] = figure.axes
+    ranks = found.contests[0].average_ranks
+    texts = texts_of(figure)
+    for name, rank in zip(found.contenders, ranks, strict=True):
+        assert renamed(name, TITLES) in [" ".join(text.split()) for text in texts]
+        assert f"{rank:.2f}" in texts
+    feet = {round(line.get_xdata()[0], 9) for line in axes.lines if len(line.get_xdata()) == 3}
+    assert feet == {round(rank, 9) for rank in ranks.tolist()}
+    apart = found.apart_overall(found.contests[0])
+    bars = [line.get_xdata() for line in axes.lines if line.get_linewidth() == 3]
+    for one in range(4):
+        for other in range(one):
+            joined = any(min(x) <= min(ranks[[one, other]]) and max(ranks[[one, other]]) <= max(x) for x in bars)
+            assert joined != apart[one, other]
+    assert 0 < apart.sum() < 12
+
+
+def test_who_was_not_in_all_worlds_has_no_rank():
+    with pytest.raises(sc.InputError, match="no world in which all contenders"):
+        draw_ranks(sc.compare(made_up().isel(setting=[0, 1, 4, 6])))
+
+
+def test_the_front_is_of_those_whom_none_beats_in_both():
+    random = np.random.default_rng(1)
+    for low in (True, False):
+        for _ in range(50):
+            cost, value = random.integers(0, 4, (2, 6)).astype(float)
+            value[random.integers(6)] = np.nan
+            found = front(cost, value, low)
+            for k in range(6):
+                beaten = any(
+                    cost[o] <= cost[k]
+                    and (value[o] <= value[k] if low else value[o] >= value[k])
+                    and (cost[o], value[o]) != (cost[k], value[k])
+                    for o in range(6)
+                )
+                assert found[k] == (not beaten and not np.isnan(value[k]))
+
+
+def test_costs_that_differ_by_chance_are_the_same_on_the_front():
+    assert front(np.array([2408.1, 2408.3]), np.array([0.2, 0.1]), True).tolist() == [False, True]
+    assert front(np.array([2400.0, 2410.0]), np.array([0.2, 0.1]), True).tolist() == [True, True]
+
+
+def test_pareto_draws_each_world_with_its_front_and_intervals():
+    data = made_up(gap=0.3)
+    figure = sc.plot.pareto(data)
+    found = sc.compare(data, "final_error")
+    assert len(figure.axes) == 2
+    for world, axes in enumerate(figure.axes):
+        dots = [line for line in axes.lines if line.get_marker() not in ("", "None")]
+        at = {(line.get_xdata()[0], line.get_ydata()[0]) for line in dots}
+        costs = [float(f"{cost:.3g}") for cost in found.costs["bytes_sent"][world]]
+        assert at == {*zip(costs, found.contests[0].values[world], strict=True)}
+        full = [line for line in dots if line.get_markerfacecolor() != "white"]
+        first = front(found.costs["bytes_sent"][world], found.contests[0].values[world], True)
+        assert len(full) == first.sum() > 1
+    for cost in ("messages_sent", "memory_bytes", "message_bytes"):
+        assert len(sc.plot.pareto(data, metric="correct", cost=cost).axes) == 2
+    with pytest.raises(sc.InputError, match="no such cost; there are messages_sent, bytes_sent, memory_bytes"):
+        sc.plot.pareto(data, cost="money")
+
+
+def test_pareto_marks_what_never_came_and_refuses_more_worlds_than_fit():
+    data = made_up()
+    data["consensus_round"][0] = np.inf
+    assert texts_of(sc.plot.pareto(data, metric="consensus_round"))
+    many = sc.compare(made_up(worlds=[f"w{k}" for k in range(25)], trials=7), "final_error")
+    with pytest.raises(sc.InputError, match="1 to 24 worlds, not 25"):
+        draw_pareto(many)
+
+
+def test_one_world_has_no_column_of_worlds_and_a_verdict_of_its_own(capsys):
+    found = sc.compare(made_up(worlds=("ring",), gap=0.6))
+    compare_tables.show(found, "title", "swarmcensus compare x.nc", 40, True)
+    out = capsys.readouterr().out
+    assert out.splitlines()[2].startswith("contender ")
+    assert "final error: minimalistic is best; bayes-bots prior=1 is behind; " in out
+    assert "over all worlds" not in out
+
+
+def test_axes_of_ones_own_hold_one_measure():
+    mine = Figure(figsize=(7, 3)).subplots()
+    assert sc.plot.ranks(made_up(), metric="correct", title="mine", ax=mine) is mine.figure
+    assert mine.get_title(loc="left") == "mine"
+    with pytest.raises(sc.InputError, match="ax holds one panel, not 5: name one metric"):
+        sc.plot.ranks(made_up(), ax=mine)

@@ -1,0 +1,676 @@
+"""Random inputs, valid and broken, at every door: never a traceback, never a hang, never half a file.
+
+Some 800 cases, and 6,000 in the long tests, the same in every run. SWARMCENSUS_FUZZ=20 runs twenty times as many,
+other ones each time; a case that fails is printed as hypothesis has shrunk it.
+"""
+
+import contextlib
+import faulthandler
+import functools
+import io
+import json
+import math
+import os
+import shutil
+import sys
+import tempfile
+import tomllib
+import warnings
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.results import merging, recordings, replaying, shards
+from swarmcensus.results import store as results
+from swarmcensus.results.selecting import where
+from swarmcensus.results.values import VARIABLES
+from swarmcensus.runs import clusters, queues
+from swarmcensus.simulation import inferring
+from swarmcensus.studies import addresses, toml_text
+from swarmcensus.worlds.bodies import Body
+
+pytestmark = pytest.mark.usefixtures("untraced")
+
+TIMES = int(os.environ.get("SWARMCENSUS_FUZZ", "1"))
+QUICK, LONG = 1, 8  # twelfths of the cases that each test is worth
+HANGS = 300.0  # seconds of one case after which the process is ended and says where it was
+STUDIES = sorted(Path("studies").resolve().rglob("*.toml"))
+BRAIN = brains.load("minimalistic").source
+
+
+def fuzz(cases, *strategies):
+    """Run a test for so many cases, each of which may warn and must end; beside it stands a long one, of more cases."""
+
+    def decorate(test):
+        @functools.wraps(test)
+        def guarded(*args, **kwargs):
+            faulthandler.dump_traceback_later(HANGS, exit=True, file=sys.__stderr__)
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore")
+                    test(*args, **kwargs)
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+
+        def of(part):
+            often = settings(
+                max_examples=max(1, cases * TIMES * part // 12), derandomize=TIMES == 1, database=None, deadline=None,
+                suppress_health_check=list(HealthCheck),
+            )  # fmt: skip
+            return often(given(*strategies)(guarded))
+
+        globals()[f"{test.__name__}_at_length"] = pytest.mark.long(of(LONG))
+        return of(QUICK)
+
+    return decorate
+
+
+def taken_or_refused(function, *args, **kwargs):
+    """What a function returns, or None where it raises InputError with something to say."""
+    try:
+        return function(*args, **kwargs)
+    except sc.InputError as error:
+        if not str(error).strip():
+            raise AssertionError("refused without a word") from error
+        return None
+
+
+def command(*words):
+    """Run a command; its exit code is 0, 1 or 2, and 2 comes with one clear line and no new file but whole ones."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), contextlib.suppress(SystemExit):
+        code = 2
+        code = main([str(word) for word in words])
+    said = [line for line in err.getvalue().splitlines() if not line.startswith("warning: ")]
+    assert "internal error" not in err.getvalue(), err.getvalue()
+    assert code in (0, 1, 2)
+    if code == 2:
+        assert len([line for line in said if line.startswith("swarmcensus")]) == 1, err.getvalue()
+    return code
+
+
+@contextlib.contextmanager
+def folder():
+    """An empty folder to work in, in which no file is left half-written."""
+    before = Path.cwd()
+    with tempfile.TemporaryDirectory() as name:
+        os.chdir(name)
+        try:
+            yield Path(name)
+            assert not list(Path(name).rglob(".*")), "something was left half-written"
+        finally:
+            os.chdir(before)
+
+
+# values of every kind that TOML knows, and those that are most likely to hurt
+ODD = st.sampled_from(
+    [0, 1, -1, 2, 2**31 - 1, 2**31, 2**63, -(2**63), 10**30, 10**400, 0.0, -0.0, 1e308, -1e308, 5e-324, 1e-300,
+     math.inf, -math.inf, math.nan, 0.5, 1.0, True, False, "", " ", "ring", "moving", "full", "a\nb", "a\x00b", "\x7f",
+     "ü", "名", "../x", "/", "/dev/null", "C:\\x", "U(0, 1)", "U(1, 0)", "N(nan, 1)", "U(1e999, 2)", [], {}, [[]], [{}],
+     {"error": 1}, {"black": 1}, {"until": "correct@10 mean +- 0.1"}, {"until": "x"}, {"networkx": "x_graph"}]
+)  # fmt: skip
+TEXT = st.text(max_size=12)
+SCALAR = ODD | st.integers() | st.floats() | TEXT | st.booleans() | st.dates() | st.datetimes()
+ANY = st.recursive(
+    SCALAR, lambda v: st.lists(v, max_size=3) | st.dictionaries(TEXT, v, max_size=3), max_leaves=6
+)  # fmt: skip
+
+
+def mostly(good):
+    """Values that are right nine times in ten, one of them or a list."""
+    return st.integers(0, 19).flatmap(
+        lambda n: ANY if n == 0 else good if n < 14 else st.lists(good, min_size=1, max_size=3)
+    )
+
+
+SHARE = st.sampled_from([0.0, 0.05, 0.3, 0.5, 0.675, 1.0, 1]) | st.floats(0.0, 1.0)
+SPREAD = st.builds("U({!r}, {!r})".format, st.floats(0.0, 0.5), st.floats(0.5, 1.0)) | st.builds(
+    "N({!r},{!r})".format, SHARE, st.floats(1e-3, 1.0)
+)
+SENSOR = SHARE | SPREAD | st.fixed_dictionaries({"black": SHARE | SPREAD, "white": SHARE | SPREAD})
+ROBOTS = st.integers(1, 3)
+EDGES = st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)).map(list), max_size=4)
+TOPOLOGY = st.sampled_from(["full", "ring", "line", "scale-free", "moving"]) | st.one_of(
+    st.fixed_dictionaries({"name": TEXT, "edges": EDGES | ANY}, optional={"directed": st.booleans() | SCALAR}),
+    st.fixed_dictionaries({"file": TEXT}, optional={"directed": st.booleans()}),
+    st.fixed_dictionaries(
+        {
+            "networkx": st.sampled_from(
+                [
+                    "path_graph",
+                    "cycle_graph",
+                    "complete_graph",
+                    "gnp_random_graph",
+                    "x_graph",
+                    "random_k_out_graph",
+                    "hypercube_graph",
+                ]
+            )
+        },
+        optional={
+            "p": SHARE | SCALAR,
+            "k": SCALAR,
+            "seed": SCALAR,
+            "directed": st.booleans(),
+            "alpha": SHARE,
+            "n": st.integers(1, 3) | st.just(100),
+        },
+    ),
+)
+FLOOR = st.sampled_from(
+    ["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}, {"image": "none.png"}, {"clusters": 0.0}]
+)
+RULE = st.fixed_dictionaries(
+    {
+        "until": st.sampled_from(["convergence_error median +- 0.01", "correct@2 mean +- 1", "correct@99 mean +- 1"])
+        | TEXT
+    },
+    optional={"at_least": st.integers(0, 20) | SCALAR, "at_most": st.integers(6, 40) | SCALAR},
+)
+TICKS = st.integers(1, 3) | st.sampled_from(["0.1 s", "0.2 s", "1 s", "0.005 min", "0.15 s", "1 h", "soon", "1e99 h"])
+FAULT = st.fixed_dictionaries(
+    {"at": TICKS | st.integers(1, 4) | SCALAR, "robots": ROBOTS | SHARE | SCALAR,
+     "stop": st.sampled_from(["talking", "sensing", "moving", ["talking", "sensing"]]) | ANY},
+)  # fmt: skip
+SIZES = st.sampled_from([1e-12, 1e-9, 1e-3, 0.05, 0.1, 0.7, 2.0, 1e9, 1e12]) | SCALAR
+BODY = st.dictionaries(st.sampled_from([*Body.model_fields, "size"]), SIZES | ANY | TICKS, max_size=2)
+
+
+@st.composite
+def table(draw, keys, required=()):
+    """A table of a study: some of its keys, the required ones nearly always, and now and then one of another name."""
+    chosen = {k for k in keys if draw(st.integers(0, 19)) < (19 if k in required else 7)}
+    made = {k: draw(keys[k]) for k in keys if k in chosen}
+    if draw(st.integers(0, 24)) == 0:
+        made[draw(TEXT)] = draw(ANY)
+    return made
+
+
+SWARM = {
+    "brain": mostly(st.sampled_from(["minimalistic", "legacy"])), "robots": mostly(ROBOTS),
+    "accuracy": mostly(SENSOR), "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
+}  # fmt: skip
+WORLD = {
+    "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE),
+    "density": mostly(st.floats(0.1, 10.0)), "side": mostly(st.floats(0.5, 5.0)), "floor": mostly(FLOOR),
+}  # fmt: skip
+SCHEDULE = {
+    "rounds": mostly(st.integers(1, 3)), "observations_per_round": mostly(st.integers(1, 12)), "ticks": mostly(TICKS)
+}  # fmt: skip
+STUDY = table(
+    {
+        "name": mostly(TEXT.filter(bool)),
+        "seed": mostly(st.integers(0, 2**63 - 1)),
+        "trials": mostly(st.integers(1, 2) | RULE),
+        "swarm": table(SWARM, ("robots", "accuracy")),
+        "world": table(WORLD | {"body": BODY}, ("topology", "fill_ratio")),
+        "schedule": table(SCHEDULE),
+        "measure": table(
+            {"delta": mostly(st.floats(1e-9, 2.0)), "bins": mostly(st.integers(1, 20)), "truth": mostly(st.just("floor")),  # noqa: E501
+             "checkpoints": mostly(TICKS), "local": mostly(st.booleans())},
+        ),
+        "faults": st.lists(FAULT, max_size=2) | ANY,
+        "case": st.lists(table(SWARM | WORLD | SCHEDULE), min_size=1, max_size=2) | ANY,
+    },
+    ("trials", "swarm", "world"),
+)  # fmt: skip
+
+
+@st.composite
+def plain_study(draw, topology=("full", "ring", "line", "scale-free", "moving")):
+    """A study that is right and tiny."""
+    one_or_more = functools.partial(st.lists, min_size=1, max_size=2, unique=True)
+    made = {
+        "seed": draw(st.integers(0, 2**63 - 1)),
+        "trials": draw(st.integers(1, 2)),
+        "swarm": {
+            "brain": draw(one_or_more(st.sampled_from(["minimalistic", "legacy"]))),
+            "robots": draw(one_or_more(ROBOTS)),
+            "accuracy": draw(SENSOR),
+        },
+        "world": {
+            "topology": draw(one_or_more(st.sampled_from(topology))),
+            "fill_ratio": draw(one_or_more(st.sampled_from([0.0, 0.05, 0.5, 1.0]))),
+            "link_success": draw(SHARE),
+        },
+    }
+    moves, stands = "moving" in made["world"]["topology"], set(made["world"]["topology"]) != {"moving"}
+    made["schedule"] = {"rounds": draw(st.integers(1, 3))} if stands else {}
+    if moves:
+        made["schedule"]["ticks"] = draw(st.sampled_from([1, 3, "0.2 s", "0.3 s"]))
+    if draw(st.booleans()):
+        made["swarm"]["assumed_accuracy"] = draw(SENSOR | st.builds(lambda s: {"error": s}, SHARE | SPREAD))
+    if moves:
+        made["world"] |= {"floor": draw(st.sampled_from(["tiles", "half"]))}
+        made["world"] |= draw(st.builds(lambda d: {"density": d}, st.floats(0.1, 10.0)) | st.just({"side": 2.0}))
+    else:
+        made["measure"] = {"local": draw(st.booleans())}
+    if draw(st.booleans()):
+        made["faults"] = [{"at": 1, "robots": draw(st.sampled_from([0, 0.0, 0.7, 1.0])), "stop": "talking"}]
+    if draw(st.booleans()):
+        made["case"] = [{"robots": draw(st.integers(4, 5))}, {"robots": 6, "fill_ratio": draw(SHARE)}]
+    return made
+
+
+@st.composite
+def spoiled(draw, originals):
+    """A text or bytes with some places cut out, doubled, exchanged or written over."""
+    data = draw(st.sampled_from(originals))
+    for _ in range(draw(st.integers(1, 4))):
+        lines = draw(st.booleans())
+        parts = data.splitlines(keepends=True) if lines else data
+        if not parts:
+            continue
+        a, b = sorted((draw(st.integers(0, len(parts))), draw(st.integers(0, len(parts)))))
+        b = b if lines else min(b, a + draw(st.integers(0, 20)))
+        new = parts[:0]
+        if draw(st.booleans()):
+            noise = draw(st.text(max_size=5) if isinstance(data, str) else st.binary(max_size=5))
+            new = [noise] if lines else noise
+        kept = draw(st.sampled_from([parts[:a] + new + parts[b:], parts[:b] + new + parts[a:], parts[:a] + new]))
+        data = data[:0].join(kept) if lines else kept
+    return data
+
+
+# ---------------------------------------------------------------------------------------------- study files
+
+
+def _check_study(study):
+    prints = [addresses.fingerprint(s, study.seed) for s in study.settings()]
+    again = sc.Study.parse(study.text, context=study.context)
+    assert [addresses.fingerprint(s, again.seed) for s in again.settings()] == prints
+    assert again.checkpoints == study.checkpoints
+    assert again.measure == study.measure
+
+
+@fuzz(650, STUDY)
+def test_study_tables(tables):
+    study = taken_or_refused(lambda: sc.Study(**{k if k.isidentifier() else "x": v for k, v in tables.items()}))
+    if study is not None:
+        _check_study(study)
+
+
+@fuzz(450, STUDY)
+def test_study_texts(tables):
+    try:
+        text = toml_text.to_toml(tables)
+        text.encode()
+    except UnicodeEncodeError:
+        return
+    study = taken_or_refused(sc.Study.parse, text)
+    if study is not None:
+        assert repr(tomllib.loads(toml_text.to_toml(tomllib.loads(text)))) == repr(tomllib.loads(text))
+        _check_study(study)
+
+
+@fuzz(180, plain_study())
+def test_plain_studies_are_taken(tables):
+    study = sc.Study(**tables)
+    _check_study(study)
+    parts = {"trials": study.trials, "seed": study.seed, "faults": study.faults, "case": study.case}
+    again = sc.Study(**parts, swarm=study.swarm, world=study.world, schedule=study.schedule, measure=study.measure)
+    assert [addresses.fingerprint(s, 0) for s in again.settings()] == [
+        addresses.fingerprint(s, 0) for s in study.settings()
+    ]
+    _check_study(again)
+
+
+@fuzz(1500, spoiled([path.read_text() for path in STUDIES]))
+def test_spoiled_study_files(text):
+    study = taken_or_refused(sc.Study.parse, text, context={"base": Path("studies/example").resolve()})
+    if study is not None:
+        assert study.settings()
+
+
+@fuzz(
+    200, st.binary(max_size=200) | spoiled([path.read_bytes() for path in STUDIES]).map(lambda data: b"x = [\n" + data)
+)
+def test_any_bytes_as_a_study_or_a_cluster(data):
+    with folder() as here:
+        (here / "any.toml").write_bytes(data)
+        assert command("run", "any.toml") == 2
+        assert taken_or_refused(clusters.read_queue, here / "any.toml") is None
+        assert [p.name for p in here.iterdir()] == ["any.toml"]
+
+
+@fuzz(
+    400, table({k: mostly(st.integers(1, 4) | st.sampled_from(["slurm", "16GB"])) for k in queues.Queue.model_fields})
+)
+def test_cluster_files(tables):
+    with folder() as here:
+        (here / "c.toml").write_text(toml_text.to_toml(tables), encoding="utf-8", errors="replace")
+        taken_or_refused(clusters.read_queue, here / "c.toml")
+
+
+@fuzz(7, plain_study())
+def test_tiny_studies_live_their_whole_life(tables):
+    with folder() as here:
+        (here / "s.toml").write_text(toml_text.to_toml(tables))
+        assert command("run", "s.toml", "--jobs", 1) == 0
+        assert command("status", "s.nc") == 0
+        assert command("verify", "s.nc", "--all", "--jobs", 1) == 0
+        assert command("export", "s.nc") == 0
+        assert command("replay", "s.nc", "--setting", 0, "--trial", 0, "--out", "t.nc") == 0
+        assert command("merge", "s.nc", "s.nc", "--out", "m.nc") == 0
+        one, both = sc.load("s.nc"), sc.load("m.nc")
+        assert all(one[name].identical(both[name]) for name in VARIABLES)
+        assert command("run", "s.toml", "--jobs", 1) == 0  # nothing is left to do
+        assert sorted(p.name for p in here.iterdir()) == ["m.nc", "s.csv", "s.nc", "s.toml", "t.nc"]
+
+
+# --------------------------------------------------------------------------------------------------- brains
+
+LEAVES = st.sampled_from(
+    ["0", "1.5", "10", "9**9", "'a'", "None", "...", "x", "me", "math", "math.pi", "canary", "b'x'", "1j", "1e400",
+     "me.t", "message[0]", "()", "[]", "{}", "0x" + "f" * 5000]
+)  # fmt: skip
+EXPRESSION = st.recursive(
+    LEAVES,
+    lambda e: st.one_of(
+        st.builds(
+            "({} {} {})".format,
+            e,
+            st.sampled_from(
+                ["+", "-", "*", "/", "//", "%", "**", "<<", ">>", "@", "&", "and", "or", "<", "==", "in", "is"]
+            ),
+            e,
+        ),
+        st.builds("({}{})".format, st.sampled_from(["-", "+", "~", "not ", "*", "lambda: ", "await ", "yield "]), e),
+        st.builds(
+            "{}({})".format, st.sampled_from(["canary", "math.exp", "min", "open", "x", "range", "__import__"]), e
+        ),
+        st.builds("({}, {})".format, e, e),
+        st.builds("{{{}: {}}}".format, e, e),
+        st.builds("[{} for x in {}]".format, e, e),
+        st.builds("({} if {} else {})".format, e, e, e),
+        st.builds("{}[{}]".format, e, e),
+        st.builds("(x := {})".format, e),
+    ),
+    max_leaves=6,
+)
+STATEMENT = st.one_of(
+    st.builds("{} = {}".format, st.sampled_from(["x", "MEMORY", "MESSAGE", "SUMS", "math.pi", "x, y", "x[0]"]), EXPRESSION),  # noqa: E501
+    st.builds("def {}({}):\n    return {}".format,
+              st.sampled_from(["observe", "fuse", "estimate", "f"]),
+              st.sampled_from(["me", "me, message", "me, blacks, looks", "*x", "**x", "me, /", ""]), EXPRESSION),
+    st.builds("def f(x={}):\n    pass".format, EXPRESSION),
+    st.builds("def f(x: {}) -> {}:\n    pass".format, EXPRESSION, EXPRESSION),
+    st.builds("def f(me):\n    while True:\n        x = {}".format, EXPRESSION),
+    st.builds("@{}\ndef f(me):\n    pass".format, EXPRESSION),
+    st.builds("class C({}):\n    y = {}".format, EXPRESSION, EXPRESSION),
+    st.builds("for x in {}:\n    pass".format, EXPRESSION),
+    st.builds("import {}".format, st.sampled_from(["math", "os", "math as m", "canary", "math, os"])),
+    st.builds("from {} import {}".format, st.sampled_from(["math", "os", ".", "canary"]), st.sampled_from(["pi", "*", "x as y"])),  # noqa: E501
+    EXPRESSION,
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def canary():
+    """Something in every program's reach that nothing may call: whether it still sings."""
+    import builtins
+
+    called = []
+    builtins.canary = lambda *_: called.append(1)
+    yield called
+    del builtins.canary
+
+
+def _read_brain(source, canary):
+    brain = taken_or_refused(brains.parse, source, "mine.py", Path("mine.py"))
+    assert not canary
+    assert math.pi == 3.141592653589793
+    if brain is not None:
+        assert all(math.isfinite(value) for value in brain.memory.values())
+
+
+@fuzz(2200, spoiled([BRAIN, brains.load("legacy").source]))
+def test_spoiled_brains(canary, source):
+    _read_brain(source, canary)
+
+
+@fuzz(1500, st.lists(STATEMENT, max_size=4), st.booleans())
+@example(["X = 9**9**9"], False)
+@example(["X = 2**1000"] + ["X = X * X"] * 40, False)
+@example(["X = 'a' * 10**10"], False)
+@example(["X = ('a',)"] + ["X = (*X, *X)"] * 60, False)
+@example(["X = '%1000000000000d' % 1"], False)
+@example(["X = " + "(" * 5000 + ")" * 5000], False)
+@example(["X = " + "-" * 50_000 + "1"], False)
+@example(["X = " + "1+" * 50_000 + "1"], False)
+def test_random_brains(canary, lines, before):
+    parts = [*lines, BRAIN] if before else [BRAIN, *lines]
+    _read_brain("\n".join(parts), canary)
+
+
+# -------------------------------------------------------------------------------------------------- results
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A folder with a small study, its results, and a shard of it; all that a run can leave."""
+    here = tmp_path_factory.mktemp("small")
+    tables = {
+        "name": "small", "trials": 2, "swarm": {"robots": [2, 3], "accuracy": [0.7, "U(0.5, 0.9)"]},
+        "world": {"topology": ["ring", {"name": "pair", "edges": [[0, 1]]}], "fill_ratio": 0.55},
+        "schedule": {"rounds": 3},
+    }  # fmt: skip
+    (here / "s.toml").write_text(toml_text.to_toml(tables))
+    study = sc.Study.load(here / "s.toml")
+    sc.save(sc.run(study, jobs=1), here / "s.nc")
+    with pytest.MonkeyPatch.context() as patch:  # a run that is cut off just before it writes its results
+        patch.setattr(results, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            sc.run(study, jobs=1, out=here / "cut.nc")
+    assert shards.listed(here / "cut.nc.parts")
+    return here
+
+
+@pytest.fixture(scope="module")
+def loaded(small):
+    return sc.load(small / "s.nc")
+
+
+def _use(path):
+    """What can be done with a results file: none of it may go wrong but in one sentence."""
+    data = taken_or_refused(sc.load, path)
+    if data is None:
+        return
+    taken_or_refused(where, data, 'robots == 3 or topology == "ring" and accuracy < 0.8')
+    taken_or_refused(results.export, data, path.with_suffix(".csv"), "csv")
+    taken_or_refused(replaying.replay, data, int(data["setting"].values[-1]), int(data["trial"].values[0]))
+    taken_or_refused(merging.merge, [data, data])
+
+
+def _use_all(path, kind):
+    if kind == 0:
+        command("status", path)
+    elif kind == 1:
+        command("verify", path, "--jobs", 1, "--seed", 1)
+    elif kind == 2:
+        command("merge", path, path, "--out", "merged.nc")
+    elif kind == 3:
+        before = path.read_bytes()
+        if command("run", "s.toml", "--out", path, "--jobs", 1):
+            assert path.read_bytes() == before
+    elif kind == 4:
+        command("plot", path, "--where", "robots > 2", "--kind", "decisions")
+    else:
+        _use(path)
+
+
+KIND = st.sampled_from([0, 1, 2, 3] + [5] * 8)
+
+
+@fuzz(60, st.data())
+def test_results_with_bytes_changed(small, data):
+    whole = (small / "s.nc").read_bytes()
+    spoilt = bytearray(whole)
+    for place in data.draw(st.lists(st.integers(0, len(whole) - 1), max_size=4)):
+        spoilt[place] = data.draw(st.integers(0, 255))
+    if data.draw(st.booleans()):
+        del spoilt[data.draw(st.integers(0, len(whole))) :]
+    with folder() as here:
+        shutil.copy(small / "s.toml", here)
+        (here / "x.nc").write_bytes(spoilt)
+        _use_all(here / "x.nc", data.draw(KIND))
+
+
+@fuzz(40, st.data())
+def test_results_with_attributes_changed(small, data):
+    """Also those within `brains` and `study`, which are texts of their own."""
+    with folder() as here:
+        shutil.copy(small / "s.toml", here)
+        path = shutil.copy(small / "s.nc", here / "x.nc")
+        with h5py.File(path, "r+") as file:
+            for _ in range(data.draw(st.integers(1, 2))):
+                name = data.draw(st.sampled_from(sorted(file.attrs)) | st.sampled_from(["failed", "merged", "brains"]))
+                old = file.attrs.get(name)
+                if name in file.attrs:
+                    del file.attrs[name]
+                kind = data.draw(st.integers(0, 4))
+                if kind == 1 and isinstance(old, str):
+                    new = data.draw(spoiled([old]))
+                elif kind == 2:
+                    new = json.dumps(data.draw(st.recursive(st.none() | st.integers(0, 3) | TEXT, lambda v: st.lists(v, max_size=3) | st.dictionaries(st.sampled_from(["minimalistic", "sha256", "source", "setting", "trial", "why"]), v, max_size=3))))  # fmt: skip  # noqa: E501
+                elif kind == 3:
+                    new = data.draw(st.sampled_from([0, -1, 1.5, math.nan, np.arange(3), np.int64(2**62), ""]))
+                elif kind == 4 and isinstance(old, str):
+                    new = old * 2
+                else:
+                    continue
+                with contextlib.suppress(ValueError, UnicodeEncodeError):  # which HDF5 cannot hold either
+                    file.attrs[name] = new
+        _use_all(path, data.draw(KIND))
+
+
+@fuzz(40, st.data())
+def test_results_with_variables_changed(small, data):
+    names = [*VARIABLES, "fingerprint", "robots", "brain", "topology", "accuracy", "rounds", "setting", "trial",
+             "checkpoint", "robot", "fill_ratio"]  # fmt: skip
+    sound = sc.load(small / "s.nc")
+    name = data.draw(st.sampled_from(names))
+    changed = sound.copy(deep=True)
+    kind = data.draw(st.integers(0, 6))
+    if kind == 0:
+        changed = changed.drop_vars(name)
+    elif kind == 1:
+        changed[name] = ("other", np.arange(data.draw(st.integers(0, 4))))
+    elif kind == 2:
+        changed[name] = changed[name].astype(data.draw(st.sampled_from(["f4", "i8", "u1", "S4", "U3"])), casting="unsafe") if changed[name].dtype.kind in "if" else (changed[name].dims, np.zeros(changed[name].shape))  # fmt: skip  # noqa: E501
+    elif kind == 3 and changed[name].ndim > 1:
+        changed[name] = changed[name].transpose()
+    elif kind == 4:
+        dims = data.draw(st.sampled_from(["setting", "trial", "robot", "checkpoint"]))
+        changed = changed.isel({dims: slice(0, data.draw(st.integers(0, 1)))})
+    elif kind == 5:
+        values = changed[name].values.ravel().copy()
+        if values.dtype.kind in "if":
+            values[data.draw(st.integers(0, values.size - 1))] = data.draw(st.sampled_from([-1, 0, 7, 2**31 - 1]))
+        else:
+            values[0] = data.draw(TEXT.filter(lambda t: "\x00" not in t and t.isprintable()))
+        changed[name] = (changed[name].dims, values.reshape(changed[name].shape))
+    else:
+        changed = changed.isel({data.draw(st.sampled_from(["setting", "trial", "robot"])): [1, 0]})
+    with folder() as here:
+        shutil.copy(small / "s.toml", here)
+        try:
+            changed.to_netcdf(here / "x.nc", engine="h5netcdf")
+        except (ValueError, TypeError):  # netCDF has no such thing
+            return
+        _use_all(here / "x.nc", data.draw(KIND))
+
+
+@fuzz(40, st.data())
+def test_shards_changed(small, data):
+    """Broken bytes under the old name, and sound archives of nonsense under the right name."""
+    original = shards.listed(small / "cut.nc.parts")[0]
+    kind = data.draw(st.integers(0, 3))
+    bytes_ = data.draw(spoiled([original.read_bytes()]) | st.binary(max_size=60))
+    if kind > 1:
+        with np.load(original) as arrays:
+            held = dict(arrays)
+        name = data.draw(st.sampled_from(sorted(held)))
+        if kind == 2:
+            held[name] = data.draw(st.sampled_from([np.zeros(0), np.zeros((2, 2)), np.array([-1]), np.array("x")]))
+        elif name == "about":
+            about = json.loads(held["about"].tobytes())
+            about[data.draw(st.sampled_from(sorted(about)))] = data.draw(
+                st.none() | st.integers(-1, 9) | TEXT | st.just([1])
+            )
+            held["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
+        elif name == "items":
+            field = data.draw(st.sampled_from(["first", "trials", "robots", "setting", "local"]))
+            held["items"][field][0] = data.draw(st.sampled_from([0, 1, -1, 5, 2**31 - 1]))
+        else:
+            held[name] = held[name][: data.draw(st.integers(0, 3))]
+        out = io.BytesIO()
+        np.savez(out, **held)
+        bytes_ = out.getvalue()
+    with folder() as here:
+        shutil.copy(small / "s.toml", here)
+        shutil.copytree(small / "cut.nc.parts", here / "cut.nc.parts", ignore=shutil.ignore_patterns("*.npz"))
+        name = original.name if kind == 0 else f"000001-{shards.checksum(bytes_)}.npz"
+        (here / "cut.nc.parts" / name).write_bytes(bytes_)
+        taken_or_refused(shards.read, here / "cut.nc.parts" / name)
+        command("status", "cut.nc")
+        if command("run", "s.toml", "--out", "cut.nc", "--jobs", 1) == 0:
+            assert sc.load("cut.nc")["final_estimate"].shape == (8, 2, 3)
+
+
+# ------------------------------------------------------------------------------------- expressions and recordings
+
+WORDS = st.sampled_from(
+    ["robots", "topology", "accuracy", "fill_ratio", "brain", "setting", "==", "!=", "<", ">=", "in", "not", "and", "or",  # noqa: E501
+     "(", ")", "[", "]", ",", "'ring'", '"', "3", "0.7", "-1", "1e999", "None", "True", "canary()", "__import__('os')",
+     "9**9**9", "is", "lambda:", "0x" + "f" * 300, "0x" + "f" * 9000, ".", ":=", "\n", "\x00", "ü", "b'x'", "1j", "not " * 5000]  # noqa: E501
+)  # fmt: skip
+
+
+@fuzz(1600, st.lists(WORDS, max_size=9).map(" ".join) | st.text(max_size=20))
+def test_where(loaded, canary, text):
+    chosen = taken_or_refused(where, loaded, text)
+    assert not canary
+    assert chosen is None or chosen.sizes["setting"] > 0
+
+
+CELL = st.sampled_from(
+    ["0", "1", "", "nan", "2", "-1", "0.5", " 1", "1.0", "x", "b", "w", "inf", "9" * 30, "9" * 5000, '"', "²", "\x00",
+     "True", "0,5", "#", "{}", "step", "i", "j", "robot", "robot 0", "r1", "weight", "value", "\r"]
+)  # fmt: skip
+ROWS = st.integers(1, 3).flatmap(
+    lambda wide: st.lists(st.lists(CELL, min_size=wide, max_size=wide), max_size=5)
+) | st.lists(st.lists(CELL, max_size=4), max_size=5)
+CSV = st.builds(lambda rows, between: "\n".join(map(between.join, rows)), ROWS, st.sampled_from([",", ";", "\t", " "]))
+
+
+@fuzz(500, CSV | st.text(max_size=20), CSV, CSV)
+def test_recordings(observations, links, accuracy):
+    with folder() as here:
+        for name, text in (("o.csv", observations), ("l.csv", links), ("a.csv", accuracy)):
+            (here / name).write_text(text, encoding="utf-8", errors="replace")
+        seen = taken_or_refused(recordings.read_observations, here / "o.csv")
+        heard = taken_or_refused(recordings.read_links, here / "l.csv")
+        sure = taken_or_refused(recordings.read_accuracy, str(here / "a.csv"))
+        if seen is not None:
+            for used in (sure, 0.8):
+                trace = taken_or_refused(inferring.infer, seen, heard, used)
+                assert trace is None or np.isfinite(trace["estimate"].values).all()
+
+
+@fuzz(30, CSV, CSV, CSV | SCALAR.map(str))
+def test_infer(observations, links, accuracy):
+    with folder() as here:
+        for name, text in (("o.csv", observations), ("l.csv", links), ("a.csv", accuracy)):
+            (here / name).write_text(text, encoding="utf-8", errors="replace")
+        before = set(here.iterdir())
+        if command("infer", "o.csv", "--links", "l.csv", "--accuracy=a.csv", "--out", "t.nc"):
+            assert set(here.iterdir()) == before
+        command("infer", "o.csv", "--out", "t.csv", "--plot", "t.svg", f"--accuracy={accuracy.replace(chr(0), '')}")

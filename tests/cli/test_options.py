@@ -1,0 +1,81 @@
+"""Messages call options as whoever asks would write them: `--against swift` in a shell, `against='swift'` in Python."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.options import option, shell_options
+from swarmcensus.cli.commands import main
+from tests.support.contending import made_up
+from tests.support.small import SMALL
+
+PACKAGE = Path(sc.__file__).parent
+OF_A_SHELL = {
+    "cli",
+    "conformance",
+    "deployment",
+    "leaderboard",
+    "paper",
+    "reliving",
+    "swarm",
+    "watching",
+}  # rooms that a shell leads to
+
+
+def test_an_option_is_written_as_it_would_be_given():
+    assert [option("against", "swift"), option("out"), option("fresh", True)] == [
+        "against='swift'",
+        "out=",
+        "fresh=True",
+    ]
+    with shell_options(["against", "error_limit", "out", "fresh"]):
+        told = [option("against", "a b"), option("error_limit", 2), option("out"), option("fresh", True)]
+    assert told == ["--against 'a b'", "--error-limit 2", "--out", "--fresh"]
+    with shell_options(["metric", "set"]):
+        told = [option("metric", "correct"), option("against", "swift")]
+    assert told == ["--metric correct", "--set against=swift"]
+    assert option("out") == "out="
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda data: sc.plot.compare(data, against="swit"), "against='swit': "),
+        (lambda data: sc.compare(data, against="swit"), "against='swit': "),
+        (lambda data: sc.compare(data, metric="rubbish"), "metric='rubbish': "),
+        (lambda data: sc.compare(data, where="robots = 3"), "where='robots = 3': "),
+        (lambda data: sc.plot.ranks(data, metric="final_error:up"), "metric='final_error:up': "),
+        (lambda data: sc.plot.compare(data, by="colour"), "by='colour': "),
+    ],
+)
+def test_python_reads_of_its_arguments(ask, said):
+    with pytest.raises(sc.InputError) as caught:
+        ask(made_up())
+    assert str(caught.value).startswith(said)
+    assert "--" not in str(caught.value)
+
+
+def test_a_shell_reads_of_its_options(small_results, tmp_path, capsys):
+    sc.save(small_results, tmp_path / "r.nc")
+    (tmp_path / "s.toml").write_text(SMALL)
+    for words, said in (
+        (["plot", "r.nc", "--where", "x == 3"], "--where 'x == 3': "),
+        (["tune", "s.toml", "--parameter", "x=0:1"], "--brain: "),
+    ):
+        code = main([str(tmp_path / word) if word.endswith((".nc", ".toml")) else word for word in words])
+        assert (code, said in capsys.readouterr().err) == (2, True), words
+
+
+def test_no_message_that_python_may_read_has_a_shells_option():
+    """But where somebody is told to type a whole command."""
+    found = []
+    for path in PACKAGE.rglob("*.py"):
+        if path.relative_to(PACKAGE).parts[0] in OF_A_SHELL:
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Raise):
+                texts = [one.value for one in ast.walk(node) if isinstance(one, ast.Constant)]
+                found += [(path.name, text) for text in texts if isinstance(text, str) and " --" in f" {text}"]
+    assert [one for one in found if "swarmcensus " not in one[1]] == []

@@ -1,0 +1,368 @@
+"""How much commands say: one JSON document, nothing but answers, or all that goes on."""
+
+import contextlib
+import io
+import json
+import logging
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from rich.live import Live
+from rich.text import Text
+
+import swarmcensus as sc
+from swarmcensus.basics.documents import json_value
+from swarmcensus.basics.printable import CONTROL, printable
+from swarmcensus.basics.readers import AS_TERMINAL
+from swarmcensus.basics.terminal import console
+from swarmcensus.cli import commands
+from swarmcensus.cli.commands import main
+from tests.support.places import DOCS
+
+STUDY = """
+name = "two"
+trials = 6
+swarm = {robots = [6, 9], accuracy = 0.8, brain = ["minimalistic", "commons"]}
+world = {topology = "ring", fill_ratio = 0.55}
+schedule = {rounds = 30, observations_per_round = 5}
+"""
+PLAN = (
+    "plan --robots 9 --topology ring --accuracy 0.8 --half-width 0.1 --fill-ratio 0.5 --trials 50 --brain minimalistic"
+)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("said")
+    (folder / "two.toml").write_text(STUDY)
+    sc.run(sc.Study.load(folder / "two.toml"), jobs=1, out=folder / "two.nc")
+    return folder
+
+
+@pytest.fixture
+def said(results, monkeypatch, capsys):
+    """What a command prints: its code, standard output and standard error."""
+    monkeypatch.chdir(results)
+
+    def said(line):
+        code = main(line.split())
+        return code, *capsys.readouterr()
+
+    return said
+
+
+@pytest.fixture
+def both(said):
+    """The document of a command, and the words of its table."""
+
+    def both(line):
+        code, out, _ = said(f"{line} --json")
+        same, table, _ = said(line)
+        assert code == same
+        found = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+        assert re.fullmatch(r"swarmcensus [a-z]+ 1", found["format"])
+        return found, table
+
+    return both
+
+
+def test_numbers_that_json_lacks_are_words():
+    assert json_value({"a": np.array([np.inf, -np.inf, np.nan, -2.0]), "b": -np.inf}) == {
+        "a": ["infinity", "-infinity", None, -2.0],
+        "b": "-infinity",
+    }
+
+
+def test_every_command_has_the_same_options_of_what_it_says():
+    """And --json those that print a table; what a person may type is told by --help."""
+    top = commands.parser()
+    for name, one in top._subparsers._group_actions[0].choices.items():
+        has = set(one._option_string_actions)
+        assert {"--quiet", "-q", "--verbose", "-v"} <= has
+        assert ("--json" in has) == commands.commands()[name].json
+
+
+def test_run_and_show_tell_the_same_summary(both):
+    ran, _ = both("run two.toml")
+    shown, table = both("show two.nc")
+    assert ran == shown
+    assert shown["trials_done"] == 24
+    for row in shown["settings"]:
+        [line] = [one.split() for one in table.splitlines() if one.startswith(f"      {row['setting']}  ")]
+        assert line[1:3] == [row["brain"], str(row["robots"])]
+        assert line[3] == f"{row['convergence_round']['median']:.0f}"
+        errors = re.findall(r"0\.\d+(?= \[)", " ".join(line[4:]))[:2]
+        told = row["convergence_error"]["median"], row["final_error"]["median"]
+        assert [float(one) for one in errors] == [
+            round(one, len(text) - 2) for one, text in zip(told, errors, strict=True)
+        ]
+
+
+def test_the_final_error_is_the_median_of_all_robots_in_all_trials(results, both):
+    data = sc.load(results / "two.nc")
+    rows = both("show two.nc")[0]["settings"]
+    for k, row in enumerate(rows):
+        off = np.abs(data["final_estimate"].values[k][:, : row["robots"]] - 0.55)
+        assert row["final_error"]["median"] == np.median(off)
+        assert row["final_error"]["interval"][0] <= row["final_error"]["median"] <= row["final_error"]["interval"][1]
+
+
+def test_status_and_verify(both):
+    found, text = both("status two.nc")
+    assert (found["trials_done"], found["trials_total"], found["settings_total"]) == (24, 24, 4)
+    assert text.startswith("two: 4 settings; 24 of 24 trials done")
+    found, text = both("verify two.nc --all")
+    assert (found["trials_checked"], found["differences"], found["labels"], found["seed"]) == (24, [], [], None)
+    assert "24 of 24 trials run again: the same to the last bit" in text
+
+
+def test_verify_tells_what_differs(results, said, tmp_path):
+    data = sc.load(results / "two.nc")
+    data["final_estimate"][2, 3, 1] = 0.125
+    sc.save(data, tmp_path / "bad.nc")
+    code, out, _ = said(f"verify {tmp_path / 'bad.nc'} --all --json")
+    [one] = json.loads(out)["differences"]
+    assert code == 1
+    assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
+
+
+def test_theory(both):
+    found, table = both("explain two.nc")
+    assert [row["setting"] for row in found["settings"]] == [0, 1, 2, 3]
+    assert all(f"{row['measured']:.5f}" in table for row in found["settings"])
+    one, page = both("explain two.nc --setting 1")
+    assert f"{one['sd']:.4f}" in page
+    assert f"{one['theory']['swarm']['sd'][-1]:.4f}" in page
+
+
+def test_a_comparison(both):
+    found, page = both("compare two.nc --by robots --metric final_error")
+    assert {row["contender"] for row in found["worlds"]} == {"minimalistic", "commons"}
+    assert found["pairs"][0]["unit"] == "1"
+    assert [sentence for sentence in found["verdict"][:-1] if sentence not in page] == []
+    assert "remembers 36 bytes" in found["verdict"][-1]  # what the table of costs says
+    assert re.search(r"commons\s+30\s+240\s+36\n", page)
+    for row in found["groups"]:
+        assert re.search(rf"{row['contender']}\s+{row['worlds']}\s+{row['final_error_best']} ", page)
+
+
+def test_traces(both):
+    found, table = both("replay two.nc --setting 0 --trial 0")
+    lines = [line.split() for line in table.splitlines()[2:]]
+    names = ("round", "lowest", "median", "highest")
+    assert [[f"{row[n]:.4f}" if n != "round" else str(row[n]) for n in names] for row in found["rounds"]] == lines
+
+
+@pytest.mark.long(only=["list brains"])
+@pytest.mark.parametrize("command", ["list", "list brains", "studies", "brains"])
+def test_lists(command, both):
+    found, table = both(command)
+    rows = [row for some in found.values() if isinstance(some, list) for row in some]
+    assert len(rows) > 30
+    words = table.split()
+    assert all(row["name"] in words for row in rows)
+    for row in rows:
+        if "memory_bytes" in row:
+            assert re.search(rf"^{row['name']}\s+{row['memory_bytes']:,}\s+{row['message_bytes']:,}\s", table, re.M)
+
+
+def test_a_plan(both):
+    found, table = both(PLAN)
+    [row] = found["rows"]
+    value, low, high = (100 * one for one in row["share"])
+    assert f"{value:.1f} [{low:.1f}, {high:.1f}]" in table
+
+
+def test_an_installation(both):
+    found, table = both("doctor")
+    assert found["libraries"]["numpy"] in table
+    assert str(found["cores"]) in table
+
+
+@pytest.mark.parametrize(
+    ("command", "why"),
+    [
+        ("studies ring --json", "--json goes with the list of studies only, not with ring"),
+        ("brains --show commons --json", "--json does not go with --show"),
+    ],
+)
+def test_what_is_no_table_is_no_document(command, why, said):
+    code, out, error = said(command)
+    assert (code, out) == (2, "")
+    assert why in error
+
+
+def test_quiet_says_nothing_but_answers_and_errors(results, said, tmp_path):
+    assert said(f"run two.toml --out {tmp_path / 'q.nc'} --quiet") == (0, "", "")
+    assert (tmp_path / "q.nc").is_file()
+    assert said(f"merge two.nc {tmp_path / 'q.nc'} --out {tmp_path / 'm.nc'} -q") == (0, "", "")
+    assert said(f"export two.nc --out {tmp_path / 'q.csv'} -q") == (0, "", "")
+    assert said(f"new study {tmp_path / 'q.toml'} -q") == (0, "", "")
+    code, out, error = said("verify two.nc -q")
+    assert (code, error) == (0, "")
+    assert "trials run again" in out
+    code, out, error = said(f"{PLAN} --quiet")
+    assert (code, error) == (0, "")
+    assert out.startswith("mission: the shortest time")
+    code, out, error = said("show none.nc -q")
+    assert (code, out, error) == (2, "", "swarmcensus: results file none.nc: there is no such file\n")
+
+
+def test_quiet_leaves_warnings_out(said, results, tmp_path):
+    """Of a fill ratio on the edge of two bins; without --quiet it is there."""
+    (tmp_path / "w.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
+    loud = said(f"run {tmp_path / 'w.toml'} --out {tmp_path / 'w.nc'}")
+    quiet = said(f"run {tmp_path / 'w.toml'} --out {tmp_path / 'v.nc'} -q")
+    assert "warning: " in loud[2]
+    assert quiet == (0, "", "")
+
+
+def test_verbose_says_what_is_found_and_finished(said, tmp_path):
+    _, _, usual = said(f"run two.toml --out {tmp_path / 'u.nc'} --jobs 2")
+    code, _, error = said(f"run two.toml --out {tmp_path / 'v.nc'} --jobs 2 --verbose")
+    assert code == 0
+    assert "two: 4 settings, 6 trials each, in 2 threads\n" in error
+    assert "minimalistic, fixed networks: machine code found in " in error
+    for setting in range(4):
+        assert len(re.findall(rf"^setting {setting}: 6 trials done: ", error, re.M)) == 1
+        assert f"setting {setting}: " not in usual
+    _, _, error = said(f"merge two.nc {tmp_path / 'v.nc'} --out {tmp_path / 'm.nc'} -v")
+    assert error == f"two.nc: 4 settings, 24 trials done\n{tmp_path / 'v.nc'}: 4 settings, 24 trials done\n"
+    _, _, error = said(f"{PLAN} -v")
+    assert "mission: first look: 9 robots, up to " in error
+    assert "mission: confirming: 9 robots, up to " in error
+    assert re.search(
+        r"^minimalistic, f = 0\.5: [\d.]+ % of 9 robots are right after [\d.]+ min, in 50 trials$", error, re.M
+    )
+
+
+def test_loud_and_quiet_exclude_each_other(said, capsys):
+    said("show two.nc --quiet --verbose")
+    assert "--verbose does not go with --quiet" in capsys.readouterr().err
+
+
+def test_a_command_leaves_no_voice_behind(said):
+    before = logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level
+    said("show two.nc -v")
+    assert (logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level) == before
+
+
+@pytest.mark.long
+@pytest.mark.interpreted
+def test_a_summary_tells_who_was_done_and_what_was_done_to_robots(said, results):
+    study = STUDY.replace('"commons"]', '"sure"]').replace("[6, 9]", "9").replace("rounds = 30", "rounds = 60")
+    study += 'faults = [{at = 5, robots = 0.1, stop = "sensing", until = 9}, {at = 7, robots = 1, stop = "talking"}]\n'
+    Path(results, "done.toml").write_text(study + 'members = [{robots = 1, brain = "shouter", honest = false}]\n')
+    _, table, _ = said("run done.toml")
+    _, out, _ = said("show done.nc --json")
+    rows = {row["brain"]: row for row in json.loads(out)["settings"]}
+    data = sc.load("done.nc")
+    [k] = np.flatnonzero(data["brain"].values == "sure")
+    assert rows["minimalistic"]["done"] is None
+    assert rows["sure"]["done"] == np.isfinite(data["done_round"].values[k]).mean()
+    assert f" {100 * rows['sure']['done']:.1f}\n" in table
+    assert "faults: 10 % of robots stop sensing, from 5 until 9\n" in table
+    assert "faults: 1 robot stops talking, from 7 on\n" in table
+    assert "adversaries among the robots: shouter\n" in table
+
+
+def test_the_page_of_the_command_line_lists_every_document():
+    page = (DOCS / "command-line.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*?) \| `swarmcensus [a-z]+ 1` \|", page, re.MULTILINE)
+    assert {word.split()[0] for row in rows for word in re.findall(r"`(.*?)`", row)} == {
+        name for name, command in commands.commands().items() if command.json
+    }
+
+
+def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
+    code, out, err = said("plot two.nc --kind lnes")
+    assert (code, out) == (2, "")
+    page = (DOCS / "command-line.md").read_text(encoding="utf-8")
+    assert f"$ swarmcensus plot my_study.nc --kind lnes\n{err}" in page
+
+
+SHELL = [sys.executable, "-m", "swarmcensus"]
+
+
+@pytest.mark.long(only=["show two.nc"])
+@pytest.mark.parametrize("command", ["show two.nc", "studies"])
+def test_whoever_stops_reading_is_told_no_more_than_that(results, command):
+    """As `| head -1` does."""
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run([*SHELL, *command.split()], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_a_full_disk_is_told_in_a_sentence(results):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*SHELL, "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
+    assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")
+
+
+EVIL = "\x1b[2J\x07\x7f\x9b1m\u202e\u2066\u061c\u200f"
+SHOWN = r"\u001b[2J"
+
+
+@pytest.fixture
+def hostile(results, tmp_path):
+    """Results of a stranger who has put escape sequences into names."""
+    path = tmp_path / "hostile.nc"
+    shutil.copy(results / "two.nc", path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["title"] = f"two{EVIL}"
+        file.attrs[f"note{EVIL}"] = "x"
+        file["brain"][0] = f"commons{EVIL}"
+    return path
+
+
+@pytest.mark.parametrize("columns", ["100", ""], ids=["terminal", "pipe"])
+def test_a_terminal_obeys_no_names(columns, hostile, capsys, monkeypatch):
+    monkeypatch.setenv(AS_TERMINAL, columns)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    for line in ("show", "show --json", "show --label x{0}", "compare", "merge --out {0}.png"):
+        name, *options = line.split()
+        with contextlib.suppress(SystemExit):
+            main([name, str(hostile), *(option.format(EVIL) for option in options)])
+        out, err = capsys.readouterr()
+        said = re.sub(r"\x1b\[[\d;]*m", "", out) + err  # without colours
+        assert SHOWN in said, line
+        assert not CONTROL.search(said), line
+        if line == "show --json":
+            assert json.loads(out)["title"] == f"two{EVIL}"
+
+
+def test_a_bar_obeys_no_names():
+    assert SHOWN in printable(EVIL)
+    assert printable(EVIL).isascii()
+    file = io.StringIO()
+    out = console(file=file, force_terminal=True, force_jupyter=False)
+    with Live(console=out, auto_refresh=False) as live:
+        live.update(Text(EVIL), refresh=True)
+    assert SHOWN in file.getvalue()
+    assert "\x1b[2J" not in file.getvalue()
+
+
+def test_who_stops_it_before_it_began_reads_no_traceback():
+    code = """if True:
+        from swarmcensus.cli import commands, program
+        def stopped(*_):
+            raise KeyboardInterrupt
+        commands.parser = stopped
+        program.program()
+    """
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
+
+
+def test_a_folder_is_no_results_file(said):
+    assert said("show .") == (2, "", "swarmcensus: results file .: it is a folder\n")

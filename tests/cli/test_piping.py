@@ -1,0 +1,159 @@
+"""What a pipe gets: tab-separated columns with a line of names and all digits, and nothing else on stdout."""
+
+import codecs
+import csv
+import io
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.readers import AS_TERMINAL
+from swarmcensus.cli import program
+from swarmcensus.cli.commands import main
+from swarmcensus.cli.output import answer, print_rows
+from swarmcensus.studies.coordinates import NUMERIC
+
+STUDY = """
+name   = "piped"
+trials = 6
+swarm  = {brain = ["minimalistic", "commons"], robots = [3, 6], accuracy = 0.8}
+world  = {topology = "ring", fill_ratio = 0.55}
+schedule = {rounds = 5}
+"""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("piped") / "piped.nc"
+    sc.save(sc.run(sc.Study.parse(STUDY)), path)
+    return str(path)
+
+
+@pytest.fixture
+def piped(monkeypatch, capsys):
+    """Runs a command whose stdout is a pipe: its rows, and what is on stderr."""
+    monkeypatch.delenv(AS_TERMINAL)
+
+    def run(*words):
+        assert main(list(words)) == 0
+        out, error = capsys.readouterr()
+        first, *lines = out.splitlines()
+        names = first.split("\t")
+        assert len(set(names)) == len(names)
+        assert all(line.count("\t") == len(names) - 1 for line in lines)
+        return list(csv.DictReader(io.StringIO(out), delimiter="\t", quoting=csv.QUOTE_NONE)), error
+
+    return run
+
+
+def same(row, records):
+    """Whether a row has these numbers, to the last digit."""
+    for name, value in records.items():
+        assert row[name] == ("" if value != value else str(value)), name
+
+
+def test_show_has_all_digits_of_all_settings_in_columns_that_do_not_depend_on_what_varies(file, piped):
+    rows, error = piped("show", file)
+    for row, record in zip(rows, sc.summary(file).drop(columns=[*NUMERIC]).to_dict("records"), strict=True):
+        same(row, record)
+    one, _ = piped("show", file, "--where", "robots == 3 and brain == 'commons'")
+    assert [*one[0]] == [*rows[0]]
+    assert len(piped("show", file, "--limit", "1")[0]) == 1
+    labelled, _ = piped("show", file, "--label", "commons=Ours")
+    assert [row["brain"].replace("Ours", "commons") for row in labelled] == [row["brain"] for row in rows]
+    assert "Ours" in {row["brain"] for row in labelled}
+    assert error == ""
+
+
+def test_compare_has_its_table_and_the_verdict_is_a_message(file, piped):
+    found = sc.compare(file)
+    for words, frame in ([], found.table), (["--pairs"], found.pairs), (["--by", "robots"], found.by("robots")):
+        rows, error = piped("compare", file, *words)
+        assert len(rows) == len(frame)
+        same(rows[0], {k: v for k, v in frame.to_dict("records")[0].items() if not isinstance(v, bool)})
+        assert error.splitlines() == str(found).splitlines()
+    assert piped("compare", file, "--quiet")[1] == ""
+
+
+def test_explain_says_as_a_message_what_it_can_explain(file, piped):
+    rows, error = piped("explain", file)
+    found = sc.explain(file).settings
+    assert [row["why"] for row in rows] == [row.why for row in found]
+    assert [float(row["measured"]) for row in rows] == [row.measured for row in found]
+    assert error.startswith("a verdict on theory can be given for none of these 4 settings; ")
+    rows, error = piped("explain", file, "--setting", "1")
+    assert [row["line"] for row in rows] == ["measured", *sc.explain(file, 1).theory]
+    assert "What limits it most is " in error
+
+
+def test_brains_and_adversaries_are_one_table(piped):
+    rows, error = piped("brains")
+    assert {row["kind"] for row in rows} == {"brain", "adversary"}
+    assert next(row for row in rows if row["name"] == "commons")["memory_bytes"] == "36"
+    assert error == ""
+    assert {row["kind"] for row in piped("list", "floors")[0]} == {"floors"}
+
+
+def test_a_plan_has_a_line_a_brain(piped):
+    words = ("--topology", "ring", "--robots", "6", "--accuracy", "0.9", "--half-width", "0.1", "--fill-ratio", "0.5")
+    rows, _ = piped("plan", *words, "--minutes", "0.5", "--brain", "minimalistic", "--trials", "40", "--quiet")
+    [row] = rows
+    assert (row["brain"], row["robots"], row["minutes"], row["trials"]) == ("minimalistic", "6", "0.5", "40")
+    assert 0.0 <= float(row["right_low"]) < float(row["right"]) <= 1.0
+
+
+def test_names_of_files_are_messages_there(file, piped, tmp_path):
+    out = tmp_path / "pairs.csv"
+    assert f"{out}: 6 rows" in piped("compare", file, "--csv", str(out))[1]
+
+
+def test_rows_lack_nothing_of_others_and_hold_no_tabs(capsys):
+    print_rows([{"a": 1_000, "b": float("nan")}, {"b": True, "c": "x\ty\n", "d": {"k": [1, None]}}])
+    assert capsys.readouterr().out == "a\tb\tc\td\n1000\t\t\t\n\ttrue\tx y\tk=1,\n"
+
+
+@pytest.mark.parametrize("text", ["wide", "0", "-3", "9" * 30])
+def test_a_terminal_that_is_asked_for_has_columns(text, file, monkeypatch, capsys):
+    monkeypatch.setenv(AS_TERMINAL, text)
+    assert main(["show", file]) == 2
+    assert capsys.readouterr().err == f"swarmcensus: {AS_TERMINAL}={text}: should be a number of columns, such as 100\n"
+
+
+def test_letters_that_an_encoding_lacks_are_escaped_as_json_escapes_them(tmp_path):
+    codecs.register_error("swarmcensus", program._escaped)
+    assert json.loads('"é 𝄞"'.encode("ascii", "swarmcensus")) == "é 𝄞"
+    environment = os.environ | {"PYTHONIOENCODING": "cp1252"}
+    command = [sys.executable, "-m", "swarmcensus", "new", "study", "é π.toml"]
+    for code, stream, says in ((0, "stdout", "é \\u03c0.toml: next, "), (2, "stderr", "é \\u03c0.toml already exists")):
+        done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True)
+        assert done.returncode == code
+        assert says in getattr(done, stream).decode("cp1252")
+
+
+def test_json_is_utf_8_in_any_encoding(monkeypatch):
+    for encoding in ("utf-8", "cp1252", "ascii", "latin-1"):
+        with io.TextIOWrapper(io.BytesIO(), encoding) as out, monkeypatch.context() as patch:
+            patch.setattr(sys, "stdout", out)
+            answer("summary", {"title": "é 𝄞"})
+            out.flush()
+            written = out.buffer.getvalue()
+        assert json.loads(written.decode())["title"] == "é 𝄞"
+        assert (b"\\u00e9" in written) == (encoding != "utf-8")
+
+
+def test_an_option_after_two_dashes_is_sent_before_them(capsys):
+    assert main(["run", "--", "study.toml", "--trials", "2"]) == 2
+    said = "swarmcensus run: --trials stands after --, where only names of files do: options come before it\n"
+    assert capsys.readouterr().err == said
+
+
+def test_a_name_that_is_no_text_is_one_sentence(tmp_path, capsys):
+    assert main(["new", "study", str(tmp_path / os.fsdecode(b"\xe9.toml"))]) == 2
+    assert "\\udce9.toml" in (error := capsys.readouterr().err)
+    assert error.count("\n") == 1
+    assert "encoding" in error
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,325 @@
+"""What makes it quick to try something: what is not imported, not compiled again, and done beside something else."""
+
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.fork import in_background
+from swarmcensus.cli.commands import main
+from swarmcensus.engine import codegen, compiler
+from swarmcensus.engine.constants import PHASES
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from tests.support.small import GO, SEED, settings_of
+
+SLOW = ("numba", "xarray", "pandas", "matplotlib", "networkx", "h5py")
+
+
+def python(code, *words, **more):
+    return subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code), *words], capture_output=True, text=True, check=False, **more
+    )
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import swarmcensus",
+        "import swarmcensus.studies.study",
+        "from swarmcensus.cli.commands import main; main(['show', 'nothing.nc'])",
+        "from swarmcensus.cli.commands import main; main(['run', 'wrong.toml'])",
+    ],
+)
+def test_what_takes_long_is_not_imported_before_it_is_needed(code, tmp_path):
+    (tmp_path / "wrong.toml").write_text("trial = 3")
+    done = python(f"{code}\nimport sys\nprint(*({SLOW} & sys.modules.keys()))".replace(str(SLOW), f"{{*{SLOW}}}"),
+                  cwd=tmp_path)  # fmt: skip
+    assert (done.returncode, done.stdout.strip()) == (0, ""), done.stderr
+
+
+@pytest.mark.parametrize(("words", "code"), [(["--version"], 0), (["show", "no.nc"], 2), (["nonsense"], 2), ([], 0)])
+def test_the_program_leaves_with_its_code_and_says_all(words, code, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "swarmcensus", *words], capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert done.returncode == code
+    assert done.stdout + done.stderr
+
+
+def test_the_program_runs_what_was_registered_for_its_end_and_waits_for_threads():
+    code = """
+        import atexit, sys, threading, time
+        from swarmcensus.cli import commands, program
+        def late():
+            time.sleep(0.3)
+            print("thread")
+        def main():
+            if sys.argv[1] == "thread":
+                threading.Thread(target=late).start()
+            return 7
+        commands.main = main
+        atexit.register(lambda: print("end"))
+        program.program()
+    """
+    for word, said in (("none", ["end"]), ("thread", ["thread", "end"])):
+        done = python(code, word)
+        assert (done.returncode, done.stdout.split()) == (7, said)
+
+
+# ---- what a brain's machine code depends on
+
+SOURCE = brains.load("minimalistic").source
+
+
+def brain_of(source):
+    return brains.parse(source, "mine", brains.load("minimalistic").path)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        SOURCE + "\n# more\n",
+        SOURCE.replace('"""The informed estimate."""', '"""What it thinks."""'),
+        SOURCE.replace("    return me.x\n", "\n\n    return (me.x)  # so\n"),
+        SOURCE.replace('"x": 0.5', '"x": 0.25'),
+    ],
+)
+def test_brains_that_differ_in_words_alone_share_machine_code(other):
+    assert other != SOURCE
+    assert codegen.essence(other) == codegen.essence(SOURCE)
+    assert compiler._brain_files(brain_of(other)) == compiler._brain_files(brain_of(SOURCE))
+    assert compiler.compile_brain(brain_of(other)).tolist() == compiler.compile_brain(brain_of(SOURCE)).tolist()
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        SOURCE.replace("1e-12", "1e-11"),
+        SOURCE.replace('"heard", "heard_alpha"', '"heard_alpha", "heard"'),
+        SOURCE.replace('"beta": 0.0', '"beta_": 0.0').replace("me.beta", "me.beta_"),
+    ],
+)
+def test_brains_that_differ_otherwise_do_not(other):
+    assert compiler._brain_files(brain_of(other)) != compiler._brain_files(brain_of(SOURCE))
+
+
+def test_what_memory_begins_with_is_no_part_of_machine_code_but_of_results(tmp_path):
+    (tmp_path / "mine.py").write_text(SOURCE.replace('"x": 0.5', '"x": 0.25'))
+    readings = np.full((1, 2), np.nan)
+    for name, first in (("minimalistic", 0.5), (str(tmp_path / "mine.py"), 0.25)):
+        for compiled in (True, False):
+            trace = sc.infer(readings, None, 0.7, 1, name, compiled=compiled)
+            assert trace["estimate"].values.tolist() == [[first] * 2] * 2
+
+
+def test_a_file_that_reads_what_it_declares_keeps_it():
+    reads = SOURCE.replace("def broadcast", 'FIRST = MEMORY["x"]\n\n\ndef broadcast')
+    assert "MEMORY" in codegen.essence(reads)
+    assert "MEMORY" not in codegen.essence(SOURCE)
+    assert '"""' not in codegen.essence(SOURCE)
+
+
+def test_a_function_of_words_alone_still_compiles():
+    source = SOURCE.replace("def share", 'def nothing(me):\n    """Do nothing."""\n\n\ndef share')
+    assert "pass" in codegen.essence(source)
+    compile(codegen.essence(source), "mine", "exec")
+
+
+@pytest.mark.parametrize("use", ["network", "moving", "alone", "recorded"])
+def test_only_what_a_use_calls_is_compiled(use):
+    brain = brains.load("minimalistic")
+    there = {name for name, where in zip(PHASES, compiler.compile_brain(brain, use), strict=True) if where}
+    assert there == compiler.needs(brain, use)
+    assert ("hear_all" in there) == (use == "network")
+    assert ("hear_sums" in there) == (use in ("network", "moving"))
+    assert ("go_alone" in there) == (use == "alone")
+    assert "ask" not in there  # it does not steer
+
+
+FAILS_IN = {
+    "observe": "me.x = 1.0 / (me.t - me.t)",
+    "broadcast": "return 1.0 / (me.t - me.t), 0.0",
+    "receive": "me.heard += 1.0 / (me.t - me.t)",
+    "fuse": "me.x = 1.0 / (me.t - me.t)",
+    "estimate": "return 1.0 / (me.t - me.t)",
+}
+
+
+@pytest.mark.parametrize("function", FAILS_IN)
+def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(function, tmp_path):
+    """It reaches Python as what it was, and the next run is sound. One machine code for all: a parameter says where."""
+    lines = SOURCE.replace("SUMS = ", 'PARAMETERS = {"fails_in": -1.0}\nNOTHING = ').split("\n")
+    for k, (name, does) in enumerate(FAILS_IN.items()):
+        at = next(k for k, line in enumerate(lines) if line.startswith(f"def {name}("))
+        lines.insert(at + 2, f"    if me.fails_in == {k}.0 and me.t >= 20.0:\n        {does}")
+    (tmp_path / "mine.py").write_text("\n".join(lines))
+    used = {"file": str(tmp_path / "mine.py"), "fails_in": float([*FAILS_IN].index(function))}
+    (setting,) = settings_of(brain=used, rounds=8, looks=5)
+    with pytest.raises(sc.InputError, match=r"ZeroDivisionError: division by zero$"):
+        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+    (setting,) = settings_of(rounds=8, looks=5)
+    assert np.isfinite(run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO).error).all()
+
+
+def test_what_was_not_compiled_is_told_and_not_called(monkeypatch):
+    """Were what a setting needs of a brain worked out wrongly: no crash."""
+    (setting,) = settings_of(rounds=8, looks=5, link_success=0.5)
+    monkeypatch.setattr(type(setting), "use", "in sums")
+    with pytest.raises(sc.InputError, match="SystemError: a function is called that was not compiled for this use"):
+        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+
+
+@pytest.mark.long(but=["300"])
+@pytest.mark.parametrize("robots", [300, 33_000])
+def test_large_full_networks_hear_everyone_else(robots):
+    """Some pass through the cache as a whole, others block by block; both against sums of all but one, by NumPy."""
+    (setting,) = settings_of(robots=robots, rounds=3, looks=10, topology="full", accuracy="U(0.6, 0.9)")
+    minds, _, _ = record_trial(setting, SEED, 1)
+    for k in (1, 3):
+        alpha, x_hat = minds["alpha"][k], minds["x_hat"][k]
+        beta = alpha.sum() - alpha
+        assert minds["beta"][k] == pytest.approx(beta, rel=1e-11)
+        assert minds["x_bar"][k] == pytest.approx(((alpha * x_hat).sum() - alpha * x_hat) / beta, rel=1e-11)
+    batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
+    assert np.array_equal(batch.final[0], minds["x"][3])
+
+
+@pytest.mark.long(but=["return me.x_hat, me.alpha-return me.x"])
+@pytest.mark.parametrize(
+    ("sound", "broken"),
+    [
+        ("me.heard += 1.0", "me.heard += 'one'"),
+        ("x_hat, alpha = message", "x_hat, alpha = message[2], 1.0"),
+        ("return me.x_hat, me.alpha", "return me.x"),
+        ("abs(slope)", "abs(slope, 1)"),
+    ],
+)
+def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, tmp_path, monkeypatch, capsys):
+    """On networks and where robots move, by one line that says who tells more."""
+    monkeypatch.chdir(tmp_path)
+    assert SOURCE.count(sound) == 1
+    (tmp_path / "mine.py").write_text(SOURCE.replace(sound, broken))
+    for world in ('topology = "ring"', 'topology = "moving"\ndensity = 1.0'):
+        ticks = "ticks" if "moving" in world else "rounds"
+        (tmp_path / "s.toml").write_text(
+            f'trials = 1\n[swarm]\nrobots = 3\nbrain = "mine.py"\naccuracy = 0.7\n[world]\n{world}\n'
+            f"fill_ratio = 0.5\n[schedule]\n{ticks} = 3\n"
+        )
+        assert main(["run", "s.toml"]) == 2
+        said = capsys.readouterr().err.strip().splitlines()[-1]
+        assert "brain 'mine.py' fails in trial 0" in said
+        assert "cannot be compiled: swarmcensus brains --check mine.py says why, at mine.py, line" in said
+
+
+# ---- work in a copy of the process
+
+
+def test_work_is_done_beside_and_its_result_or_error_comes_back():
+    code = """
+        import os
+        from swarmcensus.basics.fork import in_background
+        here = os.getpid()
+        def fails():
+            raise ValueError("no")
+        assert in_background(os.getpid)() not in (here, None)
+        try:
+            in_background(fails)()
+        except ValueError as error:
+            print(error)
+        print(in_background(lambda: os._exit(1) if os.getpid() != here else "here")())  # a copy that dies
+    """
+    done = python(code)
+    assert (done.returncode, done.stdout.split()) == (0, ["no", "here"]), done.stderr
+
+
+def test_beside_others_it_is_done_when_waited_for():
+    done = threading.Event()
+    other = threading.Thread(target=done.wait)
+    other.start()
+    try:
+        seen = []
+        ended = in_background(lambda: seen.append(os.getpid()))
+        assert seen == []
+        ended()
+        assert seen == [os.getpid()]
+    finally:
+        done.set()
+        other.join()
+
+
+def test_a_worker_of_somebody_s_pool_copies_nothing():
+    """Which may have no children of its own; nor is anything done where the system refuses one."""
+    code = """
+        import multiprocessing, os
+        from swarmcensus.basics.fork import in_background
+        def same(_):
+            return in_background(os.getpid)() == os.getpid()
+        with multiprocessing.get_context("fork").Pool(1) as pool:
+            print(pool.map(same, [0]))
+        def refused():
+            raise OSError("no more processes")
+        os.fork = refused
+        print(same(0))
+    """
+    done = python(code)
+    assert (done.returncode, done.stdout.split()) == (0, ["[True]", "True"]), done.stderr
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("closed", ["2>&-", ">&-"])
+def test_closed_streams_change_no_exit_code(closed, small_file, tmp_path):
+    for name, code in ((small_file, 0), ("nothing.nc", 2)):
+        done = subprocess.run(
+            f"{sys.executable} -m swarmcensus export {name} --out {tmp_path}/t.csv {closed}",
+            shell=True, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert "Traceback" not in done.stdout + done.stderr
+        assert done.returncode == code
+    assert (tmp_path / "t.csv").stat().st_size > 1000
+
+
+def test_an_expression_too_deep_to_be_written_anew_is_taken_as_it_is():
+    deep = SOURCE.replace("    return me.x\n", "    return me.x + " + " + ".join(["0.0"] * 600) + "\n")
+    assert codegen.essence(deep) == deep
+
+
+@pytest.mark.long
+def test_where_no_cache_can_be_kept_nothing_is_compiled_beside(tmp_path):
+    """It would be compiled twice, and the copy's folder would stay."""
+    (tmp_path / "file").write_text("")
+    code = """
+        import warnings
+        warnings.simplefilter("ignore")
+        from swarmcensus.engine import code_cache
+        from swarmcensus.runs import pools
+        print(code_cache.keeps())
+    """
+    for place, said in (("file", "False"), ("folder", "True")):
+        done = python(code, env=os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / place)})
+        assert done.stdout.split() == [said], done.stderr
+
+
+def test_powers_are_looked_at_where_operands_can_be_repeated():
+    source = """STEP = 2.0 ** -20
+def plain(x):
+    return x ** 0.5
+def writes(me):
+    me.x = 1.0
+    return me.x
+def calls(me):
+    return writes(me)
+def fuse(me):
+    me.x **= 2
+    return plain(me.x) ** 2 + calls(me) ** 2
+"""
+    lines = codegen.essence(source).splitlines()
+    assert "STEP = 2.0 ** (-20)" in lines
+    assert "    return raised(x, 0.5)" in lines
+    assert "    return power_of_cpython(plain(me.x) ** 2, plain(me.x), 2) + calls(me) ** 2" in lines
+    assert "    me.x **= 2" in lines

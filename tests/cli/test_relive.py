@@ -1,0 +1,211 @@
+"""The command `relive`: what it prints, writes and refuses."""
+
+import json
+
+import numpy as np
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.reliving.folders import read_day
+from swarmcensus.reliving.lives import relive
+from swarmcensus.reliving.others import under
+from swarmcensus.results.store import load, read
+from swarmcensus.simulation.trials import record_trial
+from tests.support.relived import SEED, estimates_of, logged, setting_of, told
+
+pytestmark = pytest.mark.interpreted
+
+
+@pytest.fixture(scope="module")
+def day(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("days") / "day"
+    study, _, swarm = logged(folder, robots=4, rounds=30)
+    swarm.run()
+    swarm.close()
+    told(folder, study)
+    return folder
+
+
+def test_the_verdict_and_a_row_per_brain_are_printed(day, capsys):
+    assert main(["relive", str(day), "--brain", "voter"]) == 0
+    said = capsys.readouterr().out
+    assert "4 of 4 minds lived again to the bit, 120 of 120 ticks" in said
+    assert "commons, as it was" in said
+    assert "voter" in said
+
+
+def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20, more={"lies": lambda i, k: (i, k) == (1, 9)})
+    swarm.run()
+    swarm.close()
+    assert main(["relive", str(tmp_path / "day")]) == 1
+    said = capsys.readouterr().out
+    assert "2 of 3 minds lived again to the bit, 48 of 60 ticks" in said
+    assert "robot 1, boot 0, tick 9: the sensor told the log something else than the brain" in said
+
+
+def test_another_brain_is_told_once(tmp_path, capsys):
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20, more={"saves": 4})
+    swarm.run()
+    swarm.close()
+    changed = brains.load("commons").source.replace("0.5", "0.4")
+    (tmp_path / "day" / "brain.py").write_text(changed)
+    assert main(["relive", str(tmp_path / "day")]) == 1
+    said = capsys.readouterr().out
+    assert said.count("another brain") == 1
+    assert "all 3 robots ran another brain: the hash of its file begins with" in said
+    assert main(["relive", str(tmp_path / "day"), "--json"]) == 1
+    assert capsys.readouterr().out.count("another brain") == 3
+
+
+def test_a_lone_robot_has_its_log(tmp_path, capsys):
+    _, _, swarm = logged(tmp_path / "day", robots=2, rounds=5)
+    swarm.run()
+    swarm.close()
+    (tmp_path / "day" / "robot-1.log").unlink()
+    main(["relive", str(tmp_path / "day"), "--brain", "voter"])
+    said = capsys.readouterr().out
+    assert "1 robot, 5 ticks in its log" in said
+    assert "unknown under voter:" in said
+
+
+def test_results_and_traces_are_those_that_other_commands_take(day, tmp_path, capsys):
+    out, trace = tmp_path / "day.nc", tmp_path / "trace.nc"
+    assert main(["relive", str(day), "--brain", "minimalistic", "--out", str(out), "--trace", str(trace)]) == 0
+    data = load(out)
+    assert data["brain"].values.tolist() == ["commons", "minimalistic"]
+    assert data["accuracy"].values.tolist() == ["0.8", "0.8"]  # one number where b = w
+    expected = record_trial(setting_of(robots=4, rounds=30)[1], SEED, 0)[1]
+    assert (data["final_estimate"].values[0, 0] == expected[-1]).all()
+    assert np.allclose(data["convergence_error"].values[:, 0].mean(), data["convergence_error"].values.mean())
+    for command in (["show", str(out)], ["compare", str(out)], ["plot", str(out), "--out", str(tmp_path / "p.png")]):
+        assert main(command) == 0
+    assert "minimalistic" in capsys.readouterr().out
+    assert main(["verify", str(out)]) == 2
+    assert "swarmcensus relive FOLDER does" in capsys.readouterr().err
+    assert main(["plot", str(out), "--kind", "curves"]) == 2
+    assert "draws them with --plot FILE" in capsys.readouterr().err
+    assert main(["show", str(trace)]) == 2
+    assert "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE" in capsys.readouterr().err
+    assert main(["relive", str(day), "--trace", str(tmp_path / "t.csv"), "--plot", str(tmp_path / "t.png")]) == 0
+    rows = (tmp_path / "t.csv").read_text().splitlines()
+    assert rows[0].startswith("round,robot,")
+    assert len(rows) == 1 + 31 * 4
+
+
+def test_what_was_recorded_of_a_trace_is_that_of_the_simulation(day):
+    from swarmcensus.reliving.clocks import Clock
+    from swarmcensus.reliving.traces import as_logged, as_trace
+
+    of = read_day(day)
+    trace = as_trace(of, as_logged(of, [relive(member, keep=True) for member in of.members]), Clock(of.members))
+    fields, estimates, _ = record_trial(setting_of(robots=4, rounds=30)[1], SEED, 0)
+    assert (trace["estimate"].values == estimates).all()
+    for name, values in fields.items():
+        assert (trace[name].values == values).all(), name
+    assert (trace.attrs["fill_ratio"], trace.attrs["bins"], trace.attrs["brain"]) == (0.6, 10, "commons")
+
+
+def test_json_has_all_that_the_table_has(day, capsys):
+    assert main(["relive", str(day), "--brain", "voter", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    text = json.dumps(document)
+    assert all(robot in text for robot in ("to_the_bit", "unknown", "mean_error"))
+
+
+def test_liars_put_their_adversary_on_the_other_brain(tmp_path, capsys):
+    members = [{"robots": 2, "brain": "forger", "honest": False}]
+    folder = tmp_path / "day"
+    study, setting, swarm = logged(folder, robots=6, members=members, topology="full")
+    swarm.run()
+    shown = swarm.close()
+    robots = []
+    for i, brain in enumerate(swarm.brains):
+        lies = brain is not setting.brain and brain.sha256 != setting.brain.sha256
+        file = f"liar-{i}.py" if lies else "brain.py"
+        (folder / file).write_text(brain.source)
+        entry = {"number": i, "log": f"robot-{i}.log", "brain": file, "honest": not lies}
+        robots.append(entry | ({"adversary": "forger"} if lies else {}))
+    told(folder, study, robots=robots)
+    day = read_day(folder)
+    assert sum(not member.honest for member in day.members) == 2
+    assert all(relive(member).to_the_bit for member in day.members)
+    other = setting_of("minimalistic", robots=6, members=members, topology="full")[1]
+    result = under(day, brains.load("minimalistic"))
+    assert (estimates_of(day, result, 40) == record_trial(other, SEED, 0)[1]).all()
+    assert not result.unknown
+    assert (shown == estimates_of(day, under(day, day.brain), 40)).all()
+    assert main(["relive", str(folder), "--out", str(tmp_path / "r.nc")]) == 0
+    assert read(tmp_path / "r.nc").sizes["robot"] == 4
+    assert "6 robots, 2 of them not honest" in capsys.readouterr().out
+    for entry in robots:
+        entry.pop("adversary", None)
+    told(folder, study, robots=robots)
+    assert not under(read_day(folder), brains.load("minimalistic")).unknown  # the study tells which
+    told(folder, study, robots=robots, study=None)
+    unknown = under(read_day(folder), brains.load("minimalistic"))
+    assert unknown.counts["liar"] > 0
+
+
+def test_a_folder_from_boards_needs_no_more_than_logs(day, tmp_path, capsys):
+    for path in day.glob("*.log"):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    assert main(["relive", str(tmp_path)]) == 0  # the shipped brain with the hash that the logs name
+    assert "commons, as it was" in capsys.readouterr().out
+    assert main(["relive", str(tmp_path), "--out", str(tmp_path / "r.nc")]) == 2
+    assert "--fill-ratio" in capsys.readouterr().err
+    assert not (tmp_path / "r.nc").exists()
+    assert main(["relive", str(tmp_path), "--out", str(tmp_path / "r.nc"), "--fill-ratio", "0.6"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (["nowhere"], "nowhere: should be a folder of robots' logs"),
+        (["EMPTY"], "it holds no log"),
+        (["DAY", "--fill-ratio", "2"], "--fill-ratio 2: should be a share of black"),
+        (["DAY", "--message", "float16"], "--message goes with --brain"),
+        (["DAY", "--brain", "voter", "--message", "float61"], "--message float61"),
+        (["DAY", "--brain", "votre"], "votre"),
+        (["DAY", "--brain", "everyone"], "everyone"),
+        (["DAY", "--brain", "voter", "--parameter", "x=1"], "--parameter: the brain 'voter' has no parameter 'x'"),
+        (["DAY", "--brain", "voter", "--brain", "sure", "--plot", "r.png"], "own relive, or --out FILE.nc and"),
+        (["DAY", "--out", "r.csv"], "--out r.csv: it is written as .nc"),
+        (["DAY", "--trace", "r.png"], "--trace r.png: it is written as .nc or .csv"),
+        (["DAY", "--brain", "commons", "--out", "r.nc"], "commons would be there twice"),
+        (
+            ["DAY", "--brain", "sure", "--brain", "sure", "--out", "r.nc"],
+            "sure would be there twice: give each --brain",
+        ),
+        (["DAY", "--out", "r.nc", "--trace", "./r.nc"], "--out and --trace both name r.nc: they should name two files"),
+        (["BLANK"], "robot-0.log: the file is empty: should be a robot's log"),
+        (["BAD"], "swarm.json: robots should be a list of tables"),
+        (["WORSE"], "swarm.json: cannot be read as JSON"),
+        (["AWAY"], "should be the name of a file in the folder"),
+    ],
+)
+def test_wrong_inputs_are_named_in_a_sentence(day, tmp_path, monkeypatch, capsys, given, says):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "EMPTY").mkdir()
+    (tmp_path / "BLANK").mkdir()
+    (tmp_path / "BLANK" / "robot-0.log").touch()
+    broken = {
+        "BAD": '{"format": 1, "robots": [3]}', "WORSE": "{",
+        "AWAY": '{"format": 1, "robots": [{"log": "../robot.log"}]}',
+    }  # fmt: skip
+    for name, text in broken.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "swarm.json").write_text(text)
+    assert main(["relive", *(str(day) if word == "DAY" else word for word in given)]) == 2
+    assert says in capsys.readouterr().err
+    assert not list(tmp_path.glob("r.*"))
+
+
+@pytest.mark.parametrize("command", ["relive", "watch", "export", "show"])
+def test_the_log_of_one_robot_is_not_taken_for_something_else(command, day, capsys):
+    assert main([command, str(day / "robot-0.log")]) == 2
+    right = (
+        f"{day}/robot-0.log is the log of one robot: relive, watch and export read the folder that it is in, {day}\n"
+    )
+    assert capsys.readouterr().err == f"swarmcensus: {right}"

@@ -1,0 +1,196 @@
+"""What one begins with: `new`, `studies` and `doctor`."""
+
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.files import shipped_studies
+from swarmcensus.cli.commands import main, start
+from swarmcensus.conformance.contract_checks import PROMISES
+from swarmcensus.conformance.suite import examine
+from swarmcensus.studies.study import Study
+from tests.support.places import ROOT
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_new_study_runs_and_has_its_file_s_name(here, capsys):
+    assert main(["new", "study", "first try.toml"]) == 0
+    assert capsys.readouterr().out == "first try.toml: next, swarmcensus run 'first try.toml'\n"
+    study = Study.load(here / "first try.toml")
+    assert study.name == "first-try"
+    assert "run first try.toml" in study.text
+    assert len(sc.run(study.with_(trials=1), jobs=1)["setting"]) == len(study.settings()) == 48
+
+
+def test_what_a_new_study_has_in_comments_is_right_too(here):
+    """Each line that is no sentence may be taken in."""
+    main(["new", "study"])
+    lines = (here / "my_study.toml").read_text().splitlines()
+    taken = [line.removeprefix("# ") if " = " in line or line.startswith("# [[") else line for line in lines]
+    still = [line for line in taken if not line.startswith(("topology     =", "rounds", "observations"))]
+    found = Study.parse("\n".join(still))
+    assert {setting.topology.name for setting in found.settings()} == {"moving"}
+    assert all(setting.members and setting.faults for setting in found.settings())
+
+
+def test_the_first_studies_of_readme_page_and_tutorial_have_different_names(here):
+    """They fit into one folder."""
+    root = ROOT
+    readme, page, tutorial = (
+        (root / name).read_text(encoding="utf-8")
+        for name in ("README.md", "docs/getting-started.md", "docs/tutorials/first-study.md")
+    )
+    main(["new", "study"])
+    [made] = (path.name for path in here.iterdir())
+    named = re.findall(r"Save as `(.*?)`", readme) + re.findall(r"%%writefile (\S+)", tutorial) + [made]
+    assert len(named) == len(set(named)) == 3
+    for name, text in zip(named, (readme, tutorial, page), strict=True):
+        assert f"swarmcensus run {name}" in text
+
+
+def test_a_new_brain_keeps_the_contract(here, capsys):
+    assert main(["new", "brain"]) == 0
+    assert capsys.readouterr().out == "my_brain.py: next, swarmcensus brains --check my_brain.py\n"
+    found = list(examine(here / "my_brain.py", PROMISES))
+    assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
+    assert "THIS_FILE" not in (here / "my_brain.py").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["new", "study", "there.toml"], "there.toml already exists: name another file"),
+        (["new", "study", "x.py"], "x.py: a study is a .toml file"),
+        (["new", "brain", "x.toml"], "x.toml: a brain is a .py file"),
+        (["new", "brain", "gone/there.toml/x.py"], "cannot write gone/there.toml/x.py"),
+        (["studies", "rng"], "rng: no such study comes with swarmcensus: did you mean 'ring'? `swarmcensus studies`"),
+        (["studies", "ring", "--out", "there.toml"], "there.toml already exists"),
+        (["studies", "ring", "--out", "x.nc"], "--out x.nc: a study is a .toml file"),
+    ],
+)
+def test_what_cannot_be_written_is_said_and_nothing_is(arguments, said, here, capsys):
+    for name in ("there.toml", "shy.py"):
+        (here / name).write_text("mine")
+    (here / "gone").mkdir()
+    (here / "gone" / "there.toml").write_text("mine")
+    before = {path: path.read_bytes() for path in here.rglob("*") if path.is_file()}
+    assert main(arguments) == 2
+    assert capsys.readouterr().err.startswith(f"swarmcensus: {said}")
+    assert {path: path.read_bytes() for path in here.rglob("*") if path.is_file()} == before
+
+
+def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
+    assert main(["studies"]) == 0
+    _, *lines = capsys.readouterr().out.splitlines()
+    told = dict(line.split(maxsplit=1) for line in lines)
+    assert list(told) == list(shipped_studies())
+    assert all(len(words.split()) >= 3 for words in told.values())
+    assert told["paper/local"].rstrip().endswith("Fig. 2a")
+
+
+@pytest.mark.long(but_every=4)
+@pytest.mark.long(only=["leaderboard", "beyond/changing", "beyond/liars", "rivals/opinions"])
+@pytest.mark.parametrize("name", shipped_studies())
+def test_each_is_copied_with_what_it_names(name, here, capsys):
+    assert main(["studies", name, "--out", "copied/mine.toml"]) == 0
+    files = capsys.readouterr().out.split()
+    assert sorted(files) == sorted(str(path.relative_to(here)) for path in here.rglob("*") if path.is_file())
+    copied, known = Study.load(here / "copied" / "mine.toml"), Study.load(shipped_studies()[name])
+    assert len(copied.settings()) == len(known.settings())
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash here")
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        (["pl"], ["plan", "plot"]),
+        (["plot", "--th"], ["--theory"]),
+        (["new", ""], ["study", "brain"]),
+        (["list", "ad"], ["adversaries"]),
+        (["run", "ri"], ["ring.toml"]),
+    ],
+)
+def test_bash_completes(words, offered, here, capsys):
+    (here / "ring.toml").write_text("")
+    assert main(["completion", "bash"]) == 0
+    typed = ["swarmcensus", *words]
+    asked = (
+        f"COMP_WORDS=({' '.join(map(shlex.quote, typed))}); COMP_CWORD={len(words)}; "
+        f"_shtab_swarmcensus swarmcensus {shlex.quote(typed[-1])} {typed[-2]}; echo ${{COMPREPLY[@]}}"
+    )
+    script = f"{capsys.readouterr().out}\n{asked}"
+    told = subprocess.run(["bash"], input=script, check=True, capture_output=True, encoding="utf-8").stdout
+    assert told.split() == offered
+
+
+def test_each_shell_has_a_script(capsys):
+    for shell in ("zsh", "tcsh"):
+        assert main(["completion", shell]) == 0
+        assert "leaderboard" in capsys.readouterr().out
+
+
+def test_a_doctor_names_what_there_is(capsys):
+    assert main(["doctor"]) == 0
+    told = capsys.readouterr().out
+    assert main(["doctor", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["swarmcensus"] == sc.__version__
+    assert found["python"] == ".".join(map(str, sys.version_info[:3]))
+    assert all(name in told and version in told for name, version in found["libraries"].items())
+    assert found["faults"] == []
+    assert found["extras"] == dict.fromkeys(start.EXTRAS, True)  # as the tests' own extra has them all
+
+
+def test_it_says_what_is_missing(here, monkeypatch, capsys):
+    (here / "file").write_text("")
+    monkeypatch.setenv("SWARMCENSUS_CACHE", str(here / "file" / "cache"))
+    monkeypatch.setattr(start, "LIBRARIES", ("numpy", "swarmcensus-of-bees"))
+    monkeypatch.setitem(start.EXTRAS, "film", ("no_such_thing",))
+    assert main(["doctor"]) == 2
+    told = capsys.readouterr().out
+    assert "not installed: pip install 'swarmcensus[film]'" in told
+    assert "swarmcensus-of-bees is not installed: pip install swarmcensus" in told
+    assert "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE" in told
+
+
+def test_it_imports_nothing_that_takes_long():
+    """So that it answers where one of these is broken."""
+    code = (
+        "import sys; from swarmcensus.cli.commands import main; main(['doctor']); "
+        "assert not {'numba', 'xarray', 'matplotlib'} & set(sys.modules), 'imported'"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+def test_who_begins_a_brain_and_copies_studies_in_one_folder_loses_nothing(here, capsys):
+    """The example's brain and a new one would have one name; two examples have the very same brain."""
+    for words in ("new brain", "studies example/compare", "studies example/ranking", "new brain", "studies ring"):
+        assert main(words.split()) == 0
+    assert "my_brain-2.py: a different my_brain.py exists, and is kept\n" in capsys.readouterr().out
+    assert sorted(path.name for path in here.iterdir()) == [
+        "compare.toml", "my_brain-2.py", "my_brain-3.py", "my_brain.py", "ranking.toml", "ring.toml",
+    ]  # fmt: skip
+    assert (here / "my_brain-2.py").read_text() == shipped_studies()["example/compare"].with_name(
+        "my_brain.py"
+    ).read_text()
+    assert (here / "my_brain-3.py").read_text().replace("my_brain-3", "my_brain") == (here / "my_brain.py").read_text()
+    for name in ("compare", "ranking"):
+        assert "my_brain-2.py" in [brain.name for brain in sc.Study.load(here / f"{name}.toml").brains]
+
+
+def test_a_link_that_leads_nowhere_is_not_written_through(here):
+    (here / "my_brain.py").symlink_to("gone.py")
+    assert main(["new", "brain"]) == 0
+    assert not (here / "gone.py").exists()
+    assert (here / "my_brain-2.py").is_file()

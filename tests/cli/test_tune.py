@@ -1,0 +1,266 @@
+"""The command `tune`: what it writes, what it says where it cannot, and that a killed one goes on."""
+
+import csv
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from tests.support.tunable import SOURCE, text_of
+
+TUNE = ["tune", "s.toml", "--parameter", "a=0:1", "--parameter", "idle=1:9:log", "--trials", "2"]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("tunable.py").write_text(SOURCE)
+    Path("s.toml").write_text(text_of("a = 0.1, noise = 0.1", others=', "minimalistic"', accuracy=0.8))
+    return tmp_path
+
+
+def lines_of(path):
+    """The lines of a log, without the seconds."""
+    with open(path, newline="") as file:
+        return [row if row[0].startswith("#") else row[:-1] for row in csv.reader(file)]
+
+
+@pytest.mark.long
+def test_candidates_run_in_the_number_formats_of_their_worlds(here, capsys):
+    text = Path("s.toml").read_text()
+    world = '[world]\nmessage = ["double", "float32"]\n'
+    Path("s.toml").write_text(text.replace("[swarm]\n", '[swarm]\nprecision = "single"\n').replace("[world]\n", world))
+    assert main([*TUNE, "--budget", "20"]) == 0
+    assert "tunable.py a=" in capsys.readouterr().out
+    data = sc.load("tunable-tuned.nc")
+    assert {*data["precision"].values} == {"single"}
+    assert {*data["message"].values} == {"double", "float32"}
+
+
+@pytest.mark.long
+def test_it_writes_a_fragment_a_log_and_results(here, capsys):
+    assert main([*TUNE, "--budget", "37"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("final error: tunable.py a=")
+    assert out.splitlines()[-1].startswith("tunable-tuned.toml: 37 evaluations, ")
+    text = Path("tunable-tuned.toml").read_text()
+    [brain] = tomllib.loads(text)["swarm"]["brain"]
+    assert brain.pop("file") == "tunable.py"
+    assert brain.keys() == {"a", "noise", "idle"}  # all that was searched
+    assert brain["idle"] == 1.0  # of which it is said that it changes nothing
+    assert " idle=1 is better than tunable.py a=0.1 idle=1: " in out  # the noise is the same in both
+    assert all(len(line) < 120 for line in text.splitlines())
+    for said in (
+        "seed 1, the study's own",
+        "a=0:1",
+        "idle=1:9:log",
+        "37 evaluations",
+        "cma 4",
+        "training seeds",
+        "p < 0.001",
+        "idle changes nothing in final_error",
+    ):
+        assert said in text.replace("\n#  ", "")
+    assert sc.load("tunable-tuned.nc").attrs["title"].startswith("tuned: tunable.py")
+    assert main(["compare", "tunable-tuned.nc", "--metric", "final_error"]) == 0
+    assert sorted(os.listdir()) == [
+        "s.toml", "tunable-tuned.csv", "tunable-tuned.nc", "tunable-tuned.toml", "tunable.py"
+    ]  # fmt: skip
+    before = Path("tunable-tuned.toml").read_bytes()
+    assert main([*TUNE, "--budget", "37"]) == 0
+    assert "found 37 evaluations" in capsys.readouterr().err
+    assert Path("tunable-tuned.toml").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        (
+            ["--parameter", "b=0:1"],
+            "--parameter b=0:1: the brain 'tunable.py' has no parameter 'b': it has weight, a",
+        ),
+        (["--parameter", "idl=0:1"], "did you mean 'idle'?"),
+        (["--parameter", "a=1:0"], "--parameter a=1:0: the range is empty"),
+        (["--parameter", "a=1"], "--parameter a=1: should be such as prior=1:100"),
+        (["--parameter", "a=0:1:log"], "both ends should be above 0"),
+        (["--parameter", "many=0:1.5:whole"], "both ends should be whole"),
+        (["--parameter", "a=0:inf"], "inf should be at most 1e+100 in size"),
+        (["--parameter", "a=0:1:lg"], "did you mean 'log'?"),
+        (["--parameter", "a=0:1", "--parameter", "a=0:2"], "a is given twice"),
+        (["--parameter", "pair=0:1", "--parameter", "pair[1]=0:2"], "pair[1] is given twice"),
+        (["--parameter", "pair[2]=0:1"], "its items are pair[0] to pair[1]"),
+        (["--parameter", "a[0]=0:1"], "a is a number, and has no items"),
+        (["--brain", "minimalistic"], "--brain minimalistic: it has no PARAMETERS"),
+        (["--brain", "tunable"], "--brain tunable: did you mean 'tunable.py'? the study has tunable.py, minimalistic"),
+        (["--metric", "finalerror"], "--metric finalerror: did you mean 'final_error'?"),
+        (["--metric", "consensus_round"], "no variable consensus_round"),
+        (["--metric", "correct:low"], "of correct, high is better"),
+        (["--budget", "5"], "--budget 5: the brain as it is and one generation take 13 evaluations"),
+        (["--budget", "soon"], "--budget soon: should be a number of evaluations, as 200, or a time"),
+        (["--budget", "0 s"], "--budget '0 s': should be"),
+        (["--trials", "1000000"], "--trials 1000000: a candidate has 1 to 100,000 trials"),
+        (["--out", "a.nc"], "--out a.nc: the values found are written as .toml"),
+        (["--out", "s.toml"], "cannot write s.toml: it is an input"),
+    ],
+)
+def test_what_cannot_be_is_said_in_one_sentence(changed, said, here, capsys):
+    assert main([*TUNE, *changed]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not Path("tunable-tuned.toml").exists()
+    assert Path("s.toml").read_text() == text_of("a = 0.1, noise = 0.1", others=', "minimalistic"', accuracy=0.8)
+
+
+def test_a_study_without_parameters_and_one_with_several(here, capsys):
+    Path("s.toml").write_text(Path("s.toml").read_text().replace('{file = "tunable.py", a = 0.1, noise = 0.1}, ', ""))
+    assert main(TUNE) == 2
+    assert "no brain of the study (minimalistic) has PARAMETERS" in capsys.readouterr().err
+    Path("other.py").write_text(SOURCE)
+    Path("s.toml").write_text(Path("s.toml").read_text().replace('"minimalistic"', '"tunable.py", "other.py"'))
+    assert main(TUNE) == 2
+    assert "several brains have parameters, tunable.py, other.py: name one" in capsys.readouterr().err
+
+
+@pytest.mark.long(but=["change3-seed is 1 there and 9 here"])
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (["--trials", "3"], "trials is 2 there and 3 here"),
+        (
+            ["--parameter", "a=0:2", "--parameter", "idle=1:9:log"],
+            "parameters is 'a=0:1 idle=1:9:log' there and 'a=0:2 idle",
+        ),
+        (["--metric", "convergence_error"], "metric is 'final_error' there and 'convergence_error' here"),
+        (["--seed", "9"], "seed is 1 there and 9 here"),
+        ([], "worlds is "),
+        ([None], "source is "),
+    ],
+)
+def test_a_log_of_another_search_is_refused(change, said, here, capsys):
+    assert main([*TUNE, "--budget", "13"]) == 0
+    before = {path: path.read_bytes() for path in here.iterdir() if path.stem == "tunable-tuned"}
+    if not change:
+        Path("s.toml").write_text(Path("s.toml").read_text().replace("fill_ratio = 0.5", "fill_ratio = 0.6"))
+    if change == [None]:
+        Path("tunable.py").write_text(SOURCE + "\n# another\n")
+        change = []
+    capsys.readouterr()
+    assert main([*TUNE, "--budget", "13", *change]) == 2
+    error = capsys.readouterr().err
+    assert "tunable-tuned.csv is of another search: " in error
+    assert said in error
+    assert "--fresh" in error
+    assert error.count("\n") == 1
+    assert {path: path.read_bytes() for path in before} == before
+    assert main([*TUNE, "--budget", "13", *change, "--fresh"]) == 0
+
+
+@pytest.mark.long
+def test_another_version_s_log_is_refused_and_two_searches_do_not_share_one(here, capsys, monkeypatch):
+    assert main([*TUNE, "--budget", "13"]) == 0
+    monkeypatch.setattr("swarmcensus.tuning.plans.__version__", "9.9")
+    assert main([*TUNE, "--budget", "13"]) == 2
+    assert "version is " in capsys.readouterr().err
+    with FileLock(".tunable-tuned.csv.lock"):
+        assert main([*TUNE, "--budget", "13"]) == 2
+    assert "tunable-tuned.csv: another search is writing it" in capsys.readouterr().err
+
+
+def begun(*arguments):
+    return subprocess.Popen(
+        [sys.executable, "-m", "swarmcensus", *arguments], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+
+
+LONG = [*TUNE[:-1], "40", "--budget", "400", "--jobs", "1"]
+
+
+@pytest.fixture
+def long(here, untraced_processes):
+    Path("s.toml").write_text(
+        text_of("a = 0.1, noise = 0.1", others=', "minimalistic"', accuracy=0.8, robots=40, rounds=40, looks=5)
+    )
+    assert main([*LONG, "--out", "whole.toml"]) == 0
+    return here
+
+
+def wait_for(process, lines):
+    """Until a log has so many lines, or the process has ended."""
+    path = Path("cut.csv")
+    while process.poll() is None and not (path.exists() and path.read_bytes().count(b"\n") >= lines):
+        time.sleep(0.002)
+
+
+@pytest.mark.long
+def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
+    moments = random.Random(5)
+    kept = [0]
+    for _ in range(3):
+        process = begun(*LONG, "--out", "cut.toml")
+        wait_for(process, kept[-1] + moments.randint(3, 120))
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        kept.append(Path("cut.csv").read_bytes().count(b"\n"))
+    assert kept == sorted(kept)
+    assert 3 < kept[-1] < 400
+    assert main([*LONG, "--out", "cut.toml"]) == 0
+    assert "evaluations" in capsys.readouterr().err
+    assert lines_of("cut.csv") == lines_of("whole.csv")
+    cut, whole = (Path(name).read_text().replace("whole.", "cut.") for name in ("cut.toml", "whole.toml"))
+    assert cut == whole
+    assert sorted(p.name for p in long.iterdir() if p.stem == "cut" or p.name.startswith(".")) == [
+        "cut.csv", "cut.nc", "cut.toml"
+    ]  # fmt: skip
+
+
+@pytest.mark.long
+def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long):
+    process = begun(*LONG, "--out", "cut.toml")
+    wait_for(process, 60)
+    process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "kept finished evaluations in cut.csv: the same command continues" in error
+    assert "Traceback" not in error
+    assert not Path("cut.toml").exists()
+    kept = lines_of("cut.csv")
+    assert 60 <= len(kept) < 403
+    assert kept == lines_of("whole.csv")[: len(kept)]
+
+
+@pytest.mark.parametrize("where", ["tuning.new_search", "training.Training.compile"])
+def test_ctrl_c_before_the_first_evaluation_keeps_nothing_and_says_so(where, here, capsys, monkeypatch):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"swarmcensus.tuning.{where}", stop)
+    assert main(TUNE) == 130
+    assert "kept" not in capsys.readouterr().err
+    assert sorted(os.listdir()) == ["s.toml", "tunable.py"]
+
+
+def test_as_json_it_is_one_document_that_holds_what_the_sentences_say(here, capsys):
+    assert main([*TUNE, "--budget", "13", "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out, parse_constant=pytest.fail)
+    assert found["format"] == "swarmcensus tuning 1"
+    brain = tomllib.loads(Path("tunable-tuned.toml").read_text())["swarm"]["brain"][0]
+    assert found["values"]["a"] == brain["a"]
+    assert "tunable-tuned.toml: 13 evaluations" in told.err
+    assert {pair["world"] for pair in found["pairs"]} == {*range(len(found["worlds"]))}
+    before = Path("tunable-tuned.toml").read_bytes()
+    assert main([*TUNE, "--budget", "13", "--json", "--metric", "rubbish"]) == 2
+    told = capsys.readouterr()
+    assert (told.out, told.err[:30]) == ("", "swarmcensus: --metric rubbish:"[:30])
+    assert Path("tunable-tuned.toml").read_bytes() == before

@@ -1,0 +1,209 @@
+"""The examples of README and docs/ run, and print, write and draw what their pages show.
+
+All of them go through one mechanism: `run_page` runs the blocks of a page in order, in an empty folder with the shipped
+studies. A text below a block of Python is its output; in a console, so is what stands below a command, where a line of
+three dots stands for any lines. A page shows nothing below a command whose output is left out.
+"""
+
+import re
+import shutil
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from swarmcensus.cli.commands import main, parser
+from swarmcensus.conformance import suite as conformance
+from swarmcensus.conformance.contract_checks import PROMISES
+from swarmcensus.planning.mission import mission_of
+from swarmcensus.runs.queues import Queue
+from swarmcensus.studies.study import Study
+from swarmcensus.studies.toml_text import to_toml
+from tests.support.pages import PAGES, assert_shown, blocks, commands, page_named
+from tests.support.places import DOCS, EXAMPLE, ROOT
+
+OTHER_PROGRAMS = """
+    cut less npm export make sh tools/lowest.sh pip python pytest ruff lint-imports mypy pre-commit mkdocs mpremote
+    source .ci/run
+"""
+LONG_PYTHON = """
+    beyond beyond-changing beyond-unknown-sensors brain-contract comparing data-format moving-robots rivals-bayesian
+    rivals-consensus rivals-opinions rivals-others strobel-2020 tuning wrong-beliefs
+"""
+CONSOLES = {  # of these pages, so many console blocks are run
+    "a-swarm-on-your-desk": None,
+    "comparing": None,
+    "data-format": None,
+    "plotting": None,
+    "rivals-bayesian": None,
+    "theory": 1,  # the others take minutes
+    "tuning": None,
+}
+NOT_ALWAYS_SO = ("a-swarm-on-your-desk",)  # its swarms run in real time, and print other numbers each time
+IMAGES = {"ranking-ranks.png": "ranks.png", "lines.png": "lines.png", "differences.png": "differences.png"}
+
+
+def examples(*languages):
+    return pytest.mark.parametrize(
+        "text",
+        [pytest.param(t, id=f"{page.name}-{k}") for page in PAGES for k, t in enumerate(blocks(page, *languages))],
+    )
+
+
+# ---- run
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with the shipped studies, and the files of the example beside them."""
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    for file in filter(Path.is_file, EXAMPLE.iterdir()):
+        shutil.copy(file, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.long(only=[f"{name}.md" for name in LONG_PYTHON.split()])
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda page: page.name)
+def test_python_runs_and_prints_what_the_page_shows(page, folder, capsys):
+    names = {"__name__": "example"}
+    for text in blocks(page, "python"):
+        capsys.readouterr()
+        exec(compile(text, page.name, "exec"), names)
+        below = page.read_text(encoding="utf-8").partition(text + "```\n\n```text\n")[2]
+        if below:
+            assert_shown(capsys.readouterr().out, below.partition("```")[0])
+
+
+@pytest.mark.long(but=["data-format", "theory"])
+@pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
+@pytest.mark.parametrize("name", CONSOLES)
+def test_consoles_print_write_and_draw_what_the_page_shows(name, folder, capsys):
+    page = page_named(name)
+    before = {path.name for path in folder.iterdir()}
+    if name == "a-swarm-on-your-desk":
+        Path("desk.toml").write_text(*blocks(page, "toml"), encoding="utf-8")
+    for text in blocks(page, "console")[: CONSOLES[name]]:
+        for command, shown in commands(text, shown=True):
+            capsys.readouterr()
+            assert main(command[1:]) == 0
+            printed = capsys.readouterr().out
+            parts = shown.split("...\n") if shown and name not in NOT_ALWAYS_SO else []
+            for part in filter(None, map(untimed, parts)):
+                assert_shown(untimed(printed), part, whole=False)
+    written = {path.name for path in folder.iterdir()} - before
+    for file in written & {"shy-tuned.toml", "slow-liar-worst.toml"}:
+        assert Path(file).read_text(encoding="utf-8") in blocks(page, "toml")
+    for file in written & set(IMAGES):
+        with Image.open(file) as drawn, Image.open(DOCS / "images" / IMAGES[file]) as shown:
+            assert drawn.size == shown.size
+            differ = np.abs(np.asarray(drawn.convert("L"), int) - np.asarray(shown.convert("L"), int)) > 64
+        assert differ.mean() < 0.01  # letters are drawn by a library of the machine
+
+
+def untimed(text):
+    """A text without durations, and without spaces at ends of lines."""
+    return re.sub(r" +$", "", re.sub(r"\d+\.\d s of", "s of", text), flags=re.MULTILINE)
+
+
+@pytest.mark.long
+def test_brains_prints_what_the_contract_page_shows_in_a_narrow_terminal(monkeypatch, capsys):
+    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "80")
+    assert main(["brains"]) == 0
+    printed = untimed(capsys.readouterr().out)
+    [shown] = (t for t in blocks(page_named("brain-contract"), "console") if t.startswith("$ swarmcensus brains\n"))
+    parts = shown.removeprefix("$ swarmcensus brains\n").split("...\n")
+    assert all(part in printed for part in parts)
+
+
+def test_the_recorded_example_is_what_its_study_makes(folder, capsys):
+    """The commands of docs/data-format.md give the files of studies/example.
+
+    Where a change was meant to alter numbers, write both again.
+    """
+    example = folder / "studies" / "example"
+    (example / "observations.csv").unlink()
+    (example / "links.csv").unlink()
+    assert main(["run", "studies/example/recorded.toml"]) == 0
+    [shown] = (t for t in blocks(page_named("data-format"), "console") if "--recording" in t)
+    record, *_ = commands(shown)
+    assert main(record[1:]) == 0
+    for name in ("observations.csv", "links.csv"):
+        assert (example / name).read_bytes() == (EXAMPLE / name).read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("[schedule]", "[schedule]\nround = 3"),
+        ("accuracy = 0.7", ""),
+        ("fill_ratio = 0.5", "fill_ratio = 1.5"),
+        ("[schedule]", "[schedule]\n[measure]\ncheckpoints = [5, 2000]"),
+        ("[swarm]", "[swarm"),
+    ],
+)
+def test_the_study_page_shows_errors_as_they_are(right, wrong, tmp_path, monkeypatch, capsys):
+    plain = "trials = 1\n[swarm]\nrobots = 5\naccuracy = 0.7\n[world]\ntopology = 'ring'\nfill_ratio = 0.5"
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(f"{plain}\n[schedule]\n".replace(right, wrong), encoding="utf-8")
+    assert main(["run", "s.toml"]) == 2
+    assert capsys.readouterr().err in page_named("study-file").read_text(encoding="utf-8")
+
+
+def test_a_page_that_shows_another_last_digit_is_found():
+    assert_shown("error 0.0204\n", "error 0.0204\n")
+    for wrong in ("errors 0.0204\n", "error 0.0305\n"):
+        with pytest.raises(AssertionError):
+            assert_shown("error 0.0204\n", wrong)
+
+
+# ---- read
+
+
+@examples("toml")
+def test_toml_is_a_study_or_a_change_to_one(text):
+    """Or a mission, or a cluster; a block that is no whole study must turn a plain one into another that is right."""
+    tables = {
+        "trials": 1,
+        "swarm": {"robots": 20, "accuracy": 0.7},
+        "world": {"topology": "ring", "fill_ratio": 0.55},
+    }
+    found = tomllib.loads(text)
+    if "wanted" in found:
+        mission_of(found, base=EXAMPLE)
+        return
+    if "jobs" in found:
+        Queue.model_validate(found)
+        return
+    if not {"trials", "swarm", "world"} <= set(found):
+        for key, value in found.items():
+            tables[key] = tables[key] | value if isinstance(tables.get(key), dict) else value
+        found = tables
+    assert Study.parse(to_toml(found), context={"base": EXAMPLE}).settings()
+
+
+PROGRAM = parser()
+
+
+@examples("console", "sh")
+def test_commands_parse(text):
+    assert list(commands(text))
+    for program, *arguments in commands(text):
+        if program == "swarmcensus":
+            PROGRAM.parse_args(arguments)
+        else:
+            assert program in OTHER_PROGRAMS.split()
+
+
+@pytest.mark.long
+def test_the_example_brains_conform(tmp_path, untraced):
+    """That of README without the checks that compile, which the other one goes through."""
+    assert all(check.fault is None for check in conformance.check(EXAMPLE / "my_brain.py"))
+    for text in blocks(ROOT / "README.md", "python"):
+        if "MEMORY" in text:
+            (tmp_path / "mine.py").write_text(text, encoding="utf-8")
+            assert all(check.fault is None for check in conformance.examine(tmp_path / "mine.py", PROMISES))

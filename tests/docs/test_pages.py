@@ -1,0 +1,212 @@
+"""Pages are whole: links lead somewhere, and tables and lists have all that the code has."""
+
+import re
+import runpy
+import tomllib
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import metrics
+from swarmcensus.cli.commands import parser
+from swarmcensus.cli.commands.plan import KEYS
+from swarmcensus.conformance import suite as conformance
+from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted
+from swarmcensus.results import structure
+from swarmcensus.results.measures import OURS
+from swarmcensus.runs.queues import Queue
+from swarmcensus.statistics.significance import fewest_trials
+from swarmcensus.studies.study import Study
+from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
+from swarmcensus.studies.toml_text import to_toml
+from swarmcensus.swarm.faults import ACTIONS
+from swarmcensus.worlds.bodies import Body
+from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, page_named
+from tests.support.places import ROOT
+
+RUN = {"python", "toml", "console", "sh"}
+SHOWN = {"text", "csv", "r", "matlab", "c"}
+EXAMPLE = ROOT / "studies" / "example"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_block_has_a_language_that_says_whether_it_runs(page):
+    text = page.read_text(encoding="utf-8")
+    assert text.count("```") == 2 * len(BLOCK.findall(text))
+    assert {language for language, _ in BLOCK.findall(text)} <= RUN | SHOWN
+
+
+def test_what_follows_from_wrong_beliefs_is_what_its_tables_say():
+    """Medians to three digits; those tables are held against what their code prints, above."""
+    page = ROOT / "docs" / "wrong-beliefs.md"
+    fixed, moving, alone = {}, {}, {}
+    simulated, endless = blocks(page, "text")
+    for line in simulated.splitlines()[2:]:
+        if line == "wrong-beliefs-moving":
+            fixed, moving = moving, fixed
+            continue
+        accuracy, belief, fill, median, *_ = line.split()
+        fixed[accuracy, belief.partition("=")[2], fill] = f"{float(median):.3f}"
+    fixed, moving = moving, fixed
+    for accuracy, fill, error in map(str.split, endless.splitlines()):
+        alone[accuracy, fill] = f"{float(error):.3f}"
+    told = " ".join(page.read_text(encoding="utf-8").partition("## What follows")[2].split())
+    drawn, above, below = "N(0.0,0.05)", "0.05", "-0.05"
+    for sentence in (
+        f"cost {fixed['0.675', above, '0.55']} at *f* = 0.55 and {fixed['0.675', above, '0.95']} at *f* = 0.95",
+        f"-0.05 costs {fixed['0.675', below, '0.55']} and +0.05 costs {fixed['0.675', above, '0.55']}, for",
+        f"+0.05 costs {fixed['0.675', above, '0.95']} with sensors of 0.675 and {fixed['0.875', above, '0.95']} with",
+        f"0.95 have {fixed['0.875', drawn, '0.95']} on the scale-free network and {moving['0.875', drawn, '0.95']} "
+        f"among moving robots, where it would be {alone['0.875', '0.95']} alone. But sensors of 0.675 keep "
+        f"{fixed['0.675', drawn, '0.95']} and {moving['0.675', drawn, '0.95']} of {alone['0.675', '0.95']}",
+    ):
+        assert sentence in told
+
+
+@pytest.mark.long
+def test_the_steering_page_shows_what_the_paired_comparison_prints(tmp_path, monkeypatch, capsys):
+    """The line of good sensors on independent tiles: all eight would cost many times as much."""
+    study = tomllib.loads((ROOT / "studies" / "steering.toml").read_text(encoding="utf-8"))
+    study["world"] |= {"floor": "tiles", "fill_ratio": 0.95}
+    study["swarm"]["accuracy"] = 0.975
+    sc.save(sc.run(Study.parse(to_toml(study))), tmp_path / "steering.nc")
+    monkeypatch.setattr("sys.argv", ["paired.py", str(tmp_path / "steering.nc"), "minimalistic", "leaver"])
+    runpy.run_path(str(EXAMPLE / "paired.py"), run_name="__main__")
+    [shown] = (t for t in blocks(ROOT / "docs" / "moving-robots.md", "text") if t.startswith("floor "))
+    head, *lines = shown.splitlines(keepends=True)
+    [line] = (line for line in lines if line.startswith("tiles          0.95  0.975"))
+    assert_shown(re.sub(" +\n", "\n", capsys.readouterr().out), head + line)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_files_and_headings(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", BLOCK.sub("", page.read_text(encoding="utf-8"))):
+        if target.startswith("http"):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        assert file.is_relative_to(ROOT), target
+        assert file.exists(), target
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", BLOCK.sub("", file.read_text(encoding="utf-8")), re.MULTILINE)
+            slugs = {re.sub(r"[^\w\- ]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+            assert anchor in slugs, target
+
+
+def test_the_study_page_lists_every_key():
+    text = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
+    fields = {k for table in (Tables, Swarm, World, Schedule, Measure, Body) for k in table.model_fields}
+    tables = {"swarm", "world", "schedule", "measure"}
+    assert fields - tables <= set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
+    assert all(f"`[{table}]`" in text for table in tables)
+
+
+def test_the_planning_page_lists_every_key():
+    text = (ROOT / "docs" / "planning.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| `(?:\w+\.)?(\w+)` \|", text, re.MULTILINE)
+    fields = {k for table in (Mission, Area, Known, Wanted, Free) for k in table.model_fields}
+    assert fields - {"known", "wanted", "free"} <= set(listed)
+    assert all(f"`--{key.replace('_', '-')}`" in text for key in (*KEYS, "brain", "body"))
+
+
+def test_the_data_page_lists_all_that_a_dataset_holds():
+    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"`(\w+)`", "".join(line for line in text.splitlines() if line.startswith("|"))))
+    mentioned = set(re.findall(r"`(\w+)`", text))
+    swarm = {"robots": 2, "accuracy": 0.7}
+    fixed = {"world": {"topology": "ring", "fill_ratio": 0.5}, "measure": {"local": True}, "schedule": {"rounds": 2}}
+    moving = {"world": {"topology": "moving", "fill_ratio": 0.5, "density": 1}, "schedule": {"ticks": 2}}
+    faulty = moving | {"faults": [{"at": 1, "robots": 1, "stop": "sensing"}]}
+    for tables in (fixed, moving, faulty):
+        study = Study(trials=1, swarm=swarm, **tables)
+        data = sc.run(study)
+        trace = sc.replay(data, 0, 0, links=tables is not fixed)
+        in_memory = set(study.swarm.brain[0].memory)
+        for names in (data.dims, data.coords, data.data_vars, data.attrs, set(trace.data_vars) - in_memory):
+            assert set(map(str, names)) <= listed
+        assert set(trace.attrs) | set(map(str, trace.dims)) <= mentioned
+    assert set(sc.infer([[1]], None, 0.7).attrs) <= mentioned
+    assert structure.FORMAT in text
+
+
+def test_the_brain_page_shows_the_shipped_example_and_every_check():
+    page = ROOT / "docs" / "brain-contract.md"
+    assert (EXAMPLE / "my_brain.py").read_text(encoding="utf-8") in blocks(page, "python")
+    [study] = (t for t in blocks(page, "toml") if "my_brain.py" in t)
+    assert study in (EXAMPLE / "compare.toml").read_text(encoding="utf-8")
+    for name in ("keeps the contract", *conformance.checks()):
+        assert f"| {name} |" in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("script", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda script: script.stem)
+def test_benchmarks_find_what_they_measure(script, monkeypatch):
+    monkeypatch.syspath_prepend(script.parent)
+    runpy.run_path(str(script), run_name="measured elsewhere")
+
+
+def test_the_page_shows_every_shipped_metric_and_the_example_is_its_file():
+    page = ROOT / "docs" / "metrics.md"
+    hook = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["on_page_markdown"]
+    built = hook(page.read_text(encoding="utf-8"), page=None, config=None, files=None)
+    rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \| (\w+) \|", built, re.M)
+    shipped = [metrics.load(name) for name in metrics.PLUGINS.shipped]
+    assert rows == [(metric.name, metric.unit, "low" if metric.low else "high") for metric in shipped]
+    example = (ROOT / "studies" / "example" / "overshoot.py").read_text(encoding="utf-8")
+    assert example in list(blocks(page, "python"))
+
+
+def test_the_architecture_page_shows_the_rooms_in_the_order_that_is_held():
+    rooms = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert re.findall(r"│ (\w+) ", page) == rooms
+    assert {path.parent.name for path in (ROOT / "src" / "swarmcensus").glob("*/__init__.py")} == set(rooms)
+    for room in rooms:
+        said = (ROOT / "src" / "swarmcensus" / room / "__init__.py").read_text().split('"""')[1].splitlines()
+        assert [line.partition(":")[0] for line in said[2:5]] == ["In", "Out", "Must not know"], room
+    for room, file in re.findall(r"`(\w+)/(\w+\.py)`", page):
+        assert (ROOT / "src" / "swarmcensus" / room / file).is_file(), file
+
+
+def test_the_clusters_page_lists_every_key_and_shows_its_job(tmp_path, monkeypatch):
+    page = ROOT / "docs" / "clusters.md"
+    text = page.read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == set(Queue.model_fields)
+    [toml], [shown] = blocks(page, "toml"), blocks(page, "text")
+    job = Queue.model_validate(tomllib.loads(toml) | {"interface": "lo"})
+    monkeypatch.chdir(tmp_path)  # where the folder of its logs is made
+    with job.start() as cluster:
+        script = cluster.job_script()
+    script = re.sub(r"tcp://\S+ --name \S+", "tcp://10.0.0.1:40211 --name SLURMCluster-0", script)
+    script = re.sub(r"^\S+ -m", "/home/me/venv/bin/python -m", script, flags=re.MULTILINE)
+    assert [line for line in script.replace(" lo", " ib0").splitlines() if line] == [
+        line for line in shown.splitlines() if line
+    ]
+
+
+def options_of(command):
+    """The long options of a command, without those of every command."""
+    given = parser()._subparsers._group_actions[0].choices[command]._option_string_actions
+    return {option for option in given if option.startswith("--")} - {"--help", "--quiet", "--verbose", "--json"}
+
+
+def test_the_comparing_page_lists_every_measure_and_which_way_is_better():
+    text = page_named("comparing").read_text(encoding="utf-8")
+    listed = {}
+    for names, better in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \| [^|]* \| (\w+) \|", text, re.MULTILINE):
+        listed |= dict.fromkeys(re.findall(r"\w+", names), better)
+    assert listed == {name: "low" if one.low else "high" for name, one in OURS.items()}
+    assert f"among 36 tests it takes {fewest_trials(36, 0.05)} trials" in " ".join(text.split())
+
+
+@pytest.mark.parametrize(("name", "command"), [("tuning", "tune"), ("a-swarm-on-your-desk", "swarm")])
+def test_a_page_of_a_command_names_every_option(name, command):
+    text = page_named(name).read_text(encoding="utf-8")
+    assert {option for option in options_of(command) if f"`{option}" not in text} == set()
+
+
+def test_the_swarm_page_names_every_fault_and_has_its_tables():
+    text = page_named("a-swarm-on-your-desk").read_text(encoding="utf-8")
+    assert all(re.search(rf"`[^`]*s {action}\b", text) for action in ACTIONS)
+    for name in ("costs", "simulator"):
+        table = text.partition(f"<!-- {name}: python benchmarks/swarm.py --write -->")[2].partition("<!-- end of")[0]
+        assert len(re.findall(r"^\|", table, re.MULTILINE)) > 6

@@ -1,0 +1,235 @@
+"""The documentation site: built without a warning, whole, and sufficient to itself; its tutorials are notebooks."""
+
+import functools
+import html.parser
+import json
+import os
+import re
+import runpy
+import subprocess
+import sys
+import urllib.parse
+from pathlib import Path
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import theory
+from swarmcensus.cli.commands import commands
+from swarmcensus.studies.schema import schema
+from tests.support.places import ROOT
+
+PAGES = sorted((ROOT / "docs").rglob("*.md"))
+TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
+
+
+class Links(html.parser.HTMLParser):
+    """What a page leads to, what it fetches, and its anchors."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.leads, self.fetches, self.anchors = [], [], set()
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        given = {key: value or "" for key, value in attrs}
+        self.anchors |= {given[key] for key in ("id", "name") if key in given}
+        if tag == "a" and "href" in given:
+            self.leads.append(given["href"])
+        elif tag == "link" and given.get("rel") not in ("canonical", "next", "prev"):
+            self.fetches.append(given["href"])
+        elif "src" in given:
+            self.fetches.append(given["src"])
+
+
+def build(folder, **environment):
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
+    told = {"NO_MKDOCS_2_WARNING": "1", "PYTHONPATH": str(ROOT / "src")} | environment
+    return subprocess.run(command, cwd=ROOT, env=os.environ | told, capture_output=True, text=True, timeout=600)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """One that was built before, where BUILT_SITE names it."""
+    if built := os.environ.get("BUILT_SITE"):
+        return Path(built)
+    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
+    folder = tmp_path_factory.mktemp("site")
+    done = build(folder, SWARMCENSUS_SITE="quick")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@pytest.mark.long
+def test_the_site_is_built_and_no_link_of_it_is_dead(site):
+    """Also those that mkdocs does not see: of the theme, of generated pages, to anchors, to files."""
+    pages = {page: Links(page.read_text(encoding="utf-8")) for page in site.rglob("*.html") if page.name != "404.html"}
+    assert len(pages) > 60
+    for page, links in pages.items():
+        for target in (*links.leads, *links.fetches):
+            parts = urllib.parse.urlsplit(target)
+            if parts.scheme or parts.netloc:
+                continue
+            found = (page.parent / urllib.parse.unquote(parts.path)).resolve() if parts.path else page
+            found = found / "index.html" if found.is_dir() else found
+            assert found.is_file(), f"{page.relative_to(site)}: {target}"
+            anchor = urllib.parse.unquote(parts.fragment)
+            if anchor and found in pages:
+                assert anchor in pages[found].anchors, f"{page.relative_to(site)}: {target}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_table_has_its_head(page):
+    """So that no row of it is shown as text, as those below a blank line would be."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    for table in re.findall(r"(?:^\| .*\n)(?:^\|.*\n)*", text, re.MULTILINE):
+        assert re.fullmatch(r"[|: -]+", table.splitlines()[1] if table.count("\n") > 1 else ""), table
+
+
+@pytest.mark.long
+def test_no_row_of_a_table_is_shown_as_text(site):
+    """Of generated pages neither."""
+    for page in site.rglob("*.html"):
+        assert not re.search(r"<p>\|[^<]", page.read_text(encoding="utf-8")), page.relative_to(site)
+
+
+@pytest.mark.long
+def test_pages_that_explain_a_word_are_found_before_those_that_use_it(site):
+    boosts = runpy.run_path(str(ROOT / "docs_hooks" / "boosts.py"))["BOOSTS"]
+    entries = json.loads((site / "search" / "search_index.json").read_text(encoding="utf-8"))["docs"]
+    found = {entry["location"].partition("#")[0]: entry["boost"] for entry in entries if "boost" in entry}
+    assert found == {f"{uri.removesuffix('.md')}/".replace("index/", ""): boost for uri, boost in boosts.items()}
+
+
+@pytest.mark.long
+def test_what_references_name_is_a_link(site):
+    page = (site / "reference" / "python" / "index.html").read_text(encoding="utf-8")
+    assert '<a href="../../data-format/">docs/data-format.md</a>' in page
+
+
+@pytest.mark.long
+def test_the_site_fetches_nothing_from_elsewhere(site):
+    for page in site.rglob("*.html"):
+        for target in Links(page.read_text(encoding="utf-8")).fetches:
+            assert not re.match(r"(\w+:)?//", target), f"{page.relative_to(site)}: {target}"
+    for style in site.rglob("*.css"):
+        assert not re.search(r"(@import|url\(\s*['\"]?(\w+:)?//)", style.read_text(encoding="utf-8")), style
+
+
+@pytest.mark.long
+def test_runs_that_play_are_small(site):
+    sizes = {path.name: path.stat().st_size for path in (site / "runs").iterdir()}
+    assert sizes.keys() == {"arena.html", "moving.html", "ring.html", "liars.html"}
+    assert max(sizes.values()) < 1_000_000
+
+
+@pytest.mark.long
+def test_every_command_and_option_is_on_its_page(site):
+    page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
+    assert {name for name in commands() if f'id="{name}"' not in page} == set()
+    for option in ("--cluster WHERE", "--set OPTION=VALUE", "--budget N|TIME", "--schema"):
+        assert f"<code>{option}</code>" in page
+
+
+def test_the_page_of_the_schema_has_a_type_for_every_key():
+    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
+    page = runpy.run_path(str(ROOT / "docs_hooks" / "study_schema.py"))["page"](schema())
+    assert "| `labels` | table of texts |" in page
+
+
+@pytest.mark.long
+def test_every_key_of_a_study_is_on_its_page(site):
+    page = (site / "reference" / "study-schema" / "index.html").read_text(encoding="utf-8")
+    for table in (schema(), *schema()["$defs"].values()):
+        assert {key for key in table["properties"] if f"<code>{key}</code>" not in page} == set()
+    assert all((site / "reference" / f"{what}.schema.json").is_file() for what in ("study", "mission"))
+
+
+@pytest.mark.long
+def test_what_a_page_leads_to_in_the_repository_is_on_the_site(site):
+    page = (site / "source" / "studies" / "example" / "ranking.toml" / "index.html").read_text(encoding="utf-8")
+    assert "Three brains in four worlds" in page
+
+
+def test_a_dead_link_ends_the_build(tmp_path):
+    """So what a strict build promises is so."""
+    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
+    settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:")[0]
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs" / "index.md").write_text("[nowhere](nowhere.md)\n", encoding="utf-8")
+    kept = "\n".join(line for line in settings.splitlines() if "docs_hooks/" not in line and line != "hooks:")
+    kept = re.sub(r"\nplugins:.*?\n\n", "\nplugins: []\n\n", kept, flags=re.DOTALL)
+    (tmp_path / "mkdocs.yml").write_text(kept, encoding="utf-8")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", "mkdocs.yml"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode != 0
+    assert "nowhere.md" in done.stderr
+
+
+def test_every_page_and_figure_has_its_place():
+    settings, gallery = ((ROOT / name).read_text(encoding="utf-8") for name in ("mkdocs.yml", "docs/gallery.md"))
+    nav = set(re.findall(r": ([\w/-]+\.md)$", settings, re.MULTILINE))
+    written = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+    assert written - {"README.md"} <= nav
+    assert {path.name for path in (ROOT / "docs" / "images").glob("*.png")} <= set(
+        re.findall(r"\(images/([\w-]+\.png)\)", gallery)
+    )
+
+
+def test_the_page_of_the_data_has_the_tables_that_the_code_makes():
+    """If not: `python docs_hooks/tables.py`."""
+    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
+    assert "<!-- end of " in text
+    assert runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["filled"](text) == text
+
+
+def test_every_public_name_is_on_the_python_pages():
+    python, theories = ((ROOT / "docs" / "reference" / name).read_text() for name in ("python.md", "theory.md"))
+    listed = set(re.findall(r"^::: [\w.]+\.(\w+)$", python, re.MULTILINE))
+    assert set(sc.__all__) - {"plot", "theory"} <= listed
+    assert set(dir(sc.plot)) <= listed
+    shown = set(re.findall(r"^::: [\w.]+\.(\w+)$", theories, re.MULTILINE))
+    assert {name for name in theory.__all__ if hasattr(getattr(theory, name), "__doc__")} - shown <= {"Truth"}
+
+
+@functools.cache
+def hook():
+    pytest.importorskip("jupytext", reason="pip install '.[docs]'")
+    return runpy.run_path(str(ROOT / "docs_hooks" / "notebooks.py"))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_tutorials_run(page, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "src"))
+    notebook = hook()["executed"](page.read_text(encoding="utf-8"))
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert len(cells) >= 4
+    assert all(cell.execution_count for cell in cells)
+    if page.stem == "cluster":
+        assert [cell.outputs[0].data["text/plain"] for cell in cells if cell.source.endswith(")")][:2] == ["True"] * 2
+
+
+def test_a_cell_that_fails_is_told_of():
+    found = hook()
+    with pytest.raises(Exception, match="ZeroDivisionError"):
+        found["executed"]("```python\n1 / 0\n```\n")
+
+
+@pytest.mark.long
+def test_a_notebook_is_shown_with_what_it_prints_and_draws():
+    """A file that a cell writes is shown as such; what a cell says on stderr, its progress, is not."""
+    found = hook()
+    text, pictures = found["shown"](
+        found["executed"](
+            "# Title\n\n```python\n%%writefile a.toml\nx = 1\n```\n\n```bash\ncat a.toml; echo progress >&2\n```\n\n"
+            "```python\n%matplotlib inline\nfrom matplotlib.figure import Figure\n\nfigure = Figure()\n"
+            "figure.subplots()\nfigure\n```\n\n```python\n6 * 7\n```\n"
+        ),
+        "page",
+    )
+    assert '```toml title="a.toml"\nx = 1\n```' in text
+    assert "```sh\ncat a.toml; echo progress >&2\n```\n\n``` { .text .output .no-copy }\nx = 1\n```" in text
+    assert "![What the cell above draws](page-1.png)" in text
+    assert pictures["page-1.png"].startswith(b"\x89PNG")
+    assert "``` { .text .output .no-copy }\n42\n```" in text

@@ -1,0 +1,160 @@
+"""docs/which-brain.md says what docs/leaderboard.md says: every number of it, and what it puts into words."""
+
+import re
+import runpy
+import tomllib
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.studies.study import Study
+from swarmcensus.studies.toml_text import to_toml
+from tests.support.places import DOCS
+
+PAGE = (DOCS / "which-brain.md").read_text(encoding="utf-8")
+BOARD = (DOCS / "leaderboard.md").read_text(encoding="utf-8")
+PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
+BOUNDS = {"oracle"}
+
+
+def rows(text):
+    """Each table of a text: its head, and its rows, cells without marks."""
+    for block in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE):
+        head, _, *body = ([cell.strip(" *`") for cell in line.split("|")[1:-1]] for line in block.splitlines())
+        yield head, body
+
+
+@pytest.fixture(scope="module")
+def board():
+    """The value of each brain in each column of the leaderboard, as it is printed."""
+    found = {}
+    for title, prefix in PARTS.items():
+        for head, body in rows(BOARD.partition(f"## {title}\n")[2].partition("\n## ")[0]):
+            at = head.index("brain")
+            for row in body:
+                for name, value in zip(head[at + 1 :], row[at + 1 :], strict=True):
+                    if name != "rank":
+                        found[row[at], prefix + name] = value
+    return found
+
+
+def test_every_number_of_a_table_is_the_leaderboards(board):
+    told = {
+        (row[0], column): value
+        for head, body in rows(PAGE)
+        for row in body
+        for column, value in zip(head[1:], row[1:], strict=True)
+    }
+    assert len(told) > 100
+    assert told == {key: board[key] for key in told}
+
+
+def test_what_it_advises_is_what_the_leaderboard_orders(board):
+    def order(column, best=min):
+        values = {b: float(v) for (b, c), v in board.items() if c == column and v != "–" and b not in BOUNDS}
+        return sorted(values, key=values.get, reverse=best is max)
+
+    ours = {"commons", "swift", "sure", "tracking", "self-taught"}
+    for column in ("networks", "moving", "poor sensors", "mixed sensors"):
+        assert {"commons", "swift"} <= set(order(f"error: {column}")[:5]) <= ours | {"kalman-consensus", "census"}
+    for column in ("networks", "moving", "poor sensors"):
+        rivals = [b for b in order(f"error: {column}") if b not in {*ours, "steadfast", "census"}]
+        assert set(rivals[:2]) == {"consensus-innovations", "kalman-consensus"}
+    mixed = order("error: mixed sensors")
+    assert all(mixed.index(b) < mixed.index("consensus-innovations") for b in ("kalman-consensus", "minimalistic"))
+    for share in ("10", "30"):
+        assert order(f"error: {share} % liars")[0] == order(f"right %: {share} % liars", max)[0] == "steadfast"
+        assert set(order(f"error: {share} % liars")[-3:]) <= {
+            "commons",
+            "swift",
+            "sure",
+            "tracking",
+            "consensus-innovations",
+        }
+    assert set(order("error: 10 % liars")[1:3]) == {"minimalistic", "leaver"}
+    assert order("error: 30 % liars")[1] == "alone"
+    assert {"alone", "w-msr debiased=1"} <= set(order("right %: 10 % liars", max)[:5])
+    assert order("error: change")[0] == "tracking"
+    opinions = {b for b, c in board if c.startswith("right") and (b, "error: networks") not in board}
+    near_half = [b for b in order("right %: f near 1/2", max) if b in opinions]
+    assert near_half[0].startswith("direct-comparison")
+    change = [b.partition(" ")[0] for b in order("right %: change", max)]
+    assert {"tracking", "bayes-cpf", "changing-floor", "belief-sharing-indexed"} <= set(change[:6])
+    assert order("memory", max)[0].startswith("changing-floor")
+
+
+def test_each_board_is_led_by_the_brain_that_the_page_advises_there():
+    """By errors, of the brains that a robot can run: honest robots, liars, a floor that changes."""
+    errors = BOARD.partition("## Errors of estimates\n")[2].partition("\n## ")[0]
+    leaders = [[row[1] for row in body if row[0]][:4] for _, body in rows(errors)]
+    honest, liars, change = leaders
+    assert {"commons", "swift"} <= set(honest)
+    assert liars[0] == "steadfast"
+    assert change[0] == "tracking"
+
+
+def test_numbers_in_its_words_stand_in_its_tables_or_describe_the_worlds():
+    words = re.sub(r"^```text\n(?s:.*?)^```|(?:^\|.*\n)+|\]\([^)]*\)", "", PAGE, flags=re.MULTILINE)
+    study = tomllib.loads((DOCS.parent / "studies" / "leaderboard.toml").read_text(encoding="utf-8"))
+    changes = [case["fill_ratio"] for case in study["case"] if isinstance(case.get("fill_ratio"), dict)]
+    ratios = {*study["world"]["fill_ratio"], *(change[end] for change in changes for end in ("from", "to"))}
+    worlds = {"0.1", "0.05", "0.7", *map(str, ratios)}  # seconds a round, half a tenth, an accuracy
+    assert set(re.findall(r"\d+\.\d+", words)) <= worlds
+
+
+def test_where_our_brains_are_worse_is_what_the_command_runs_and_they_are_worse():
+    """The table itself is measured by the command; here, that its worlds are those, and that each row shows a loss."""
+    command = runpy.run_path(str(DOCS.parent / "benchmarks" / "worse.py"))
+    [block] = re.findall(r"```text\n(.*?)```", PAGE, re.DOTALL)
+    _, *lines = block.splitlines()
+    for line, (world, (ours, *_)) in zip(lines, command["WORLDS"].items(), strict=False):
+        found = re.fullmatch(rf"{re.escape(world)} +{ours} +([\d.]+) +([\d.]+) +([\d.]+)  ([\d.]+) .*", line)
+        assert found, line
+        mine, *others = map(float, found.groups())
+        assert mine > 1.5 * min(others)
+
+
+def test_the_page_of_ones_own_brain_shows_the_same_board(board):
+    page = (DOCS / "your-brain-on-the-leaderboard.md").read_text(encoding="utf-8")
+    shown = re.findall(
+        r"^ *\d* +([\w-]+) +[\d.]+ +[\d.]+ +([\d.]+) +([\d.]+) +[\d.]+ +(\d+) +(\d+)$", page, re.MULTILINE
+    )
+    assert len(shown) == 4
+    columns = ("error: networks", "error: moving", "memory", "message")
+    assert shown == [(name, *(board[name, column] for column in columns)) for name, *_ in shown]
+    [(_, losses)] = rows(page)
+    kinds = {c.removeprefix("error: ") for _, c in board if c.startswith("error: ")}
+    assert {kind for _, kind, *_ in losses} == kinds
+    for _, kind, _, _, value, best in losses:
+        others = [float(v) for (b, c), v in board.items() if c == f"error: {kind}" and b not in BOUNDS and v != "–"]
+        assert value == board[best, f"error: {kind}"]
+        assert float(value) == min(others)
+
+
+def test_what_the_brain_of_that_page_has_on_networks_is_what_a_run_gives():
+    page = (DOCS / "your-brain-on-the-leaderboard.md").read_text(encoding="utf-8")
+    tables = tomllib.loads((DOCS.parent / "studies" / "leaderboard.toml").read_text(encoding="utf-8"))
+    tables["swarm"]["brain"] = str(DOCS.parent / "studies" / "example" / "my_brain.py")
+    tables["world"] = {"topology": "scale-free", "fill_ratio": tables["world"]["fill_ratio"]}
+    del tables["members"], tables["case"], tables["schedule"]["ticks"]
+    data = sc.run(Study.parse(to_toml(tables)))
+    errors = abs(data["final_estimate"] - data["fill_ratio"]).median("robot").median("trial")
+    assert f"| honest | networks | 10 of 43 | {errors.mean().item():.4f} |" in page
+
+
+def test_the_command_that_takes_numbers_over_finds_each_cell_by_brain_and_column():
+    boards = runpy.run_path(str(DOCS.parent / "benchmarks" / "boards.py"))
+    page = "".join(
+        f"## {title}\n\n|  | brain | {column} |\n|---|---|---|\n| 1 | **a b=1** | **{k}** |\n| 2 | c | {k + 5} |\n\n"
+        for k, (title, column) in enumerate(zip(PARTS, ("moving", "moving", "memory"), strict=True))
+    )
+    values = boards["values_of"](page)
+    columns = ("error: moving", "right %: moving", "memory")
+    assert values == {
+        (name, c): str(k + more) for name, more in (("a b=1", 0), ("c", 5)) for k, c in enumerate(columns)
+    }
+    old = "| brain | memory | error: moving |\n|---|---:|---:|\n| c | 1 | 2 |\n| a b=1 | 3 | 4 |\n"
+    new = "| brain | memory | error: moving |\n|---|---:|---:|\n| c | 7 | 5 |\n| a b=1 | 2 | 0 |\n"
+    assert boards["renewed"](old, values) == new
+    with pytest.raises(SystemExit, match="'d' has no 'memory' on the leaderboard"):
+        boards["renewed"](old.replace("| c |", "| d |"), values)

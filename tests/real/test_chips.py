@@ -1,0 +1,147 @@
+"""Translated brains on simulated chips give the bits of CPython in single precision."""
+
+import json
+import re
+
+import pytest
+
+from swarmcensus.brains import load
+from swarmcensus.brains.brain import shipped
+from swarmcensus.cli.commands import main
+from swarmcensus.deployment import chips
+from swarmcensus.deployment.costs import COLUMNS, cost
+from swarmcensus.deployment.selftest import is_exact
+from tests.support.places import DOCS, EXAMPLE
+from tests.support.translated import BRAINS, CLOSE, differs, load_busy, named
+
+AVR = pytest.mark.skipif(
+    bool(chips.missing(chips.AVR)),
+    reason=f"not installed: {', '.join(chips.missing(chips.AVR))} (tools/install-chips.sh)",
+)
+CORTEX = pytest.mark.skipif(
+    bool(chips.missing(chips.CORTEX)),
+    reason=f"not installed: {', '.join(chips.missing(chips.CORTEX))} (tools/install-chips.sh)",
+)
+SHORT = 17  # rounds in an AVR, which is slow to simulate
+
+
+def on_atmega(source):
+    return chips.selftest_on_avr(source, SHORT)
+
+
+@AVR
+@pytest.mark.parametrize("name", ["commons", "minimalistic"])
+def test_atmega(name, tmp_path):
+    brain = load_busy(name, "single", "ratio16")
+    assert differs(brain, tmp_path, on_atmega, SHORT).line == 0
+
+
+@CORTEX
+@pytest.mark.parametrize("name", ["commons", "minimalistic", "w-msr"])
+def test_cortex(name, tmp_path):
+    assert differs(load_busy(name, "single", "ratio16"), tmp_path, chips.on_cortex).line == 0
+
+
+@AVR
+@pytest.mark.long
+@pytest.mark.parametrize("name", BRAINS, ids=named)
+def test_all_on_atmega(name, tmp_path):
+    brain = load_busy(name, "single", "ratio8" if is_exact(load_busy(name, "single")) else "float32")
+    difference = differs(brain, tmp_path, on_atmega, SHORT)
+    assert difference.line == 0 if is_exact(brain) else difference.largest < CLOSE
+
+
+@CORTEX
+@pytest.mark.long
+@pytest.mark.parametrize("name", BRAINS, ids=named)
+def test_all_on_cortex(name, tmp_path):
+    brain = load_busy(name, "single", "ratio8" if is_exact(load_busy(name, "single")) else "float32")
+    difference = differs(brain, tmp_path, chips.on_cortex)
+    assert difference.line == 0 if is_exact(brain) else difference.largest < CLOSE
+
+
+def page_of_costs():
+    """The rows of the table of docs/in-c.md, by brain."""
+    page = (DOCS / "in-c.md").read_text(encoding="utf-8")
+    rows = [
+        re.split(r" *\| *", line)[1:-1] for line in page.splitlines() if line.startswith("| `") and line.count("|") > 9
+    ]
+    return {row[0].strip("`*\\"): row[1:] for row in rows}
+
+
+def test_the_page_has_the_costs_of_all_brains():
+    rows = page_of_costs()
+    assert list(rows) == shipped()
+    assert rows["commons"][-1] == "yes"
+    assert rows["bayes-bots"][-1].startswith("no: RAM")
+
+
+def test_the_advice_names_the_brains_for_which_a_kilobot_has_room():
+    page = (DOCS / "which-brain.md").read_text(encoding="utf-8")
+    named = page.partition("these brains fit:\n\n")[2].partition("\n\n")[0]
+    fit = [name for name, cells in page_of_costs().items() if cells[-1] == "yes" and not load(name).is_oracle]
+    assert sorted(re.findall("`(.*?)`", named)) == sorted(fit)
+
+
+@AVR
+def test_costs():
+    one = cost(load("commons"))
+    written = [float(cell.replace(",", "")) for cell in page_of_costs()["commons"][:-1]]
+    found = (one.flash, one.cycles, one.coded_flash, one.coded_cycles, one.longest, one.ram, one.stack, one.message)
+    assert written == pytest.approx([*found, one.milliseconds], rel=0.1)  # other compilers have other figures
+    assert 28 <= one.ram < 64
+    assert (one.too_large, one.kilobot) == ((), "yes")
+    assert one._replace(ram=1800).too_large == ("RAM",)
+    assert one._replace(message=4, coded_flash=30_000).kilobot == "no: flash, message"
+
+
+@AVR
+def test_a_shell_measures_brains(capsys, monkeypatch):
+    """The shipped ones with the longest name and the longest words, and a file; the table has room in 100 columns."""
+    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "100")
+    own = str(EXAMPLE / "my_brain.py")
+    assert main(["brains", "--cost", "covariance-intersection", "bayes-bots"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert lines[0].split() == [column.short for column in COLUMNS if column.short]
+    for line in lines[1:3]:
+        name, *cells = re.split(r"  +", line.strip())
+        written = page_of_costs()[name.strip("*")]
+        assert cells[-1] == written[-1]
+        found = [float(cell.replace(",", "")) for cell in cells[:-1]]
+        assert found == pytest.approx([float(cell.replace(",", "")) for cell in written[2:-1]], rel=0.1, abs=0.1)
+    assert lines[2].startswith("bayes-bots*")
+    assert lines[-1].startswith("*: its memory has no room")
+    assert main(["brains", "--json", "--cost", own]) == 0
+    told = json.loads(capsys.readouterr().out)
+    [one] = told["costs"]
+    assert (told["format"], one["name"], one["fits_kilobot"], one["too_large"]) == (
+        "swarmcensus costs 1",
+        own,
+        True,
+        [],
+    )
+    assert one["milliseconds"] == one["coded_cycles"] / 8000
+
+
+@AVR
+def test_a_brain_that_no_chip_has_room_for_is_named(tmp_path, capsys):
+    own = (EXAMPLE / "my_brain.py").read_text(encoding="utf-8")
+    file = tmp_path / "large.py"
+    for numbers in (4096, 4060):  # more than the chip has, and as much as would leave no room for a stack
+        large = own.replace("MEMORY = {", f'MEMORY = {{"large": (0.0,) * {numbers}, ', 1)
+        file.write_text(large, encoding="utf-8")
+        assert main(["brains", "--cost", str(file), "--quiet"]) == 2
+        why = "an atmega1284p, with 128 KB of flash and 16 KB of RAM, is too small"
+        assert capsys.readouterr() == ("", f"swarmcensus: brain {file}: {why}\n")
+
+
+def test_costs_without_a_simulator_are_one_sentence(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert main(["brains", "--cost", "commons"]) == 2
+    assert capsys.readouterr().err == (
+        "swarmcensus: --cost: avr-gcc, avr-size and simavr are not installed: "
+        "Debian's packages gcc-avr, avr-libc and simavr have them\n"
+    )
+    assert main(["brains", "--cost", "comons"]) == 2
+    assert "did you mean 'commons'?" in capsys.readouterr().err

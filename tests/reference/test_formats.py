@@ -1,0 +1,258 @@
+"""Robots' number formats: single precision, and messages in few bits, against the reference, to the bit."""
+
+import struct
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.brains.packing import BYTES, Format, Numbers, Precision, parts
+from swarmcensus.brains.single import codec_source, rounded_to_single
+from swarmcensus.cli.commands import main
+from swarmcensus.robot import codec
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
+from swarmcensus.studies.tables import Measure
+from swarmcensus.watching.robots import robot_of
+from swarmcensus.watching.shows import Show
+from swarmcensus.watching.simulated import Simulated
+from tests.reference import formats as reference_formats
+from tests.reference import rounds as reference
+from tests.reference import walks as reference_walks
+from tests.support.places import DOCS
+from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of
+
+EVERY = [
+    Numbers("single", "double"),
+    Numbers("single", "ratio16"),
+    Numbers("single", "ratio8", False),
+    Numbers("single", "float32"),
+    Numbers("double", "float16"),
+    Numbers("double", "ratio8"),
+    Numbers("double", "float32"),
+    Numbers("single", "float16"),
+]
+
+
+ROUGH = ("recurrent", "belief-sharing")  # machine code has a tanh and a power of its own
+
+
+def keys_of(numbers):
+    feedback = {} if numbers.message == "double" else {"feedback": numbers.feedback}
+    return {"precision": numbers.precision, "message": numbers.message} | feedback
+
+
+def lives_as_the_reference(settings):
+    for setting in settings:
+        _, estimates, blacks = record_trial(setting, SEED, 0)
+        minds = reference.fixed(setting, SEED, 0, failing(setting, 0), heard_in(setting, 0), blacks)
+        loose = 1e-6 if setting.brain.name in ROUGH else 0.0
+        assert np.abs(estimates - np.array(minds.estimates)).max() <= loose, str(setting)
+
+
+def test_machine_code_has_the_bits_of_single_precision_and_of_ratios():
+    lives_as_the_reference(
+        settings_of(brain="self-taught", rounds=40, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(EVERY[1]))
+    )
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("numbers", EVERY, ids=str)
+def test_swarms_with_number_formats_live_the_life_of_the_reference(numbers):
+    every = [name for name in brains.shipped() if name not in ("oracle", "leaver")]
+    lives_as_the_reference(
+        settings_of(robots=4, brain=every, rounds=10, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(numbers))
+    )
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("which", range(5), ids=lambda which: str(EVERY[which]))
+def test_all_brains_have_the_bits_of_the_reference_as_machine_code(which):
+    numbers, every = EVERY[which], [name for name in brains.shipped() if name not in ("oracle", "leaver")]
+    if which != 1:  # in CPython all are tried: as machine code, all in one combination, and a fourth in each other one
+        every = every[which - (which > 1) :: 4]
+    lives_as_the_reference(
+        settings_of(robots=6, brain=every, rounds=60, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(numbers))
+    )
+
+
+@pytest.mark.interpreted
+def test_late_messages_and_failing_robots_are_rounded_as_in_the_reference():
+    world = {"link_success": 0.8, "message_delay": [0, 2], **keys_of(EVERY[1])}
+    lives_as_the_reference(settings_of(robots=6, brain=["commons", "sure"], rounds=12, faults=FAULTS, **world))
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("brain", ["commons", "leaver"])
+def test_robots_that_move_and_steer_round_as_the_reference(brain):
+    setting = moving_of(brain=brain, ticks=25, link_success=0.8, **keys_of(EVERY[1]))
+    life = reference_walks.lives(setting, SEED, 0, failing(setting, 0))
+    assert (record_ride(setting, SEED, 0).estimates == np.array(life.estimates)).all()
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("adversary", ["jammer", "opposite"])
+def test_liars_talk_in_the_same_format(adversary):
+    study = sc.Study(
+        trials=1,
+        seed=SEED,
+        swarm={"robots": 6, "brain": "commons", "accuracy": 0.8, "precision": "single"},
+        world={"topology": "ring", "fill_ratio": 0.55, "message": "ratio16"},
+        schedule={"rounds": 10},
+        members=[{"robots": 2, "brain": adversary, "honest": False}],
+    )
+    lives_as_the_reference(study.settings())
+
+
+# ---- the codec
+
+
+def test_half_precision_is_that_of_ieee():
+    numbers = [*np.random.default_rng(1).normal(size=2000) * 2.0 ** np.linspace(-30, 16, 2000), 0.0, 65519.9]
+    every = np.arange(65536, dtype=np.uint16).view(np.float16)
+    finite = every[np.isfinite(every)].astype(np.float64)
+    middles = (finite[1:] + finite[:-1]) / 2
+    for x in [*finite, *middles[np.isfinite(middles)][::7], *numbers]:
+        code = codec.half_code(float(x))
+        packed = struct.pack("<e", x) if abs(x) < 65520 else struct.pack("<e", np.copysign(65504.0, x))
+        assert code == struct.unpack("<H", packed)[0] or x == 0.0
+        assert codec.half_value(code) == struct.unpack("<e", packed)[0]
+
+
+def test_codes_stand_for_the_nearest_numbers():
+    random = np.random.default_rng(2)
+    for bits, steps in ((16, 32768.0), (8, 128.0)):
+        every = reference_formats.RATIOS[bits]
+        assert [codec.ratio_code(codec.ratio_value(float(k), steps), steps) for k in range(len(every))] == [
+            *range(len(every))
+        ]
+        for x in random.uniform(-1.0, 2.0, 200):
+            read = codec.read_share(x, steps)
+            assert abs(read - x) == pytest.approx(np.abs(every - x).min(), abs=1e-12)
+    assert [codec.log_code(codec.log_value(float(k))) for k in range(256)] == [*range(256)]
+    for x in 2.0 ** random.uniform(-16, 47, 500):
+        assert codec.read_log(x) == pytest.approx(reference_formats.log(x), rel=1e-15)
+    assert [codec.read_log(x) for x in (-1.0, 0.0, 1e-9, np.nan)] == [0.0] * 4
+    assert codec.read_log(np.inf) == codec.read_log(1e30) == pytest.approx(2.0**47.5)
+    assert [codec.whole_code(x, 255.0) for x in (-1.0, 3.0, 300.0)] == [0.0, 3.0, 255.0]
+
+
+def test_the_codec_in_single_precision_has_the_bits_of_float32():
+    namespace = {}
+    exec(codec_source("single"), namespace)
+    random, f4 = np.random.default_rng(3), np.float32
+    for x in map(float, random.uniform(-0.6, 1.6, 500).astype(f4)):
+        with np.errstate(all="ignore"):
+            scaled = (f4(x) + f4(0.5)) * f4(32768.0)
+        assert namespace["ratio_code"](x, 32768.0) == np.clip(np.rint(scaled), 0, 65535)
+        information, confidence = x * 100, abs(x) * 37 + 1
+        assert namespace["ratio_of"](rounded_to_single(information), rounded_to_single(confidence)) == f4(
+            information
+        ) / f4(confidence)
+
+
+# ---- what users see
+
+
+@pytest.mark.interpreted
+def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
+    study = sc.Study(
+        trials=2,
+        swarm={"robots": 5, "brain": ["commons", "three-state"], "accuracy": 0.8, "precision": [*get_args(Precision)]},
+        world={"topology": "ring", "fill_ratio": 0.55, "message": [*get_args(Format)]},
+        schedule={"rounds": 5},
+    )
+    data = sc.run(study, jobs=1)
+    assert data["message"].values[:5].tolist() == ["double", "float32", "float16", "ratio16", "ratio8"]
+    assert set(data["precision"].values) == {"single", "double"}
+    assert data["message_bytes"].values[:5].tolist() == [8, 8, 4, 3, 2]
+    plain = data["memory_bytes"].values[0]
+    assert data["memory_bytes"].values[:5].tolist() == [plain, *[plain + 8] * 4]  # what two numbers owe
+    assert (data["messages_clipped"].values == 0.0).all()
+    for setting, size in zip(study.settings(), data["message_bytes"].values, strict=True):
+        if setting.message != "double":
+            assert size == reference_formats.size(setting.brain)
+    again = sc.replay(data, 3, 1)
+    assert again["estimate"].values[-1].tolist() == data["final_estimate"].values[3, 1].tolist()
+
+
+@pytest.mark.interpreted
+def test_the_live_page_shows_what_robots_assume_and_hear_in_their_numbers():
+    setting = settings_of(robots=4, brain="minimalistic", accuracy=0.7, rounds=5, **keys_of(EVERY[1]))[0]
+    show = Show(Simulated(setting, SEED, 0), Measure())
+    told = robot_of(show, 3, 1)
+    assert told["sensor"]["believed_b"] == rounded_to_single(0.7) != 0.7
+    trace = record_trial(setting, SEED, 0)
+    assert told["fields"]["alpha"] == trace[0]["alpha"][3, 1]
+    assert sum(heard["said"]["heard_alpha"] for heard in told["heard"]) == trace[0]["beta"][3, 1]
+
+
+@pytest.mark.interpreted
+def test_numbers_that_a_format_cannot_hold_are_counted_and_sent_as_the_largest(tmp_path, capsys):
+    path = tmp_path / "large.py"
+    path.write_text(
+        "MEMORY = {'x': 0.5, 'n': 0.0, 'heard': 0.0}\nMESSAGE = ('n',)\n"
+        "def observe(me, blacks, looks):\n    me.n += 30000.0\n"
+        "def broadcast(me):\n    return (me.n,)\n"
+        "def receive(me, message):\n    me.heard = message[0]\n"
+        "def fuse(me):\n    pass\n"
+        "def estimate(me):\n    return me.x\n"
+    )
+    study = sc.Study(
+        trials=1, swarm={"robots": 2, "brain": str(path), "accuracy": 0.8},
+        world={"topology": "full", "fill_ratio": 0.55, "message": "float16"}, schedule={"rounds": 5},
+    )  # fmt: skip
+    data = sc.run(study, jobs=1, out=tmp_path / "large.nc")
+    assert data["messages_clipped"].values.tolist() == [[[3.0, 3.0]]]
+    assert main(["show", str(tmp_path / "large.nc")]) == 0
+    assert "setting 0: a number was too large for the message format" in capsys.readouterr().out
+    assert sc.replay(data, 0, 0, brain_file=path)["heard"].values[-1].tolist() == [65504.0, 65504.0]
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "said"),
+    [
+        ("swarm", "precision", "half", "swarm.precision = \"half\": should be 'double' or 'single'"),
+        ("world", "message", "bfloat16", "did you mean 'float16'"),
+        ("world", "feedback", False, "world.feedback is of messages with a number format"),
+        ("world", "feedback", "yes", 'world.feedback = "yes": should be'),
+    ],
+)
+def test_unknown_formats_are_named(table, key, value, said):
+    tables = {"swarm": {"robots": 2, "accuracy": 0.8}, "world": {"topology": "ring", "fill_ratio": 0.5}}
+    tables[table][key] = value
+    with pytest.raises(sc.InputError, match="study: ") as error:
+        sc.Study(trials=1, **tables)
+    assert said in str(error.value)
+
+
+def test_every_part_of_a_message_is_coded_once():
+    for name in brains.shipped():
+        brain = brains.load(name)
+        for format in ("float32", "float16", "ratio16", "ratio8"):
+            made = parts(brain.message, brain.roles, format)
+            assert sorted(k for part in made for k in part.places) == list(
+                range(sum(max(n, 1) for n in brain.message.values()))
+            )
+            assert brain.with_numbers(Numbers(message=format)).message_bytes == sum(BYTES[part.coding] for part in made)
+
+
+def test_the_page_has_the_errors_of_all_brains_that_hear_neighbours():
+    page = (DOCS / "formats.md").read_text()
+    tables = page.partition("<!-- formats: python benchmarks/formats.py --write -->")[2].partition("<!-- end")[0]
+    rows = [line.split(" | ") for line in tables.splitlines() if line.startswith("| `")]
+    assert {len(row) for row in rows} == {6}
+    named = {row[0].strip("| `") for row in rows}
+    assert named == set(brains.shipped()) - {"oracle", "leaver"}
+    assert sum(row[0].startswith("| `commons`") for row in rows) == 3
+
+
+def test_an_error_in_single_precision_has_the_line_of_the_file():
+    source = brains.load("alone").source.replace("    me.t += looks\n", "    me.t += looks\n    me.n /= me.t - looks\n")
+    used = brains.parse(source, "mine", Path("mine.py")).with_numbers(Numbers(precision="single"))
+    with pytest.raises(ZeroDivisionError) as failed:
+        used.functions.observe(used.robot(0.7, 0.7), 1.0, 1.0)
+    assert source.splitlines()[failed.traceback[-1].lineno] == "    me.n /= me.t - looks"

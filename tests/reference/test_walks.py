@@ -1,0 +1,277 @@
+"""Small swarms that move against the reference: their bodies, then their minds."""
+
+import math
+from itertools import combinations, pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.engine.addresses import address
+from swarmcensus.engine.constants import STATE
+from swarmcensus.engine.neighbours import have_strayed
+from swarmcensus.simulation import metrics, rides
+from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.trials import Metrics
+from swarmcensus.simulation.walking import neighbours_at_most, walk
+from swarmcensus.worlds.bodies import Body
+from tests.reference import rounds as reference
+from tests.reference import walks as reference_walks
+from tests.support.small import FAULTS, GO, SEED, called, failing, moving_of
+from tests.support.steering import STEER, WANTS
+
+# ---- bodies
+
+
+BODIES = {
+    "default": ({}, 6, 8.0, 25),
+    "alone": ({}, 1, 20.0, 30),
+    "crowd": ({"straight_mean": 2.0, "turn_most": 3}, 9, 40.0, 20),
+    "blind radio": ({"line_of_sight": False, "wheel_lag": 0.6, "tile": 0.03, "sensor": (-0.02, 0.03)}, 7, 30.0, 12),
+    "fast": ({"speed": 0.9, "turn_speed": 0.3, "radio_range": 0.5, "straight_mean": 5.0}, 5, 5.0, 20),
+    "stuck": ({"turn_speed": 0.0005, "straight_mean": 100.0}, 3, 35.0, 75),
+    "keen eyes": (
+        {"proximity_range": 0.3, "proximity_near": 0.1, "avoid_within": 60.0, "avoid_above": 0.05},
+        5,
+        20.0,
+        15,
+    ),
+    "eyes all round": ({"avoid_within": 180.0}, 9, 30.0, 20),
+    "lazy": ({"turn_most": 0, "straight_mean": 1.0}, 3, 6.0, 15),
+    "leaping": ({"speed": 9.0, "straight_mean": 60.0}, 9, 45.0, 8),
+    "many": ({}, 50, 20.0, 2),
+    "many, far apart": ({"speed": 0.9}, 60, 2.0, 5),
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_robots_walk_as_in_the_reference(name):
+    """Poses to a nanometre; who looks, on which tile, and who hears whom, exactly."""
+    changes, robots, density, ticks = BODIES[name]
+    body, trial, key = Body(**changes), 2, address(SEED, "walk", name=name)
+    side = math.sqrt(robots * math.pi * body.radio_range**2 / density)
+    lame = np.full((3, robots), 1 << 62)
+    lame[0, 0] = 7
+    stands = [[(7, 1 << 62)], *([] for _ in range(robots - 1))]
+    chunks = list(walk(robots, side, body, key, trial, ticks, GO, poses=True, stops=lame))
+    swarm = reference_walks.placed(robots, side, body, key, trial)
+    if robots > 48:  # numbered by strips as wide as robots reach, and from left to right within
+        swarm.sort(key=lambda me: (math.floor(me.place.imag / body.reach), me.place.real))
+    begin = [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
+    assert chunks[0].begin == pytest.approx(np.array(begin), abs=1e-9)
+    tick = 0
+    for chunk in chunks:
+        assert chunk.tick == tick + 1
+        for k in range(len(chunk.looked)):
+            tick += 1
+            now = reference_walks.step(swarm, side, body, key, trial, tick, stands, [None] * robots)
+            assert chunk.poses[k] == pytest.approx(np.array(now.poses), abs=1e-9)
+            assert chunk.looked[k].tolist() == now.looked
+            assert chunk.tiles[k].tolist() == [list(tile) for tile in now.tiles]
+            ends = chunk.heard[k * robots : (k + 1) * robots + 1]
+            assert [chunk.senders[a:b].tolist() for a, b in pairwise(ends)] == now.heard
+    assert tick == ticks
+
+
+def test_the_walks_above_have_all_that_there_is(monkeypatch):
+    """Avoiding for more than 60 ticks on end, both ways round, pushes, standing, moves of all kinds, hidden robots."""
+    seen, push_apart = set(), reference_walks.push_apart
+
+    def watched(swarm, *sizes):
+        seen.update("one place" for one, other in combinations(swarm, 2) if abs(one.place - other.place) < 1e-12)
+        seen.update({"100 sweeps"} if push_apart(swarm, *sizes) > 100 else ())
+
+    monkeypatch.setattr(reference_walks, "push_apart", watched)
+    for name, (changes, robots, density, ticks) in BODIES.items():
+        body, key = Body(**changes), address(SEED, "walk", name=name)
+        side = math.sqrt(robots * math.pi * body.radio_range**2 / density)
+        swarm = reference_walks.placed(robots, side, body, key, 2)
+        for tick in range(1, ticks + 1 if robots < 20 else 1):
+            now = reference_walks.step(swarm, side, body, key, 2, tick, [[]] * robots, [None] * robots)
+            seen |= {("avoids", me.turn > 0, me.avoiding > 30) for me in swarm if me.avoiding}
+            seen |= {"60 ticks" for me, looks in zip(swarm, now.looked, strict=True) if me.avoiding == 1 and tick > 60}
+            seen |= {("moves", me.move) for me, looks in zip(swarm, now.looked, strict=True) if looks}
+            apart = [abs(one.place - other.place) for one, other in combinations(swarm, 2)]
+            seen |= {"pushed" for d in apart if d < 2 * body.radius + 1e-5}
+            seen |= {"hidden"} if 2 * sum(d < body.radio_range for d in apart) > sum(map(len, now.heard)) else set()
+    assert seen >= {("avoids", True, False), ("avoids", False, False), ("avoids", False, True), "60 ticks", "hidden"}
+    assert seen >= {("moves", move) for move in range(4)} | {"pushed", "100 sweeps", "one place"}
+
+
+@pytest.mark.parametrize("radius", [0.0704, 0.02, 0.003])
+def test_room_is_kept_for_as_many_neighbours_as_fit(radius):
+    """A hexagonal packing around a robot, of which there are about as many as discs of that area allow."""
+    body = Body(radius=radius)
+    far, row = (body.reach + body.skin) / radius, np.arange(-300, 301)
+    x, y = 2 * row[:, np.newaxis] + row, math.sqrt(3) * row
+    fit = (np.hypot(x, y) <= far).sum() - 1
+    assert fit <= neighbours_at_most(10**9, body) <= (1 + 3 / far) * fit
+    assert neighbours_at_most(5, body) == 4
+
+
+@pytest.mark.parametrize(("forth", "strayed"), [(0.49, False), (0.5, True)])
+def test_lists_are_made_anew_once_any_robot_has_gone_half_the_skin(forth, strayed):
+    """Either way, wherever it was, and be it the last one."""
+    for at in ((0.0, 0.0), (3.0, -0.1), (-0.1, 3.0), (-0.2, -0.2)):
+        for way in (1, -1, 1j, -1j):
+            anchors = np.array([at] * 3).T
+            state = np.zeros((STATE, 3))
+            state[:2] = anchors
+            state[:2, 2] += np.array([way.real, way.imag]) * forth * 0.4
+            assert called(have_strayed)(state, anchors, 0.4) == strayed
+
+
+# ---- minds
+
+
+MOVES = [
+    {},
+    {"robots": 1, "density": 2.0},
+    {"accuracy": {"black": "U(0.6, 0.9)", "white": "N(0.7, 0.1)"}, "link_success": 0.6, "body": {"message_delay": 0}},
+    {"faults": [*FAULTS, {"at": 4, "robots": 2, "stop": "moving"}], "body": {"message_delay": 3}, "brain": "legacy"},
+    {"accuracy": {"black": 0.9, "white": 0.6}, "density": 30.0, "body": {"line_of_sight": False, "message_delay": 2}},
+    {"accuracy": {"black": "U(0.6, 0.9)", "white": 0.7}, "faults": FAULTS[1:2], "link_success": 0.5, "density": 20.0},
+    {"fill_ratio": {"from": 0.9, "to": 0.2, "at": 6}, "accuracy": {"start": 0.9, "drift": -0.1, "least": 0.55}},
+    {"fill_ratio": {"from": 0.1, "to": 0.8, "at": 4, "until": 11}, "accuracy": {"start": "U(0.6, 0.8)", "drift": 0.03}},
+]
+
+
+@pytest.mark.parametrize("case", MOVES, ids=range(len(MOVES)))
+def test_swarms_that_move_live_the_life_of_the_reference(case):
+    setting = moving_of(**case)
+    for trial in (0, 2):
+        same_life(setting, trial)
+
+
+def same_life(setting, trial):
+    ride = record_ride(setting, SEED, trial)
+    life = reference_walks.lives(setting, SEED, trial, failing(setting, trial))
+    poses = [life.begin, *(now.poses for now in life.ticks)]
+    assert ride.poses == pytest.approx(np.array(poses), abs=1e-9)
+    assert (ride.looked[1:] == np.array([now.looked for now in life.ticks])).all()
+    assert not ride.looked[0].any()
+    assert (ride.colours[1:] == np.array(life.colours)).all()
+    assert np.array_equal(ride.readings[1:], np.array(life.readings), equal_nan=True)
+    assert np.isnan(ride.readings[0]).all()
+    assert np.isnan(ride.colours[0]).all()
+    links = [
+        (k, i, j) for k, now in enumerate(life.ticks, 1) for i, heard in enumerate(now.heard) for j in heard if i < j
+    ]
+    assert ride.links.tolist() == [list(link) for link in links]
+    assert (ride.estimates == np.array(life.estimates)).all()
+    # metrics of the very same
+    measure = Metrics(0.02, 5, (2, setting.rounds, 99), on_floor=trial > 0, estimates=True)
+    told = [reference.fill_ratio_in(setting, tick) for tick in range(1, setting.rounds + 1)]
+    truths = ride.true_fill_ratio if measure.on_floor else np.array([told[0], *told])
+    (batch,) = run_ride([setting], SEED, trial, measure, GO)
+    index = metrics.convergence(ride.estimates, 0.02)
+    assert (batch.convergence[0] == index).all()
+    assert (batch.error[0] == metrics.error_at(ride.estimates, index, truths[-1])).all()
+    assert (batch.final[0] == ride.estimates[-1]).all()
+    assert batch.true_fill_ratio[0] == ride.true_fill_ratio[-1]
+    for c, checkpoint in enumerate((2, setting.rounds)):
+        assert (batch.kept[c, 0] == ride.estimates[checkpoint]).all()
+        assert batch.correct[c, 0] == metrics.correct(ride.estimates[checkpoint], truths[checkpoint], 5)
+    assert np.isnan(batch.correct[2]).all()
+    assert np.isnan(batch.kept[2]).all()
+    (at_once,) = run_ride([setting], SEED, trial, Metrics(2.0, 5, ()), GO)
+    assert (at_once.convergence == 0).all()
+    assert (at_once.error[0] == np.abs(ride.estimates[0] - setting.fill_ratio)).all()
+    if trial == 0:
+        assert run_ride([setting], SEED, trial, measure, np.ones(1, np.uint8)) is None
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("brains")
+    constants = "\n".join(f"{name} = {w}" for name, w in WANTS.items())
+    (path / "steered.py").write_text(brains.load("minimalistic").source + "\n\n" + constants + STEER)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("want", "body"),
+    [(want, {}) for want in ("NEVER", "ABSURD", "CIRCLE", "STRAIGHT", "SEEN")]
+    + [
+        ("CIRCLE", {"speed": 0.0}),
+        ("CIRCLE", {"turn_speed": 0.0}),
+        ("STRAIGHT", {"turn_speed": 0.0}),
+        ("SPIN", {"speed": 0.0}),
+    ],
+)
+def test_swarms_that_steer_live_the_life_of_the_reference(want, body, folder, monkeypatch):
+    """With a fault of their wheels, wheels that cannot do all, and a floor painted beforehand or as they go."""
+    setting = moving_of(
+        brain=str(folder / "steered.py"), accuracy={"black": 0.8, "white": WANTS[want]}, ticks=12,
+        faults=[{"at": 9, "robots": 2, "stop": "moving"}, FAULTS[0]], link_success=0.8, body={"wheel_lag": 0.3} | body,
+    )  # fmt: skip
+    same_life(setting, 0)
+    if want == "SEEN":
+        changes = {"from": 0.3, "to": 0.8, "at": 3, "until": 9}
+        for change in (changes, changes | {"from": 0.9}, {"from": 0.9, "to": 0.1, "at": 5}):
+            for accuracy in (
+                {"black": 0.8, "white": WANTS[want]},
+                {"start": WANTS[want], "drift": -0.02, "least": 0.1},
+            ):
+                brain = str(folder / "steered.py")
+                same_life(moving_of(brain=brain, ticks=12, fill_ratio=change, accuracy=accuracy), 0)
+        monkeypatch.setattr("swarmcensus.simulation.rides.MOST_TILES", 0)
+        same_life(setting, 1)
+
+
+def test_settings_that_share_a_walk_are_lived_together():
+    settings = [moving_of(accuracy=a, fill_ratio=f, brain=brain) for a, f, brain in
+                ((0.7, 0.55, "minimalistic"), (0.9, 0.55, "legacy"), (0.7, 0.2, "minimalistic"))]  # fmt: skip
+    measure = Metrics(0.02, 5, (3,))
+    together = run_ride(settings, SEED, 1, measure, GO)
+    for setting, batch in zip(settings, together, strict=True):
+        (alone,) = run_ride([setting], SEED, 1, measure, GO)
+        for name in ("convergence", "error", "final", "correct", "true_fill_ratio"):
+            assert np.array_equal(getattr(batch, name), getattr(alone, name))
+        assert batch.kept is None
+    assert together[0].true_fill_ratio == together[1].true_fill_ratio != together[2].true_fill_ratio
+
+
+def test_a_brain_that_fails_on_a_walk_is_named_with_its_trial(folder, monkeypatch):
+    def fail(*_):
+        raise ZeroDivisionError("division by zero")
+
+    plain, steering = moving_of(), moving_of(brain=str(folder / "steered.py"))
+    monkeypatch.setattr(rides.Rider, "ride", fail)
+    with pytest.raises(sc.InputError, match=r"^brain 'minimalistic' fails in trial 2 of moving.*: division by zero$"):
+        run_ride([plain], SEED, 2, Metrics(0.02, 5, (3,)), GO)
+    compiled = rides.compiler.compile_world
+    steered = lambda name: SimpleNamespace(live=fail) if name == "steering" else compiled(name)  # noqa: E731
+    monkeypatch.setattr(rides, "compiler", SimpleNamespace(**{**vars(rides.compiler), "compile_world": steered}))
+    with pytest.raises(sc.InputError, match=r"fails in trial 2 of moving.*: division by zero$"):
+        run_ride([steering], SEED, 2, Metrics(0.02, 5, (3,)), GO)
+
+
+def test_robots_that_find_no_room_are_said_to():
+    with pytest.raises(sc.InputError, match=r"^9 robots find no room in a square of 0\.35 m$"):
+        next(walk(9, 0.35, Body(), address(SEED, "walk"), 0, 5, GO))
+
+
+def test_a_walk_is_cut_into_chunks_that_fit(monkeypatch):
+    """Of memory for ticks, or for messages: the walk is the same."""
+    body, key = Body(), address(SEED, "walk")
+    (whole,) = walk(6, 1.2, body, key, 1, 11, GO, poses=True)
+    for limits in ({"CHUNK_BYTES": 41 * 6 * 3}, {"SENDERS": 40}):
+        for name, value in limits.items():
+            monkeypatch.setattr(f"swarmcensus.simulation.walking.{name}", value)
+        parts = list(walk(6, 1.2, body, key, 1, 11, GO, poses=True))
+        monkeypatch.undo()
+        assert len(parts) > 2
+        assert [len(part.looked) for part in parts] == [part.poses.shape[0] for part in parts]
+        assert max(len(part.looked) for part in parts) <= 3 or "SENDERS" in limits
+        assert [part.tick for part in parts] == [1 + sum(len(p.looked) for p in parts[:k]) for k in range(len(parts))]
+        for name in ("looked", "tiles", "senders", "poses"):
+            assert (np.concatenate([getattr(part, name) for part in parts]) == getattr(whole, name)).all()
+        assert (np.concatenate([np.diff(part.heard) for part in parts]) == np.diff(whole.heard)).all()
+        for one, other in pairwise(parts):
+            assert other.begin == pytest.approx(one.poses[-1], abs=1e-12)
+    assert list(walk(6, 1.2, body, key, 1, 11, np.ones(1, np.uint8))) == []
+    (blind,) = walk(6, 1.2, body, key, 1, 11, GO)
+    assert blind.poses.shape[0] == blind.begin.shape[0] == 0

@@ -1,0 +1,566 @@
+"""Adversaries: what each says by hand, whatever it wears, and composed brains held against the engine."""
+
+import numpy as np
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import adversary
+from swarmcensus.brains.adversary_source import HELPERS
+from swarmcensus.cli.commands import main
+from swarmcensus.conformance.machine_code import agrees, step_by_step
+from swarmcensus.engine.constants import HEARD, SENT
+from swarmcensus.simulation import sampling
+from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.trials import run_batch
+from tests.reference import walks as reference_walks
+from tests.support.lives import MEASURE, lived
+from tests.support.lying import RICH, adversary_of, liars, robot, worn
+from tests.support.second import MEANS, brain, changed, fixed, moving
+from tests.support.small import FAULTS, GO, SEED, failing
+
+NAMES = adversary.PLUGINS.shipped
+
+
+def rounds(used, me, luck):
+    """One round after the other, in which nobody is heard, with this luck."""
+    said = []
+    for one in luck:
+        said.append(used.functions.broadcast(me))
+        if used.uses.luck:
+            me.luck = one
+        used.functions.fuse(me)
+    return said
+
+
+# ---- by hand, as CPython runs them
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "told"),
+    [
+        ("always-black", {}, lambda x, alpha: (1.0, alpha)),
+        ("always-white", {}, lambda x, alpha: (0.0, alpha)),
+        ("opposite", {}, lambda x, alpha: (1.0 - x, alpha)),
+        ("shouter", {}, lambda x, alpha: (0.0 if x >= 0.5 else 1.0, 1000.0 * (alpha + 1.0))),
+        ("shouter", {"loud": 3.0}, lambda x, alpha: (0.0 if x >= 0.5 else 1.0, 3.0 * (alpha + 1.0))),
+        ("forger", {"value": 0.25}, lambda x, alpha: (0.25, alpha)),
+        ("jammer", {}, lambda x, alpha: (x, alpha)),
+        ("random", {}, lambda x, alpha: (x, alpha)),  # before the first toss
+        ("noisy-mirror", {}, lambda x, alpha: (x, alpha)),  # it has heard nothing
+        ("slow-liar", {}, lambda x, alpha: (x, alpha)),  # not yet
+        ("creeper", {}, lambda x, alpha: (min(x + 0.01, 1.0), alpha)),
+        ("creeper", {"step": 0.25, "goal": 0.5}, lambda x, alpha: (x + min(max(0.5 - x, -0.25), 0.25), alpha)),
+    ],
+)
+@pytest.mark.parametrize("blacks", [0, 3, 7, 10])
+def test_what_is_said_in_the_first_round(name, given, told, blacks):
+    """Estimate and confidence by the formulas: x = (n/t + w - 1)/(b + w - 1), alpha = q t^3 / (n (t - n))."""
+    used, honest = worn(name, **given), brains.load("minimalistic")
+    x, alpha = honest.functions.broadcast(robot(honest, blacks, 10))
+    if 3 <= blacks <= 7:
+        assert x == pytest.approx((blacks / 10 + 0.8 - 1) / 0.7)
+        assert alpha == pytest.approx(0.49 * 1000 / (blacks * (10 - blacks)))
+    assert used.functions.broadcast(robot(used, blacks, 10)) == pytest.approx(told(x, alpha))
+
+
+def test_a_slow_liar_goes_one_pace_a_round():
+    used = worn("slow-liar", pace=0.01, goal=0.0)
+    me = robot(used, 7, 10)
+    x = (0.7 + 0.8 - 1) / 0.7
+    said = [one[0] for one in rounds(used, me, [0.5] * 90)]
+    assert said == pytest.approx([max(x - 0.01 * k, 0.0) for k in range(90)])
+    assert said[-1] == 0.0
+    upwards = worn("slow-liar")
+    assert [one[0] for one in rounds(upwards, robot(upwards, 7, 10), [0.5] * 3)] == pytest.approx(
+        [x, x + 1e-3, x + 2e-3]
+    )
+
+
+def test_a_creeper_is_a_step_from_what_it_believes_in_every_round():
+    used, me = worn("creeper", step=0.02), robot(worn("creeper", step=0.02), 7, 10)
+    honest, other = brains.load("minimalistic"), robot(brains.load("minimalistic"), 7, 10)
+    for _ in range(3):
+        assert used.functions.broadcast(me)[0] == pytest.approx(honest.functions.broadcast(other)[0] + 0.02)
+        for mind, brain_of in ((me, used), (other, honest)):
+            brain_of.functions.observe(mind, 3, 10)
+            brain_of.functions.receive(mind, (0.4, 5.0))
+            brain_of.functions.fuse(mind)
+
+
+def own(luck):
+    """What an adversary sees of luck: all but its 20 highest bits."""
+    return luck * 2**20 % 1.0
+
+
+def test_a_coin_is_tossed_each_round():
+    luck = [0.1 + 0.3 / 2**20, 0.9 + 0.8 / 2**20, 0.5 + 1 / 2**53]
+    used, even = worn("random"), worn("random", uniform=1.0)
+    x = (0.7 + 0.8 - 1) / 0.7
+    said = [one[0] for one in rounds(used, robot(used, 7, 10), [*luck, 0.5])]
+    assert said == [pytest.approx(x), *(1.0 if own(u) >= 0.5 else 0.0 for u in luck)]
+    said = [one[0] for one in rounds(even, robot(even, 7, 10), [*luck, 0.5])]
+    assert said == [pytest.approx(x), *(own(u) for u in luck)]
+
+
+def test_a_mirror_says_the_mean_of_what_it_heard_until_it_hears_again():
+    used = worn("noisy-mirror", noise=0.1)
+    me = robot(used, 7, 10)
+    for x in (0.2, 0.3, 0.7):
+        used.functions.receive(me, (x, 5.0))
+    me.luck = 0.75
+    used.functions.fuse(me)
+    mean = 0.4 + 0.1 * (2.0 * own(0.75) - 1.0)
+    assert used.functions.broadcast(me)[0] == pytest.approx(mean)
+    used.functions.fuse(me)
+    assert used.functions.broadcast(me)[0] == pytest.approx(mean)
+    used.functions.receive(me, (1.0, 5.0))
+    me.luck = 1.0 - 2.0**-53
+    used.functions.fuse(me)
+    assert used.functions.broadcast(me)[0] == 1.0
+    honest = brains.load("minimalistic")
+    other = robot(honest, 7, 10)
+    for message in ((0.2, 5.0), (0.3, 5.0), (0.7, 5.0), None, (1.0, 5.0)):
+        honest.functions.fuse(other) if message is None else honest.functions.receive(other, message)
+    honest.functions.fuse(other)
+    assert used.functions.estimate(me) == honest.functions.estimate(other)  # it listens as its brain does
+
+
+def test_a_forger_has_another_name_each_round():
+    used = worn("forger", by=brain(RICH), names=50.0)
+    me = robot(used, 6, 8)
+    luck = [(k + own_luck) / 2**20 for k, own_luck in enumerate((0.1, 0.5, 0.99, 0.0001))]
+    said = [one[0] for one in rounds(used, me, [*luck, 0.5])]
+    assert said == [3.0, 5.0, 25.0, 49.0, 0.0]
+
+
+def test_a_jammer_makes_noise_as_often_as_it_is_told():
+    used = worn("jammer", often=0.3)
+    me, honest = robot(used, 7, 10), brains.load("minimalistic")
+    assert used.functions.jam(me)  # in the first round, if ever
+    for luck in (0.1 + 0.2 / 2**20, 0.2 + 0.4 / 2**20):
+        me.luck = luck
+        used.functions.fuse(me)
+        assert used.functions.jam(me) == (own(luck) < 0.3)
+    assert used.functions.broadcast(me) == honest.functions.broadcast(robot(honest, 7, 10))
+    assert not worn("jammer", often=0.0).functions.jam(me)
+
+
+@pytest.mark.long
+def test_a_jammer_s_life_can_be_told_call_by_call(capsys):
+    """As for a brain that hangs in the last check: the calls before it are printed."""
+    step_by_step(worn("jammer", often=0.3))()
+    said = capsys.readouterr().out
+    assert said.count("fuse(me)") == 25 * 12
+    assert said.count("jam(me)") == 25 * 60
+
+
+def test_each_field_is_lied_about_by_what_it_means():
+    """3 of 4 are black: x = 0.75, vote 1, bin 3, belief on bin 2, confidence 2, information 1.5; t is said as it is."""
+    spare = 1e-6 / 3
+    first = (1.0 - 1e-6, spare, spare, spare)
+    last = first[::-1]
+    expected = {
+        "always-black": (3.0, 1.0, 1.0, 3.0, last, 2.0, 2.0, 4.0),
+        "always-white": (3.0, 0.0, 0.0, 0.0, first, 2.0, 0.0, 4.0),
+        "opposite": (3.0, 0.25, 0.0, 0.0, (spare, first[0], spare, spare), 2.0, 0.5, 4.0),
+        "shouter": (3.0, 0.0, 0.0, 0.0, first, 3000.0, 0.0, 4.0),
+        "forger": (3.0, 1.0, 1.0, 3.0, last, 2.0, 2.0, 4.0),
+        "jammer": (3.0, 0.75, 1.0, 3.0, (spare, spare, first[0], spare), 2.0, 1.5, 4.0),
+    }
+    for name, told in expected.items():
+        used = worn(name, by=brain(RICH))
+        me = robot(used, 3, 4)
+        me.luck = 0.25
+        used.functions.fuse(me)
+        if name == "forger":
+            told = (own(0.25) * 1e6, *told[1:])
+        found = used.functions.broadcast(me)
+        assert len(found) == 8
+        for one, other in zip(found, told, strict=True):
+            assert one == pytest.approx(other, abs=1e-12), name
+
+
+def test_who_is_silent_is_silent_as_a_liar_too():
+    for name in NAMES:
+        used = worn(name, by=brain(RICH))
+        me = used.robot(0.9, 0.8, 3.0)
+        assert used.functions.broadcast(me) is None
+        used.functions.observe(me, 1.0, 2.0)
+        assert used.functions.broadcast(me) is not None
+        me.mood = 0.8
+        assert used.functions.broadcast(me) is None
+
+
+def test_lies_stay_in_range_and_confidence_above_0():
+    wild = adversary_of("def lie(me, x):\n    return 7.0 * x - 3.0\n\n\ndef boast(me, c):\n    return -c\n")
+    used = brains.lying_brain(wild, brains.load("minimalistic"))
+    assert used.functions.broadcast(robot(used, 7, 10)) == (1.0, 0.0)
+    assert used.functions.broadcast(robot(used, 3, 10)) == (0.0, 0.0)
+
+
+# ---- one source of two
+
+
+@pytest.mark.long
+def test_names_and_imports_of_both_do_not_clash():
+    lies = adversary_of(
+        '"""Names of all kinds."""\nfrom math import *\nimport math as m\n\nroot = 2.0\nOPTIONS_ = root * 2.0\n'
+        'MEMORY = {"t": 1.0, "belief": (0.0, 1.0), "said": 0.0}\nPARAMETERS = {"n": 2.0}\n\n\n'
+        "def seen(it, e):\n    return sqrt(e) + 0.0 * m.pi * it.belief[0]\n\n\n"
+        "def lie(it, x):\n    pi = it.n / OPTIONS_\n    return pi * seen(it, x) + it.said + floor(0.5)\n\n\n"
+        "def plot(it):\n    it.t += 1.0\n    it.belief[0] = it.t\n    it.said = tau - tau\n"
+    )
+    used = brains.lying_brain(lies, brain(RICH.replace("me.", "me.") + "\n\n# liar_ honest_\n"))
+    assert {"t", "liar__t", "liar__belief", "belief"} <= used.memory.keys()
+    assert used.parameters == {"liar__n": 2.0}
+    me = robot(used, 4, 4)
+    me.luck = 0.25
+    used.functions.fuse(me)
+    assert used.functions.broadcast(me)[1] == pytest.approx(0.5)
+    assert (me.t, me.liar__t, list(me.liar__belief)) == (4.0, 2.0, [2.0, 1.0])
+    agrees(used)
+
+
+def test_the_source_can_be_read_and_is_what_runs():
+    used = worn("noisy-mirror")
+    again = brain(used.source, "again.py")
+    assert again.memory == used.memory
+    assert used.sums == ()
+    assert used.message == brains.load("minimalistic").message
+    assert "Wearing: Minimalistic collective perception" in used.functions.__doc__
+    assert str(used.path).endswith(f"noisy_mirror.py --wearing {brains.load('minimalistic').path}")
+
+
+def test_parameters_of_both_are_kept():
+    weighs = changed(("MEMORY = {", 'PARAMETERS = {"pace": 0.5}\nMEMORY = {'))
+    used = worn("slow-liar", by=brain(weighs).with_parameters({"pace": 0.75}), pace=0.25)
+    assert used.parameters == {"pace": 0.75, "liar_pace": 0.25, "liar_goal": 1.0}
+
+
+def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
+    """Of the 33 low bits: what the brain makes of the first 20 does not say what the adversary does."""
+    random = np.random.default_rng(SEED)
+    words = random.integers(0, 2**52, 20_000, dtype=np.uint64)
+    luck = (words + 0.5) / 2.0**52
+    mine = luck * 2.0**20 % 1.0
+    assert ((mine > 0.0) & (mine < 1.0)).all()
+    assert abs(np.corrcoef(luck, mine)[0, 1]) < 3.3 / np.sqrt(luck.size)  # error rate 0.1 %
+
+
+@pytest.mark.parametrize(
+    ("lies", "source", "said"),
+    [
+        ("always-black", MEANS.replace('("x",)', '("words",)'), "none is known to be one of estimate, opinion"),
+        ("always-black", MEANS.replace('("x",)', '("alpha",)'), "name a role in ROLES"),
+        (
+            "random",
+            MEANS.replace('"t": 0.0', '"t": 0.0, "luck": 0.0'),
+            "me.luck, and the brain has a field of this name",
+        ),
+    ],
+)
+def test_what_does_not_go_together_is_told(lies, source, said):
+    with pytest.raises(ValueError, match=r"the adversary '.*' cannot") as error:
+        worn(lies, by=brain(source))
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("def boast(me, c):\n    return c\n", "the function lie is missing"),
+        ("def lie(me):\n    return 1.0\n", "lie takes 1 arguments: 2 are right"),
+        ("def lie(me, x):\n    me.y = 1.0\n    return x\n", "line 2: lie uses me.y"),
+        ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is new only in hear and plot"),
+        ("def lie(me, x):\n    if x > 0.5:\n        return x\n", "lie may end without returning anything"),
+        ("def lie(me, x):\n    return x\n\n\ndef jam(me):\n    pass\n", "jam may end without returning anything"),
+        ("def lie(me, x):\n    return x\n\n\ndef boasts(me, c):\n    return c\n", "did you mean 'boast'?"),
+        (
+            'MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x\n',
+            "MESSAGE belongs to the brain that the adversary wears",
+        ),
+        ('PARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    me.p = 2.0\n    return x\n', "lie sets me.p: parameters"),
+        ('MEMORY = {"p": 1.0}\nPARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    return x\n', "is in MEMORY too"),
+        ("MEMORY = 3\n\n\ndef lie(me, x):\n    return x\n", "MEMORY should be a dict"),
+        ('MEMORY = {"luck": 3.0}\n\n\ndef lie(me, x):\n    return x\n', "'luck' is reserved by the engine"),
+        ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
+        (
+            "def lie(me, x):\n    pow = eval\n    return pow(x, 2)\n",
+            "line 2: lie uses eval: an adversary may call its own",
+        ),
+        ("def lie(me, x):\n    return lie(me, x)\n", "line 2: lie calls itself: functions of an adversary may not"),
+    ],
+)
+def test_what_is_no_adversary_is_told(source, said):
+    with pytest.raises(InputError, match=r"^adversary file liar\.py") as error:
+        adversary_of(source)
+    assert said in str(error.value)
+
+
+# ---- names of one, that the other, Python or what is written between them has too
+
+
+@pytest.mark.parametrize("name", [*HELPERS, "tell"])
+def test_a_helper_may_be_called_as_a_written_function_is(name):
+    """3 of 4 are black, and a quarter is told of 0.75, of a vote for 1, and of the last of four bins, 0.875."""
+    lies = adversary_of(f"def {name}(x):\n    return x * 0.25\n\n\ndef lie(me, x):\n    return {name}(x)\n")
+    used = brains.lying_brain(lies, brain(RICH))
+    me = robot(used, 3, 4)
+    _, x, vote, chosen, belief, sure, known, _ = used.functions.broadcast(me)
+    assert (x, vote, chosen, sure, known) == (0.1875, 0.0, 0.0, 2.0, 0.375)
+    assert belief[0] == pytest.approx(1.0 - 1e-6)  # of a belief that is even
+
+
+@pytest.mark.parametrize(
+    ("own", "use", "lie", "told"),
+    [
+        ("def abs(x):\n    return 0.125\n", "abs(1.0)", "abs(x - 1.0)", 0.25),
+        ("def max(x, y):\n    return 0.875\n", "max(0.0, 1.0)", "max(x, 0.5)", 0.75),
+        ("def min(x, y):\n    return 0.625\n", "min(0.0, 1.0)", "min(x, 0.5)", 0.5),
+        ("def float(x):\n    return 0.375\n", "float(1.0)", "0.5 * float(x)", 0.375),
+        ("from math import floor as int\n", "int(-0.5)", "0.5 + 0.25 * int(x - 1.0)", 0.5),
+        ("from math import *\n", "pow(2, 70)", "pow(2, 70) % 2 + (pow(2, 70) + 1) % 2 * 0.5", 0.5),
+        ("math = 0.25\n", "math", "math.sqrt(0.25) * x", 0.375),
+    ],
+    ids=["abs", "max", "min", "float", "int", "pow", "math"],
+)
+def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
+    """3 of 4 are black: 0.75, of which Python's function is told; the brain goes on using its own."""
+    fuse = "def fuse(me):\n    "
+    memory = "MEMORY = {"
+    source = changed((memory, own + memory + '"own": 0.0, '), (fuse + "pass", f"{fuse}me.own = {use}"))
+    lies = adversary_of(f"import math\n\n\ndef lie(me, x):\n    return {lie}\n")
+    used, honest = brains.lying_brain(lies, brain(source)), brain(source)
+    me, other = robot(used, 3, 4), robot(honest, 3, 4)
+    for one, mind in ((used, me), (honest, other)):
+        one.functions.fuse(mind)
+    assert used.functions.broadcast(me) == (told,)
+    assert (me.own, type(me.own)) == (other.own, type(other.own))
+
+
+BOUND = """
+    if (K := me.t) > 0.0:
+        me.own = K + 10.0 * J + 100.0 * len(SUMS) + 1000.0 * kept()
+
+
+def kept():
+    return K
+"""
+
+
+def test_constants_and_locals_are_as_they_were():
+    """A name bound twice, one that `:=` binds in a function, and SUMS, which become empty."""
+    constants = 'SUMS = ("seen",)\nK = 3.0\nJ = K\nK = 5.0\nMEMORY = {"seen": 0.0, "own": 0.0, '
+    source = changed(("MEMORY = {", constants), ("def fuse(me):\n    pass", "def fuse(me):" + BOUND))
+    used = brains.lying_brain(adversary.load("always-black"), brain(source))
+    me = robot(used, 3, 4)
+    used.functions.fuse(me)
+    assert me.own == 4.0 + 30.0 + 100.0 + 5000.0
+    assert used.sums == ()
+
+
+SILENT = {  # the end of a `broadcast` that is silent unless it has seen more than one black
+    "no argument": """
+    if me.n > 1.0:
+        return (estimate(me),)
+    return quiet()
+
+
+def quiet():
+    return None
+""",
+    "a number": """
+    return maybe(me.n)
+
+
+def maybe(n):
+    return None if n <= 1.0 else (0.75,)
+""",
+    "a number, and the record": """
+    return maybe(me.n, me)
+
+
+def maybe(n, me):
+    if n <= 1.0:
+        return None
+    return (estimate(me),)
+""",
+    "kept first": """
+    said = maybe(me)
+    return said
+
+
+def maybe(me):
+    return (estimate(me),) if me.n > 1.0 else None
+""",
+    "set by turns": """
+    said = None
+    if me.n > 1.0:
+        said = (estimate(me),)
+    return said
+""",
+    "no end": """
+    if me.n > 1.0:
+        return (estimate(me),)
+""",
+}
+
+
+def forged(ends):
+    """The lie is a parameter's: what alters the message has the record."""
+    said = ("    return (estimate(me),)", ends)
+    heard = ("    pass\n\n\ndef fuse", "    me.heard += message[0]\n\n\ndef fuse")
+    return worn("forger", by=brain(changed(said, heard, ('"n": 0.0}', '"n": 0.0, "heard": 0.0}'))), value=0.25)
+
+
+@pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
+def test_however_silence_is_said_it_is_kept(ends):
+    used = forged(ends)
+    assert used.uses.silence
+    assert used.functions.broadcast(robot(used, 1, 4)) is None
+    assert used.functions.broadcast(robot(used, 3, 4)) == (0.25,)
+
+
+@pytest.mark.long(but=["set by turns"])
+@pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
+def test_however_silence_is_said_machine_code_keeps_it(ends, untraced):
+    agrees(forged(ends))
+
+
+def test_who_never_speaks_never_lies():
+    used = worn("always-black", by="alone")
+    assert used.functions.broadcast(robot(used, 3, 4)) is None
+
+
+@pytest.mark.interpreted
+@pytest.mark.long(but=["belief-sharing", "commons", "minimalistic", "steadfast", "sure", "tracking", "voter", "w-msr"])
+@pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
+def test_each_wears_every_shipped_brain(by):
+    """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range."""
+    honest = brains.load(by)
+    for name in NAMES:
+        used = worn(name, by=by)
+        random = np.random.default_rng(SEED)
+        brain_of = [honest, honest, honest, honest, used]
+        minds = [one.robot(0.9, 0.8, float(min(k, 3))) for k, one in enumerate(brain_of)]
+        for _ in range(30):
+            blacks, luck = random.integers(0, 6, 4).tolist(), random.random((4, 5)).tolist()
+            said = [one.functions.broadcast(me) for one, me in zip(brain_of, minds, strict=True)]
+            assert (said[3] is None) == (said[4] is None)
+            for part, field in zip(said[4] or (), honest.message if said[4] else (), strict=True):
+                whole = list(part) if honest.message[field] else [part]
+                assert np.isfinite(whole).all()
+                if name.startswith("always") and honest.roles.get(field) in ("estimate", "opinion"):
+                    assert whole == [float(name == "always-black")]
+            for k, (one, me) in enumerate(zip(brain_of, minds, strict=True)):
+                lot = iter(luck[min(k, 3)])
+                give(one, me, lot).observe(me, float(blacks[min(k, 3)]), 5.0)
+                for j in range(3):
+                    if j != k and said[j] is not None:
+                        give(one, me, lot).receive(me, said[j])
+                give(one, me, lot).fuse(me)
+            assert used.functions.estimate(minds[4]) == honest.functions.estimate(minds[3])
+
+
+def give(one, me, lot):
+    """The functions of a brain, whose robot is given luck if it asks for any."""
+    luck = next(lot)
+    if one.uses.luck:
+        me.luck = luck
+    return one.functions
+
+
+def test_nobody_wears_an_oracle(capsys):
+    said = "brain 'oracle': an oracle hears no liars, so no adversary can wear it"
+    with pytest.raises(ValueError, match=said):
+        worn("always-black", by="oracle")
+    assert main(["brains", "--check", "always-black", "--wearing", "oracle"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err.splitlines()[-1]
+
+
+# ---- held against the suite, the engine and brute force
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.interpreted
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("topology", ["ring", "full"])
+def test_swarms_with_liars_live_as_by_brute_force(name, topology):
+    for used in ("minimalistic", brain(RICH)):
+        lived(few_with(name, used, topology))
+
+
+@pytest.mark.long(only=["noisy-mirror-True", "noisy-mirror-False"])
+@pytest.mark.parametrize(("name", "rich"), [("jammer", False), ("noisy-mirror", False), ("noisy-mirror", True)])
+def test_compiled_swarms_with_liars_live_as_by_brute_force(name, rich):
+    """One that jams, and one that hears and has luck: that the others are the same in machine code is asked above."""
+    lived(few_with(name, brain(RICH) if rich else "minimalistic", "ring"))
+
+
+def few_with(name, used, topology):
+    """A small swarm with two liars."""
+    (setting,) = fixed(used, robots=7, rounds=10, looks=2, members=liars(name), topology=topology)
+    return setting
+
+
+@pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
+@pytest.mark.parametrize("often", [1.0, 0.4])
+def test_who_hears_a_jammer_hears_nothing(topology, often):
+    """With lost messages and parts that fail, one of them a jammer's radio."""
+    heard = []
+    for robots in (0, 2):
+        (setting,) = fixed(
+            "minimalistic", robots=9, rounds=12, members=liars("jammer", [robots, 3], often=often)[:1],
+            topology=topology, link_success=0.8, faults=FAULTS,
+        )[:1]  # fmt: skip
+        if not robots:
+            batch = run_batch(setting, SEED, 1, 1, MEASURE, GO)
+            heard.append(batch.counts[0, HEARD].sum())
+        else:
+            heard.append(lived(setting)[0].counts[0, HEARD].sum())
+    assert heard[1] < heard[0]
+
+
+def test_jammers_on_a_line_by_hand():
+    """Five in a row: who stands beside the jammer hears nothing in any of six rounds, the others all that is said."""
+    (setting,) = fixed("minimalistic", robots=5, rounds=6, members=liars("jammer", 1), topology="line")
+    for trial in range(3):
+        batch = run_batch(setting, SEED, trial, 1, MEASURE, GO)
+        jammer = int(np.flatnonzero(sampling.groups(setting, SEED, trial, 1)[0])[0])
+        others = [i for i in range(5) if i != jammer]
+        due = [0 if abs(i - jammer) == 1 else 6 * sum(0 <= j < 5 for j in (i - 1, i + 1)) for i in others]
+        assert batch.counts[0, HEARD].tolist() == due
+        assert (batch.counts[0, SENT] == 6).all()
+
+
+@pytest.mark.long(but_every=2)
+@pytest.mark.parametrize(
+    ("name", "rich"),
+    [
+        ("jammer", False),
+        *(pytest.param(name, True, marks=pytest.mark.interpreted) for name in ("jammer", "slow-liar", "noisy-mirror")),
+    ],
+)
+def test_on_the_move(name, rich):
+    setting = moving(
+        brain(RICH) if rich else "minimalistic", robots=7, ticks=25, members=liars(name), link_success=0.7,
+        body={"message_delay": 2}, faults=[{"at": 12, "robots": 2, "stop": "talking"}],
+    )  # fmt: skip
+    ride, (batch,) = record_ride(setting, SEED, 1), run_ride([setting], SEED, 1, MEASURE, GO)
+    life = reference_walks.lives(setting, SEED, 1, failing(setting, 1))
+    honest = sampling.groups(setting, SEED, 1, 1)[0] == 0
+    assert ride.estimates == pytest.approx(np.array(life.minds.estimates), abs=1e-12)
+    assert batch.counts[0, HEARD].tolist() == np.array(life.minds.heard)[honest].tolist()
+    assert batch.counts[0, SENT].tolist() == np.array(life.minds.sent)[honest].tolist()
+    assert batch.counts[0, HEARD].sum() > 0
+
+
+def test_a_brain_that_is_not_there_is_no_fault_of_the_adversary(capsys):
+    assert main(["brains", "--check", "always-black", "--wearing", "legcy"]) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "did you mean 'legacy'?" in shown.err
+    assert len(shown.err.strip().splitlines()) == 1

@@ -1,0 +1,467 @@
+"""The Bayesian rivals: posteriors against SciPy and brute force, rules by hand, CPython and machine code."""
+
+import decimal
+import inspect
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from scipy.special import betainc
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.simulation.trials import record_trial
+from tests.support.small import SEED
+
+BAYES, CHANGING = brains.load("bayes-bots"), brains.load("changing-floor")
+SHARING, INDEXED = brains.load("belief-sharing"), brains.load("belief-sharing-indexed")
+H = (np.arange(10) + 0.5) / 10
+
+
+def robot(brain, b=0.8, w=0.8, name=0.0, **parameters):
+    """A mind, and the functions of its brain."""
+    brain = brain.with_parameters(parameters)
+    return brain.robot(b, w, name), brain.functions
+
+
+def life(brain, trial=0, **world):
+    """The fields and black readings of a trial in the engine, each (round, robot), and its setting."""
+    world = {"robots": 8, "rounds": 30, "looks": 1, "topology": "full", "fill_ratio": 0.6, "accuracy": 0.9} | world
+    study = sc.Study(
+        trials=2,
+        seed=SEED,
+        swarm={"brain": brain, "robots": world["robots"], "accuracy": world["accuracy"]},
+        world={"topology": world["topology"], "fill_ratio": world["fill_ratio"]},
+        schedule={"rounds": world["rounds"], "observations_per_round": world["looks"]},
+    )
+    (setting,) = study.settings()
+    fields, _, blacks = record_trial(setting, SEED, trial)
+    return fields, blacks
+
+
+class TestBeta:
+    def test_both_brains_have_the_same(self):
+        for name in ("beta_below", "log_above_one", "beyond", "fraction", "below_half"):
+            one, other = (inspect.getsource(getattr(brain.functions, name)) for brain in (BAYES, CHANGING))
+            assert one == other
+
+    def test_a_logarithm_keeps_its_digits_near_one(self):
+        random = np.random.default_rng(SEED)
+        small = 10.0 ** random.uniform(-300.0, -1.0, 2000)
+        x = np.concatenate([small, -small, random.uniform(-0.999, 9.0, 1000), [0.0]])
+        found = np.array([BAYES.functions.log_above_one(each) for each in x.tolist()])
+        np.testing.assert_allclose(found, np.log1p(x), rtol=5e-16, atol=0.0)
+
+    @pytest.mark.parametrize("x", [0.5, 0.1, 0.35, 0.8])
+    def test_scipy(self, x):
+        """1,000 pairs from 1 to a million, half of them where the function is neither 0 nor 1."""
+        random = np.random.default_rng(SEED)
+        a, b = 10.0 ** random.uniform(0.0, 6.0, (2, 1000))
+        near = a[::2] * (1.0 - x) / x + 2.0 * np.sqrt(a[::2]) * random.normal(size=500)
+        b[::2] = np.clip(near, 1.0, 1e6)
+        found = np.array([BAYES.functions.beta_below(x, p, q) for p, q in zip(a.tolist(), b.tolist(), strict=True)])
+        assert np.abs(found - betainc(a, b, x)).max() < 1e-12
+        assert ((found > 0.01) & (found < 0.99)).sum() > 250
+
+    @pytest.mark.parametrize(
+        ("x", "a", "b"), [(6.2e-6, 3, 799_354), (7.3e-5, 12, 207_016), (4.9e-5, 27, 704_911), (0.5, 1, 1), (0.3, 2, 5)]
+    )
+    def test_exactly(self, x, a, b):
+        """The binomial sum in 60 digits, far from the thresholds of sensors: this and SciPy lose a digit."""
+        with decimal.localcontext(prec=60):
+            p, n = Decimal(x), a + b - 1
+            term, below = (1 - p) ** n, Decimal(0)
+            for k in range(a):
+                below += term
+                term = term * (n - k) / (k + 1) * p / (1 - p)
+            assert abs(Decimal(BAYES.functions.beta_below(x, float(a), float(b))) - (1 - below)) < Decimal("1e-11")
+
+    def test_without_a_prior(self):
+        below = BAYES.functions.beta_below
+        assert (below(0.5, 0.0, 0.0), below(0.5, 0.0, 3.0), below(0.5, 3.0, 0.0)) == (0.5, 1.0, 0.0)
+
+
+@pytest.mark.interpreted
+class TestBayesBots:
+    @pytest.mark.long(but_every=2)
+    @pytest.mark.parametrize("looks", [1, 5])
+    @pytest.mark.parametrize("brain", [BAYES, CHANGING], ids=["bayes-bots", "changing-floor"])
+    def test_on_a_full_network_all_hold_the_pooled_posterior(self, brain, looks):
+        """Without feedback p is I_0.5 of all readings of all robots so far, in the engine and in CPython."""
+        switched_off = {} if brain is BAYES else {"limit": 2.0, "doubt": 0.0}
+        used = brain.with_parameters({"every": 1, "threshold": 1.0, **switched_off})
+        fields, blacks = life(used, looks=looks)
+        black = np.cumsum(blacks.sum(axis=1))[1:, None]
+        white = np.arange(1, len(blacks))[:, None] * looks * blacks.shape[1] - black
+        exact = betainc(black + 10.0, white + 10.0, 0.5)
+        assert np.abs(fields["p"][1:] - exact).max() < 1e-12
+        assert exact.min() < 0.3
+        if looks == 1:
+            everyone = [(i, j) for i in range(8) for j in range(i)]
+            slow = sc.infer(blacks[1:], everyone, 0.9, 1, used, compiled=False)
+            assert np.abs(slow["p"].values[1:] - exact).max() < 1e-12
+            assert slow["estimate"].values[-1] == pytest.approx((black[-1, 0] + 10.0) / (8 * 30 + 20.0), abs=1e-12)
+
+    def test_an_observation_is_made_every_so_many_rounds(self):
+        """Of 30 rounds the first, the eighth, the 15th ...; each counts once, though it is told in all rounds."""
+        fields, blacks = life(BAYES.with_parameters({"every": 7, "threshold": 1.0}))
+        seen = np.cumsum(blacks[1::7].sum(axis=1))
+        assert (fields["black"][1::7] == seen[:, None]).all()
+        assert (fields["black"][1:] == np.repeat(seen, 7)[:30, None]).all()
+        assert (fields["number"][-1] == 5).all()
+
+    def test_told_as_long_as_it_is_on_the_air(self):
+        me, functions = robot(BAYES, every=2.0, name=3.0)
+        assert functions.broadcast(me) is None
+        functions.observe(me, 1.0, 1.0)
+        for said in ((1.0, 1.0, 3.0), (1.0, 1.0, 3.0), None, None):  # no reading when the next is due
+            assert functions.broadcast(me) == said
+            functions.fuse(me)
+
+    def test_a_number_counts_once_for_each_sender(self):
+        me, functions = robot(BAYES)
+        for message in ((1.0, 1.0, 5.0), (1.0, 1.0, 6.0)):
+            functions.receive(me, message)
+        functions.fuse(me)
+        for message in ((1.0, 1.0, 5.0), (1.0, 2.0, 6.0), (0.0, 1.0, 6.0), (1.0, 1.0, 133.0)):
+            functions.receive(me, message)
+        assert (me.black, me.white, me.heard) == (3.0, 0.0, 3.0)  # 133 shares the place of 5, which is held
+
+    def test_a_place_is_free_once_its_observation_is_off_the_air(self):
+        """And is then for the lowest name of the round, whatever the order, which holds it as long."""
+        for order in ((133.0, 261.0), (261.0, 133.0)):
+            me, functions = robot(BAYES, every=2.0)
+            functions.receive(me, (1.0, 1.0, 5.0))
+            functions.fuse(me)
+            functions.receive(me, (0.0, 1.0, 133.0))
+            assert me.heard == 1.0
+            functions.fuse(me)
+            for name in order:
+                functions.receive(me, (0.0 if name == 133.0 else 1.0, 1.0, name))
+            assert (me.black, me.white, me.heard, me.who[5]) == (1.0, 1.0, 2.0, 133.0)
+
+    @pytest.mark.long(but_every=3)
+    @pytest.mark.long(but=["bayes-bots-2.5", "changing-floor-1.5", "changing-floor-3.2"])
+    @pytest.mark.parametrize("every", [1.0, 1.5, 2.0, 2.5, 3.2])
+    @pytest.mark.parametrize("brain", ["bayes-bots", "changing-floor"])
+    def test_no_observation_counts_twice_whatever_the_time_between_two(self, brain, every):
+        """Among eight that all hear each other: what a robot has counted is what all have told."""
+        given = {"file": brain, "every": every, "threshold": 1.0} | ({"limit": 2.0} if brain != "bayes-bots" else {})
+        study = sc.Study(
+            trials=1,
+            swarm={"robots": 8, "accuracy": 0.9, "brain": given},
+            world={"topology": "full", "fill_ratio": 0.6},
+            schedule={"rounds": 60, "observations_per_round": 1},
+        )
+        trace = sc.replay(sc.run(study), setting=0, trial=0).isel(round=-1)
+        assert (trace["black"] + trace["white"] == trace["number"].sum()).all()
+
+    def test_a_place_that_is_held_gives_way_to_nobody(self):
+        """Nor in the round in which its holder says something new, to a lower name."""
+        me, functions = robot(BAYES)
+        functions.receive(me, (1.0, 1.0, 133.0))
+        functions.fuse(me)
+        for message in ((1.0, 2.0, 133.0), (0.0, 1.0, 5.0)):
+            functions.receive(me, message)
+        assert (me.black, me.white, me.who[5]) == (2.0, 0.0, 133.0)
+
+    def test_positive_feedback_tells_decisions(self):
+        me, functions = robot(BAYES, feedback=1.0, every=1.0)
+        functions.observe(me, 0.0, 1.0)
+        assert functions.broadcast(me)[0] == 0.0
+        me.black = 30.0
+        functions.fuse(me)
+        assert functions.decide(me) == 1.0
+        functions.observe(me, 0.0, 1.0)
+        assert functions.broadcast(me)[0] == 1.0
+        off, _ = robot(BAYES, every=1.0)
+        off.decision = 1.0
+        functions.observe(off, 0.0, 1.0)
+        assert functions.broadcast(off)[0] == 0.0
+
+    def test_decisions_are_never_revoked(self):
+        me, functions = robot(BAYES, every=1.0)
+        functions.observe(me, 0.0, 30.0)
+        functions.fuse(me)
+        assert functions.decide(me) == 0.0
+        functions.observe(me, 1000.0, 1000.0)
+        functions.fuse(me)
+        assert functions.decide(me) == 0.0
+        assert functions.estimate(me) == pytest.approx(1010.0 / 1050.0)
+
+    def test_patience(self):
+        me, functions = robot(BAYES, every=1.0, patience=2.0)
+        for heard in (0.0, 1.0, 2.0):
+            assert me.heard == heard
+            functions.observe(me, 0.0, 30.0)
+            functions.fuse(me)
+            assert functions.decide(me) == (0.0 if heard == 2.0 else -1.0)
+            functions.receive(me, (1.0, heard, 4.0 + heard))
+
+    @pytest.mark.parametrize(("seen", "size"), [(1.0, 1.0), (0.0, 1.0), (7.0, 10.0)])
+    def test_the_probability_of_soft_feedback(self, seen, size):
+        """d (1 - p) + (1 - d) C by hand, against the mean over all lots of what is told."""
+        me, functions = robot(BAYES, feedback=2.0, prior=1.0, every=1.0)
+        functions.observe(me, 400.0, 900.0)
+        functions.fuse(me)
+        functions.observe(me, seen, size)
+        a, b = 401.0, 501.0
+        p = betainc(a, b, 0.5)
+        variance = a * b / ((a + b) ** 2 * (a + b + 1.0))
+        d = np.exp(-1250.0 * variance) * (0.5 - p) ** 2
+        lots = (np.arange(20_000) + 0.5) / 20_000
+        told = []
+        for me.lot in lots.tolist():
+            told.append(functions.broadcast(me)[0])
+        assert np.multiply(told, size) == pytest.approx(np.round(np.multiply(told, size)))
+        assert np.mean(told) == pytest.approx(d * (1.0 - p) + (1.0 - d) * seen / size, abs=1e-4)
+        assert d > 0.1
+
+    @pytest.mark.parametrize(("b", "w"), [(0.9, 0.6), (0.6, 0.95), (0.2, 0.4), (1.0, 1.0)])
+    @pytest.mark.parametrize("brain", [BAYES, CHANGING], ids=["bayes-bots", "changing-floor"])
+    def test_debiased(self, brain, b, w):
+        """The probability that f < 0.5, by summing the Beta density of black readings over all shares that mean it."""
+        me, functions = robot(brain, b, w, debiased=1.0, every=1.0)
+        functions.observe(me, 33.0, 70.0)
+        functions.fuse(me)
+        share = (np.arange(400_000) + 0.5) / 400_000
+        weight = np.exp((42.0 * np.log(share / 0.5)) + 46.0 * np.log((1.0 - share) / 0.5))
+        below = weight[(share + w - 1.0) / (b + w - 1.0) < 0.5].sum() / weight.sum()
+        assert me.p == pytest.approx(below, abs=1e-4)
+        assert functions.estimate(me) == pytest.approx(np.clip((43.0 / 90.0 + w - 1.0) / (b + w - 1.0), 0.0, 1.0))
+
+    def test_a_blind_sensor_never_decides(self):
+        me, functions = robot(BAYES, 0.7, 0.3, debiased=1.0, every=1.0)
+        functions.observe(me, 1000.0, 1000.0)
+        functions.fuse(me)
+        assert (me.p, functions.decide(me), functions.estimate(me)) == (0.5, -1.0, 0.5)
+
+
+@pytest.mark.interpreted
+class TestChangingFloor:
+    @pytest.mark.parametrize("side", [0.0, 1.0])
+    @pytest.mark.parametrize("threshold", [0.95, 0.7])
+    def test_decides_for_the_side_that_is_believed_enough(self, side, threshold):
+        """One reading after the other, by I_0.5 of the counts themselves: none before, and the right one then."""
+        me, functions = robot(CHANGING, every=1.0, threshold=threshold)
+        enough = next(k for k in range(60) if betainc(10.0, 10.0 + k, 0.5) > threshold)
+        decisions = []
+        for _ in range(enough):
+            functions.observe(me, side, 1.0)
+            functions.fuse(me)
+            decisions.append(functions.decide(me))
+        assert decisions == [-1.0] * (enough - 1) + [side]
+        assert enough > 2
+
+    @pytest.mark.parametrize("side", [0, 1])
+    def test_doubt_resets(self, side):
+        """Decided by 16 readings of a side; 15 others later I_0.5(25, 26) = 0.556, one more 0.5."""
+        me, functions = robot(CHANGING, every=1.0, limit=2.0)
+        for others, looks, decision in ((0, 16, side), (15, 15, side), (1, 1, -1)):
+            functions.observe(me, float(others if side == 0 else looks - others), float(looks))
+            black, white = me.black, me.white
+            functions.fuse(me)
+            assert functions.decide(me) == decision
+        assert (black, white) == (16.0, 16.0)
+        assert betainc(25.0, 26.0, 0.5) > 0.55 > betainc(26.0, 26.0, 0.5)
+        assert (me.black, me.white, me.p) == (0.0, 0.0, 0.5)
+
+    @pytest.mark.parametrize(("side", "b"), [(0.0, 0.9), (1.0, 0.9), (0.0, 0.1), (1.0, 0.1)])
+    def test_the_limit_holds_back_the_winning_side_alone(self, side, b):
+        """By I_0.5 of the counts themselves; a de-biased liar's white readings speak for black."""
+        me, functions = robot(CHANGING, b, b, every=1.0, doubt=0.0, debiased=1.0)
+        wins, loses = ("black", "white") if side == 1.0 else ("white", "black")
+        most = 0.0
+        for _ in range(60):
+            functions.observe(me, side, 1.0)
+            functions.fuse(me)
+            most = getattr(me, wins)
+        enough = next(k for k in range(60) if betainc(10.0, 10.0 + k, 0.5) >= 0.99)
+        assert (most, getattr(me, loses)) == (enough, 0.0)
+        functions.receive(me, (side, 1.0, 4.0, 0.0))
+        assert getattr(me, wins) == most
+        functions.receive(me, (1.0 - side, 1.0, 5.0, 0.0))
+        functions.fuse(me)
+        assert getattr(me, loses) == 1.0
+        functions.observe(me, side, 1.0)  # believed less than the limit again
+        assert getattr(me, wins) == most + 1.0
+        assert functions.decide(me) == (side if b > 0.5 else 1.0 - side)
+
+    @pytest.mark.parametrize(("before", "rises", "other"), [(0.0, "up", "down"), (1.0, "down", "up")])
+    def test_the_detector(self, before, rises, other):
+        """Twelve observations of a side, then of the other: 0.9 the first time, less as the mean moves; by hand."""
+        me, functions = robot(CHANGING, every=1.0, detect=1.0, alarm=2.0, doubt=0.0)
+        sums, alarms = [], []
+        for z in (before,) * 12 + (1.0 - before,) * 3:
+            functions.observe(me, z, 1.0)
+            functions.fuse(me)
+            sums.append(getattr(me, rises))
+            alarms.append(me.telling > 0.0)
+            assert getattr(me, other) == 0.0
+        assert sums[:12] == [0.0] * 12
+        assert sums[12:14] == pytest.approx([1.0 - 0.1, 0.9 + 1.0 - 1.0 / 13.0 - 0.1])
+        assert alarms == [False] * 14 + [True]  # 1.723 + 1 - 2/14 - 0.1 > 2
+        assert (me.t, me.n, me.up, me.down) == (0.0, 0.0, 0.0, 0.0)
+        assert (me.black, me.white, functions.decide(me)) == (0.0, 0.0, -1.0)
+
+    @pytest.mark.parametrize("by", ["itself", "tellers"])
+    def test_after_a_change_the_detector_begins_anew(self, by):
+        """Whoever noticed: what was seen before is no mean to hold later observations against."""
+        me, functions = robot(CHANGING, every=1.0, detect=1.0, alarm=2.0)
+        me.t, me.n, me.up, me.down = 40.0, 30.0, 1.0, 1.9
+        if by == "itself":
+            functions.observe(me, 0.0, 1.0)  # 1.9 + 3/4 - 0.1 > 2
+        for name in (4.0, 5.0, 6.0):
+            if by == "tellers":
+                functions.receive(me, (1.0, 1.0, name, 1.0))
+        functions.fuse(me)
+        assert (me.t, me.n, me.up, me.down) == (0.0, 0.0, 0.0, 0.0)
+        assert (me.telling > 0.0) == (by == "itself")
+        for _ in range(10):
+            functions.observe(me, 1.0, 1.0)
+            functions.fuse(me)
+        assert (me.t, me.n, me.up, me.down) == (10.0, 10.0, 0.0, 0.0)
+
+    def test_no_detector_is_no_detector(self):
+        me, functions = robot(CHANGING, every=1.0, alarm=0.0)
+        functions.observe(me, 0.0, 1.0)
+        for name in (1.0, 2.0, 3.0):
+            functions.receive(me, (0.0, 1.0, name, 1.0))
+        functions.fuse(me)
+        assert (me.white, me.telling) == (4.0, 0.0)
+
+    def test_a_change_is_told_for_so_long(self):
+        me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=3.0)
+        me.t, me.n, me.up = 100.0, 0.0, 3.9
+        told = []
+        for _ in range(6):
+            functions.observe(me, 1.0, 1.0)
+            told.append(functions.broadcast(me)[3])
+            functions.fuse(me)
+        assert told == [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]
+
+    def test_three_tellers_reset_and_two_do_not(self):
+        """The same one again is no other; afterwards the robot is deaf to them, and does not tell."""
+        me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=4.0)
+        me.black = 50.0
+        for names in ((7.0, 9.0), (9.0, 7.0)):
+            for name in names:
+                functions.receive(me, (1.0, 1.0, name, 1.0))
+            functions.fuse(me)
+            assert me.black > 0.0
+        functions.receive(me, (1.0, 1.0, 8.0, 1.0))
+        functions.fuse(me)
+        assert (me.black, me.decision, me.telling) == (0.0, -1.0, 0.0)
+        for _ in range(4):
+            for name in (7.0, 8.0, 9.0):
+                functions.receive(me, (1.0, 9.0, name, 1.0))
+            functions.fuse(me)
+        assert me.black > 0.0
+        for name in (7.0, 8.0, 9.0):
+            functions.receive(me, (1.0, 10.0, name, 1.0))
+        functions.fuse(me)
+        assert me.black == 0.0
+
+    def test_tellers_are_forgotten(self):
+        me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=4.0)
+        for name in (7.0, 8.0, -1.0, -1.0, -1.0, 9.0):  # the first is six rounds old when the third speaks
+            if name >= 0.0:
+                functions.receive(me, (1.0, 1.0, name, 1.0))
+            functions.fuse(me)
+        assert me.black == 3.0
+        assert list(me.tellers) == [9.0, 1e30, 1e30]
+
+
+@pytest.mark.interpreted
+class TestBeliefSharing:
+    def test_one_exchange_of_two_gives_the_joint_posterior(self):
+        """With lambda = mu = 1 and no floor; later exchanges would count the first again."""
+        used = SHARING.with_parameters({"forget": 1.0, "mu": 1.0, "every": 1.0, "least": 0.0})
+        for fields, blacks in (life(used, robots=2, rounds=2, looks=7), life(used, 1, robots=2, rounds=2, looks=7)):
+            for me, other in ((0, 1), (1, 0)):
+                black = blacks[1, 0] + blacks[1, 1] + blacks[2, me]
+                joint = H**black * (1.0 - H) ** (21.0 - black)
+                both = fields["s"][2, me] * fields["n"][2, me]
+                assert np.abs(both / both.sum() - joint / joint.sum()).max() < 1e-12
+                assert fields["x"][2, me] == pytest.approx((joint * H).sum() / joint.sum(), abs=1e-12)
+                told = H ** blacks[1, other] * (1.0 - H) ** (7.0 - blacks[1, other])
+                assert np.abs(fields["belief"][1, other] - told / told.sum()).max() < 1e-12
+
+    @pytest.mark.parametrize(("b", "w"), [(0.9, 0.6), (0.2, 0.3), (1.0, 1.0)])
+    @pytest.mark.parametrize("brain", [SHARING, INDEXED], ids=["whole", "indexed"])
+    def test_noise_aware(self, brain, b, w):
+        """The posterior of seven readings by brute force: over what was under the sensor at each of them."""
+        me, functions = robot(brain, b, w, debiased=1.0, every=1.0)
+        for reading in (1.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0):
+            functions.observe(me, reading, 1.0)
+        functions.fuse(me)
+        exact = np.zeros(10)
+        for k, h in enumerate(H):
+            for tiles in np.ndindex((2,) * 7):
+                chance = 1.0
+                for tile, reading in zip(tiles, (1, 1, 0, 1, 0, 1, 1), strict=True):
+                    right = (b if reading else 1.0 - b) if tile else (1.0 - w if reading else w)
+                    chance *= (h if tile else 1.0 - h) * right
+                exact[k] += chance
+        exact = np.maximum(exact / exact.sum(), 0.0001)
+        assert np.abs(np.array(me.s) - exact).max() < 1e-12
+        assert functions.decide(me) == exact.argmax()
+
+    def test_blind_sensors_say_nothing_if_that_is_known(self):
+        for debiased, choice in ((0.0, 9.0), (1.0, -1.0)):
+            me, functions = robot(SHARING, 0.5, 0.5, debiased=debiased, every=1.0)
+            functions.observe(me, 40.0, 40.0)
+            functions.fuse(me)
+            assert functions.decide(me) == choice
+        assert functions.estimate(me) == pytest.approx(0.5)
+
+    def test_a_message_by_hand(self):
+        """n^0.8 s_j n_j^0.4, twice in a row, with the floor of 0.0001 under s."""
+        me, functions = robot(SHARING, every=1.0)
+        random = np.random.default_rng(SEED)
+        n = np.full(10, 0.1)
+        for _ in range(2):
+            told = tuple(random.random(10).tolist())
+            functions.observe(me, 3.0, 30.0)
+            me.luck = 0.999
+            functions.receive(me, (told,))
+            functions.receive(me, (tuple(random.random(10).tolist()),))  # by this luck it is not the one
+            functions.fuse(me)
+            n = n**0.8 * told
+            n /= n.sum()
+            assert np.array(me.n) == pytest.approx(n, rel=1e-12)
+        s = H**3 * (1.0 - H) ** 27
+        s = np.maximum(s / s.sum(), 0.0001)
+        s = s * H**3 * (1.0 - H) ** 27
+        s = np.maximum(s / s.sum(), 0.0001)
+        assert np.array(me.s) == pytest.approx(s, rel=1e-9)
+        said = s * n**0.4
+        assert functions.broadcast(me)[0] == pytest.approx(said / said.sum(), rel=1e-9)
+
+    def test_beliefs_that_exclude_each_other_change_nothing(self):
+        me, functions = robot(SHARING, every=1.0)
+        functions.receive(me, ((0.0,) * 10,))
+        functions.fuse(me)
+        assert list(me.n) == [0.1] * 10
+
+    def test_spoken_once_a_step(self):
+        for brain in (SHARING, INDEXED):
+            me, functions = robot(brain, every=3.0)
+            functions.observe(me, 1.0, 1.0)
+            said = []
+            for _ in range(9):
+                functions.fuse(me)
+                said.append(functions.broadcast(me) is not None)
+            assert said == [False, False, True] * 3
+
+    def test_an_index_by_hand(self):
+        me, functions = robot(INDEXED, every=1.0)
+        functions.receive(me, (7.0,))
+        me.luck = 0.999
+        functions.receive(me, (2.0,))
+        functions.fuse(me)
+        n = np.exp(-((H - 0.75) ** 2) / (2.0 * 0.2**2))
+        assert np.array(me.n) == pytest.approx(n * 0.1**0.8 / (n * 0.1**0.8).sum(), rel=1e-12)
+        assert (functions.decide(me), functions.broadcast(me)) == (7.0, (7.0,))
+        functions.fuse(me)
+        assert np.array(me.n) == pytest.approx(n / n.sum(), rel=1e-12)  # nothing heard: as it was

@@ -1,0 +1,298 @@
+"""Linear consensus, W-MSR and the gated mean: against their equations in NumPy, against liars, and in fixed memory."""
+
+import math
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.simulation import sampling
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
+from swarmcensus.worlds import is_rs_robust
+from tests.support.lying import CONSTANT
+from tests.support.second import SEED, brain, fixed, moving
+
+LINEAR, WMSR, GATED = (brains.load(name) for name in ("linear-consensus", "w-msr", "gated-mean"))
+ALL = [LINEAR, WMSR, GATED]
+each = pytest.mark.parametrize("used", ALL, ids=lambda used: used.name)
+
+
+def liars(robots, says=1.0):
+    one = brain(CONSTANT, "constant.py").with_parameters({"says": says})
+    return [{"robots": robots, "brain": one, "honest": False}] if robots else []
+
+
+def lived(used, trial=0, **world):
+    """The one setting's trial: x (round, robot), black readings (round, robot), who is honest."""
+    (setting,) = fixed(used, **world)
+    fields, _, blacks = record_trial(setting, SEED, trial)
+    return fields["x"], blacks, sampling.groups(setting, SEED, trial, 1)[0] == 0
+
+
+def shares(blacks, phase, looks):
+    """The share of black of each phase (phase, robot)."""
+    return blacks[1:].reshape(-1, phase, blacks.shape[1]).sum(axis=1) / (phase * looks)
+
+
+def trimmed(own, heard, f):
+    """What W-MSR keeps, as its definition says."""
+    above, below = (sorted(v for v in heard if side * (v - own) > 0) for side in (1, -1))
+    return [v for v in heard if v == own] + above[: max(0, len(above) - f)] + below[f:]
+
+
+def by_hand(seen, hears, honest, says, keeps):
+    """x after each phase (phase, robot), from the equations; `keeps` picks from the values that a robot hears."""
+    x = [np.where(honest, 0.5, says)]
+    for k, share in enumerate(seen, start=1):
+        after = x[-1].copy()
+        for i in np.flatnonzero(honest):
+            heard = [x[-1][j] for j in hears[i] if not honest[j] or k > 3]
+            values = [share[i], *keeps(x[-1][i], heard)]
+            after[i] += (np.mean(values) - after[i]) / k
+        x.append(after)
+    return np.array(x)
+
+
+def neighbours(topology, robots):
+    graph = nx.complete_graph(robots) if topology == "full" else nx.cycle_graph(robots)
+    return [list(graph[i]) for i in range(robots)]
+
+
+@pytest.mark.long(but=["None-2-full", "1-1-ring", "2-3-full", "30-1-ring"])
+@pytest.mark.interpreted
+@pytest.mark.parametrize("topology", ["full", "ring"])
+@pytest.mark.parametrize(("drop", "lying"), [(None, 2), (0, 2), (1, 1), (2, 3), (30, 1)])
+def test_every_phase_is_as_the_equations_say(topology, drop, lying):
+    """Linear consensus (None) and W-MSR, with liars who speak from the first phase on."""
+    phase, looks, robots = 4, 3, 8
+    used = (LINEAR if drop is None else WMSR.with_parameters({"drop": drop})).with_parameters({"phase": phase})
+    x, blacks, honest = lived(used, robots=robots, rounds=40, looks=looks, topology=topology, members=liars(lying, 0.9))
+    assert honest.sum() == robots - lying
+
+    def keeps(own, heard):
+        return heard if drop is None else trimmed(own, heard, drop)
+
+    expected = by_hand(shares(blacks, phase, looks), neighbours(topology, robots), honest, 0.9, keeps)
+    assert x[::phase][:, honest] == pytest.approx(expected[:, honest], abs=1e-12)
+    held = x[:-1].reshape(-1, phase, robots)[:, :, honest]
+    assert (held == held[:, :1]).all()  # nothing changes within a phase
+
+
+@pytest.mark.interpreted
+def test_w_msr_that_drops_nothing_is_linear_consensus():
+    one, other = (used.with_parameters({"phase": 3}) for used in (LINEAR, WMSR.with_parameters({"drop": 0})))
+    world = {"robots": 9, "rounds": 30, "topology": "scale-free", "link_success": 0.7}
+    assert (lived(one, **world)[0] == lived(other, **world)[0]).all()
+    assert not (lived(one, **world)[0] == lived(WMSR.with_parameters({"phase": 3}), **world)[0]).all()
+
+
+@pytest.mark.interpreted
+@pytest.mark.long(but=["used2-3-2-1.0"])
+@pytest.mark.parametrize("fill_ratio", [0.0, 1.0])
+@pytest.mark.parametrize(("used", "lying", "outvoted"), [(LINEAR, 1, 0), (LINEAR, 3, 0), (WMSR, 3, 2), (WMSR, 2, 2)])
+def test_constant_liars_drag_a_full_network_at_the_computed_rate(used, lying, outvoted, fill_ratio):
+    """Perfect sensors on a floor of one colour: in closed form, to 1e-9.
+
+    Of N robots L lie and F of them are dropped: the mean is over N - F values, of which L - F are the liars' and one
+    is the share. From the fourth phase on, with c = (L - F + 1) / (N - F) for liars who say v and a floor f,
+    x_k = x* + (f - x*) prod_{j=4}^{k} (1 - c / j), x* = f + (v - f) (L - F) / (L - F + 1). Before, only liars speak.
+    """
+    robots, phases, v = 10, 60, 1.0 - fill_ratio
+    x, _, honest = lived(
+        used.with_parameters({"phase": 2}),
+        robots=robots,
+        rounds=2 * phases,
+        accuracy=1.0,
+        fill_ratio=fill_ratio,
+        topology="full",
+        members=liars(lying, v),
+    )
+    left = lying - outvoted
+    first = fill_ratio + (v - fill_ratio) * left / (left + 1)  # the first phase forgets what was before it
+    second = first + (fill_ratio - first + (v - fill_ratio) * left / (left + 1)) / 2
+    third = second + (fill_ratio - second + (v - fill_ratio) * left / (left + 1)) / 3
+    rate = (left + 1) / (robots - outvoted)
+    rest = math.exp(math.lgamma(phases + 1 - rate) - math.lgamma(4 - rate) - math.lgamma(phases + 1) + math.lgamma(4))
+    end = fill_ratio + (v - fill_ratio) * left / (left + 1)
+    assert x[2, honest] == pytest.approx(first, abs=1e-12)
+    assert x[4, honest] == pytest.approx(second, abs=1e-12)
+    assert x[6, honest] == pytest.approx(third, abs=1e-12)
+    assert x[-1, honest] == pytest.approx(end + (third - end) * rest, abs=1e-9)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("used", [LINEAR, WMSR], ids=["linear-consensus", "w-msr"])
+@pytest.mark.parametrize("silent", [0, 2, 3])
+def test_a_robot_speaks_after_its_silent_phases(used, silent):
+    """By default three, numbered from 1 here and from 0 in the source, which speaks in phases above 2."""
+    given = {"phase": 1.0} | ({} if silent == 3 else {"silent": silent})
+    me = used.with_parameters(given).robot(0.8, 0.8)
+    speaks = []
+    for _ in range(6):
+        used.functions.observe(me, 1, 2)
+        speaks.append(used.functions.broadcast(me) is not None)
+        used.functions.fuse(me)
+    assert speaks == [False] * silent + [True] * (6 - silent)
+
+
+ROBUST, RING = nx.circulant_graph(8, [1, 2, 3]), nx.cycle_graph(8)
+
+
+def told(graph):
+    return {"name": "graph", "edges": [list(pair) for pair in graph.edges]}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("says", [0.0, 1.0])
+def test_w_msr_agrees_within_the_hull_where_the_network_is_robust_and_not_on_a_ring(says):
+    """F = 1 and one liar. Sensors stop after two phases: what follows is consensus alone, on what was seen before."""
+    assert is_rs_robust(ROBUST, 2, 2)
+    assert not is_rs_robust(RING, 2, 2)
+    faults = [{"at": 9, "robots": 1.0, "stop": "sensing"}]
+    used = WMSR.with_parameters({"phase": 4, "drop": 1})
+    spread = {}
+    for name, graph in (("robust", ROBUST), ("ring", RING)):
+        x, _, honest = lived(
+            used, robots=8, rounds=1600, looks=2, topology=told(graph), members=liars(1, says), faults=faults
+        )
+        ours = x[8:, honest]
+        begun = ours[0].max() - ours[0].min()
+        assert (ours <= ours[0].max() + 1e-12).all()
+        assert (ours >= ours[0].min() - 1e-12).all()
+        spread[name] = (ours[-1].max() - ours[-1].min()) / begun
+    assert spread["robust"] < 0.02
+    assert spread["ring"] > 0.2
+
+
+@pytest.mark.long
+@pytest.mark.interpreted
+@pytest.mark.parametrize("drop", [1, 2])
+def test_in_every_phase_w_msr_stays_in_the_hull_of_what_the_honest_hold_and_see(drop):
+    """As long as nobody hears more than F liars; noisy sensors, and F + 1 liars break it."""
+    for lying in (drop, drop + 1):
+        x, blacks, honest = lived(
+            WMSR.with_parameters({"phase": 2, "drop": drop}),
+            robots=9,
+            rounds=100,
+            looks=2,
+            topology="full",
+            fill_ratio=0.3,
+            members=liars(lying),
+        )
+        before, after, seen = x[:-1:2, honest], x[2::2, honest], shares(blacks, 2, 2)[:, honest]
+        top = np.maximum(before.max(axis=1), seen.max(axis=1))
+        held = (after <= top[:, np.newaxis] + 1e-12)[2:].all()
+        assert held == (lying == drop)
+
+
+@pytest.mark.interpreted
+def test_on_a_ring_two_liars_beside_a_robot_drag_it_out():
+    """F = 1, perfect sensors on white: who has liars on both sides goes to 1/2, others stay near 0."""
+    (setting,) = fixed(WMSR, robots=8, rounds=1, members=liars(2))
+    side = [sampling.groups(setting, SEED, trial, 1)[0] for trial in range(40)]
+    trial, between = next((t, i) for t, who in enumerate(side) for i in range(8) if who[i - 1] == who[(i + 1) % 8] == 1)
+    used = WMSR.with_parameters({"phase": 1, "drop": 1})
+    x, _, honest = lived(
+        used, trial, robots=8, rounds=400, accuracy=1.0, fill_ratio=0.0, topology="ring", members=liars(2)
+    )
+    assert x[-1, between] == pytest.approx(0.5, abs=1e-3)
+    assert x[-1, np.flatnonzero(honest & (np.arange(8) != between))] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.interpreted
+@pytest.mark.parametrize(("says", "gate"), [(0.95, 0.2), (0.6, 0.2), (0.6, 0.05)])
+def test_the_gated_mean_is_as_its_rule_says(says, gate):
+    phase, looks, robots = 5, 4, 7
+    x, blacks, honest = lived(
+        GATED.with_parameters({"phase": phase, "gate": gate}),
+        robots=robots, rounds=60, looks=looks, topology="full", members=liars(2, says),
+    )  # fmt: skip
+    votes = shares(blacks, phase, looks)
+    for i in np.flatnonzero(honest):
+        counted: list[float] = []
+        mean = 0.5
+        for k in range(len(votes)):
+            cast = [says] * 2 + [votes[k - 1, j] for j in np.flatnonzero(honest) if j != i and k > 0]
+            counted += [v for v in cast if k < 2 or abs(v - mean) < gate] + [votes[k, i]]
+            mean = np.mean(counted)
+            assert x[phase * (k + 1), i] == pytest.approx(mean, abs=1e-12)
+
+
+@pytest.mark.interpreted
+@each
+@pytest.mark.parametrize(("b", "w", "expected"), [(0.9, 0.6, 0.8), (0.2, 0.4, 0.0), (0.5, 0.5, 0.5), (1.0, 1.0, 0.8)])
+def test_a_debiased_share_is_the_corrected_one(used, b, w, expected):
+    """Of 8 black readings in 10, or where b = 0.9 and w = 0.6, of the share that means 0.8."""
+    blacks = 10 * (b * 0.8 + (1 - w) * 0.2) if (b, w) == (0.9, 0.6) else 8.0
+    for debiased, x in ((0.0, blacks / 10), (1.0, expected)):
+        me = used.with_parameters({"phase": 1.0, "debiased": debiased}).robot(b, w)
+        used.functions.observe(me, blacks, 10.0)
+        used.functions.fuse(me)
+        assert used.functions.estimate(me) == pytest.approx(x, abs=1e-12)
+
+
+@pytest.mark.interpreted
+@each
+def test_of_many_senders_the_first_twenty_by_lot_count_once_with_their_last_word(used):
+    """Against a dict of Python that remembers everybody; ten rounds of one phase, each in an order of its own."""
+    random = np.random.default_rng(4)
+    me = used.with_parameters({"phase": 100.0}).robot(0.8, 0.8)
+    me.salt = 123456.0
+    last: dict[float, float] = {}
+    for _ in range(10):
+        speakers = random.permutation(60)[: random.integers(60)]
+        said = {float(name): float(random.random()) for name in speakers}
+        forged = {name: float(random.random()) for name in list(said)[:5]}  # the same names once more
+        messages = [(x, name) for one in (said, forged) for name, x in one.items()]
+        last |= said | {name: min(x, said[name]) for name, x in forged.items()}
+        for k in random.permutation(len(messages)):
+            used.functions.receive(me, messages[k])
+        used.functions.fuse(me)
+    kept = sorted((used.functions.place(name, me.salt), x) for name, x in last.items())[:20]
+    assert len(last) > 40
+    assert me.senders == 20
+    assert list(zip(me.key, me.said, strict=True)) == kept
+
+
+@pytest.mark.interpreted
+def test_no_two_names_have_one_place():
+    """A shift and a cube lose nothing: PRIME is prime, and PRIME - 1 no multiple of 3."""
+    functions = LINEAR.functions
+    prime = functions.PRIME
+    assert all(prime % d for d in range(2, math.isqrt(prime) + 1))
+    assert (prime - 1) % 3
+    assert prime**2 < 2**53
+    for salt in (0.0, 1.0, prime - 1.0):
+        assert len({functions.place(float(name), salt) for name in range(20_000)}) == 20_000
+    assert all(0 <= functions.place(name, 7.0) < prime for name in (-3.0, 0.5, 1e300, -1e300))
+    assert {used.functions.place(12.0, 34.0) for used in ALL} == {functions.place(12.0, 34.0)}
+
+
+@pytest.mark.interpreted
+@each
+def test_words_that_are_no_fill_ratio_count_as_the_nearest(used):
+    me = used.with_parameters({"phase": 1.0, "gate": 9.0} if used is GATED else {"phase": 1.0}).robot(0.8, 0.8)
+    for name, x in enumerate((-5.0, 1e300, 0.25)):
+        used.functions.receive(me, (x, float(name)))
+    assert sorted(list(me.said)[:3]) == [0.0, 0.25, 1.0]
+    used.functions.fuse(me)
+    assert 0.0 <= me.x <= 1.0
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.interpreted
+@each
+def test_moving_robots_speak_when_their_phase_says(used):
+    """At 0.1 s a tick: linear consensus and W-MSR from the fourth phase on, the gated mean from the second."""
+    setting = moving(used.with_parameters({"phase": 10.0}), robots=8, ticks=60, density=2)
+    ride = record_ride(setting, SEED, 0)
+    k = ride.fields["k"]
+    assert (k == 1 + (np.arange(61) // 10)[:, np.newaxis]).all()
+    senders = ride.fields["senders"].max(axis=1)
+    silent = 10 if used is GATED else 30
+    assert (senders[: silent + 1] == 0).all()
+    assert senders[silent + 1 :].max() > 1
+    assert ride.fields["senders"].max() <= 7

@@ -1,0 +1,255 @@
+"""Adversaries that know the brain they wear: what they say by field, what they read, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import adversary
+from swarmcensus.cli.commands import main
+from swarmcensus.conformance import suite
+from swarmcensus.conformance.machine_code import agrees
+from swarmcensus.runs.verifying import verify
+from tests.support.lives import lived
+from tests.support.lying import RICH, adversary_of, robot
+from tests.support.places import EXAMPLE
+from tests.support.second import MEANS, brain, fixed
+
+SOURCE = '''"""Knows: it says each of three fields by another rule, the other fields by their roles."""
+
+KNOWS = ("n", "mood")
+PARAMETERS = {"more": 0.5}
+MEMORY = {"rounds": 0.0}
+
+
+def lie(me, x):
+    return 0.25
+
+
+def say_x(me, value):
+    return value + 2.0 * me.more
+
+
+def say_sure(me, value):
+    return value - 10.0
+
+
+def say_t(me, value):
+    return value + 10.0 * me.n + 100.0 * me.rounds + me.mood
+
+
+def say_other(me, value):
+    return 7.0
+
+
+def plot(me):
+    me.rounds += 1.0
+'''
+HONEST = "def lie(me, x):\n    return x\n"
+
+
+def knowing(names, lie=HONEST):
+    return adversary_of(f"KNOWS = {names}\n\n\n{lie}")
+
+
+def test_each_field_is_said_by_its_own_rule_or_else_by_its_role():
+    """3 of 4 are black: x = 0.75, confidence 2, t = 4, n = 3; a quarter is told of all other fields.
+
+    The information is a quarter of the confidence that `boast` would tell, here the honest one.
+    """
+    used = brains.lying_brain(adversary_of(SOURCE), brain(RICH))
+    me = robot(used, 3, 4)
+    me.luck = 0.625
+    used.functions.fuse(me)
+    who, x, vote, chosen, _, sure, known, t = used.functions.broadcast(me)
+    assert (who, vote, chosen, known) == (3.0, 0.0, 1.0, 0.5)
+    assert (x, sure) == (1.75, -8.0)  # neither is clipped
+    assert t == 4.0 + 30.0 + 100.0 + 0.625
+    assert used.functions.estimate(me) == 0.5  # nothing of its brain is changed
+
+
+def test_silence_is_kept_and_parameters_are_known_too():
+    used = brains.lying_brain(adversary_of(SOURCE), brain(RICH))
+    assert used.functions.broadcast(used.robot(0.9, 0.8, 3.0)) is None
+    weighs = brain(MEANS.replace("MEMORY = {", 'PARAMETERS = {"pace": 0.5}\nMEMORY = {'))
+    used = brains.lying_brain(knowing(("pace", "n"), "def lie(me, x):\n    return me.pace\n"), weighs)
+    assert used.functions.broadcast(robot(used, 3, 4)) == (0.5,)
+    quick = brains.lying_brain(knowing(("pace",), "def lie(me, x):\n    return me.pace\n"),
+                               weighs.with_parameters({"pace": 0.25}))  # fmt: skip
+    assert quick.functions.broadcast(robot(quick, 3, 4)) == (0.25,)
+
+
+@pytest.mark.interpreted
+def test_a_swarm_with_insiders_lives_as_by_brute_force():
+    members = [{"robots": 2, "brain": adversary_of(SOURCE), "honest": False}]
+    (setting,) = fixed(brain(RICH), robots=7, rounds=10, looks=2, members=members, topology="ring")
+    lived(setting)
+
+
+@pytest.mark.long
+def test_machine_code_says_and_knows_the_same(untraced):
+    agrees(brains.lying_brain(adversary_of(SOURCE), brain(RICH)))
+
+
+def test_who_never_speaks_can_be_worn_by_whoever_knows_another_brain():
+    used = brains.lying_brain(knowing(("own_v", "n"), "def lie(me, x):\n    return me.own_v\n"), brains.load("alone"))
+    me = robot(used, 3, 4)
+    assert used.functions.broadcast(me) is None
+    assert me.liar_own_v == 0.0
+    assert me.n == 3.0
+
+
+@pytest.mark.parametrize(
+    ("lies", "source", "said"),
+    [
+        (knowing(("n", "nn")), MEANS, "KNOWS names 'nn' in line 1 of liar.py, and the brain has no such field"),
+        (knowing(("mod",)), RICH, "and the brain has no such field: did you mean 'mood'?"),
+        (knowing(("belief",)), RICH, "KNOWS names 'belief' in line 1 of liar.py, which is a vector of the brain"),
+        (
+            adversary_of(HONEST + "\n\ndef say_belief(me, value):\n    return 1.0\n"),
+            RICH,
+            "say_belief in line 5 of liar.py returns a number, and belief is a vector of 4",
+        ),
+    ],
+)
+def test_a_brain_that_it_does_not_fit_is_told_with_the_line(lies, source, said):
+    with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wear the brain 'brain\.py': ") as error:
+        brains.lying_brain(lies, brain(source))
+    assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ('KNOWS = "n"\n' + HONEST, "line 1: KNOWS = 'n': should be a tuple of fields of the brain"),
+        ('X = 1\nKNOWS = ("n", 2)\n' + HONEST, "line 2: KNOWS = ('n', 2): should be a tuple"),
+        ('MEMORY = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "line 2: KNOWS names 'n', which is a field of its own"),
+        ('PARAMETERS = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "which is a field of its own"),
+        ('KNOWS = ("b",)\n' + HONEST, "line 1: KNOWS names 'b', which every adversary has"),
+        ('KNOWS = ("luck",)\n' + HONEST, "KNOWS names 'luck', which every adversary has"),
+        (
+            HONEST.replace("x\n", "me.n\n"),
+            "line 2: lie uses me.n: a robot has only b, w and the fields of MEMORY and PARAMETERS, and of the ",
+        ),
+        (
+            'KNOWS = ("n",)\ndef lie(me, x):\n    me.n = 1.0\n    return x\n',
+            "line 3: lie sets me.n, which is read-only",
+        ),
+        ('KNOWS = ("n",)\n' + HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x takes 1 arguments: 2 are right"),
+        ('KNOWS = ("n",)\n' + HONEST + "\ndef say_x(me, v):\n    pass\n", "line 5: say_x may end without returning"),
+        (
+            "def lie(me, x):\n    return x\n\n\ndef say_x(me, v):\n    return me.luck\n",
+            "say_x reads me.luck, which is new",
+        ),
+        (
+            "say_x = 1.0\n\n\ndef lie(me, x):\n    return x\n\n\ndef say_x(me, v):\n    return v\n",
+            "say_x is also the name of a function",
+        ),
+    ],
+)
+def test_what_is_no_insider_is_told_with_the_line(source, said):
+    with pytest.raises(InputError, match=r"^adversary file liar\.py") as error:
+        adversary_of(source)
+    assert said in str(error.value)
+
+
+def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("knows.py").write_text(SOURCE)
+    Path("rich.py").write_text(RICH)
+    assert suite.notes("knows.py", "rich.py") == ["say_other says nothing: the MESSAGE of rich.py has no other"]
+    assert suite.notes("always-black") == []
+    assert main(["brains", "--show", "knows.py", "--wearing", "rich.py"]) == 0
+    shown = capsys.readouterr().out
+    assert "def liar_say_t(me, value):\n    return value + 10.0 * me.n + 100.0 * me.liar_rounds + me.mood" in shown
+    assert "KNOWS" not in shown
+    assert main(["brains", "--show", "knows.py", "--wearing", "commons"]) == 2
+    assert "cannot wear the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in capsys.readouterr().err
+    assert main(["brains", "--show", "knows.py"]) == 2
+    assert "KNOWS names 'mood'" in (error := capsys.readouterr().err)
+    assert error.endswith("no such field: name another brain with --wearing\n")
+
+
+STUDY = """
+trials = 2
+
+[swarm]
+brain    = ["rich.py", "alone"]
+robots   = 6
+accuracy = 0.8
+
+[[members]]
+robots = 2
+brain  = {file = "knows.py", more = [0.5, 1]}
+honest = false
+
+[world]
+topology   = "ring"
+fill_ratio = 0.5
+
+[schedule]
+rounds = 5
+"""
+
+
+@pytest.mark.interpreted
+def test_results_hold_an_insider_s_source_and_it_is_run_again_from_there(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("knows.py", SOURCE), ("rich.py", RICH), ("s.toml", STUDY)):
+        Path(name).write_text(text)
+    data = sc.run("s.toml", jobs=1)
+    sc.save(data, "s.nc")
+    assert data["adversary"].values.tolist() == ["knows.py", "knows.py more=1.0"] * 2
+    assert SOURCE.splitlines()[0].replace('"', '\\"') in data.attrs["adversaries"]
+    trace = sc.replay(data, setting=0, trial=0)
+    assert {"liar_rounds", "n"} <= set(trace.data_vars)
+    assert verify(sc.load("s.nc"), sample=1.0).differences == []
+    Path("knows.py").write_text(SOURCE.replace("10.0 * me.n", "11.0 * me.n"))
+    assert main(["verify", "s.nc", "--brain-file", "rich.py", "--brain-file", "knows.py"]) == 2
+    assert "not the source" in capsys.readouterr().err
+    Path("s.toml").write_text(STUDY.replace('"alone"', '"commons"'))
+    assert main(["run", "s.toml"]) == 2
+    assert "members[0].brain = 'knows.py': the adversary 'knows.py' cannot wear the brain 'commons': KNOWS names" in (
+        capsys.readouterr().err
+    )
+
+
+def test_the_shipped_insider_is_what_its_first_lines_say():
+    """By hand: sums move by `step`, own sums by `own`, both further by `grow` a round, from round `sleeps` on."""
+    base = EXAMPLE
+    lies = adversary.load("insider.py", base).with_parameters(
+        {
+            "step": 0.02,
+            "own": 0.05,
+            "short": -0.01,
+            "grow": 0.01,
+            "weight": 3.0,
+            "sleeps": 1.0,
+            "noise": 4.0,
+            "anew": 2.0,
+        }
+    )
+    used, honest = brains.lying_brain(lies, brains.load("census")), brains.load("census")
+    fields = list(honest.message)
+
+    def said(one, me):
+        return dict(zip(fields, one.functions.broadcast(me), strict=True))
+
+    me, other = robot(used, 7, 10), robot(honest, 7, 10)
+    assert said(used, me) == pytest.approx(said(honest, other))  # asleep
+    for one, mind in ((used, me), (honest, other)):
+        mind.luck = 0.75
+        one.functions.fuse(mind)
+        one.functions.observe(mind, 7, 10)
+    found, due = said(used, me), said(honest, other)
+    for total, weight, step in (("s", "v", 0.02), ("own_s", "own_v", 0.05), ("short_s", "short_v", -0.01)):
+        x = due[total] / due[weight]
+        moved = x + min(max(1.0 - x, -max(step + 0.01, 0.0)), max(step + 0.01, 0.0))
+        if total == "s":
+            moved = min(x, 1.0) + min(1.0 - min(x, 1.0), 0.03)
+        assert found[weight] == pytest.approx(3.0 * due[weight])
+        assert found[total] == pytest.approx(moved * 3.0 * due[weight])
+    assert (found["noise"], found["anew"]) == pytest.approx((4.0 * due["noise"], 2.0))
+    assert (found["coins"], found["company"]) == (due["coins"], due["company"])

@@ -1,0 +1,176 @@
+"""Self-taught: by hand, against the random-effects mean by brute force, and in swarms of which some are wrong."""
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+
+TAUGHT = brains.load("self-taught")
+RUN = TAUGHT.functions
+ALL_FIT = {"z": 1e6, "apart": 1e12}
+
+
+def robot(b=0.8, w=0.8, **given):
+    return TAUGHT.with_parameters(given).robot(b, w)
+
+
+def talk(minds, rounds, hears):
+    """So many rounds without new readings; `hears(k)` are those that robot k hears."""
+    for _ in range(rounds):
+        said = [RUN.broadcast(me) for me in minds]
+        for k, me in enumerate(minds):
+            for j in hears(k):
+                RUN.receive(me, said[j])
+        for me in minds:
+            RUN.fuse(me)
+
+
+def everyone(robots):
+    return lambda k: [j for j in range(robots) if j != k]
+
+
+def test_a_first_round_by_hand():
+    """Told 0.8: 50 of 98 black give x = (50/98 - 0.2)/0.6 and e = 1/(4 0.36 98); d is 0 yet."""
+    me = robot()
+    RUN.observe(me, 50.0, 98.0)
+    RUN.fuse(me)
+    x, e = (50 / 98 - 0.2) / 0.6, 0.25 / (0.36 * 98)
+    assert (me.v, me.s, me.m) == pytest.approx((1 / e, x / e, (x * x - e) / e))
+    assert (me.given_v, me.given_s, me.given_m) == (me.v, me.s, me.m)
+    assert RUN.estimate(me) == pytest.approx((x / e + e / 2) / (1 / e + e))
+    RUN.receive(me, (5.0, 10.0, 3.0))
+    RUN.fuse(me)
+    s, v, m = (0.999 / 2 * (own / e + told) for own, told in ((x, 5.0), (1.0, 10.0), (x * x - e, 3.0)))
+    d = 0.02 * max(m / v - (s / v) ** 2, 0.0)
+    assert me.spread == pytest.approx(d)
+    assert me.v == pytest.approx(v + 1 / (e + d) - 0.999 / e)
+    assert me.s == pytest.approx(s + x / (e + d) - 0.999 * x / e)
+
+
+@pytest.mark.parametrize("graph", ["ring", "full"])
+def test_without_new_readings_it_comes_to_the_random_effects_mean(graph):
+    """Brute force: f, d and the weights as they determine one another, of sensors of all kinds and any readings."""
+    chance, robots = np.random.default_rng(4), 8
+    b = chance.uniform(0.6, 0.95, robots)
+    t = chance.integers(200, 900, robots).astype(float)
+    n = np.floor(t * chance.uniform(0.4, 0.6, robots))
+    minds = [robot(a, a, memory=1e5, **ALL_FIT) for a in b]
+    for me, black, looks in zip(minds, n, t, strict=True):
+        RUN.observe(me, black, looks)
+    hears = everyone(robots) if graph == "full" else lambda k: ((k - 1) % robots, (k + 1) % robots)
+    talk(minds, 1500, hears)
+    x, d = (n / t - 1 + b) / (2 * b - 1), 0.0
+    e = 0.25 / ((2 * b - 1) ** 2 * t)
+    for _ in range(2000):
+        g = 1 / (e + d)
+        f = (g * x).sum() / g.sum()
+        d += 0.1 * (max((g * (x * x - e)).sum() / g.sum() - f * f, 0.0) - d)
+    assert d > 0.005
+    for me in minds:
+        assert me.s / me.v == pytest.approx(f, abs=2e-4)
+        assert me.spread == pytest.approx(d, rel=0.02)
+
+
+@pytest.mark.long(but=["0", "5", "8"])
+@pytest.mark.parametrize("wrong", range(12))
+def test_the_greater_part_keeps_its_evidence_and_the_smaller_one_takes_it_back(wrong):
+    """Eleven robots without noise, of which some read 0.7 where the others read 0.3; 5 against 6 is the limit."""
+    minds = [robot(1.0, 1.0) for _ in range(11)]
+    for k, me in enumerate(minds):
+        RUN.observe(me, 7e3 if k < wrong else 3e3, 1e4)
+    talk(minds, 1500, everyone(11))
+    out = np.array([me.out for me in minds])
+    f = {me.s / me.v for me in minds}
+    if min(wrong, 11 - wrong) in (1, 2, 3, 4):
+        assert (out == [(k < wrong) == (wrong < 6) for k in range(11)]).all()
+        assert max(abs(x - (0.3 if wrong < 6 else 0.7)) for x in f) < 1e-3
+        assert all(me.given_v < 1e-3 * me.v for me in minds if me.out)
+    elif wrong in (0, 11):
+        assert not out.any()
+
+
+def test_what_the_swarm_makes_of_a_sensor_is_what_it_is():
+    """A sensor of 0.7 that is told 0.9, at f = 0.8: n/t = 0.62 and b = w = (0.62 + 0.8 - 1)/(2 0.8 - 1) = 0.7."""
+    minds = [robot(0.9, 0.9) for _ in range(6)]
+    for k, me in enumerate(minds):
+        RUN.observe(me, 1e6 * (0.62 if k == 0 else 0.74), 1e6)
+    talk(minds, 800, everyone(6))
+    assert [me.out for me in minds] == [1.0] + [0.0] * 5
+    assert minds[0].accuracy == pytest.approx(0.7, abs=1e-4)
+    assert minds[1].accuracy == 0.9
+    assert RUN.estimate(minds[0]) == pytest.approx(0.8, abs=1e-4)
+
+
+def test_who_fits_again_puts_its_evidence_in_again():
+    minds = [robot(1.0, 1.0) for _ in range(5)]
+    for k, me in enumerate(minds):
+        RUN.observe(me, 90.0 if k == 0 else 400.0, 100.0 if k == 0 else 1000.0)
+    talk(minds, 300, everyone(5))
+    assert minds[0].out == 1.0
+    RUN.observe(minds[0], 310.0, 900.0)  # 0.4 of all
+    talk(minds, 300, everyone(5))
+    assert minds[0].out == 0.0
+    assert minds[0].given_v == pytest.approx(minds[1].given_v, rel=0.01)
+
+
+@pytest.mark.interpreted
+def test_mirrored_worlds_look_alike():
+    """(f, b) and (1 - f, 1 - b) give the same readings: told so, all are sure, and nobody is out in either."""
+    chance = np.random.default_rng(6)
+    readings = (chance.random((200, 6)) < 0.7 * 0.9 + 0.3 * 0.1).astype(float)
+    ring = [[k, (k + 1) % 6] for k in range(6)]
+    right, mirrored = (sc.infer(readings, ring, a, 2, brain=TAUGHT) for a in (0.9, 0.1))
+    assert right["estimate"].values + mirrored["estimate"].values == pytest.approx(1.0, abs=1e-9)
+    assert right["estimate"].values[-1] == pytest.approx(0.7, abs=0.05)
+    assert not right["out"].values[-1].any()
+    assert not mirrored["out"].values[-1].any()
+
+
+def swarm_of(wrong, told, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):
+    return sc.run(
+        sc.Study(
+            seed=8, trials=trials,
+            swarm={"brain": brain, "robots": 20, "accuracy": truth, "assumed_accuracy": truth},
+            members=[{"robots": wrong, "assumed_accuracy": told}],
+            world={"topology": topology, "fill_ratio": fill},
+            schedule={"rounds": rounds, "observations_per_round": 10},
+        )
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("told", "truth", "fill"), [(0.95, 0.75, 0.75), (0.95, 0.75, 0.95), (0.75, 0.95, 0.75)])
+def test_six_of_twenty_that_are_wrong_do_no_harm(told, truth, fill):
+    """All robots of ten swarms are right within 0.05, and their median error is a third of commons' at the most."""
+    error = abs(swarm_of(6, told, truth, fill)["final_estimate"].values - fill)
+    plain = abs(swarm_of(6, told, truth, fill, "commons")["final_estimate"].values - fill)
+    assert error.max() < 0.05
+    assert np.median(error) < 0.01
+    assert np.median(plain) > 3.0 * np.median(error)
+
+
+def test_all_wrong_alike_know_nothing_of_it_and_one_honest_robot_is_overruled():
+    """Told 0.95 and 0.75 at f = 0.75: 0.75 0.5 + 0.25 = 0.625 is made (0.625 - 0.05)/0.9; one or none is right."""
+    for wrong in (19, 20):
+        error = swarm_of(wrong, 0.95, 0.75, 0.75)["final_estimate"].values - (0.625 - 0.05) / 0.9
+        assert abs(error).max() < 0.02
+
+
+def test_one_honest_robot_is_enough_where_the_others_readings_cannot_be():
+    """Told 0.55, but 0.95 at f = 0.95: 0.905 black is more than an all-black floor gives: nineteen step back."""
+    error = abs(swarm_of(19, 0.55, 0.95, 0.95, rounds=1200)["final_estimate"].values - 0.95)
+    assert error.max() < 0.03
+    nobody = swarm_of(20, 0.55, 0.95, 0.95)["final_estimate"].values
+    assert nobody == pytest.approx(0.5, abs=0.02)  # all have stepped back, and say that they do not know
+
+
+@pytest.mark.parametrize("topology", ["ring", "full"])
+def test_where_nobody_is_wrong_it_is_little_worse_than_commons(topology):
+    """At the median of 30 swarms of mixed sensors, whose ratio is known to a tenth: at most a quarter more error."""
+    study = sc.Study(
+        seed=8, trials=30, swarm={"brain": ["commons", "self-taught"], "robots": 20, "accuracy": "U(0.525, 0.975)"},
+        world={"topology": topology, "fill_ratio": 0.55}, schedule={"rounds": 400, "observations_per_round": 10},
+    )  # fmt: skip
+    error = abs(sc.run(study)["final_estimate"].values - 0.55)
+    assert np.median(error[1]) < 1.25 * np.median(error[0])
+    assert error[1].max() < 0.05

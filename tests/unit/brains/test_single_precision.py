@@ -1,0 +1,165 @@
+"""Single precision over a day: where it leaves double precision, and that brains that remember what it took stay."""
+
+import json
+
+import numpy as np
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.cli.commands import main
+from swarmcensus.conformance import single_life, suite
+from swarmcensus.conformance.single_lives import single_lives
+from tests.support import ring_days
+
+LONG_LIVED = ("commons", "swift", "tracking", "steadfast", "sure")
+KEPT = {
+    "    return larger, more - (larger - total)\n": "    return larger, 0.0\n",
+    "    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)\n": "    return 0.0\n",
+}
+
+
+def forgetful(name, folder):
+    """A shipped brain that does not remember what rounding took."""
+    source = brains.load(name).source
+    for kept, nothing in KEPT.items():
+        assert source.count(kept) == 1
+        source = source.replace(kept, nothing)
+    file = folder / f"forgetful_{name}.py"
+    file.write_text(source)
+    return brains.load(file)
+
+
+def lived(brain, rounds, readings, begin=0.0):
+    """Estimates of four robots on a ring, of which the second has a poor sensor, after `begin` readings at once."""
+    draws = np.random.default_rng(5)
+    swarm = [brain.robot(b, b) for b in (0.8, 0.6, 0.9, 0.8)]
+    for k, me in enumerate(swarm):
+        if brain.uses.name:
+            me.name = float(k)
+        brain.functions.observe(me, 0.5 * begin, begin)
+    curve = []
+    for _ in range(rounds):
+        for me in swarm:
+            brain.functions.observe(me, float(draws.binomial(readings, 0.5)), float(readings))
+        said = [brain.functions.broadcast(me) for me in swarm]
+        for k, me in enumerate(swarm):
+            for message in (said[k - 1], said[(k + 1) % 4]):
+                brain.functions.receive(me, message)
+            brain.functions.fuse(me)
+        curve.append([brain.functions.estimate(me) for me in swarm])
+    return np.array(curve)
+
+
+class TestRests:
+    @pytest.mark.parametrize("name", LONG_LIVED)
+    def test_short_lives_are_those_of_the_plain_rule_to_the_bit(self, name, tmp_path):
+        brain = brains.load(name)
+        assert (lived(brain, 800, 10) == lived(forgetful(name, tmp_path), 800, 10)).all()
+
+    @pytest.mark.parametrize("name", LONG_LIVED)
+    def test_long_lives_are_in_double_precision_up_to_rounding(self, name, tmp_path):
+        """Sums are so large from the first round on, or with swift soon, that what rounding takes is remembered."""
+        begin, rounds = (0.0, 3000) if name == "swift" else (1e6, 300)
+        one, other = (lived(brain, rounds, 1, begin) for brain in (brains.load(name), forgetful(name, tmp_path)))
+        assert one == pytest.approx(other, abs=1e-9)
+        assert (one != other).any()
+
+    def test_nothing_of_a_reading_is_lost_in_single_precision(self, tmp_path):
+        """Of 1000 readings of evidence 0.36, float32 adds 0.375 each to a sum of a million."""
+        for brain, added in ((brains.load("commons"), 360.0), (forgetful("commons", tmp_path), 375.0)):
+            single = brain.with_numbers(Numbers("single"))
+            me = single.robot(rounded_to_single(0.8), rounded_to_single(0.8))
+            me.v = 1e6
+            for _ in range(1000):
+                single.functions.observe(me, 1.0, 1.0)
+            assert me.v + me.v_rest == pytest.approx(1e6 + added, abs=1e-3)
+
+    def test_nothing_of_a_mean_is_lost_in_single_precision(self):
+        brain = brains.load("commons").with_numbers(Numbers("single"))
+        me = brain.robot(rounded_to_single(0.8), rounded_to_single(0.8))
+        me.v, me.v_rest = 1e6, 2.0**-30  # what rounding took so far
+        brain.functions.receive(me, (0.0, 1e6 + 0.0625))
+        brain.functions.receive(me, (0.0, 1e6 + 0.0625))
+        brain.functions.fuse(me)
+        assert me.v != 1e6 + 0.125 / 3.0
+        assert me.v + me.v_rest == pytest.approx(1e6 + 0.125 / 3.0, abs=1e-8)
+
+    def test_a_restart_forgets_the_rests(self):
+        brain = brains.load("tracking")
+        me = brain.robot(0.8, 0.8)
+        me.s, me.v, me.long_s, me.long_v, me.s_rest, me.v_rest = 90.0, 100.0, 1e4, 1e5, 0.25, 0.5
+        brain.functions.fuse(me)
+        assert (me.long_s, me.long_v, me.s_rest, me.v_rest) == (pytest.approx(0.9), 1.0, 0.0, 0.0)
+
+
+class TestDays:
+    """A day of a swarm at 10 Hz, a fifth of the messages lost; `swift` keeps its momentum only if none is."""
+
+    @pytest.mark.long
+    @pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
+    def test_a_swarm_lives_a_day_in_single_precision(self, name):
+        loss = 0.0 if name == "swift" else 0.2
+        assert ring_days.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.001
+
+    @pytest.mark.long
+    @pytest.mark.parametrize(("name", "least"), [("swift", 0.01), ("commons", 0.002)])
+    def test_it_would_not_without_the_rests(self, name, least, tmp_path):
+        loss = 0.0 if name == "swift" else 0.2
+        assert ring_days.median_error(forgetful(name, tmp_path), "single", single_life.DAY, loss) > least
+
+
+class TestLives:
+    def test_commons_needs_the_rests(self, tmp_path):
+        """Without them, single precision leaves double precision within 2^26 readings."""
+        assert single_life.life(forgetful("commons", tmp_path), 1000, beyond=True).first is not None
+        assert single_life.life(brains.load("commons"), 1000, beyond=True) == (None, None)
+
+    def test_minds_begin_with_their_own_numbers(self):
+        """Those of a brain in single precision, as the engine keeps them."""
+        brain = brains.load("steadfast").with_numbers(Numbers("single"))
+        mind = single_life._blank(brain)[0]
+        assert (mind["typical"], mind["sure"], mind["cap"]) == (0.25, 2.0, 2.0)
+
+    def test_counts_end_at_two_to_the_twenty_fourth(self):
+        lived = single_life.life(brains.load("minimalistic"), beyond=True)
+        assert 2**24 < lived.first < 2**24 + 250_000
+
+    def test_the_very_reading_is_named(self, tmp_path):
+        """At the reading 5,000 the sum is 2^24 + 1, which float32 has not."""
+        source = brains.load("alone").source.partition("def estimate")[0]
+        late = "def estimate(me):\n    return 1.0 if 16777216.0 + (me.t - 4999.0) > 16777216.5 else 0.0\n"
+        file = tmp_path / "late.py"
+        file.write_text(source + late)
+        assert single_life.life(brains.load(file), 6000) == (5000, 5000)
+        assert single_life.life(brains.load(file), 4999) == (None, None)
+
+    @pytest.mark.long(but=["commons", "minimalistic"])
+    @pytest.mark.parametrize("name", brains.shipped())
+    def test_the_table_is_what_is_found(self, name):
+        assert single_life.life(brains.load(name), beyond=True).first == single_lives()[name]
+
+    def test_the_table_has_all(self):
+        assert [*single_lives()] == brains.shipped()
+        assert all(single_lives()[name] is None or single_lives()[name] > single_life.DAY for name in LONG_LIVED)
+
+
+class TestShell:
+    def test_check_says_at_which_reading(self, tmp_path, monkeypatch, capsys):
+        monkeypatch.setattr(suite, "check", lambda path, wearing="": [suite.Check(suite.KEEPS, None)])
+        assert main(["brains", "--check", "minimalistic", "--single", "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert found["single"] == {"alone": None, "hearing": None}
+        assert found["notes"] == [
+            "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
+        ]
+
+    def test_it_needs_a_file(self, capsys):
+        assert main(["brains", "--single"]) == 2
+        assert "--single needs --check" in capsys.readouterr().err
+
+    def test_the_list_has_a_column(self, capsys):
+        assert main(["brains", "--json"]) == 0
+        rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["brains"]}
+        assert rows["minimalistic"]["single_precision_readings"] == single_lives()["minimalistic"]

@@ -1,0 +1,218 @@
+"""Steadfast: against its equations in NumPy, its bound by hand and by brute force, and among liars over trials.
+
+Tests of draws state their error rate: the chance that what is right fails them, were the seed not fixed.
+"""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from tests.support.lives import lived
+from tests.support.long import in_two_sizes
+from tests.support.second import fixed
+
+STEADFAST = brains.load("steadfast").functions
+GEOMETRIC = {"networkx": "random_geometric_graph", "radius": 0.4}
+ANYTHING = {"sure": math.inf, "near": math.inf, "cap": math.inf}
+
+
+def mind(b=0.9, w=0.8, **given):
+    """A robot, with what is given in place of the defaults."""
+    return SimpleNamespace(**{**STEADFAST.MEMORY, **STEADFAST.PARAMETERS} | given, b=b, w=w)
+
+
+def told(me, *messages, rounds=1):
+    """Rounds without readings, in each of which these messages are heard."""
+    for _ in range(rounds):
+        for message in messages:
+            STEADFAST.receive(me, message)
+        STEADFAST.fuse(me)
+    return me
+
+
+def test_a_swarm_follows_the_equations():
+    """Six robots, sensors apart, one of them shouting, all at once in NumPy with matrices of who counts whom."""
+    rng = np.random.default_rng(3)
+    b, w = np.array([0.9, 0.6, 0.75, 0.8, 0.7, 0.95]), np.array([0.8, 0.7, 0.7, 0.9, 0.6, 0.85])
+    hears = ~np.eye(6, dtype=bool) & (rng.random((6, 6)) < 0.8)
+    robots = [mind(*pair) for pair in zip(b, w, strict=True)]
+    s, v, n, t, typical = np.zeros(6), np.zeros(6), np.zeros(6), 0.0, np.full(6, 0.25)
+    k, counted = b + w - 1.0, []
+    for _ in range(60):
+        black = rng.binomial(5, 0.4 * k + 1.0 - w).astype(float)
+        n, t = n + black, t + 5.0
+        s, v = s + k * (black - 5.0 * (1.0 - w)), v + 5.0 * k**2
+        says, weighs = s.copy(), v.copy()
+        says[5] = weighs[5] = 9.0 * v[5]
+        x, q = says / weighs, (n + 2.0) / (t + 4.0)
+        apart = np.abs(x[None, :] - (s / v)[:, None])
+        off = np.abs(k[:, None] * x[None, :] + 1.0 - w[:, None] - q[:, None])
+        good = hears & (apart <= 4.0 * typical[:, None]) & (off <= 2.0 * np.sqrt(q * (1.0 - q) / (t + 4.0))[:, None])
+        share = good * np.minimum(1.0, 2.0 * v[:, None] / weighs[None, :])
+        near = (hears * np.minimum(apart, 2.0 * typical[:, None])).sum(1)
+        typical = (8.0 * typical + near) / (8.5 + hears.sum(1))
+        s, v = ((old + share @ new) / (1.0 + good.sum(1)) for old, new in ((s, says), (v, weighs)))
+        lean = min(1.0, 3.0 * 5.0 / t)
+        s, v = s + lean * (k * (n - t * (1.0 - w)) - s), v + lean * (k**2 * t - v)
+        counted.append(good.sum())
+        for me, blacks in zip(robots, black, strict=True):
+            STEADFAST.observe(me, blacks, 5.0)
+        messages = [STEADFAST.broadcast(me) for me in robots]
+        messages[5] = (9.0 * messages[5][1], 9.0 * messages[5][1])
+        for i, me in enumerate(robots):
+            for j in np.flatnonzero(hears[i]):
+                STEADFAST.receive(me, messages[j])
+            STEADFAST.fuse(me)
+        np.testing.assert_allclose(
+            [[me.s, me.v, me.typical] for me in robots], np.transpose([s, v, typical]), rtol=1e-9
+        )
+    assert 0 < min(counted) < max(counted) <= hears.sum()
+
+
+def test_the_bound_by_hand():
+    """100 readings, 46 black, by a sensor of 0.9 and 0.8: q = 48/104, e = 0.0489, and the estimate within 2 e / 0.7."""
+    me = mind()
+    STEADFAST.observe(me, 46.0, 100.0)
+    me.s = me.v = 1e12  # as if a lie had come through
+    own, half = (48.0 / 104.0 - 0.2) / 0.7, 2.0 * math.sqrt(48.0 / 104.0 * 56.0 / 104.0 / 104.0) / 0.7
+    assert STEADFAST.estimate(me) == pytest.approx(own + half) == pytest.approx(0.5133, abs=1e-4)
+    me.s = -1e12
+    assert STEADFAST.estimate(me) == pytest.approx(own - half)
+
+
+@pytest.mark.parametrize("open_to_all", [False, True], ids=["gates", "no gate but the bound"])
+def test_whatever_is_said_the_estimate_is_what_the_own_readings_allow(open_to_all):
+    """Messages of any size and sign, by up to thirty voices a round, to sensors of all kinds."""
+    rng = np.random.default_rng(8)
+    moved = 0.0
+    for _ in range(150):
+        b, w = rng.random(2)
+        gates = {"near": math.inf, "cap": math.inf} if open_to_all else {}
+        me, f = mind(b, w, **gates), rng.random()
+        for _ in range(rng.integers(1, 30)):
+            looks = float(rng.integers(0, 20))
+            STEADFAST.observe(me, float(rng.binomial(int(looks), f * (b + w - 1.0) + 1.0 - w)), looks)
+            v = 10.0 ** rng.uniform(-6.0, 6.0, rng.integers(0, 30))
+            told(me, *zip(v * rng.choice([0.0, 1.0, rng.normal(0.0, 3.0)], len(v)), v, strict=True))
+        q, slope = (me.n + 2.0) / (me.t + 4.0), b + w - 1.0
+        own, half = (q + w - 1.0) / slope, 2.0 * math.sqrt(q * (1.0 - q) / (me.t + 4.0)) / abs(slope)
+        x = STEADFAST.estimate(me)
+        if me.t > 0.0:
+            assert min(max(own - half, 0.0), 1.0) - 1e-9 <= x <= min(max(own + half, 0.0), 1.0) + 1e-9
+            moved = max(moved, abs(x - min(max(own, 0.0), 1.0)))
+    assert moved > 0.1  # the bound is there to be met
+
+
+def test_what_cannot_be_true_is_not_counted():
+    me = mind()
+    STEADFAST.observe(me, 460.0, 1000.0)
+    STEADFAST.fuse(me)
+    before = me.s, me.v
+    told(me, (me.v, me.v), (0.0, me.v), (me.s, 0.0), (1e300, 1e-300))
+    assert (me.s, me.v) == before
+    assert me.voices == me.apart == 0.0
+
+
+def test_a_loud_voice_weighs_at_most_twice_the_own():
+    me = mind(near=math.inf, sure=math.inf)
+    STEADFAST.observe(me, 46.0, 100.0)
+    s, v = me.s, me.v
+    me.lean = 0.0
+    told(me, (1e9, 1e9))
+    assert (me.s, me.v) == pytest.approx(((s + 2.0 * v) / 2.0, 3.0 * v / 2.0))
+
+
+@pytest.mark.parametrize(("far", "opens"), [(5, False), (10, False), (12, True)])
+def test_fewer_than_half_of_the_voices_open_no_gate(far, opens):
+    """Of 20 voices so many say 0.9, the others what the robot holds: the typical distance falls, or lets them in."""
+    me = mind(sure=math.inf, lean=0.0, typical=0.01)
+    STEADFAST.observe(me, 46.0, 100.0)
+    s, v = me.s, me.v
+    told(me, *[(0.9 * v, v)] * far, *[(s, v)] * (20 - far), rounds=200)
+    assert (me.typical > 0.01) is opens
+    assert (me.s / me.v == pytest.approx(s / v)) is not opens
+
+
+def test_a_lie_fades_and_the_own_evidence_does_not():
+    """Told once at t0 = 100 readings: what it left is multiplied by every 1 - lean fresh / t, until 1,000 readings."""
+    liar, twin = mind(**ANYTHING), mind(**ANYTHING)
+    kept = 1.0
+    for round in range(100):
+        for me in (liar, twin):
+            STEADFAST.observe(me, 5.0, 10.0)
+        if round == 9:
+            STEADFAST.receive(liar, (500.0, 500.0))
+        told(liar), told(twin)
+        if round == 9:
+            left = liar.s - twin.s
+        elif round > 9:
+            kept *= 1.0 - 30.0 / liar.t
+    assert liar.s - twin.s == pytest.approx(kept * left, rel=1e-9)
+    assert kept == pytest.approx(8 * 9 * 10 / (98 * 99 * 100))
+    assert (twin.s, twin.v) == pytest.approx((0.7 * (500.0 - 1000.0 * 0.2), 0.49 * 1000.0))
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("name", ["opposite", "shouter", "noisy-mirror", "jammer"])
+def test_swarms_with_liars_live_as_by_brute_force(name):
+    members = [{"robots": 2, "brain": {"file": name}, "honest": False}]
+    (setting,) = fixed("steadfast", robots=7, rounds=10, looks=2, members=members, topology="full")
+    lived(setting)
+
+
+def errors(brain, kinds=(), share=0.2, trials=20, f=0.55, topology=GEOMETRIC):
+    """Errors after 300 rounds of ten readings, by sensors of 0.75: each trial's median, a row a kind of liar."""
+    members = [{"robots": share, "brain": list(kinds), "honest": False}] if kinds else []
+    found = sc.run(
+        sc.Study(
+            trials=trials, seed=31, swarm={"brain": brain, "robots": 20, "accuracy": 0.75},
+            world={"topology": topology, "fill_ratio": f}, schedule={"rounds": 300}, members=members,
+        )
+    )  # fmt: skip
+    return abs(found["final_estimate"] - f).median("robot").values
+
+
+LIES = ("always-black", "always-white", "opposite", "random", "noisy-mirror", "shouter", "slow-liar", "forger")
+
+
+@pytest.mark.long
+def test_a_fifth_of_liars_of_any_kind_costs_less_than_talking_gains():
+    """Each kind's median is below that of a robot alone, commons' is above: 99 % of bootstraps of the trials agree."""
+    alone = errors("alone")
+    kinds = [kind for kind in LIES if kind not in ("noisy-mirror", "random", "shouter")]  # who shouts breaks commons
+    draw = np.random.default_rng(2).integers(0, 20, (1000, 20))
+    told, lost = errors("steadfast", LIES), errors("commons", kinds)
+    limit = np.median(alone[0][draw], axis=1)
+    for row in told:
+        assert np.mean(np.median(row[draw], axis=1) < limit) > 0.99
+    for row in lost:
+        assert np.mean(np.median(row[draw], axis=1) > limit) > 0.99
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("topology", ["ring", GEOMETRIC], ids=["ring", "geometric"])
+def test_without_liars_it_keeps_most_of_what_commons_gains(topology):
+    """Of the way from a robot alone to commons, two thirds: means over 60 trials, fails by less than 1 in 1,000."""
+    alone, commons, steadfast = (
+        errors(brain, trials=60, topology=topology).mean() for brain in ("alone", "commons", "steadfast")
+    )
+    assert commons < alone - (alone - commons) * 2.0 / 3.0
+    assert steadfast < alone - (alone - commons) * 2.0 / 3.0
+
+
+@in_two_sizes("lies", ("always-black",), LIES)
+def test_beside_liars_on_both_sides_a_robot_is_left_with_its_bound(lies):
+    """On a ring with a third of liars nobody is farther off than the bound, own readings' law of 4 standard errors."""
+    found = sc.run(
+        sc.Study(
+            trials=20, seed=7, swarm={"brain": "steadfast", "robots": 20, "accuracy": 0.75},
+            world={"topology": "ring", "fill_ratio": 0.55}, schedule={"rounds": 300},
+            members=[{"robots": 0.3, "brain": list(lies), "honest": False}],
+        )
+    )  # fmt: skip
+    most = abs(found["final_estimate"] - 0.55).max().item()
+    assert most < (4.0 + 2.0) * math.sqrt(0.25 / 3000.0) / 0.5

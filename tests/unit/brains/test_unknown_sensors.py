@@ -1,0 +1,332 @@
+"""Robots that do not know their sensors: ASDF and BayesCPF, by hand, by brute force and as compiled."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy import special, stats
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.simulation import sampling
+from tests.support.long import in_two_sizes
+
+ASDF, CPF, PAPER = (brains.load(name) for name in ("asdf", "bayes-cpf", "minimalistic"))
+
+
+def robot(brain, b, w, **given):
+    return brain.with_parameters(given).robot(b, w)
+
+
+@pytest.mark.parametrize("m", [1, 2, 3, 4, 5, 8, 19, 20, 99, 400, 1001])
+def test_the_middle_of_students_t_is_that_of_scipy(m):
+    """The finite sums, to 2e-14."""
+    for t in np.concatenate([np.geomspace(1e-9, 60.0, 200), [0.0]]):
+        exact = float(special.betainc(0.5, m / 2, t * t / (m + t * t)))
+        assert ASDF.functions.within(float(t), float(m)) == pytest.approx(exact, abs=2e-14)
+
+
+@pytest.mark.parametrize("p", [0.05, 0.25, 0.9])
+def test_the_rule_is_that_of_the_quantile(p):
+    """T upper quantile at (1 - p)/2, sd with m - 1: brute force over estimates drawn at random."""
+    chance, counts = np.random.default_rng(3), [0, 0]
+    for _ in range(400):
+        heard = chance.beta(5.0, 3.0, chance.integers(1, 12))
+        me = robot(ASDF, 0.8, 0.8, p=p)
+        me.x_hat = chance.beta(5.0, 3.0)
+        for x in heard:
+            ASDF.functions.receive(me, (x, chance.uniform(1.0, 100.0)))
+        ASDF.functions.fuse(me)
+        m = len(heard)
+        if m > 1:
+            quantile = stats.t.ppf(1 - (1 - p) / 2, m)
+            apart = bool(abs(heard.mean() - me.x_hat) >= heard.std(ddof=1) * (quantile / math.sqrt(m) + 1))
+        else:
+            apart = False
+        assert ASDF.functions.is_apart(me) == apart
+        counts[apart] += 1
+    assert min(counts) > 40
+
+
+def test_asdf_mends_by_hand():
+    """Assumed 0.9, 40 of 100 black, neighbours certain of 0.8: b = w = (0.4 + 0.8 - 1) / 0.6 = 1/3, and x_hat 0.8."""
+    me = robot(ASDF, 0.9, 0.9, every=3.0)
+    ASDF.functions.observe(me, 40.0, 100.0)
+    assert me.x_hat == pytest.approx((0.4 - 0.1) / 0.8)
+    for _ in range(3):
+        assert me.mended == 0.0
+        for x in (0.79, 0.8, 0.81):
+            ASDF.functions.receive(me, (x, 50.0))
+        ASDF.functions.fuse(me)
+    assert me.mended == 1.0
+    assert me.accuracy == pytest.approx(1.0 / 3.0)
+    assert me.x_hat == pytest.approx(0.8)
+    assert me.b == 0.9  # what it was told stays
+    n, t, a = 40.0, 100.0, 1.0 / 3.0
+    assert me.alpha == pytest.approx((2 * a - 1) ** 2 * t**3 / (n * (t - n)))
+
+
+@pytest.mark.interpreted
+@in_two_sizes(("trials", "rounds"), (2, 100), (3, 200))
+def test_until_it_mends_asdf_is_the_papers_brain(trials, rounds):
+    study = sc.Study(
+        trials=trials, swarm={"brain": ["minimalistic", "asdf"], "robots": 9, "accuracy": "U(0.6, 0.9)"},
+        world={"topology": "ring", "fill_ratio": 0.7}, schedule={"rounds": rounds, "observations_per_round": 2},
+    )  # fmt: skip
+    final = sc.run(study)["final_estimate"].values
+    assert (final[0] == final[1]).all()
+
+
+def test_a_sensor_that_is_mended_to_one_half_tells_nothing():
+    me, run = robot(ASDF, 0.9, 0.9, every=1.0), ASDF.functions
+    run.observe(me, 50.0, 100.0)
+    for x in (0.79, 0.8, 0.81):
+        run.receive(me, (x, 50.0))
+    run.fuse(me)
+    assert me.accuracy == 0.5
+    assert run.broadcast(me) == (0.5, 0.0)
+    run.observe(me, 900.0, 900.0)
+    assert run.broadcast(me) == (0.5, 0.0)
+
+
+def test_at_one_half_nothing_is_mended():
+    """(n/t + x_bar - 1)/(2 x_bar - 1) has no value there."""
+    me = robot(ASDF, 0.9, 0.9, every=1.0)
+    ASDF.functions.observe(me, 20.0, 100.0)
+    for x in (0.49, 0.51):
+        ASDF.functions.receive(me, (x, 1.0))
+    ASDF.functions.fuse(me)
+    assert me.x_bar == 0.5
+    assert ASDF.functions.is_apart(me)
+    assert me.mended == 0.0
+    me.x_bar = 0.5 + 1e-9  # just beside it whatever was seen is explained, by an accuracy at the end of its range
+    ASDF.functions.mend(me)
+    assert me.accuracy == 1e-6
+
+
+def swarm_of(brain, wrong, seed, trials=20, **given):
+    """Ten robots of accuracy 0.75 at f = 0.75, of which some believe in 0.55."""
+    return sc.Study(
+        seed=seed, trials=trials,
+        swarm={"brain": {"file": brain, **given}, "robots": 10, "accuracy": 0.75, "assumed_accuracy": 0.75},
+        members=[{"robots": wrong, "assumed_accuracy": 0.55}],
+        world={"topology": "full", "fill_ratio": 0.75}, schedule={"rounds": 600, "observations_per_round": 10},
+    )  # fmt: skip
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("every", [20, 50])
+def test_a_wrong_majority_locks_in(every):
+    """Eight of ten believe in 0.55, and so read 1: the two that are right are mended until they say the same."""
+    study = swarm_of("asdf", 8, seed=2, trials=4, every=every)
+    results = sc.run(study)
+    assert (results["final_estimate"].values > 0.98).all()
+    for trial in range(4):
+        trace = sc.replay(results, 0, trial)
+        right = sampling.groups(study.settings()[0], 2, trial, 1)[0] == 0
+        before = trace["x_hat"].values[every - 1, right]
+        assert before == pytest.approx(0.75, abs=0.3)
+        assert (trace["mended"].values[-1, right] > 0).all()
+        assert trace["x_hat"].values[-1, right].min() > 0.9  # their own evidence is overwritten
+        last = (600 // every) * every
+        share = trace["n"].values[last, right] / trace["t"].values[last, right]
+        mended = trace["accuracy"].values[last, right]
+        x_bar = trace["x_bar"].values[last, right]
+        changed = trace["mended"].values[last, right] > trace["mended"].values[last - 1, right]
+        told = (share + x_bar - 1) / (2 * x_bar - 1)
+        assert mended[changed] == pytest.approx(told[changed], abs=1e-12)
+
+
+def test_the_filters_step_is_that_of_a_numerical_linearisation():
+    """C is the derivative of m p, the variance that of a binomial, the gain that of the scalar filter."""
+    chance = np.random.default_rng(5)
+    for _ in range(50):
+        mu, x, variance, m = chance.uniform(0.2, 0.9), chance.random(), 10 ** chance.uniform(-6, -2), 1000.0
+        n = m * chance.uniform(0.3, 0.7)
+        me = robot(CPF, mu, mu, drift=-1e-4, noise=1e-7, every=5.0, doubt=variance)
+        me.t, me.n, me.past_x = m, n, x
+        CPF.functions.learn(me)
+        before, doubt = mu - 5e-4, variance + 5e-7
+
+        def expected(a, x=x, m=m):
+            return m * (x * a + (1 - x) * (1 - a))
+
+        slope = (expected(before + 1e-4) - expected(before - 1e-4)) / 2e-4
+        p = expected(before) / m
+        exact = (before / doubt + slope * (n - expected(before) + slope * before) / (m * p * (1 - p))) / (
+            1 / doubt + slope**2 / (m * p * (1 - p))
+        )  # the mean of the two normals' product
+        assert me.mu == pytest.approx(min(max(exact, 0.0), 1.0), abs=1e-9)
+        assert me.variance == pytest.approx(1 / (1 / doubt + slope**2 / (m * p * (1 - p))), rel=1e-9)
+        published = m * ((2 * before - 1) ** 2 * (x - x * x - 0.25) + 0.25)
+        assert m * p * (1 - p) == pytest.approx(published)
+
+
+def test_the_filter_learns_nothing_at_one_half_and_of_few_readings():
+    me = robot(CPF, 0.8, 0.8)
+    me.t, me.n, me.past_x = 1000.0, 700.0, 0.5
+    CPF.functions.learn(me)
+    assert me.mu == pytest.approx(0.8 - 5e-5)
+    assert me.variance == pytest.approx(1e-4 + 5e-8)
+    few = robot(CPF, 0.9, 0.9)
+    few.t, few.n, few.past_x = 49.0, 40.0, 0.9  # 4.9 whites at the most
+    CPF.functions.learn(few)
+    assert few.mu == pytest.approx(0.9 - 5e-5)
+
+
+@pytest.mark.parametrize(("b", "w"), [(0.9, 0.6), (0.6, 0.9)])
+def test_told_b_and_w_apart_the_filter_begins_at_their_mean(b, w):
+    """Half of eight readings black: too few to learn of, so that the step is that of the drift alone."""
+    me = robot(CPF, b, w, every=2.0, drift=-1e-3)
+    CPF.functions.observe(me, 4.0, 8.0)
+    assert me.x_hat == pytest.approx((0.5 + w - 1.0) / 0.5)
+    CPF.functions.fuse(me)
+    assert me.x_hat == pytest.approx((0.5 + w - 1.0) / 0.5)  # until the first step it believes what it was told
+    CPF.functions.fuse(me)
+    assert me.mu == pytest.approx(0.75 - 2e-3, abs=1e-12)
+    assert me.x_hat == pytest.approx(0.5)
+    CPF.functions.observe(me, 3.0, 3.0)
+    assert me.x_hat == pytest.approx((me.n / me.t + me.mu - 1.0) / (2.0 * me.mu - 1.0))
+
+
+def test_what_is_believed_is_the_mean_of_a_truncated_normal():
+    for mu in (0.3, 0.499, 0.5, 0.7, 0.98, 1.0):
+        for sd in (0.001, 0.05, 0.4):
+            me = robot(CPF, 0.8, 0.8, truncated=1.0)
+            me.mu, me.variance = mu, sd * sd
+            exact = stats.truncnorm((0.5 - mu) / sd, (1 - mu) / sd, mu, sd).mean()
+            near = stats.norm(mu, sd).cdf(1) - stats.norm(mu, sd).cdf(0.5) > 1e-9
+            assert CPF.functions.believed(me) == pytest.approx(exact if near else 0.5, abs=1e-6)
+            plain = robot(CPF, 0.8, 0.8)
+            plain.mu, plain.variance = mu, sd * sd
+            assert CPF.functions.believed(plain) == min(max(mu, 0.5), 1.0)
+
+
+@pytest.mark.long
+def test_of_a_wrong_consensus_right_robots_learn_what_is_wrong():
+    """Six of twenty believe in 0.95: the others' 0.75 is moved to what explains their readings by what is agreed on."""
+    study = sc.Study(
+        seed=3, trials=2,
+        swarm={"brain": {"file": "bayes-cpf", "drift": 0}, "robots": 20, "accuracy": 0.75, "assumed_accuracy": 0.75},
+        members=[{"robots": 6, "assumed_accuracy": 0.95}],
+        world={"topology": "moving", "density": 10, "fill_ratio": 0.85}, schedule={"ticks": 10000},
+    )  # fmt: skip
+    results = sc.run(study)
+    for trial in range(2):
+        right = sampling.groups(study.settings()[0], 3, trial, 1)[0] == 0
+        trace = sc.replay(results, 0, trial)
+        mu, x = trace["mu"].values[-1, right], trace["past_x"].values[-1, right]
+        assert mu.min() > 0.8
+        explained = x * mu + (1 - x) * (1 - mu)
+        assert explained.mean() == pytest.approx(0.85 * 0.75 + 0.15 * 0.25, abs=0.02)
+
+
+@pytest.mark.parametrize("looks", [1, 7, 13, 15, 24, 26, 58, 94, 134, 190])
+@pytest.mark.parametrize("black", [True, False])
+def test_a_perfect_sensor_that_sees_one_colour_alone_is_borne(looks, black):
+    """Readings are forgotten bit by bit, and still none of a colour is none; the last ones of the other fade away."""
+    me, run = robot(CPF, 1.0, 1.0, drift=0.0, noise=0.0, doubt=0.0), CPF.functions
+    run.observe(me, float(looks * (not black)), float(looks))
+    for _ in range(40_000 // looks):
+        run.observe(me, float(looks * black), float(looks))
+        run.fuse(me)
+        assert math.isfinite(me.alpha)
+    assert me.x_hat == float(black)
+    assert me.n == (me.t if black else 0.0)
+    assert me.alpha == pytest.approx(me.t)
+
+
+def test_to_a_sensor_that_lies_readings_say_nothing_once_it_learns():
+    me, run = robot(CPF, 0.3, 0.3, every=1.0), CPF.functions
+    run.observe(me, 30.0, 100.0)
+    assert me.x_hat == pytest.approx(1.0)
+    run.fuse(me)
+    assert run.broadcast(me) == (0.5, 0.0)
+
+
+def test_a_drift_that_nobody_doubts_is_followed():
+    me, run = robot(CPF, 0.9, 0.9, every=1.0, drift=-1e-3, doubt=0.0, noise=0.0), CPF.functions
+    for _ in range(300):
+        run.observe(me, 1.0, 1.0)
+        run.fuse(me)
+    assert run.believed(me) == pytest.approx(0.6, abs=1e-9)
+
+
+def test_counts_are_forgotten_bit_by_bit():
+    """Brute force: each reading, the k-th last, weighs (1 - 1/window)^k."""
+    chance = np.random.default_rng(7)
+    readings = chance.integers(0, 2, 300)
+    me = robot(CPF, 0.8, 0.7, window=40.0)
+    for one in readings:
+        CPF.functions.observe(me, float(one), 1.0)
+    weights = (1 - 1 / 40) ** np.arange(300)[::-1]
+    assert me.t == pytest.approx(weights.sum())
+    assert me.n == pytest.approx((weights * readings).sum())
+    assert me.x_hat == pytest.approx(min(max((me.n / me.t - 0.3) / 0.5, 0.0), 1.0))
+
+
+def test_the_older_consensus_is_a_mean_of_means():
+    """Brute force: plain means of the first ten, and then a tenth of each that comes, twice."""
+    chance = np.random.default_rng(8)
+    estimates = chance.random(60)
+
+    def running(values):
+        kept = (1 - 1 / 10) ** np.arange(len(values))
+        plain = [np.mean(values[: k + 1]) for k in range(10)]
+        later = [
+            plain[-1] * kept[k - 9] + (values[10 : k + 1][::-1] * kept[: k - 9]).sum() / 10
+            for k in range(10, len(values))
+        ]
+        return np.array(plain + later)
+
+    me = robot(CPF, 0.8, 0.8, past=10.0)
+    for x, told in zip(estimates, running(running(estimates)), strict=True):
+        me.x = x
+        CPF.functions.remember(me)
+        assert me.past_x == pytest.approx(told, abs=1e-12)
+
+
+def test_an_error_that_all_robots_share_is_invisible_to_the_filter():
+    """With x' as made from mu, the expected share of black readings is the seen one: mu follows the drift alone."""
+    black = 0.53
+    for mu in (0.6, 0.7, 0.9):
+        me = robot(CPF, 0.8, 0.8, drift=-1e-5, every=1.0, noise=0.0)
+        me.mu, me.variance, me.t, me.n = mu, 1e-4, 1000.0, 1000.0 * black
+        me.past_x = (black + mu - 1e-5 - 1.0) / (2.0 * (mu - 1e-5) - 1.0)
+        CPF.functions.learn(me)
+        assert me.mu == pytest.approx(mu - 1e-5, abs=1e-13)
+
+
+def test_a_drift_that_sensors_do_not_have_ends_the_estimate():
+    """Robots whose sensors stay as they are: the published drift takes the estimate to 1, and without it nothing is."""
+    study = sc.Study(
+        trials=1,
+        seed=1,
+        swarm={"brain": {"file": "bayes-cpf", "drift": [-1e-5, 0]}, "robots": 10, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": 0.55},
+        schedule={"rounds": 100_000, "observations_per_round": 1},
+        measure={"checkpoints": [100_000]},
+    )
+    errors = np.median(np.abs(sc.run(study, jobs=1)["final_estimate"].values - 0.55), axis=(1, 2))
+    assert errors[0] > 0.3
+    assert errors[1] < 0.05
+
+
+def test_the_local_functions_are_those_of_the_paper():
+    """Written again in each file, and the same all the same."""
+    alone, chance = brains.load("alone"), np.random.default_rng(10)
+    for _ in range(300):
+        b, w = chance.choice([0.0, 0.3, 0.5, 0.75, 1.0, chance.random()], 2)
+        t = float(chance.integers(1, 50))
+        n = float(chance.integers(0, int(t) + 1))
+        paper = robot(PAPER, b, w)
+        PAPER.functions.observe(paper, n, t)
+        lonely = robot(alone, b, w)
+        alone.functions.observe(lonely, n, t)
+        mends = robot(ASDF, b, w)
+        ASDF.functions.observe(mends, n, t)
+        follows = robot(CPF, b, w, window=1e6)
+        CPF.functions.observe(follows, n, t)
+        for me in (mends, follows):
+            assert (me.x_hat, me.alpha) == pytest.approx((paper.x_hat, paper.alpha), rel=2e-4, abs=1e-4)
+        assert lonely.x == pytest.approx(paper.x_hat, abs=1e-9)

@@ -1,0 +1,282 @@
+"""The compiled engine against the oracle, against CPython, and against itself in other batches."""
+
+import os
+import subprocess
+import sys
+import textwrap
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import metrics
+from swarmcensus.simulation import trials as engine
+from swarmcensus.simulation.trials import Metrics, run_batch, segment_length
+from tests.support.small import FAILS, beliefs_of
+
+GO = np.zeros(1, np.uint8)
+MEASURE = Metrics(0.01, 10, (10, 60))
+MIXED = """
+seed = 11
+trials = 2
+[swarm]
+brain = ["minimalistic", "legacy"]
+robots = [1, 2, 9]
+accuracy = [0.6, 1.0, {black = 0.9, white = "N(0.7, 0.1)"}]
+[world]
+topology = ["full", "ring", "line", "scale-free"]
+fill_ratio = [0.0, 0.55]
+link_success = [1.0, 0.5]
+[schedule]
+rounds = 12
+observations_per_round = [1, 37]
+[measure]
+local = true
+"""
+
+
+@pytest.fixture(scope="module")
+def mixed():
+    study = sc.Study.parse(MIXED)
+    return study, sc.run(study, jobs=2)
+
+
+def some(study, step):
+    return list(enumerate(study.settings()))[::step]
+
+
+@pytest.mark.long
+def test_metrics_of_a_run_are_those_of_its_curves(mixed):
+    study, results = mixed
+    for k, setting in some(study, 7):
+        n, trace = setting.robots, sc.replay(results, k, 1)
+        curves = trace["estimate"].values
+        index = metrics.convergence(curves)
+        assert (results["convergence_round"].values[k, 1, :n] == index).all()
+        error = metrics.error_at(curves, index, setting.fill_ratio)
+        assert (results["convergence_error"].values[k, 1, :n] == error).all()
+        assert (results["final_estimate"].values[k, 1, :n] == curves[-1]).all()
+        for c, checkpoint in enumerate(results["checkpoint"].values):
+            right = metrics.correct(curves[checkpoint], setting.fill_ratio)
+            assert results["correct"].values[k, c, 1] == right
+
+
+@pytest.mark.parametrize(
+    ("compiled", "step"),
+    [
+        pytest.param(True, 11, id="compiled"),
+        pytest.param(True, 5, id="more compiled", marks=pytest.mark.long),
+        pytest.param(False, 23, id="CPython"),
+    ],
+)
+def test_a_run_is_what_the_brain_file_makes_of_the_same_observations(mixed, compiled, step):
+    """Bit for bit; but to rounding in a full network, where the engine adds in another order."""
+    study, results = mixed
+    for k, setting in some(study, step):
+        if setting.link_success < 1.0:
+            continue
+        readings, edges = recording(results, k, 1)
+        trace = sc.infer(
+            readings,
+            edges,
+            beliefs_of(setting, study, 1),
+            setting.observations_per_round,
+            setting.brain,
+            compiled=compiled,
+        )
+        again = sc.replay(results, k, 1)
+        for name in (*setting.brain.memory, "estimate"):
+            if setting.topology.name == "full":
+                assert trace[name].values == pytest.approx(again[name].values, rel=1e-12, abs=1e-12)
+            else:
+                assert (trace[name].values == again[name].values).all()
+
+
+def test_the_local_estimate_is_that_of_a_robot_that_hears_nobody(mixed):
+    study, results = mixed
+    for k, setting in some(study, 11):
+        readings = engine.record_readings(setting, study.seed, 0)
+        curves = sc.infer(readings, None, beliefs_of(setting, study, 0), 1, setting.brain)["estimate"].values
+        index = metrics.convergence(curves)
+        n = setting.robots
+        assert (results["local_convergence_step"].values[k, 0, :n] == index).all()
+        error = metrics.error_at(curves, index, setting.fill_ratio)
+        assert (results["local_convergence_error"].values[k, 0, :n] == error).all()
+
+
+def test_rounds_are_made_of_their_single_readings(mixed):
+    study, results = mixed
+    for k, setting in some(study, 17):
+        readings = engine.record_readings(setting, study.seed, 1)
+        rounds = readings.reshape(setting.rounds, setting.observations_per_round, -1).sum(axis=1)
+        assert (sc.replay(results, k, 1)["blacks"].values[1:] == rounds).all()
+
+
+def test_padding(mixed):
+    study, results = mixed
+    for k, setting in some(study, 13):
+        beyond = results.isel(setting=k, robot=slice(setting.robots, None))
+        assert np.isnan(beyond[["convergence_round", "final_estimate"]].to_array()).all()
+
+
+def test_settings_that_share_a_world_meet_the_same_readings(small_results, small_study):
+    """Another topology or brain changes neither tiles nor sensors."""
+    settings = small_study.settings()
+    alike = [k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.55)]
+    assert len(alike) == 4
+    first, *others = (sc.replay(small_results, k, 2)["blacks"].values for k in alike)
+    assert all((first == other).all() for other in others)
+    differing = next(
+        k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.95)
+    )
+    assert (first != sc.replay(small_results, differing, 2)["blacks"].values).any()
+
+
+class TestDeterminism:
+    def test_jobs(self, small_study, small_results):
+        assert sc.run(small_study, jobs=1).equals(small_results)
+
+    def test_batches(self, small_study):
+        for setting in small_study.settings()[::5]:
+            whole = run_batch(setting, 7, 0, 4, MEASURE, GO)
+            parts = [run_batch(setting, 7, t, 1, MEASURE, GO) for t in range(4)]
+            for name in ("convergence", "error", "final"):
+                assert (getattr(whole, name) == np.concatenate([getattr(p, name) for p in parts])).all()
+            assert (whole.correct == np.concatenate([p.correct for p in parts], axis=1)).all()
+
+    def test_order_and_subsets_of_settings(self, small_results):
+        from tests.support.small import SMALL
+
+        text = SMALL.replace('["full", "ring", "line", "scale-free"]', '["scale-free", "ring"]').replace(
+            "[0.55, 0.95]", "[0.95]"
+        )
+        subset = sc.run(sc.Study.parse(text.replace("trials = 4", "trials = 6")), jobs=2)
+        columns = ("topology", "robots", "accuracy", "fill_ratio")
+
+        def content(data, k):
+            return tuple(str(data[c].values[k]) for c in columns)
+
+        index = {content(small_results, k): k for k in small_results["setting"].values}
+        assert subset.sizes["setting"] == 8
+        for k in range(8):
+            same = small_results.isel(setting=index[content(subset, k)])
+            for name in ("convergence_round", "convergence_error", "final_estimate", "correct"):
+                part = subset.isel(setting=k, trial=slice(4))[name]
+                assert np.array_equal(part.values, same[name].values, equal_nan=part.dtype.kind == "f")
+
+    def test_another_seed_gives_other_numbers(self, small_study, small_results):
+        other = sc.run(small_study.with_(seed=8), jobs=2)
+        assert (other["final_estimate"].values != small_results["final_estimate"].values).mean() > 0.9
+
+    def test_longer_runs_begin_alike(self, small_study):
+        setting = small_study.settings()[-1]
+        short = engine.record_trial(setting, 7, 0)[1]
+        long = engine.record_trial(replace(setting, rounds=90), 7, 0)[1]
+        assert (long[: len(short)] == short).all()
+
+    @pytest.mark.parametrize("local", [False, True])
+    def test_segments_give_the_same_as_whole_curves(self, small_study, monkeypatch, local):
+        for setting in small_study.settings()[::3]:
+            whole = run_batch(setting, 7, 0, 3, MEASURE, GO, local)
+            monkeypatch.setattr(engine, "ROWS_BYTES", 8 * setting.robots * 7)
+            parts = run_batch(setting, 7, 0, 3, MEASURE, GO, local)
+            monkeypatch.undo()
+            for name in ("convergence", "error", "final", "correct"):
+                assert np.array_equal(getattr(whole, name), getattr(parts, name))
+
+    @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
+    def test_python_runs_the_engine_to_the_same_bits(self, tmp_path):
+        """The whole engine without Numba, random numbers and all, in a process of its own."""
+        program = textwrap.dedent("""
+            import numpy as np, swarmcensus as sc
+            study = sc.Study(seed=5, trials=1, swarm={"brain": ["minimalistic", "legacy"], "robots": [3, 4],
+                "accuracy": [0.6, "U(0.5, 0.9)", "N(0.7, 0.1)"]}, world={"topology": ["full", "ring", "scale-free"],
+                "fill_ratio": 0.55, "link_success": [1.0, 0.5]}, schedule={"rounds": 5,
+                "observations_per_round": [1, 31]}, measure={"local": True})
+            results = sc.run(study, jobs=2)
+            results["curves"] = (("k", "i"), sc.replay(results, 5, 0)["estimate"].values)
+            moving = sc.Study(seed=5, trials=1, swarm={"brain": ["minimalistic", "legacy"], "robots": 6,
+                "accuracy": [0.6, "N(0.7, 0.1)"]}, world={"topology": "moving", "density": 12, "fill_ratio": 0.55,
+                "link_success": [1.0, 0.5]}, schedule={"ticks": 40}, faults=[{"at": 30, "robots": 2, "stop":
+                ["moving", "sensing", "talking"]}])
+            walked = sc.run(moving, jobs=1)
+            for name in ("position", "estimate", "reading"):
+                results[name] = (("tick", "r", "a")[: 3 if name == "position" else 2],
+                                 sc.replay(walked, 0, 0)[name].values)
+            results["walked"] = (("s", "r"), walked["final_estimate"].values[:, 0])
+            lost = sc.Study(seed=5, trials=1, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": ["full", "ring"],
+                "fill_ratio": 0.5, "link_success": 0.5}, schedule={"rounds": 6}, faults=[{"at": 3, "robots": 2, "stop":
+                ["sensing", "talking"]}])
+            results["lost"] = (("l", "r5"), sc.run(lost)["final_estimate"].values[:, 0])
+            readings = np.array([[0.0, 1.0], [1.0, 1.0], [0.0, np.nan]])
+            results["told"] = (("k2", "i2"), sc.infer(readings, [[0, 1]], 0.8, 2)["estimate"].values)
+        """)
+        # uint64 arithmetic is meant to wrap
+        begin, end = "import sys, numpy\nnumpy.seterr(over='ignore')", "sc.save(results, sys.argv[1])"
+        subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", f"{begin}\n{program}\n{end}", str(tmp_path / "slow.nc")],
+            env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True,
+        )  # fmt: skip
+        here = {}
+        exec(program, here)
+        sc.save(here["results"], tmp_path / "fast.nc")
+        assert sc.load(tmp_path / "slow.nc").equals(sc.load(tmp_path / "fast.nc"))
+
+
+@pytest.fixture(scope="module")
+def counting(small_study):
+    """The brain without its promise that messages add up, and with a memory of how many it heard."""
+    brain = small_study.settings()[0].brain
+    source = brain.source.replace("SUMS = ", "NOTHING = ").replace("        me.heard = 0.0\n", "")
+    return brains.parse(source, "counting", brain.path)
+
+
+def one(study, name, **changes):
+    return replace(next(s for s in study.settings() if s.topology.name == name and s.robots == 12), **changes)
+
+
+def test_full_network_by_sums_and_by_pairs(small_study, counting):
+    by_sums = engine.record_trial(one(small_study, "full"), 7, 0)[1]
+    by_pairs = engine.record_trial(one(small_study, "full", brain=counting), 7, 0)[1]
+    assert by_sums == pytest.approx(by_pairs, abs=1e-12)
+
+
+@pytest.mark.parametrize(("name", "neighbours"), [("full", 11), ("ring", 2)])
+def test_lossy_links_let_through_their_share(small_study, counting, name, neighbours):
+    """How many of a trial's messages arrive is binomial: within 4 standard errors."""
+    history, _, _ = engine.record_trial(one(small_study, name, brain=counting, link_success=0.3), 7, 0)
+    sent = 60 * 12 * neighbours
+    assert abs(history["heard"][-1].sum() - 0.3 * sent) < 4 * np.sqrt(sent * 0.3 * 0.7)
+
+
+def test_no_message_gets_through_at_success_0(small_study):
+    setting = replace(small_study.settings()[-1], link_success=0.0)
+    history, _, _ = engine.record_trial(setting, 7, 0)
+    assert (history["beta"] == 0.0).all()
+
+
+def test_stop_ends_a_run_at_once(small_study):
+    stop = np.ones(1, np.uint8)
+    assert run_batch(replace(small_study.settings()[0], rounds=10**9, robots=100), 7, 0, 1, MEASURE, stop) is None
+
+
+@pytest.mark.parametrize(("robots", "rounds"), [(100, 1000), (10, 10**6), (10**6, 100), (1, 1), (10**7, 10**4)])
+def test_memory_of_a_trial_grows_with_the_square_root_of_its_rounds(robots, rounds):
+    record = 96
+    length = segment_length(robots, rounds, record, 1)
+    segments = -(-rounds // length)
+    kept = 8 * robots * length + (segments * robots * record if segments > 1 else 0)
+    assert kept <= max(engine.ROWS_BYTES * 2, 3 * robots * np.sqrt(8 * record * rounds) + 8 * robots)
+
+
+def test_a_brain_that_divides_by_zero_is_named(tmp_path):
+    (tmp_path / "bad.py").write_text(FAILS)
+    study = sc.Study(
+        trials=1, swarm={"brain": str(tmp_path / "bad.py"), "robots": 3, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 70}
+    )  # fmt: skip
+    with pytest.raises(sc.InputError, match=r"bad.py' fails in trial 0 of ring.*ZeroDivisionError"):
+        sc.run(study)

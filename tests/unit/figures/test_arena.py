@@ -1,0 +1,527 @@
+"""Pictures of robots that move show the floor they saw, and the robots and links that the trace holds."""
+
+import functools
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from PIL import Image
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.figures.arena_margins import LINK
+from swarmcensus.figures.files import save
+from swarmcensus.figures.kinds.arena import FINE, Arena
+from swarmcensus.figures.kinds.arena import arena as drawn
+from swarmcensus.figures.kinds.film import film
+from swarmcensus.figures.scenes import FLOOR, scene_of
+from swarmcensus.results.recordings import write_trace
+from swarmcensus.results.source_study import studies_of
+from swarmcensus.simulation import sampling
+
+STUDY = """
+name = "pictures for $2 or $3"
+seed = 11
+trials = 2
+[swarm]
+robots = [1, 9]
+accuracy = 0.7
+[world]
+topology = ["ring", "moving"]
+density = 5
+fill_ratio = [0.3, 0.95]
+[schedule]
+rounds = 40
+ticks = 40
+"""
+BODY = "[world.body]\ntile = 0.03\nsensor = [0.02, -0.01]\ntick = 0.2\nradio_range = 0.5\n"  # nothing as usual
+
+
+@pytest.fixture(scope="module")
+def results():
+    return sc.run(sc.Study.parse(STUDY), jobs=1)
+
+
+@pytest.fixture(scope="module")
+def file(results, tmp_path_factory):
+    path = tmp_path_factory.mktemp("pictures") / "m.nc"
+    sc.save(results, path)
+    return path
+
+
+def moving(results, robots, f=0.3):
+    is_it = (results.topology == "moving") & (results.robots == robots) & (results.fill_ratio == f)
+    return int(results.setting[is_it.values].values[0])
+
+
+@pytest.fixture(scope="module")
+def trace(results):
+    return scene_of(results, moving(results, 9), 1)
+
+
+def texts(figure: Figure) -> str:
+    return "\n".join(t.get_text() for t in figure.findobj(lambda a: hasattr(a, "get_text")))
+
+
+# ---- floors
+
+
+@pytest.mark.parametrize("body", ["", BODY])
+def test_floors_have_the_colours_that_robots_saw(body):
+    study = sc.Study.parse(STUDY.replace("[schedule]", body + "[schedule]"))
+    results = sc.run(study, jobs=1)
+    for number, setting in enumerate(study.settings()):
+        if setting.body is None:
+            continue
+        trace = sc.replay(results, number, 1)
+        floor = sampling.ground(setting, study.seed, 1).all_tiles()
+        x, y = trace.position.values[1:].transpose(2, 0, 1)
+        c, s = np.cos(trace.heading.values[1:]), np.sin(trace.heading.values[1:])
+        ahead, left = setting.body.sensor
+        column = np.floor((x + ahead * c - left * s) / setting.body.tile).astype(int) + floor.shape[1] // 2
+        row = np.floor((y + ahead * s + left * c) / setting.body.tile).astype(int) + floor.shape[0] // 2
+        assert (floor[row, column] == trace.tile.values[1:]).all()
+        across = floor.shape[0] * setting.body.tile
+        assert floor.shape[0] == floor.shape[1]
+        assert trace.attrs["side"] <= across < trace.attrs["side"] + 2 * setting.body.tile
+
+
+def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
+    (study,) = studies_of(results)
+    setting = study.settings()[moving(results, 9, 0.95)]
+    first, second = (sampling.ground(setting, study.seed, trial).all_tiles() for trial in (0, 1))
+    assert (first != second).any()
+    assert set(np.unique(first)) == {0, 1}
+    sd = np.sqrt(0.95 * 0.05 / first.size)
+    assert abs(first.mean() - 0.95) < 4 * sd
+
+
+# ---- snapshots
+
+
+@pytest.fixture(scope="module")
+def arena(trace):
+    return Arena(trace, robot=3)
+
+
+@pytest.mark.parametrize("tick", [0, 1, 17, 40])
+def test_discs_headings_and_links_are_where_the_trace_says(trace, arena, tick):
+    arena.show(tick)
+    now = trace.sel(round=tick)
+    np.testing.assert_array_equal(arena.discs.get_offsets(), now.position)
+    ends = np.array([s[1] - p for s, p in zip(arena.headings.get_segments(), now.position.values, strict=True)])
+    np.testing.assert_allclose(np.hypot(*ends.T), trace.attrs["radius"])
+    np.testing.assert_allclose(np.arctan2(ends[:, 1], ends[:, 0]), now.heading)
+    pairs = trace.link.values[trace.link.values[:, 0] == tick, 1:]
+    assert len(pairs) == now.neighbours.sum() / 2
+    assert (len(pairs) > 0) == (tick > 0)
+    drawn = np.array(arena.links.get_segments()).reshape(-1, 2, 2)
+    np.testing.assert_array_equal(drawn, now.position.values[pairs])
+    assert tuple(arena.range.center) == tuple(now.position.values[3])
+    assert arena.range.radius == trace.attrs["radio_range"]
+    right = int(((now.estimate >= 0.3) & (now.estimate < 0.4)).sum())
+    assert arena.when.get_text() == f"tick {tick}, {tick / 10:.1f} s"
+    assert arena.right.get_text() == f"{right} of 9"
+
+
+def test_a_brain_s_vectors_are_not_in_the_way(trace):
+    more = trace.assign(heard=(("round", "robot", "item_heard"), np.zeros((*trace["estimate"].shape, 3))))
+    one, other = (Arena(of, robot=3) for of in (trace, more.transpose("item_heard", ...)))
+    assert one.position.tolist() == other.position.tolist()
+    assert one.estimate.tolist() == other.estimate.tolist()
+
+
+def test_what_is_drawn_is_to_scale_and_in_its_place(trace):
+    """By the dots of the picture: the disc's size and colour, a link's colour, tiles, and where they are."""
+    arena = Arena(trace)
+    arena.show(30)
+    arena.links.set_linewidth(3)
+    arena.figure.set_dpi(200)
+    arena.figure.canvas.draw()
+    dots = np.asarray(arena.figure.canvas.buffer_rgba())[..., :3] / 255.0
+
+    def dot(xy):
+        column, up = arena.axes.transData.transform(xy)
+        return dots[len(dots) - 1 - int(up), int(column)]
+
+    now = trace.sel(round=30)
+    radius, tile, half = trace.attrs["radius"], trace.attrs["tile_side"], trace.attrs["side"] / 2
+    for i, (xy, heading) in enumerate(zip(now.position.values, now.heading.values, strict=True)):
+        colour = arena.colours.to_rgba(float(now.estimate[i]))[:3]
+        for turn in (0.5, 0.75, 1.0, 1.25, 1.5):  # of half a turn, away from the heading
+            away = np.array([np.cos(heading + turn * np.pi), np.sin(heading + turn * np.pi)])
+            np.testing.assert_allclose(dot(xy + 0.85 * radius * away), colour, atol=0.02)
+    x = now.position.values
+    seen = 0
+    for _, i, j in trace.link.values[trace.link.values[:, 0] == 30]:
+        middle = (x[i] + x[j]) / 2
+        if np.hypot(*(x - middle).T).min() > 1.1 * radius:
+            np.testing.assert_allclose(dot(middle), to_rgb(LINK), atol=0.1)
+            seen += 1
+    assert seen
+    rows, columns = np.indices((floor := trace[FLOOR].values).shape)
+    centres = np.stack([columns - floor.shape[1] / 2 + 0.5, rows - floor.shape[0] / 2 + 0.5], -1) * tile
+    black = {False: [], True: []}
+    for place, colour in zip(centres.reshape(-1, 2)[::7], floor.ravel()[::7], strict=True):
+        if np.abs(place).max() < half - tile:
+            black[bool(colour)].append(dot(place))
+    dark, light = np.median(black[True], axis=0), np.median(black[False], axis=0)
+    assert np.ptp(dark) == np.ptp(light) == 0
+    shades = np.array([np.mean(c) for c in black[True]]), np.array([np.mean(c) for c in black[False]])
+    assert np.mean(np.abs(shades[0] - dark[0]) < np.abs(shades[0] - light[0])) > 0.9  # but where robots hide it
+    assert np.mean(np.abs(shades[1] - light[0]) < np.abs(shades[1] - dark[0])) > 0.85
+    assert 0.75 < dark[0] < light[0] - 0.1
+
+
+@pytest.mark.long(but=["0.3", "1.0"])
+@pytest.mark.parametrize("f", [0.0, 0.3, 0.5, 0.95, 1.0])
+def test_colours_are_centred_on_the_truth_and_darken_with_the_estimate(trace, f):
+    arena = Arena(trace.assign_attrs(fill_ratio=f))
+    norm = arena.colours.norm
+    assert norm(f) == pytest.approx(0.5)
+    for off in (0.01, 0.1, 0.3):
+        assert norm(f + off) + norm(f - off) == pytest.approx(1)
+    luminance = arena.colours.to_rgba(np.linspace(0, 1, 60))[:, :3] @ (0.2126, 0.7152, 0.0722)
+    assert (np.diff(luminance) <= 0).all()
+    assert luminance[0] > luminance[-1] + 0.1
+    assert f"true f = {f:g}" in texts(arena.figure)
+
+
+def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, trace, tmp_path: Path):
+    alone = scene_of(results, moving(results, 1))
+    figure = drawn(alone, tick=40)
+    assert " of 1\n" in texts(figure)
+    trace = trace.drop_vars(FLOOR).copy(deep=True)
+    trace["estimate"][20, 2] = np.nan
+    figure = drawn(trace, tick=20, title="mine")
+    assert "black tile" not in texts(figure)
+    assert "mine" in texts(figure)
+    (path,) = save(figure, tmp_path / "x", ["svg"])
+    assert path.stat().st_size < 200_000
+
+
+def test_a_trace_may_be_a_stretch_and_its_title_may_hold_dollars(trace, tmp_path: Path):
+    stretch = trace.isel(round=slice(10, 30)).transpose("robot", "axis", ...)
+    figure = drawn(stretch, tick=25)
+    assert "pictures for $2 or $3" in texts(figure)
+    save(figure, tmp_path / "x", ["png"])
+    whole = Arena(trace)
+    whole.show(25)
+    part = Arena(stretch)
+    part.show(25)
+    np.testing.assert_array_equal(part.discs.get_offsets(), whole.discs.get_offsets())
+    with pytest.raises(InputError, match="ticks 10 to 29"):
+        drawn(stretch, tick=30)
+
+
+def test_floors_finer_than_a_picture_are_drawn_as_means(trace):
+    floor = trace[FLOOR].values
+    times = -(-FINE // len(floor)) + 1
+    fine = trace.assign_attrs(tile_side=trace.attrs["tile_side"] / times)
+    fine = fine.drop_vars(FLOOR).assign({FLOOR: (("row", "column"), np.kron(floor, np.ones((times, times), np.uint8)))})
+    small_image, big_image = (next(a.images[0] for a in drawn(each, tick=5).axes if a.images) for each in (trace, fine))
+    assert max(big_image.get_array().shape) <= FINE
+    np.testing.assert_allclose(big_image.get_extent(), small_image.get_extent(), atol=times * fine.attrs["tile_side"])
+    assert big_image.get_array().mean() == pytest.approx(small_image.get_array().mean(), abs=0.002)
+
+
+def test_what_cannot_be_drawn_is_an_input_error(results, trace):
+    with pytest.raises(InputError, match="tick 41: this trial has ticks 0 to 40"):
+        drawn(trace, tick=41)
+    with pytest.raises(InputError, match="robot 9: the robots are numbered 0 to 8"):
+        drawn(trace, tick=1, robot=9)
+    with pytest.raises(InputError, match="does not cover"):
+        drawn(trace.isel(row=slice(10)), tick=1)
+    with pytest.raises(InputError, match="links=True"):
+        drawn(trace.drop_vars("link"), tick=1)
+    with pytest.raises(InputError, match="do not move"):
+        drawn(sc.replay(results, 0, 0), tick=1)
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.parametrize("name", ["short", "a_very_long_name_of_a_study_" * 9, "of words " * 60])
+def test_the_title_names_brain_setting_and_trial_and_fits(results, trace, name):
+    number = moving(results, 9)
+    assert f"setting {number}, trial 1: minimalistic, moving, N = 9, D = 5" in texts(drawn(trace, tick=3))
+    title = trace.attrs["title"].replace("pictures for $2 or $3", name)
+    figure = drawn(trace.assign_attrs(title=title), tick=3)
+    figure.draw_without_rendering()
+    boxes = {t.get_text(): t.get_window_extent() for t in figure.axes[0].texts}
+    (written,) = (text for text in boxes if "setting" in text)
+    if "words" not in name:
+        assert f"setting {number}, trial 1: minimalistic, moving, N = 9" in written.replace("\n", " ")
+    box = boxes.pop(written)
+    assert box.x1 <= figure.bbox.x1
+    assert not any(box.overlaps(other) for other in boxes.values())
+    assert all(other.y1 <= figure.bbox.y1 for other in boxes.values())
+
+
+# ---- robots that fail
+
+FAULTS = """
+faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = ["sensing", "talking"]}]
+"""
+
+
+@functools.cache
+def faulty_scene(faults):
+    text = STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"').replace("rounds = 40\n", "")
+    found = sc.Study.parse(faults + text)
+    return found, scene_of(sc.run(found, jobs=1), 0, 1)
+
+
+def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
+    study, trace = faulty_scene(FAULTS)
+    first = sampling.stops(study.settings()[0], study.seed, 1)
+    assert trace["stops"].dims == ("part", "robot")
+    for part, row in (("moving", 0), ("sensing", 1), ("talking", 2)):
+        told = trace["stops"].sel(part=part).values
+        np.testing.assert_array_equal(told, np.where(first[row] < 1000, first[row], -1))
+        assert (told >= 0).sum() == (3 if part == "moving" else 4)
+    blind = trace["stops"].sel(part="sensing").values
+    seen = np.isfinite(trace["reading"].values[1:])
+    assert not seen[19:, blind == 20].any()
+    assert seen[19:, blind == -1].any(axis=0).all()
+    write_trace(trace.drop_vars("link"), tmp_path / "t.csv")
+    names = (tmp_path / "t.csv").read_text().splitlines()[0].split(",")
+    assert "stops" not in names
+    assert {"x", "position_x", "position_y"} <= set(names)  # the brain has a field x of its own
+    table = np.genfromtxt(tmp_path / "t.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(table["x"], trace["x"].values.ravel())
+    np.testing.assert_array_equal(table["position_x"], trace["position"].sel(axis="x").values.ravel())
+    write_trace(trace, tmp_path / "t.nc")
+    with xr.open_dataset(tmp_path / "t.nc", engine="h5netcdf") as kept:
+        np.testing.assert_array_equal(kept["stops"], trace["stops"])
+
+
+@pytest.fixture(scope="module")
+def faulty_arena():
+    _, trace = faulty_scene(FAULTS)
+    return Arena(trace)
+
+
+@pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
+def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(faulty_arena, tick):
+    _, trace = faulty_scene(FAULTS)
+    arena = faulty_arena
+    arena.show(tick)
+    place, radius = trace["position"].sel(round=tick).values, trace.attrs["radius"]
+    expected = set()
+    for part, degrees in (("moving", 0), ("sensing", 45), ("talking", 135)):
+        at = trace["stops"].sel(part=part).values
+        expected |= {(i, (degrees + turn) % 360) for i in np.flatnonzero((at > 0) & (at <= tick)) for turn in (0, 180)}
+    found = set()
+    for line in arena.failed.get_segments():
+        middle = line.mean(axis=0)
+        robot = int(np.argmin([abs(np.hypot(*(middle - xy)) - 1.2 * radius) for xy in place]))
+        x, y = middle - place[robot]
+        found.add((robot, round(np.degrees(np.arctan2(y, x))) % 360))
+        assert np.hypot(*(line[0] - place[robot])) == pytest.approx(0.7 * radius)
+    assert found == expected
+    assert len(found) == 6 * (tick >= 10) + 16 * (tick >= 20)
+
+
+def test_robots_whose_parts_work_again_have_no_stroke_any_more():
+    _, trace = faulty_scene('faults = [{at = 10, robots = 3, stop = "talking", until = 20}]')
+    arena = Arena(trace)
+    for tick, strokes in ((9, 0), (10, 6), (19, 6), (20, 0)):
+        arena.show(tick)
+        assert len(arena.failed.get_segments()) == strokes
+
+
+def test_the_key_names_the_parts_that_fail_and_no_others(trace, tmp_path: Path):
+    said = texts(drawn(trace, tick=30))
+    assert "stopped" not in said
+    assert "stops" not in trace
+    _, trace = faulty_scene(FAULTS)
+    said = texts(drawn(trace, tick=1))
+    assert all(f"stopped {part}" in said for part in ("moving", "sensing", "talking"))
+    _, trace = faulty_scene('faults = [{at = 30, robots = 0.5, stop = "talking"}]')
+    said = texts(drawn(trace, tick=1))
+    assert "stopped talking" in said
+    assert "stopped moving" not in said
+    dark = []
+    for tick in (29, 30):
+        film(trace, out=tmp_path / "x.gif", first=tick, last=tick)
+        with Image.open(tmp_path / "x.gif") as gif:
+            dark.append(np.mean(np.asarray(gif.convert("L"))[60:450, 25:425] < 40))
+    assert dark[1] > dark[0] + 0.001  # strokes are drawn in films too
+
+
+# ---- films
+
+
+@pytest.mark.long(only=["mp4"])
+@pytest.mark.parametrize("suffix", ["mp4", "gif"])
+def test_a_film_has_its_frames_and_they_are_snapshots(trace, tmp_path: Path, suffix):
+    path = tmp_path / f"x.{suffix}"
+    told = []
+    if suffix == "mp4":
+        ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    assert film(trace, out=path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
+    assert told == [(1, 3), (2, 3), (3, 3)]
+    assert list(tmp_path.iterdir()) == [path]
+    if suffix == "mp4":
+        command = [ffmpeg.get_ffmpeg_exe(), "-v", "error", "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+        dots = subprocess.run(command, capture_output=True, check=True).stdout
+        frames = list(np.frombuffer(dots, np.uint8).reshape(-1, 800, 864, 3))
+        assert ffmpeg.count_frames_and_secs(path) == (3, pytest.approx(0.3, abs=0.01))
+        dpi = 128
+    else:
+        with Image.open(path) as gif:
+            frames = []
+            for k in range(gif.n_frames):
+                gif.seek(k)
+                assert gif.info["duration"] == 100
+                frames.append(np.asarray(gif.convert("RGB")))
+        dpi = 80
+    assert len(frames) == 3
+    for frame, tick in zip(frames, (3, 7, 11), strict=True):
+        figure = drawn(trace, tick=tick)
+        figure.set_dpi(dpi)
+        figure.canvas.draw()
+        still = np.asarray(figure.canvas.buffer_rgba())[..., :3]
+        assert still.shape == frame.shape
+        off = np.abs(still.astype(int) - frame)
+        assert off.mean() < 3  # of 255: compression, fewer colours, and the film's speed in words
+        assert np.mean(off.max(axis=2) > 60) < 0.005
+
+
+def test_a_film_is_whole_or_not_at_all(trace, tmp_path: Path):
+    pytest.importorskip("imageio_ffmpeg")
+
+    def stop(done, _):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    for path in (tmp_path / "x.gif", tmp_path / "x.mp4"):
+        path.write_text("old")
+        with pytest.raises(KeyboardInterrupt):
+            film(trace, out=path, progress=stop)
+        assert path.read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize("fault", ["cut", "killed"])
+def test_a_film_that_ffmpeg_did_not_finish_is_an_error(trace, tmp_path: Path, monkeypatch, fault):
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    write = ffmpeg.write_frames
+
+    def cut(path, *args, **kwargs):
+        inner = write(path, *args, **kwargs)
+        inner.send(None)
+        try:
+            while True:
+                inner.send((yield))
+        finally:
+            inner.close()
+            Path(path).write_bytes(Path(path).read_bytes()[:1000])
+
+    def killed(*_, **__):
+        yield
+        raise OSError("Broken pipe\n\nFFMPEG COMMAND: ...")
+
+    monkeypatch.setattr(ffmpeg, "write_frames", cut if fault == "cut" else killed)
+    with pytest.raises(InputError, match=r"^cannot write .*x\.mp4: ffmpeg (failed|stopped)$"):
+        film(trace, out=tmp_path / "x.mp4", last=4)
+    assert not list(tmp_path.iterdir())
+
+
+def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatch):
+    for wrong, said in (
+        ({"last": 41}, "tick 41: this trial has ticks 0 to 40"),
+        ({"first": -1}, "tick -1: this trial has"),
+        ({"first": 9, "last": 8}, "no tick from 9 to 8"),
+        ({"every": 0}, "every 0"),
+        ({"fps": 51}, "at most 50 frames a second"),
+    ):
+        with pytest.raises(InputError, match=said):
+            film(trace, out=tmp_path / "x.gif", **wrong)
+    monkeypatch.setattr("swarmcensus.figures.kinds.film.MOST_GIF_FRAMES", 10)
+    with pytest.raises(InputError, match=r"11 frames: a GIF may have 10.*write an \.mp4"):
+        film(trace, out=tmp_path / "x.gif", first=0, last=10, every=1)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(InputError, match="pip install 'imageio-ffmpeg"):
+        film(trace, out=tmp_path / "x.mp4")
+    assert not list(tmp_path.iterdir())
+
+
+# ---- the command line
+
+
+def test_arena_and_film_from_the_command_line(file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot", str(file), "--kind", "arena", "--tick", "12", "--robot", "0"]) == 0
+    assert capsys.readouterr().out.split() == [str(file.with_name(f"m-arena.{ending}")) for ending in ("png", "svg")]
+    assert main(["plot", str(file), "--kind", "arena", "--where", "robots == 9", "--out", "x.pdf"]) == 0
+    film_it = ["plot", str(file), "--kind", "film", "--first", "1", "--last", "6", "--every", "2"]
+    assert main([*film_it, "--out", "x.gif", "--fps", "5"]) == 0
+    said = capsys.readouterr()
+    assert "x.gif: 3 frames" in said.out
+    assert said.err == ""
+    with Image.open("x.gif") as gif:
+        assert (gif.n_frames, gif.info["duration"]) == (3, 200)
+    pytest.importorskip("imageio_ffmpeg")
+    assert main([*film_it, "--trial", "1"]) == 0
+    assert file.with_name("m-film.mp4").stat().st_size > 10_000
+    assert {p.name for p in tmp_path.iterdir()} == {"x.gif", "x.pdf"}
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (
+            ["--kind", "arena", "--setting", "0"],
+            "setting 0 is a fixed network, without an arena; those of",
+        ),
+        (["--kind", "arena", "--where", "topology == 'ring'"], "no robots move in these results"),
+        (["--kind", "arena", "--setting", "99"], "setting 99: these results hold setting"),
+        (["--kind", "arena", "--trial", "7"], "trial 7: these results hold trial"),
+        (["--kind", "arena", "--tick", "41"], "tick 41: this trial has ticks 0 to 40"),
+        (["--kind", "arena", "--robot", "50"], "robot 50: the robots are numbered"),
+        (["--kind", "arena", "--out", "x.mp4"], "figures are written as .png, .svg or .pdf"),
+        (["--kind", "arena", "--first", "3"], "--first goes with --kind film, not with arena"),
+        (["--kind", "film", "--tick", "3"], "--tick goes with --kind arena, not with film"),
+        (["--kind", "scatter", "--robot", "3"], "--robot goes with --kind arena or film, not with scatter"),
+        (["--kind", "film", "--out", "x.avi"], "films are written as .mp4 or .gif"),
+        (["--kind", "film", "--last", "90", "--out", "x.gif"], "tick 90: this trial has"),
+        (["--kind", "film", "--first", "9", "--last", "5", "--out", "x.gif"], "no tick from 9 to 5"),
+        (["--kind", "film", "--fps", "90", "--out", "x.gif"], "at most 50 frames a second"),
+        (["--kind", "film", "--out", "file/x.gif"], "cannot write file/x.gif"),
+    ],
+)
+def test_what_cannot_be_pictured_is_said_in_one_line(options, said, file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    assert main(["plot", str(file), *options]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert [p.name for p in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.long
+def test_a_brain_of_ones_own_must_be_given_where_it_lies_no_longer(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(brains.load("legacy").source)
+    text = STUDY.replace('["ring", "moving"]', '"moving"').replace("[1, 9]", "2").replace("[0.3, 0.95]", "0.3")
+    text = text.replace("rounds = 40\n", "")
+    Path("own.toml").write_text(text.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
+    assert main(["run", "own.toml"]) == 0
+    capsys.readouterr()
+    assert main(["plot", "own.nc", "--kind", "arena", "--out", "x.png"]) == 0
+    Path("mine.py").rename("moved.py")
+    capsys.readouterr()
+    assert main(["plot", "own.nc", "--kind", "arena"]) == 2
+    error = capsys.readouterr().err
+    assert "mine" in error
+    assert error.count("\n") == 1
+    assert main(["plot", "own.nc", "--kind", "arena", "--brain-file", "moved.py", "--out", "y.png"]) == 0

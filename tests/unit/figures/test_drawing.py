@@ -1,0 +1,740 @@
+"""The figures show the data, all of it, and nothing else; and their files are whole."""
+
+import itertools
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import shell_options
+from swarmcensus.figures import plot as figures
+from swarmcensus.figures.coordinates import varies
+from swarmcensus.figures.kinds.decisions import decisions_grid
+from swarmcensus.figures.kinds.scatter import label_dots, scatter_grid
+from swarmcensus.figures.looks import keyed, looks_of, palette
+from swarmcensus.figures.panels import panels_of
+from swarmcensus.results.selecting import TooMuch, where
+from swarmcensus.statistics.intervals import estimate
+from tests.support.drawing import PAPER, assert_fits, drawn, forget, study, texts
+
+
+def luminance(colour: str) -> float:
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+    return float(np.dot([0.2126, 0.7152, 0.0722], linear))
+
+
+# ---- looks
+
+
+@pytest.mark.parametrize("count", [2, 5, 10, 20])
+def test_palette_gets_lighter_and_stays_off_black_and_white(count):
+    lightness = np.array([116 * luminance(c) ** (1 / 3) - 16 for c in palette(count)])
+    steps = np.diff(lightness)
+    assert steps.min() > 0.6 * steps.mean() > 0  # evenly, so that grey print keeps neighbours apart
+    assert lightness[0] > 15
+    assert lightness[-1] < 88
+
+
+def test_looks_are_ordered_and_spread_accuracies_differ_in_colour_and_shape():
+    looks = looks_of(["U(0.5,0.9)", "0.975", "0.6", "0.525", "N(0.75,0.1)", "black=0.9 white=0.6"], "o")
+    assert list(looks) == ["0.525", "0.6", "0.975", "N(0.75,0.1)", "U(0.5,0.9)", "black=0.9 white=0.6"]
+    spread = [look for look in looks.values() if look.spread]
+    assert [look.name for look in spread] == ["N(0.75, 0.1)", "U(0.5, 0.9)", "b = 0.9, w = 0.6"]
+    assert len({look.marker for look in spread}) == len({look.colour for look in looks.values()}) / 2 == 3
+    assert spread[0].colour == "#000000"  # as in the paper
+    assert (
+        len({(look.colour, look.marker) for look in looks_of([f"U(0.5,0.{i})" for i in range(6, 10)], "d").values()})
+        == 4
+    )
+
+
+def test_a_key_names_some_of_very_many_accuracies_and_both_ends():
+    numbers = [f"{0.5 + 0.005 * i:.3f}" for i in range(80)]
+    title, named = keyed(looks_of([*numbers, "U(0.5,0.9)"], "o"))
+    assert title == "sensor accuracy\n(21 of 81 named)"
+    assert next(iter(named)) == numbers[0]
+    assert list(named)[-2:] == [numbers[-1], "U(0.5,0.9)"]
+    assert keyed(looks_of(PAPER, "o")) == ("sensor accuracy", looks_of(PAPER, "o"))
+
+
+def test_labels_keep_the_order_of_their_dots_and_do_not_touch():
+    figure = Figure(figsize=(4, 3))
+    FigureCanvasAgg(figure)
+    ax = figure.add_subplot()
+    ax.set(xlim=(0, 100), ylim=(0, 1))
+    dots = [(50, 0.2), (50.1, 0.3), (50.2, 0.1), (0, 0.5), (0.1, 0.5), (100, 0.5), (99, 0.1), (70, 2.0)]
+    label_dots(ax, dots, [str(i) for i in range(len(dots))])
+    figure.draw_without_rendering()
+    boxes = [t.get_window_extent() for t in sorted(ax.texts, key=lambda t: t.get_position()[0])]
+    assert [t.get_text() for t in sorted(ax.texts, key=lambda t: t.get_position()[0])] == list("34012765")
+    assert all(left.x1 <= right.x0 for left, right in itertools.pairwise(boxes))
+    assert all(box.y0 >= ax.bbox.y1 for box in boxes)  # above the data
+    (lines,) = (c for c in ax.collections if isinstance(c, LineCollection))
+    ends = {tuple(np.round(path.vertices[-1], 9)) for path in lines.get_paths()}
+    assert {(0.5, 0.2), (0.501, 0.3), (1.0, 0.5), (0.7, 1.0)} <= ends
+
+
+def test_of_more_labels_than_fit_some_are_written_and_none_beside_the_axes():
+    figure = Figure(figsize=(3, 3))
+    FigureCanvasAgg(figure)
+    ax = figure.add_subplot()
+    label_dots(ax, [(i / 99, 0.5) for i in range(100)], [f".{i}" for i in range(100)])
+    figure.draw_without_rendering()
+    boxes = [t.get_window_extent() for t in ax.texts]
+    assert 5 < len(boxes) < 50
+    assert max(box.x1 for box in boxes) <= ax.bbox.x1 + boxes[0].width
+    assert all(left.x1 <= right.x0 for left, right in itertools.pairwise(boxes))
+
+
+# ---- scatter
+
+
+def test_scatter_draws_every_robot_of_every_trial_where_it_belongs():
+    results = study()
+    (ax,) = figures.scatter(results).axes
+    for i, accuracy in enumerate(PAPER):
+        one = results.isel(setting=i)
+        data = np.stack([one.convergence_round.values.ravel(), one.convergence_error.values.ravel()], 1)
+        expected = np.array(sorted(map(tuple, data)))
+        np.testing.assert_allclose(drawn(ax, f"dots {accuracy}"), expected, atol=1e-9)
+        np.testing.assert_allclose(drawn(ax, f"median {accuracy}"), [np.median(data, axis=0)], atol=1e-9)
+    assert ax.get_xlim()[0] <= 0 < 1000 <= ax.get_xlim()[1]
+    assert results.convergence_error.max() <= ax.get_ylim()[1]
+
+
+def test_scatter_of_local_estimates_counts_observations():
+    results = study(["0.6"])
+    (ax,) = figures.scatter(results, local=True).axes
+    assert "observations" in ax.get_xlabel()
+    assert set(drawn(ax, "dots 0.6")[:, 0]) == set(results.local_convergence_step.values.ravel().tolist())
+    assert ax.get_xlim()[1] >= 10_000
+
+
+def test_padding_and_trials_not_run_are_never_drawn():
+    results = forget(forget(study(["0.6", "U(0.5,0.9)"]), trial=slice(3, None)), robot=slice(6, None))
+    results["convergence_error"][:, 3] = 0.5  # one of the two missing is enough
+    results["convergence_round"][:, 4] = 500
+    (ax,) = figures.scatter(results).axes
+    for accuracy in ("0.6", "U(0.5,0.9)"):
+        dots = drawn(ax, f"dots {accuracy}")
+        assert len(dots) == 3 * 6
+        assert np.isfinite(dots).all()
+        assert (dots[:, 0] >= 0).all()
+    kept = results.isel(setting=0, trial=slice(3), robot=slice(6))
+    np.testing.assert_allclose(
+        drawn(ax, "median 0.6")[0], [kept.convergence_round.median(), kept.convergence_error.median()]
+    )
+
+
+def test_robots_that_agree_make_one_dot_as_opaque_as_all_of_them():
+    results = study(["0.6"], robots=50, trials=1)
+    results["convergence_round"][:] = 7
+    results["convergence_error"][:] = 0.01
+    (ax,) = figures.scatter(results).axes
+    (dots,) = (line for line in ax.lines if line.get_label() == "dots 0.6" and line.get_xdata().size)
+    assert dots.get_xydata().tolist() == [[7.0, 0.01]]
+    assert dots.get_alpha() > 0.99
+
+
+def test_all_settings_of_an_accuracy_share_its_series():
+    results = xr.concat([study(["0.6", "0.7"]), study(["0.6", "0.7"], seed=1, topology="line")], "setting")
+    (ax,) = figures.scatter(results, panels=[]).axes
+    assert len(drawn(ax, "dots 0.6")) == 2 * 5 * 8
+    mine = results.isel(setting=[0, 2])
+    assert drawn(ax, "median 0.6")[0, 1] == pytest.approx(float(mine.convergence_error.median()))
+
+
+def test_a_mixed_swarm_is_a_ring_and_lies_below():
+    results = study(["0.6", "U(0.5,0.9)"])
+    for name in ("convergence_round", "convergence_error"):
+        results[name][1] = results[name][0]  # the same robots: one median on the other
+    (ax,) = figures.scatter(results).axes
+    lines = {line.get_label(): line for line in ax.lines}
+    ring, dot = lines["median U(0.5,0.9)"], lines["median 0.6"]
+    assert ring.get_markerfacecolor() == "none"
+    assert dot.get_markerfacecolor() == palette(1)[0]
+    assert lines["dots U(0.5,0.9)"].get_zorder() < lines["dots 0.6"].get_zorder()
+    ax.figure.canvas.draw()
+    shown = np.asarray(ax.figure.canvas.buffer_rgba())[..., :3] / 255
+    x, y = ax.transData.transform(dot.get_xydata()[0])
+    np.testing.assert_allclose(shown[len(shown) - 1 - int(y), int(x)], to_rgb(palette(1)[0]), atol=0.02)
+
+
+def test_medians_have_crosses_of_intervals_over_trials():
+    results = study(["0.6", "0.7"], trials=8)
+    results["convergence_round"][1, 2:] = -1  # two trials alone
+    figure = figures.scatter(results)
+    (ax,) = figure.axes
+    ends = drawn(ax, "cross 0.6")
+    x, y = (results[name][0].values for name in ("convergence_round", "convergence_error"))
+    _, left, right = estimate(x.astype(float), "median")
+    _, low, high = estimate(y, "median")
+    middle = np.median(x), np.median(y)
+    np.testing.assert_allclose(
+        ends, sorted([(left, middle[1]), (right, middle[1]), (middle[0], low), (middle[0], high)])
+    )
+    assert not drawn(ax, "cross 0.7").size
+    assert "95 % interval" in texts(figure)
+    assert "interval" not in texts(figures.scatter(results.isel(trial=slice(5))))
+
+
+def test_dots_above_the_limit_are_counted():
+    results = study(["0.6"])
+    figure = figures.scatter(results, error_limit=0.03)
+    assert figure.axes[0].get_ylim()[1] == 0.03
+    above = int((results.convergence_error > 0.03).sum())
+    assert above > 0
+    assert f"{above} of 40 dots" in texts(figure)
+    assert "lie above" not in texts(figures.scatter(results))
+
+
+@pytest.mark.parametrize("scale", ["log", "linear"])
+def test_axes_begin_below_zero_and_the_key_names_accuracies_and_scale(scale):
+    results = study(["0.6", "U(0.525,0.975)"])
+    results["convergence_round"][0, 0, 0] = 0
+    figure = figures.scatter(results, title="a title", scale=scale)
+    (ax,) = figure.axes
+    assert ax.get_xlim()[0] < 0
+    assert ax.get_ylim()[0] < 0
+    written = texts(figure)
+    assert all(name in written for name in ("a title", "0.6", "U(0.525, 0.975)", "communication rounds"))
+    assert ("logarithmic" in written) == (scale == "log")
+
+
+def test_panels_share_limits_unless_they_set_their_own():
+    small, large = study(["0.6"]), study(["0.6"], seed=1)
+    large["convergence_error"] *= 4
+    panels = [("one", small), ("two", large), ("local", small, True), ("own", large, False, 0.05)]
+    figure = scatter_grid(panels, title="all")
+    one, two, local, own = figure.axes
+    assert one.get_ylim() == two.get_ylim() == local.get_ylim()
+    assert one.get_ylim()[1] >= large.convergence_error.max()
+    assert own.get_ylim()[1] == 0.05
+    assert one.get_xlim() == two.get_xlim() == own.get_xlim() != local.get_xlim()
+    assert [ax.get_title("left") for ax in figure.axes] == ["(a) one", "(b) two", "(c) local", "(d) own"]
+    assert sum(ax.get_legend() is not None for ax in figure.axes) == 1
+
+
+@pytest.mark.long
+def test_long_accuracies_are_named_in_the_digits_that_tell_them_apart():
+    accuracies = [repr(float(a)) for a in np.linspace(0.55, 0.95, 30)]
+    assert max(map(len, accuracies)) > 15
+    results = study(accuracies)
+    figure = scatter_grid([("", results)] * 6)
+    assert_fits(figure)
+    figure.draw_without_rendering()
+    for ax, over in zip(figure.axes[3:], figure.axes[:3], strict=True):
+        for name in ax.texts:
+            box = name.get_window_extent()
+            assert not box.overlaps(over.xaxis.label.get_window_extent())
+            assert not box.overlaps(ax._left_title.get_window_extent())
+    assert {look.name for look in looks_of(accuracies, "o").values()} == {f"{float(a):.4g}" for a in accuracies}
+    longer = looks_of(["0.7000001", "0.7000002"], "o")
+    assert [look.short for look in longer.values()] == [".7000001", ".7000002"]
+
+
+def test_of_very_many_medians_some_are_named_and_it_says_so():
+    many = figures.scatter(study([f"{a:.4f}" for a in np.linspace(0.55, 0.95, 200)], robots=2, trials=1))
+    assert "some are\nnamed at the top" in texts(many)
+    assert "median, named\nat the top" not in texts(many)
+    (lines,) = (c for c in many.axes[0].collections if isinstance(c, LineCollection))
+    segments = [path.vertices for path in lines.get_paths()]
+    assert 8 <= len(segments) <= 20
+    assert "median, named\nat the top" in texts(figures.scatter(study()))
+
+
+def test_the_axis_of_convergence_begins_where_the_data_do():
+    late = study(["0.6"])
+    late["convergence_round"] = late["convergence_round"] % 50 + 950
+    (ax,) = figures.scatter(late).axes
+    assert ax.get_xscale() == "linear"
+    assert 900 < ax.get_xlim()[0] < 950 < 1000 < ax.get_xlim()[1] < 1010
+    late["convergence_round"][0, 0, 0] = 20  # one that is early takes no room from all others
+    (ax,) = figures.scatter(late).axes
+    assert ax.get_xscale() == "linear"
+    assert -50 < ax.get_xlim()[0] < 20
+    late["convergence_round"][0, :, :4] = 20
+    (ax,) = figures.scatter(late).axes
+    assert ax.get_xscale() == "asinh"
+    assert ax.get_xlim()[0] == 20
+
+
+def test_an_empty_panel_is_left_out_with_a_sentence_and_told_on_axes_of_the_caller():
+    full = study(["0.6"])
+    empty = forget(full, trial=slice(None))
+    for grid in (scatter_grid, decisions_grid):
+        figure = grid([("run", full), ("not run", empty)])
+        assert "left out, no trial has been run: not run" in texts(figure)
+        [axes] = figure.axes
+        assert axes.lines
+        figure = Figure(figsize=(8, 3))
+        FigureCanvasAgg(figure)
+        _, right = grid([("run", full), ("not run", empty)], ax=figure.subplots(1, 2)).axes[:2]
+        assert not right.lines
+        assert "no trial has been run" in texts(figure)
+
+
+def test_figures_draw_into_axes_of_the_caller():
+    figure = Figure()
+    FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    assert figures.scatter(study(), ax=left) is left.figure
+    assert figures.decisions(study(), ax=right) is right.figure
+    assert len(drawn(left, "dots 0.525")) == 40
+    assert len(drawn(right, "right 0.525")) == 2
+
+
+# ---- decisions
+
+
+def test_decisions_are_percentages_over_all_robots_and_trials():
+    few, many = study(["0.6"], robots=8, trials=4), study(["0.6"], robots=24, trials=4, seed=1)
+    both = xr.concat([few[["correct"]], many[["correct"]]], "setting")
+    (ax,) = figures.decisions(both, panels=[]).axes
+    right = (few.correct * 8 + many.correct.values * 24).sum(("setting", "trial")) / (4 * 32)
+    np.testing.assert_allclose(drawn(ax, "right 0.6")[:, 1], 100 * right)
+
+
+def test_a_bar_stands_only_where_all_robots_of_all_trials_are_right():
+    results = study(["0.6", "0.7", "0.8"], checkpoints=(10, 100, 1000))
+    results["correct"][:] = 1.0
+    results["correct"][0, 1, 3] = 7 / 8
+    results["correct"][1, 2, :] = np.nan
+    results["correct"][2, :, 2:] = np.nan  # trials not run yet: those that were are all right
+    (ax,) = figures.decisions(results).axes
+    assert np.round(drawn(ax, "all right 0.6")[:, 0]).tolist() == [0, 2]
+    assert np.round(drawn(ax, "all right 0.7")[:, 0]).tolist() == [0, 1]
+    assert np.round(drawn(ax, "all right 0.8")[:, 0]).tolist() == [0, 1, 2]
+    assert drawn(ax, "right 0.6")[1, 1] == pytest.approx(100 * 39 / 40)
+    assert len(drawn(ax, "right 0.7")) == 2  # nothing is drawn where nothing was run
+    bars, diamonds = drawn(ax, "all right 0.6"), drawn(ax, "right 0.6")
+    assert {tuple(bar) for bar in bars} <= {tuple(diamond) for diamond in diamonds}
+
+
+def test_a_thin_line_is_the_interval_over_trials():
+    results = study(["0.6", "U(0.5,0.9)"], trials=20, checkpoints=(10, 100))
+    results["correct"][0, 1] = 1.0
+    results["correct"][1, 1, 15:] = np.nan  # not run yet
+    figure = figures.decisions(results)
+    (ax,) = figure.axes
+    for setting, name in enumerate(("0.6", "U(0.5,0.9)")):
+        (lines,) = (c for c in ax.collections if c.get_label() == f"interval {name}")
+        for checkpoint, line in enumerate(lines.get_segments()):
+            shares = results["correct"].values[setting, checkpoint]
+            _, low, high = estimate(shares[np.isfinite(shares)][:, None], "mean", share=True)
+            np.testing.assert_allclose(line[:, 1], [100 * low, 100 * high])
+            np.testing.assert_allclose(line[:, 0], drawn(ax, f"right {name}")[checkpoint, 0])
+            assert high > low
+    assert "95 % interval" in texts(figure)
+    few = figures.decisions(results.isel(trial=slice(5)))
+    assert "interval" not in texts(few)
+
+
+def test_all_right_lies_across_and_an_interval_stands_upright():
+    results = study(["0.6"], trials=20)
+    results["correct"][:] = 1.0
+    figure = figures.decisions(results)
+    (ax,) = figure.axes
+    (dash,) = (line for line in ax.lines if line.get_label() == "all right 0.6")
+    (diamond,) = (line for line in ax.lines if line.get_label() == "right 0.6")
+    path = dash._marker.get_path().transformed(dash._marker.get_transform())
+    points = path.vertices * dash.get_markersize()
+    assert points[0, 1] == points[1, 1] > diamond.get_markersize() / 2  # level, over the diamond
+    assert "dash over it: all\nrobots of all trials\nare right" in texts(figure)
+    results["correct"][:] = 0.5
+    assert "dash over it" not in texts(figures.decisions(results))
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.parametrize("panels", [1, 4, 12])
+def test_no_diamond_hides_another(panels):
+    results = study(checkpoints=(10, 50, 100, 200, 500, 1000))
+    results["correct"][:] = 1.0
+    ax = decisions_grid([("", results)] * panels).axes[0]
+    places = np.sort(np.concatenate([drawn(ax, f"right {a}")[:, 0] for a in PAPER]))
+    gap = np.diff(ax.transData.transform(np.stack([places, places], 1))[:, 0]).min() * 72 / ax.figure.dpi
+    (line,) = (line for line in ax.lines if line.get_label() == "right 0.525")
+    shape = line.get_marker()
+    assert shape == "d"
+    assert gap >= 0.6 * np.sqrt(2) * line.get_markersize()  # the thin diamond's width
+
+
+def test_of_many_checkpoints_a_choice_with_both_ends_is_shown_and_said():
+    results = study(["0.6", "0.7"], checkpoints=range(10, 1010, 10))
+    results = forget(results, checkpoint=slice(90, None))
+    figure = figures.decisions(results)
+    assert "12 of 90 checkpoints" in texts(figure)
+    labels = [t.get_text() for t in figure.axes[0].get_xticklabels()]
+    assert (len(labels), labels[0], labels[-1]) == (12, "10", "900")
+    shown = results.correct.mean("trial").sel(checkpoint=[int(label) for label in labels])
+    np.testing.assert_allclose(drawn(figure.axes[0], "right 0.7")[:, 1], 100 * shown.isel(setting=1))
+
+
+# ---- curves
+
+
+def trace(robots: int, rounds: int = 50, **attrs) -> xr.Dataset:
+    noise = np.random.default_rng(0).normal(0, 0.2, (rounds + 1, robots)) / (np.arange(rounds + 1) + 1)[:, None]
+    x = np.clip(0.55 + noise, 0, 1)
+    return xr.Dataset({"estimate": (("round", "robot"), x)}, {"round": np.arange(rounds + 1)}, attrs)
+
+
+def test_curves_show_each_robot_the_median_the_truth_and_its_bin():
+    run = trace(7, fill_ratio=0.55, title="ring, N = 7")
+    figure = figures.curves(run)
+    (ax,) = figure.axes
+    (robots,) = ax.collections
+    for i, path in enumerate(robots.get_paths()):
+        np.testing.assert_allclose(path.vertices, np.stack([run["round"], run.estimate[:, i]], 1))
+    np.testing.assert_allclose(drawn(ax, "median")[:, 1], run.estimate.median("robot"))
+    assert set(drawn(ax, "truth")[:, 1]) == {0.55}
+    (shade,) = ax.patches
+    np.testing.assert_allclose(shade.get_extents().transformed(ax.transData.inverted()).intervaly, [0.5, 0.6])
+    written = texts(figure)
+    assert all(t in written for t in ("ring, N = 7", "each of 7 robots", "median robot", "right bin of 10"))
+
+
+@pytest.mark.parametrize(("truth", "bottom", "top"), [(0.0, 0, 0.1), (0.3, 0.3, 0.4), (0.95, 0.9, 1), (1.0, 0.9, 1)])
+def test_the_shaded_bin_holds_the_truth(truth, bottom, top):
+    (ax,) = figures.curves(trace(2, fill_ratio=truth)).axes
+    (shade,) = ax.patches
+    low, high = shade.get_extents().transformed(ax.transData.inverted()).intervaly
+    assert (low, high) == (pytest.approx(bottom), pytest.approx(top))
+
+
+def test_curves_of_one_robot_and_of_a_thousand():
+    alone = figures.curves(trace(1), title="alone")
+    assert not alone.axes[0].collections
+    assert "the robot" in texts(alone)
+    assert "true fill ratio" not in texts(alone)
+    run = trace(1000, fill_ratio=0.55)
+    crowd = figures.curves(run)
+    assert all(t in texts(crowd) for t in ("30 of 1,000 robots", "middle 90 %", "middle 50 %"))
+    band = next(c for c in crowd.axes[0].collections if c.get_label() == "90 %")
+    corners = band.get_paths()[0].vertices
+    expected = run.estimate.isel(round=3).quantile([0.05, 0.95])
+    np.testing.assert_allclose(
+        [corners[corners[:, 0] == 3][:, 1].min(), corners[corners[:, 0] == 3][:, 1].max()], expected
+    )
+
+
+def test_curves_skip_robots_and_rounds_without_estimate():
+    run = trace(4)
+    run["estimate"][:, 3] = np.nan
+    run["estimate"][40:] = np.nan
+    (ax,) = figures.curves(run).axes
+    assert len(ax.collections[0].get_paths()) == 3
+    assert drawn(ax, "median")[-1, 0] == 39
+
+
+# ---- heatmap
+
+
+def grid_study(**coordinates) -> xr.Dataset:
+    parts = [
+        study(["0.6", "0.9", "U(0.5,0.9)"], seed=i, fill_ratio=f, **coordinates) for i, f in enumerate((0.55, 0.95))
+    ]
+    return xr.concat(parts, "setting")
+
+
+def test_heatmap_writes_the_median_of_each_cell_and_leaves_out_what_was_not_run():
+    results = forget(grid_study(), setting=4)  # accuracy 0.9, f = 0.95
+    error, rounds = figures.heatmap(results, title="ring").axes
+    cells = {tuple(np.round(t.get_position()).astype(int)): t for t in error.texts}
+    assert set(cells) == {(x, y) for x in range(2) for y in range(3)} - {(1, 1)}
+    median = float(results.convergence_error[0].median())
+    assert cells[0, 0].get_text() == f"{median:.4f}"
+    image = np.asarray(rounds.images[0].get_array().filled(np.nan))
+    np.testing.assert_allclose(image[2], [results.convergence_round[i].median() for i in (2, 5)])
+    assert [t.get_text() for t in error.get_yticklabels()] == ["0.6", "0.9", "U(0.5, 0.9)"]
+    assert [t.get_text() for t in error.get_xticklabels()] == ["0.55", "0.95"]
+    for ax in (error, rounds):
+        for text in ax.texts:
+            x, y = np.round(text.get_position()).astype(int)
+            back = luminance(ax.images[0].to_rgba(ax.images[0].get_array())[y, x, :3])
+            fore = luminance(text.get_color())
+            assert (max(back, fore) + 0.05) / (min(back, fore) + 0.05) >= 4.2  # legible
+
+
+def test_heatmap_says_which_colours_are_best():
+    figure = figures.heatmap(grid_study())
+    for ax in figure.axes:
+        (bar,) = ax.child_axes
+        best, worst = bar.texts
+        assert best.get_text().startswith("best ")
+        assert worst.get_text().endswith(" worst")
+        shown = bar.images[0].to_rgba(bar.images[0].get_array())[0]
+        cells = ax.images[0]
+        values = cells.get_array()
+        np.testing.assert_allclose(shown[0], cells.to_rgba(values.min()))
+        np.testing.assert_allclose(shown[-1], cells.to_rgba(values.max()))
+        assert float(best.get_text().split()[1]) == pytest.approx(values.min(), abs=0.6 if values.max() > 1 else 1e-3)
+
+
+@pytest.mark.long
+def test_a_large_heatmap_is_of_bounded_size_and_without_numbers():
+    accuracies = [f"{a:.4f}" for a in np.linspace(0.55, 0.95, 60)]
+    parts = [study(accuracies, robots=1, trials=1, seed=i, fill_ratio=i / 61) for i in range(60)]
+    figure = figures.heatmap(xr.concat(parts, "setting"))
+    assert figure.get_figwidth() < 22
+    assert figure.get_figheight() < 10
+    assert not any(ax.texts for ax in figure.axes)
+    assert_fits(figure)
+    figure.draw_without_rendering()
+    for ticks in (figure.axes[0].get_xticklabels(), figure.axes[0].get_yticklabels()):
+        boxes = [tick.get_window_extent() for tick in ticks]
+        assert len(boxes) > 8
+        assert not any(one.overlaps(other) for one, other in itertools.pairwise(boxes))
+
+
+def test_heatmap_names_what_varies_and_how_to_select():
+    both = xr.concat([grid_study(), grid_study(topology="full")], "setting")
+    with pytest.raises(TooMuch, match=r"topology \(ring, full\) varies too: select") as caught:
+        figures.heatmap(both)
+    assert "--where" not in str(caught.value)
+    selected = eval(str(caught.value).partition("settings, as ")[2], {"results": both})
+    assert set(selected.topology.values) == {"ring"}
+    figures.heatmap(selected)
+    with shell_options(["where"]), pytest.raises(TooMuch, match=r"""--where 'topology == "ring"'$"""):
+        figures.heatmap(both)
+    more = xr.concat([both, both.assign_coords(robots=("setting", [9] * both.sizes["setting"]))], "setting")
+    with (
+        shell_options(["where"]),
+        pytest.raises(TooMuch, match=r"topology \(ring, full\), robots \(8, 9\) vary too") as caught,
+    ):
+        figures.heatmap(more)
+    figures.heatmap(where(more, str(caught.value).split("'")[1]))
+
+
+def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
+    written = texts(figures.heatmap(grid_study(), title="costs $2 or $3"))
+    assert "costs $2 or $3" in written
+    figure = figures.heatmap(grid_study())
+    for ax in figure.axes:
+        title = ax.title if ax.get_title() else ax._left_title
+        assert "$" in title.get_text()
+        assert title.get_parse_math()
+    for figure in (figures.scatter(study(["0.6"]), title="$2 or $3"), figures.curves(trace(3), title="$2 or $3")):
+        assert "$2 or $3" in texts(figure)
+        figure.canvas.draw()
+        assert not figure.axes[0]._left_title.get_parse_math()
+
+
+# ---- panels
+
+
+def test_panels_have_captions_made_of_what_varies():
+    swarms = [(t, f, n) for t in ("ring", "full") for f, n in ((0.5, 8), (0.9, 1000))]
+    parts = [study(["0.6", "0.7"], topology=t, fill_ratio=f, robots=n)[["correct"]] for t, f, n in swarms]
+    results = xr.concat(parts, "setting")
+    panels = panels_of(results)
+    assert [p.caption for p in panels] == [
+        "ring, N = 8, f = 0.5",
+        "ring, N = 1,000, f = 0.9",
+        "full, N = 8, f = 0.5",
+        "full, N = 1,000, f = 0.9",
+    ]
+    assert [p.results.sizes["setting"] for p in panels] == [2, 2, 2, 2]
+    assert list(panels[2].results.accuracy.values) == ["0.6", "0.7"]
+    assert [p.caption for p in panels_of(parts[0])] == [""]
+
+
+def test_captions_tell_values_apart_that_are_nearly_alike():
+    near = [(f, s) for f in (0.12345671, 0.12345672) for s in (0.9999999, 1.0)]
+    results = xr.concat([study(["0.6"], fill_ratio=f, link_success=s) for f, s in near], "setting")
+    assert [panel.caption for panel in panels_of(results)] == [
+        "f = 0.12345671, link success 0.9999999", "f = 0.12345671, link success 1",
+        "f = 0.12345672, link success 0.9999999", "f = 0.12345672, link success 1",
+    ]  # fmt: skip
+    beliefs = ["error=-0.09999999999999998", "error=0.05"]
+    results = xr.concat([study(["0.6"], assumed_accuracy=belief) for belief in beliefs], "setting")
+    assert panels_of(results)[0].caption == "assumed accuracy error=-0.1"
+
+
+def test_captions_leave_out_the_density_of_fixed_networks_and_name_unknown_coordinates():
+    parts = [
+        study(["0.6"], weather="dry"),
+        study(["0.6"], weather="dry", topology="moving", density=10.0),
+        study(["0.6"], weather="rain"),
+    ]
+    results = xr.concat(parts, "setting")
+    captions = [p.caption for p in panels_of(results)]
+    assert captions == ["ring, weather = dry", "moving, D = 10, weather = dry", "ring, weather = rain"]
+
+
+def test_robots_that_know_their_sensors_are_one_panel():
+    results = study(["0.6", "0.7"])
+    known = results.assign_coords(assumed_accuracy=("setting", ["0.6", "0.7"]))
+    fixed = results.assign_coords(assumed_accuracy=("setting", ["0.8", "0.8"]))
+    assert len(panels_of(known)) == len(panels_of(fixed)) == 1
+    captions = [p.caption for p in panels_of(xr.concat([known, fixed], "setting"))]
+    assert captions == ["", "assumed accuracy 0.8"]
+    assert varies(known, set()) == {"accuracy": ["0.6", "0.7"]}
+
+
+def test_sixteen_panels_make_four_columns_and_twenty_five_are_too_many():
+    results = study(["0.6", "0.7"])
+    figure = decisions_grid([(str(i), results) for i in range(16)])
+    assert figure.axes[0].get_gridspec().ncols == 4
+    for grid in (scatter_grid, decisions_grid):
+        with pytest.raises(InputError, match="24 panels, not 25"):
+            grid([("", results)] * 25)
+        parts = [results.assign_coords(fill_ratio=("setting", [f, f])) for f in np.linspace(0.1, 0.9, 13)]
+        many = xr.concat([part.assign_coords(topology=("setting", [t, t])) for t in "ab" for part in parts], "setting")
+        with pytest.raises(TooMuch, match="24 panels, not 26") as caught:
+            grid(panels_of(many))
+        with shell_options(["where"]), pytest.raises(TooMuch, match=r"--where 'fill_ratio == 0.1'$"):
+            grid(panels_of(many))
+        assert "--where" not in str(caught.value)
+        chosen = eval(str(caught.value).partition("settings, as ")[2], {"results": many})
+        assert len(grid(panels_of(chosen)).axes) == 2
+        with pytest.raises(InputError, match="not 0"):
+            grid([])
+
+
+@pytest.mark.long
+def test_pictures_of_a_part_say_so():
+    results = grid_study(link_success=1.0)
+    part = forget(results, trial=slice(3, None)).assign_attrs(trials_done=18, trials_total=30)
+    for draw in (figures.scatter, figures.decisions, figures.heatmap):
+        written = texts(draw(part))
+        assert "drawn: 18 of 30 trials" in written
+        assert "drawn" not in texts(draw(results.assign_attrs(trials_done=30, trials_total=30)))
+        assert "drawn: 6 of 10 trials" in texts(draw(part.isel(setting=[0, 1])))
+        assert "drawn" not in texts(draw(part.isel(trial=slice(3))))  # all of what is asked for
+        ruled = part.assign(half_width=("setting", np.full(6, np.nan)))
+        assert "drawn: 18 trials so far" in texts(draw(ruled))
+    figure = Figure()
+    FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    figures.scatter(part, panels=[], ax=left)
+    figures.decisions(part.isel(setting=[0]), ax=right)
+    figure.draw_without_rendering()
+    feet = [text.get_window_extent() for text in figure.texts]
+    assert len(feet) >= 2
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(feet, 2))
+
+
+# ---- names of any length
+
+LONG = ("watts_strogatz_graph(k=4,p=0.1)", "warehouse_measured_links_2024-05-17_north_wing_final_v2", "w" * 300)
+
+
+@pytest.mark.long(but=["1"])
+@pytest.mark.parametrize("count", [1, 4, 8])
+def test_long_names_stay_in_their_panels(count):
+    results = study(["0.6", "black=U(0.525,0.975) white=N(0.75,0.1)"], robots=2)
+    captions = [f"{LONG[i % 3]}, {LONG[(i + 1) % 2]}, N = 1,000, f = 0.55" for i in range(count)]
+    title = "a title of many words " * 40
+    if count < 8:
+        assert_fits(scatter_grid([(caption, results) for caption in captions], title=title))
+    figure = decisions_grid([(caption, results) for caption in captions])
+    assert_fits(figure)
+    for ax, caption in zip(figure.axes, captions, strict=True):
+        written = ax.get_title("left").replace("\n", "").replace(" ", "")
+        assert written.endswith("N=1,000,f=0.55")
+        assert "…" in written or caption.replace(" ", "") in written
+
+
+@pytest.mark.long
+def test_long_names_of_curves_heatmaps_and_many_accuracies_stay_on_the_paper():
+    name = f"{LONG[1]} of {LONG[0]} $x$, setting 2, trial 0: {LONG[1]}.py, {LONG[0]}, N = 4, accuracy 0.6, C = 50"
+    figure = figures.curves(trace(4, fill_ratio=0.55, title=name))
+    assert_fits(figure)
+    assert "setting 2, trial 0:" in texts(figure).replace("\n", " ")
+    mixed = ["black=U(0.525,0.975) white=N(0.75,0.1)", "black=U(0.525,0.975) white=U(0.55,0.975)"]
+    many = study([f"{0.5 + 0.006 * i:.3f}" for i in range(70)] + mixed)
+    for draw in (figures.scatter, figures.decisions):
+        assert_fits(draw(many))
+    parts = [study(["0.6", *mixed], seed=i, fill_ratio=0.123456 + i / 9) for i in range(7)]
+    assert_fits(figures.heatmap(xr.concat(parts, "setting"), title=name))
+
+
+# ---- bad input
+
+
+def test_nothing_left_to_draw_is_an_input_error():
+    empty = forget(study(), trial=slice(None))
+    for draw in (figures.scatter, figures.decisions, figures.heatmap):
+        with pytest.raises(InputError, match="nothing to draw"):
+            draw(empty)
+        with pytest.raises(InputError, match="no setting"):
+            draw(study().isel(setting=[]))
+    with pytest.raises(InputError, match="nothing to draw"):
+        figures.curves(trace(3).where(False))
+
+
+def test_a_missing_variable_is_named():
+    with pytest.raises(InputError, match="'local_convergence_step': set local = true"):
+        figures.scatter(study().drop_vars("local_convergence_step"), local=True)
+    with pytest.raises(InputError, match="'correct'"):
+        figures.decisions(study().drop_vars("correct"))
+    with pytest.raises(InputError, match="no setting"):
+        figures.scatter(study().isel(setting=0))
+    with pytest.raises(InputError, match="no round"):
+        figures.curves(trace(3).isel(round=[]))
+
+
+# ---- files
+
+
+def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
+    results = study(["0.6", "0.7"])
+
+    def write(i: int) -> list[bytes]:
+        paths = figures.save(figures.scatter(results), tmp_path / f"{i}" / "f0.55")
+        assert [p.name for p in paths] == ["f0.55.png", "f0.55.svg"]
+        return [p.read_bytes() for p in paths]
+
+    with ThreadPoolExecutor(3) as pool:
+        first, *others = pool.map(write, range(3))
+    assert all(other == first for other in others)
+    assert first[0].startswith(b"\x89PNG")
+    assert b"<dc:date>" not in first[1]
+    assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.png", "f0.55.svg"]
+
+
+def test_many_dots_are_one_picture_inside_the_svg(tmp_path: Path):
+    results = study(robots=100, trials=30)
+    (svg,) = figures.save(figures.scatter(results), tmp_path / "many", ["svg"])
+    text = svg.read_text()
+    assert text.count("<image") == 1
+    assert len(text) < 1_000_000
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    figure = figures.decisions(study())
+    (path,) = figures.save(figure, tmp_path / "decisions", ["png"])
+    before = path.read_bytes()
+
+    def fail(place: BinaryIO, **_: object) -> None:
+        place.write(before[:100])
+        raise RuntimeError("the disk is full")
+
+    monkeypatch.setattr(figure, "savefig", fail)
+    with pytest.raises(RuntimeError):
+        figures.save(figure, tmp_path / "decisions", ["png"])
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_unknown_format_is_an_input_error_before_anything_is_written(tmp_path: Path):
+    with pytest.raises(InputError, match="'bmpp'"):
+        figures.save(figures.decisions(study()), tmp_path / "x", ["png", "bmpp"])
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.long
+def test_no_display_is_needed():
+    code = "import sys; from swarmcensus.figures.plot import lines; sys.exit('matplotlib.pyplot' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,556 @@
+"""`sc.plot` and `plot --kind`: shipped kinds and other packages' kinds; and `lines`, whose numbers are the data's."""
+
+import inspect
+import itertools
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from PIL import Image
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.figures.kinds import PLUGINS, find
+from swarmcensus.figures.kinds.lines import stretches
+from swarmcensus.figures.looks import looks_of
+from swarmcensus.results.selecting import TooMuch
+from swarmcensus.statistics.intervals import estimate
+from tests.support.drawing import assert_fits, drawn, forget, study, texts
+from tests.support.places import ROOT
+
+OURS = ["arena", "beliefs", "compare", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
+
+GOOD = '''
+"""Kinds of figures that are not ours."""
+
+from matplotlib.figure import Figure
+
+
+def box_plot(results, *, color: str = "brain", whiskers: float = 1.5, title: str | None = None):
+    """Draw boxes."""
+    figure = Figure()
+    ax = figure.add_subplot()
+    ax.boxplot(results["convergence_error"].values.reshape(results.sizes["setting"], -1).T, whis=whiskers)
+    ax.set_title(f"{color} {whiskers:g} {title}")
+    return figure
+
+
+def fails(results):
+    """Fail."""
+    return {}["no such\\nkey"]
+
+
+def nothing(results):
+    """Return what is no figure."""
+
+
+def awry(results, more):
+    """Have a second positional argument."""
+
+
+def unknown(results, *, size: "Missing" = 1):
+    """Have an annotation that means nothing."""
+'''
+
+
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory, small_file):
+    """Runs Python where another package is installed that has kinds of its own."""
+    tmp_path = tmp_path_factory.mktemp("elsewhere")
+    info = tmp_path / "site" / "others_figures-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others-figures\nVersion: 1.0\n")
+    names = {"box-plot": "box_plot", "fails": "fails", "nothing": "nothing", "awry": "awry", "unknown": "unknown"}
+    lines = [f"{name} = others_figures:{function}" for name, function in names.items()]
+    lines += ["gone = others_figures_gone", "scatter = others_figures:fails"]
+    (info / "entry_points.txt").write_text("[swarmcensus.figures]\n" + "\n".join(lines) + "\n")
+    (tmp_path / "site" / "others_figures.py").write_text(GOOD)
+    path = os.pathsep.join([str(tmp_path / "site"), *filter(None, [os.environ.get("PYTHONPATH")])])
+    folder = tmp_path / "here"
+    folder.mkdir()
+    (folder / "small.nc").write_bytes(small_file.read_bytes())
+
+    def run(*command):
+        return subprocess.run(
+            [sys.executable, *map(str, command)], cwd=folder, env=os.environ | {"PYTHONPATH": path},
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+
+    run.folder = folder
+    return run
+
+
+TOLD = """
+import contextlib, io, json, os, sys
+from swarmcensus.cli.commands import main
+said = []
+for command in json.loads(sys.argv[1]):
+    with contextlib.redirect_stderr(io.StringIO()) as error:
+        code = main(command)
+    said.append((code, error.getvalue(), sorted(os.listdir())))
+json.dump(said, sys.stderr)
+"""
+
+
+@pytest.fixture(scope="module")
+def told_elsewhere(elsewhere):
+    """What each command says there, its exit code, and which files are there then: of one process, in this order."""
+    for left in elsewhere.folder.iterdir():
+        if left.name != "small.nc":
+            left.unlink()  # by other tests
+    commands = [["plot", "small.nc", "--kind", kind, *options] for kind, options, _ in WRONG]
+    done = elsewhere("-c", TOLD, json.dumps([*commands, BOXES]))
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stderr)
+
+
+def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:
+    """One setting a number of robots, each of 8 that are drawn."""
+    parts = [study(["0.6"], trials=trials, seed=k, **coordinates) for k in range(len(counts))]
+    results = xr.concat(parts, "setting").assign_coords(robots=("setting", list(counts)))
+    return results.assign_coords(setting=np.arange(len(counts)))
+
+
+def intervals(axes, label):
+    """The ends of the intervals of a line, in the order of x."""
+    found = [c for c in axes.collections if c.get_label() in (f"interval {label}", f"one-sided {label}")]
+    segments = [segment for lines in found for segment in lines.get_segments() if len(segment)]
+    return np.array([segment[:, 1] for segment in sorted(segments, key=lambda segment: segment[0, 0])])
+
+
+# ---- finding a kind
+
+
+def test_all_kinds_of_ours_are_found_in_their_folder():
+    assert list(PLUGINS.shipped) == OURS
+    assert dir(sc.plot) == sorted([*OURS, "save"])
+    for name in OURS:
+        draw = getattr(sc.plot, name)
+        assert draw is find(name)
+        assert draw.__name__ == name
+        assert draw.__doc__.count("\n") > 3
+
+
+def test_an_unknown_kind_is_told_with_what_was_meant(small_file, tmp_path, monkeypatch, capsys):
+    with pytest.raises(AttributeError, match=r"did you mean 'scatter'\? there are arena, beliefs"):
+        sc.plot.scater  # noqa: B018
+    assert not hasattr(sc.plot, "__wrapped__")
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot", str(small_file), "--kind", "line"]) == 2
+    assert "no figure 'line': did you mean 'lines'? there are arena, beliefs" in capsys.readouterr().err
+
+
+def test_swarmcensus_itself_imports_no_matplotlib_and_help_looks_for_no_packages():
+    code = "import sys, swarmcensus as sc; dir(sc), sc.plot; sys.exit('matplotlib' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+    code = "import sys\nfrom swarmcensus.cli.commands import main\ntry: main(['plot', '--help'])\n"
+    code += "except SystemExit: sys.exit(bool({'importlib.metadata', 'numpy'} & {*sys.modules}))"
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+@pytest.mark.long
+def test_another_package_s_kind_is_drawn_by_python_and_by_the_shell(elsewhere, untraced_processes):
+    code = """
+import json, swarmcensus as sc
+results = sc.load("small.nc")
+figure = sc.plot.box_plot(results, whiskers=2.0, title="mine")
+print(json.dumps([dir(sc.plot), figure.axes[0].get_title(), [str(p) for p in sc.plot.save(figure, "x.png")]]))
+"""
+    done = elsewhere("-c", code)
+    assert not done.stderr
+    names, title, paths = json.loads(done.stdout)
+    assert {*OURS, "box_plot", "fails", "save"} <= {*names}
+    assert title == "brain 2 mine"
+    assert paths == ["x.png"]
+    plot = ["-m", "swarmcensus", "plot", "small.nc", "--kind", "box-plot"]
+    done = elsewhere(*plot, "--color", "topology", "--set", "whiskers=3", "--set", "title=12 of them")
+    assert (done.returncode, done.stdout) == (0, "small-box-plot.png\nsmall-box-plot.svg\n")
+    assert "topology 3 12 of them" in (elsewhere.folder / "small-box-plot.svg").read_text()
+    assert elsewhere("-m", "swarmcensus", "plot", "small.nc").returncode == 0  # `scatter` stays ours
+
+
+BOXES = ["plot", "small.nc", "--kind", "box-plot", "--color", "topology", "--set", "whiskers=3", "--out", "b.svg"]
+WRONG = [
+    ("box-plot", ["--x", "robots"], "--x goes with --kind heatmap or lines, not with box-plot"),
+    ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: "),
+    ("box-plot", ["--set", "whiskers=wide"], "--kind box-plot: whiskers = 'wide': should be a valid number"),
+    ("box-plot", ["--set", "whiskers"], "--set 'whiskers': should be such as scale=linear"),
+    ("box-plott", [], "no figure 'box-plott': did you mean 'box-plot'?"),
+    ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
+    ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
+    ("awry", [], "figure 'awry', others_figures:awry: should be a function of results and keyword-only options"),
+    ("unknown", [], "the keys of others_figures.unknown cannot be read: NameError"),
+    ("gone", [], "figure 'gone', others_figures_gone of others-figures: ModuleNotFoundError"),
+]
+
+
+@pytest.mark.parametrize("k", range(len(WRONG)), ids=lambda k: f"{WRONG[k][0]} {' '.join(WRONG[k][1])}".strip())
+def test_what_is_wrong_with_another_package_s_kind_is_told_in_a_line(k, told_elsewhere):
+    code, error, files = told_elsewhere[k]
+    assert code == 2
+    assert WRONG[k][2] in error
+    assert error.count("\n") == 1
+    assert files == ["small.nc"]
+
+
+def test_another_package_s_kind_is_drawn(elsewhere, told_elsewhere):
+    *_, (code, error, files) = told_elsewhere
+    assert (code, error, files) == (0, "", ["b.svg", "small.nc"])
+    assert "topology 3 None" in (elsewhere.folder / "b.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--kind", "scatter", "--x", "robots"], "--x goes with --kind heatmap or lines, not with scatter"),
+        (["--kind", "curves", "--panels", "robots"], "--panels goes with --kind decisions or lines or scatter, not"),
+        (["--kind", "arena", "--bins", "4"], "--bins goes with --kind decisions or lines, not with arena"),
+        (
+            ["--kind", "lines", "--x", "robot"],
+            "x 'robot': did you mean 'robots'? the coordinates that vary here are top",
+        ),
+        (["--kind", "lines", "--y", "error"], "y 'error': did you mean 'convergence_error'? what is measured"),
+        (["--kind", "lines", "--x", "checkpoint"], "x 'checkpoint': the coordinates that vary"),
+        (
+            ["--color", "brian"],
+            "color 'brian': did you mean 'brain'? the coordinates that vary here are topology, robots",
+        ),
+        (["--panels", "robots,floors"], "panels 'floors': did you mean 'floor'?"),
+        (["--kind", "heatmap", "--x", "robots", "--y", "robots"], "x and y are both 'robots'"),
+        (["--kind", "lines", "--set", "statistic=mode"], "statistic = 'mode': should be 'median' or 'mean'"),
+    ],
+)
+def test_options_that_cannot_be_are_told_in_a_line(options, said, small_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot", str(small_file), *options]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--panels", "accuracy"]
+    assert main([*shell, "--set", "title=mine", "--out", "shell.svg"]) == 0
+    figure = sc.plot.lines(small_results, x="topology", color="robots", panels=["accuracy"], title="mine")
+    assert sc.plot.save(figure, "python.svg") == [Path("python.svg")]
+    assert Path("shell.svg").read_bytes() == Path("python.svg").read_bytes()
+    assert sc.plot.save(figure, tmp_path / "both") == [tmp_path / "both.png", tmp_path / "both.svg"]
+    with pytest.raises(InputError, match="cannot write 'bmp' files, only "):
+        sc.plot.save(figure, "x.bmp")
+
+
+# ---- the pages
+
+
+def test_the_page_s_table_has_every_kind_and_all_its_options():
+    text = (ROOT / "docs" / "plotting.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \|.*\| ([^|]*) \|$", text, re.MULTILINE)
+    told = {kind: re.findall(r"`(\w+)`", options) for kind, options in rows}
+    takes = {
+        name: [p.name for p in inspect.signature(find(name)).parameters.values() if p.kind is p.KEYWORD_ONLY]
+        for name in OURS
+    }
+    assert {kind: sorted(options) for kind, options in told.items()} == {k: sorted(v) for k, v in takes.items()}
+
+
+# ---- one trial
+
+
+def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results, tmp_path):
+    tables = {"swarm": {"robots": 4, "accuracy": 0.8}, "schedule": {"ticks": 20}}
+    moving = sc.run(sc.Study(trials=2, world={"topology": "moving", "density": 2, "fill_ratio": 0.55}, **tables))
+    trace = sc.replay(moving, 0, 1, links=True)
+    for figure in (sc.plot.arena(moving, trial=1, tick="1.5 s"), sc.plot.arena(trace, tick=15)):
+        assert "tick 15" in texts(figure)
+    told = []
+    frames = sc.plot.film(trace, out=tmp_path / "x.gif", first=3, last=9, progress=lambda *n: told.append(n))
+    assert (frames, told[-1]) == (4, (4, 4))
+    with Image.open(tmp_path / "x.gif") as film:
+        assert film.n_frames == 4
+    for options, said in (
+        ({"tick": 21}, "tick 21: this trial has ticks 0 to 20"), ({"robot": 4}, "robot 4: the robots are"),
+        ({"setting": 1}, "setting 1"),
+        ({"tick": "soon"}, "tick = 'soon': should be a whole number, or a time"), ({"tick": "7 h"}, "tick 252000:"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=re.escape(said)):
+            sc.plot.arena(moving, **options)
+    with pytest.raises(InputError, match="no robots move"):
+        sc.plot.film(small_results)
+    curves = [sc.plot.curves(small_results, trial=2), sc.plot.curves(sc.replay(small_results, 0, 2))]
+    one, other = (drawn(figure.axes[0], "median") for figure in curves)
+    np.testing.assert_array_equal(one, other)
+
+
+# ---- any coordinate
+
+
+def test_scatters_and_decisions_are_coloured_by_any_coordinate():
+    results = xr.concat(
+        [study(["0.6"], topology=t, seed=k, trials=8) for k, t in enumerate(("ring", "full"))], "setting"
+    )
+    (ax,) = sc.plot.scatter(results, color="topology").axes
+    for k, name in enumerate(("ring", "full")):
+        one = results.isel(setting=k)
+        middle = [np.median(one.convergence_round), np.median(one.convergence_error)]
+        np.testing.assert_allclose(drawn(ax, f"median {name}"), [middle])
+    figure = sc.plot.decisions(results, color="topology")
+    (ax,) = figure.axes
+    assert ax.get_legend().get_title().get_text() == "topology"
+    np.testing.assert_allclose(drawn(ax, "right full")[:, 1], 100 * results.correct[1].mean("trial"))
+    assert len(sc.plot.scatter(results).axes) == 2
+    assert [ax.get_title("left") for ax in sc.plot.scatter(results, panels="topology").axes] == ["(a) ring", "(b) full"]
+
+
+def test_settings_that_are_pooled_count_a_trial_once():
+    results = xr.concat([study(["0.6"], trials=8, seed=k, fill_ratio=f) for k, f in enumerate((0.5, 0.9))], "setting")
+    (ax,) = sc.plot.decisions(results, panels=[]).axes
+    (lines,) = (c for c in ax.collections if c.get_label() == "interval 0.6")
+    for k, line in enumerate(lines.get_segments()):
+        _, *ends = estimate(results.correct.values[:, k].T, "mean", share=True)
+        np.testing.assert_allclose(line[:, 1], 100 * np.array(ends))
+    figure = sc.plot.lines(results, x="accuracy", panels=[], color="accuracy")
+    both = np.concatenate([*results.convergence_error.values], axis=1)  # (trial, robots of both)
+    np.testing.assert_allclose(intervals(figure.axes[0], "0.6"), [estimate(both, "median")[1:]])
+    some = forget(results, setting=1, trial=slice(5, None))
+    (ax,) = sc.plot.lines(some, x="accuracy", panels=[], color="accuracy").axes
+    assert not intervals(ax, "0.6").size
+    assert drawn(ax, "0.6")[0, 1] == pytest.approx(np.nanmedian(some.convergence_error))
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.parametrize(
+    ("kind", "options", "said"),
+    [
+        ("lines", {"x": "robots", "color": "topology", "panels": "fill_ratio"}, "2 accuracies"),
+        ("lines", {"x": "robots", "color": "topology", "panels": []}, "2 fill ratios and 2 accuracies"),
+        ("lines", {"x": "robots", "color": "topology", "panels": ["fill_ratio", "accuracy"]}, ""),
+        ("lines", {}, ""),
+        ("decisions", {"color": "robots", "panels": "topology"}, "2 fill ratios and 2 accuracies"),
+        ("scatter", {"panels": "topology"}, "2 numbers of robots and 2 fill ratios"),
+        ("scatter", {}, ""),
+    ],
+)
+def test_a_figure_says_what_is_pooled_in_it(kind, options, said, small_results, caplog):
+    with caplog.at_level("INFO", "swarmcensus"):
+        figure = getattr(sc.plot, kind)(small_results, **options)
+    foot = [text.get_text() for text in figure.texts if text.get_gid() == "pooled"]
+    assert foot == ([f"pooled over {said}"] if said else [])
+    told = [f"settings that are drawn as one are pooled over {said}"] if said else []
+    assert [one for one in caplog.messages if "pooled" in one] == told
+
+
+def test_intervals_end_where_a_variable_can_go_no_further():
+    results = study(["0.6"], trials=12)
+    below = results.assign(final_estimate=results["convergence_error"] - 1.0)
+    (ax,) = sc.plot.lines(below, y="final_estimate", x="accuracy", color="accuracy").axes
+    ((low, high),) = intervals(ax, "0.6")
+    assert -1.0 <= low < drawn(ax, "0.6")[0, 1] < high < 0.0
+    same = results.assign(convergence_error=0.0 * results["convergence_error"])
+    (ax,) = sc.plot.lines(same, x="accuracy", color="accuracy").axes
+    assert intervals(ax, "0.6")[0, 0] == 0.0
+
+
+def test_a_heatmap_has_any_two_coordinates():
+    parts = [
+        study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "a_long_name_of_a_network") for n in (4, 1200)
+    ]
+    parts = [part.isel(robot=slice(4)) for part in parts]
+    results = xr.concat(parts, "setting")
+    error, _ = sc.plot.heatmap(results, x="topology", y="robots").axes
+    assert [t.get_text() for t in error.get_yticklabels()] == ["4", "1,200"]
+    assert error.get_xticklabels()[0].get_text() == "ring"
+    shown = np.asarray(error.images[0].get_array())
+    np.testing.assert_allclose(shown.T.ravel(), results.convergence_error.median(("trial", "robot")))
+    assert_fits(sc.plot.heatmap(results, x="topology", y="robots"))
+    chosen, _ = sc.plot.heatmap(results).axes  # the two that vary, in the order of captions
+    np.testing.assert_array_equal(chosen.images[0].get_array(), shown.T)
+    with pytest.raises(TooMuch, match=r"a heatmap shows accuracy and topology, but robots \(4, 1200\) varies too"):
+        sc.plot.heatmap(results, x="topology", y="accuracy")
+
+
+def test_axes_of_one_s_own_hold_one_panel(small_results):
+    one = small_results.isel(setting=small_results["topology"].values == "ring")
+    figure = Figure(figsize=(18, 3))
+    axes = figure.subplots(1, 3)
+    for draw, ax in zip((sc.plot.scatter, sc.plot.decisions, sc.plot.lines), axes, strict=True):
+        assert draw(one, panels=[], title="mine", ax=ax) is ax.figure
+        assert ax.get_title("left") == "mine"
+        assert ax.get_ylabel()
+        with pytest.raises(InputError, match="ax holds one panel, not"):
+            draw(one, ax=ax)
+    alone = Figure().subplots()
+    sc.plot.curves(small_results, setting=3, trial=1, ax=alone)
+    assert "setting 3, trial 1" in alone.get_title("left").replace("\n", " ")
+
+
+def test_names_look_different_and_numbers_in_order():
+    looks = looks_of(["ring", "full", "x"], "o", "topology")
+    assert list(looks) == ["ring", "full", "x"]
+    assert (
+        len({(look.colour, look.marker) for look in looks.values()})
+        == len({look.colour for look in looks.values()})
+        == 3
+    )
+    assert [look.name for look in looks_of(["1000", "20", "none"], "o", "robots").values()] == ["20", "1,000", "none"]
+
+
+# ---- lines
+
+
+@pytest.mark.long
+def test_lines_draw_medians_and_intervals_as_the_summary_has_them(small_results):
+    results = sc.run(sc.Study.parse(small_results.attrs["study"]).with_(trials=8), jobs=2)
+    table = sc.summary(results)
+    for y in ("convergence_error", "convergence_round", "correct"):
+        figure = sc.plot.lines(results, y=y, x="robots", color="topology", panels=["accuracy", "fill_ratio"])
+        groups = table.groupby(["accuracy", "fill_ratio"], sort=False)
+        assert len(figure.axes) == len(groups) == 4
+        for ax, (_, group) in zip(figure.axes, groups, strict=True):
+            for topology in ("full", "ring", "line", "scale-free"):
+                rows = group[group["topology"] == topology].sort_values("robots")
+                np.testing.assert_allclose(drawn(ax, topology), rows[["robots", y]], atol=1e-12)
+                np.testing.assert_allclose(drawn(ax, f"line {topology}"), rows[["robots", y]], atol=1e-12)
+                np.testing.assert_allclose(intervals(ax, topology), rows[[f"{y}_low", f"{y}_high"]], atol=1e-12)
+
+
+def test_lines_of_checkpoints_are_of_the_last_or_along_them(small_results):
+    few = small_results.isel(setting=small_results["robots"].values == 5)
+    figure = sc.plot.lines(few, y="correct", x="checkpoint", color="topology")
+    assert len(figure.axes) == 4
+    first = few.isel(setting=0)
+    at = drawn(figure.axes[0], "full")
+    np.testing.assert_allclose(at, np.stack([first["checkpoint"], first["correct"].mean("trial")], 1))
+    assert figure.axes[0].get_xlabel() == "communication rounds"
+    short = few.assign_coords(rounds=("setting", np.full(few.sizes["setting"], 20)))
+    (ax,) = sc.plot.lines(short, y="correct", x="topology", panels=[], color="rounds").axes
+    ring = short["correct"].values[short["topology"].values == "ring", 0]
+    assert drawn(ax, "20")[1, 1] == pytest.approx(ring.mean())
+
+
+def test_any_variable_that_has_trials_is_drawn_with_its_unit():
+    results = robots()
+    rng = np.random.default_rng(0)
+    results["battery_used"] = (("setting", "trial"), rng.gamma(2, 10, (3, 12)), {"units": "J", "long_name": "used"})
+    figure = sc.plot.lines(results, y="battery_used")
+    (ax,) = figure.axes
+    assert ax.get_ylabel() == "battery used, median (J)"
+    assert ax.get_xlabel() == "robots $N$"
+    assert ax.get_xscale() == "log"
+    (line,) = (line for line in ax.lines if line.get_label() == "line ")
+    np.testing.assert_allclose(line.get_ydata(), results["battery_used"].median("trial"))
+    expected = [estimate(row[:, None], "median")[1:] for row in results["battery_used"].values]
+    np.testing.assert_allclose(intervals(ax, ""), expected)
+    (ax,) = sc.plot.lines(results, y="battery_used", statistic="mean").axes
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), results["battery_used"].mean("trial"))
+    with pytest.raises(InputError, match=r"what is measured here is convergence_round, .*battery_used"):
+        sc.plot.lines(results, y="weather")
+
+
+def test_a_quantity_is_drawn_with_the_statistic_and_the_label_that_it_is_declared_with():
+    results = robots()
+    results["messages_sent"] = results["convergence_round"].astype(float)
+    (ax,) = sc.plot.lines(results, y="messages_sent").axes
+    assert ax.get_ylabel() == "messages sent by a robot, mean"
+    (ax,) = sc.plot.lines(results, y="messages_sent", statistic="median").axes
+    assert ax.get_ylabel() == "messages sent by a robot, median"
+
+
+def test_what_is_left_open_is_chosen_from_what_varies():
+    brains = xr.concat([robots(brain=name) for name in ("a", "b")], "setting")
+    for options, x, key in (
+        ({}, "robots $N$", "brain"), ({"x": "brain"}, "brain", "robots $N$"), ({"panels": "brain"}, "robots $N$", ""),
+        ({"panels": ("robots",)}, "brain", ""), ({"color": "robots"}, "brain", "robots $N$"),
+    ):  # fmt: skip
+        axes = sc.plot.lines(brains, **options).axes
+        (legend,) = filter(None, (ax.get_legend() for ax in axes))
+        assert (axes[0].get_xlabel(), legend.get_title().get_text()) == (x, key)
+
+
+def test_what_never_happens_is_marked_and_not_drawn():
+    results = robots()
+    when = np.random.default_rng(0).uniform(1, 50, (3, 12, 8))
+    when[0, :, :5] = np.inf  # most of the robots of every trial
+    when[1, :, :1] = np.inf
+    when[1, :6] = np.inf  # of half of the trials, all
+    results["stop_round"] = (("setting", "trial", "robot"), when, {"units": "rounds", "long_name": "when it stops"})
+    figure = sc.plot.lines(results, y="stop_round", color="brain")
+    (ax,) = figure.axes
+    (mark,) = (line for line in ax.lines if line.get_label() == "infinite Minimalistic (paper)")
+    assert mark.get_xdata().tolist() == [10, 100]
+    assert set(mark.get_ydata()) == {1.0}  # of the panel's height
+    (line,) = (line for line in ax.lines if line.get_label() == "line Minimalistic (paper)")
+    assert np.isnan(line.get_ydata()[:2]).all()
+    assert line.get_ydata()[2] == pytest.approx(np.median(when[2]))
+    ends = intervals(ax, "Minimalistic (paper)")
+    assert np.isfinite(ends[-1]).all()
+    assert ax.get_ylim()[1] < 100
+    assert "the median is infinite" in texts(figure)
+    assert "is infinite" not in texts(sc.plot.lines(results.isel(setting=[2]), y="stop_round"))
+    assert "the mean is infinite" in texts(sc.plot.lines(results, y="stop_round", statistic="mean"))
+    never = results.assign(stop_round=results["stop_round"] * np.inf)
+    assert_fits(sc.plot.lines(never, y="stop_round"))
+
+
+def test_the_interval_of_a_median_may_reach_to_never():
+    results = robots((10,))
+    when = np.tile(np.arange(1.0, 9.0), (1, 12, 1))
+    when[0, :5] = np.inf  # 5 of 12 trials: the median is finite, and might not be
+    results["stop_round"] = (("setting", "trial", "robot"), when)
+    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
+    ((low, high),) = intervals(ax, "")
+    assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]
+
+
+def test_trials_that_were_not_run_are_left_out_of_lines():
+    results = forget(forget(robots(), setting=1), trial=slice(7, None), setting=0)
+    (ax,) = sc.plot.lines(results).axes
+    (line,) = (line for line in ax.lines if line.get_label() == "line ")
+    there = results.convergence_error.values
+    np.testing.assert_allclose(line.get_ydata(), [np.median(there[0, :7]), np.nan, np.median(there[2])])
+    padded = forget(robots(), robot=slice(5, None))
+    (ax,) = sc.plot.lines(padded).axes
+    assert ax.lines[0].get_ydata()[0] == pytest.approx(np.median(padded.convergence_error.values[0, :, :5]))
+    with pytest.raises(InputError, match="nothing to draw"):
+        sc.plot.lines(forget(robots(), trial=slice(None)))
+
+
+@pytest.mark.long
+def test_lines_of_long_names_and_of_many_stay_on_the_paper():
+    long = ["warehouse_measured_links_2024-05-17_north_wing_final_v2", "b", "w" * 90, "costs $2 or $3"]
+    names = [*long, *"defgh"]
+    parts = [robots(brain=name) for name in names]
+    results = xr.concat(parts, "setting")
+    for options in ({}, {"x": "brain"}, {"color": "brain"}, {"panels": "brain"}, {"x": "brain", "panels": "robots"}):
+        figure = sc.plot.lines(results, **options)
+        assert_fits(figure)
+        figure.canvas.draw()
+    many = xr.concat([robots(fill_ratio=f) for f in np.linspace(0.1, 0.9, 40)], "setting")
+    assert_fits(sc.plot.lines(many, color="fill_ratio"))
+    (ax,) = sc.plot.lines(many, x="fill_ratio", color="robots").axes
+    boxes = [tick.get_window_extent() for tick in ax.get_xticklabels()]
+    assert 4 < len(boxes) < 40
+    assert all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
+
+
+def test_lines_that_lie_upon_one_another_are_all_seen():
+    """Flat stretches would hide each other; steep ones lie side by side, and whoever shares none is drawn as ever."""
+    values = {"twin": [0.2, 0.6, 1.0, 1.0, 1.0], "other": [0.2, 0.6, 1.0, 1.0, 1.0], "low": [0.1, 0.1, 0.2, 0.3, 0.4]}
+    flat = [(3.0, 1.0), (4.0, 1.0), (5.0, 1.0)]
+    x = np.arange(1.0, 6.0)
+    found = stretches({name: (x, np.array(y)) for name, y in values.items()}, lambda piece: piece[1] == piece[3])
+    assert [part.style for part in found["twin"]] == [part.style for part in found["low"]] == ["-"]
+    steep, shared = found["other"]
+    assert steep.style == "-"
+    assert shared.style[1] == (6.0, 6.0)
+    np.testing.assert_array_equal(np.stack([shared.x, shared.y], 1), flat)
+    np.testing.assert_array_equal(found["low"][0].y, values["low"])

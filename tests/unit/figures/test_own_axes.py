@@ -1,0 +1,176 @@
+"""Figures in axes of one's own: one a panel, whose figure is returned, and those that others share show both."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.animation import FuncAnimation
+from matplotlib.figure import Figure
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains.library import TITLES
+from swarmcensus.results.labels import renamed
+from tests.support.contending import made_up
+from tests.support.drawing import drawn, study, texts
+
+
+@pytest.fixture(scope="module")
+def two():
+    """Two networks, of which the second has a hundredth of the errors."""
+    parts = [study(["0.6"], topology=name, seed=k, trials=8) for k, name in enumerate(("ring", "full"))]
+    parts[1]["convergence_error"] = parts[1]["convergence_error"] / 100
+    parts[1]["convergence_round"] = parts[1]["convergence_round"] * 0 + 3
+    return xr.concat(parts, "setting")
+
+
+@pytest.fixture(scope="module")
+def moving():
+    tables = {"swarm": {"robots": 4, "accuracy": 0.8}, "schedule": {"ticks": 20}}
+    return sc.run(sc.Study(trials=1, world={"topology": "moving", "density": 2, "fill_ratio": 0.55}, **tables))
+
+
+def subplots(count, **options):
+    return Figure(figsize=(5 * count, 4), layout="constrained").subplots(1, count, **options)
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.parametrize("kind", ["scatter", "decisions", "lines"])
+def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
+    axes = subplots(2, sharey=True)
+    assert getattr(sc.plot, kind)(two, panels="topology", title="both", ax=axes) is axes[0].figure
+    assert [ax.get_title("left") for ax in axes] == ["(a) ring", "(b) full"]
+    assert [ax.get_legend() is None for ax in axes] == [True, False]
+    assert "both" in texts(axes[0].figure)
+    assert axes[0].get_ylabel()
+    assert not axes[1].get_ylabel()
+    with pytest.raises(InputError, match=r"ax has 3 axes, not 2: .*panels=\[\], or give a list of 2 axes"):
+        getattr(sc.plot, kind)(two, panels="topology", ax=subplots(3))
+    with pytest.raises(InputError, match="ax has 2 axes, but this is one panel"):
+        getattr(sc.plot, kind)(two.isel(setting=[0]), ax=subplots(2))
+
+
+@pytest.mark.parametrize("sharing", [True, False])
+def test_shared_axes_go_on_to_show_what_was_drawn_first(two, sharing):
+    axes = subplots(2, sharex=sharing, sharey=sharing)
+    for k, ax in enumerate(axes):
+        sc.plot.scatter(two.isel(setting=[k]), ax=ax)
+    dots = drawn(axes[0], "dots 0.6")
+    (_, right), (low, high) = axes[1].get_xlim(), axes[1].get_ylim()
+    assert ((dots[:, 0] <= right).all() and (low <= dots[:, 1]).all() and (dots[:, 1] <= high).all()) == sharing
+
+
+def test_lines_lead_from_names_to_dots_wherever_these_come_to_be(two):
+    axes = subplots(2, sharex=True, sharey=True)
+    for k, ax in enumerate(axes):
+        sc.plot.scatter(two.isel(setting=[k]), ax=ax)
+    axes[0].figure.draw_without_rendering()
+    (median,) = drawn(axes[0], "median 0.6")
+    (leader,) = (c for c in axes[0].collections if hasattr(c, "dots"))
+    (end,) = (segment[1] for segment in leader.get_segments())
+    where = axes[0].transAxes.transform(end)
+    np.testing.assert_allclose(where, axes[0].transData.transform(median), atol=0.5)
+
+
+def test_a_heatmap_is_one_panel_or_two():
+    results = xr.concat([study(["0.6"], topology=t, seed=k) for k, t in enumerate(("ring", "full"))], "setting")
+    axes = subplots(2)
+    assert sc.plot.heatmap(results, x="topology", ax=axes) is axes[0].figure
+    (ax,) = axes[:1]
+    assert sc.plot.heatmap(results, x="topology", z="convergence_round", ax=ax) is ax.figure
+    shown = np.asarray(ax.images[-1].get_array()).ravel()
+    np.testing.assert_allclose(shown, results["convergence_round"].median(("trial", "robot")))
+    assert len(sc.plot.heatmap(results, x="topology", z="convergence_error").axes) == 1
+    with pytest.raises(InputError, match="ax holds one panel, not 2: choose z"):
+        sc.plot.heatmap(results, x="topology", ax=ax)
+    with pytest.raises(InputError, match="z 'error': should be one of convergence_error, convergence_round"):
+        sc.plot.heatmap(results, x="topology", z="error")
+
+
+@pytest.mark.parametrize("inches", [2.5, 7.0])
+def test_an_arena_is_square_in_any_axes_with_its_key_below(inches, moving):
+    figure = Figure(figsize=(inches + 2, inches + 2), layout="constrained")
+    ax = figure.subplots()
+    assert sc.plot.arena(moving, tick=7, ax=ax) is ax.figure
+    figure.draw_without_rendering()
+    assert ax.bbox.width == pytest.approx(ax.bbox.height)
+    key, box = ax.get_legend().get_window_extent(), figure.bbox
+    assert key.y1 < ax.bbox.y0
+    assert key.y0 >= box.y0
+    assert ax.child_axes[0].bbox.x0 > ax.bbox.x1
+    assert "tick 7, 0.7 s" in texts(figure)
+
+
+def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    ax, told = subplots(1), []
+    film = sc.plot.film(moving, first=2, last=8, every=3, ax=ax, progress=lambda *n: told.append(n))
+    assert isinstance(film, FuncAnimation)
+    film.save(tmp_path / "mine.gif", writer="pillow")
+    assert told[-3:] == [(1, 3), (2, 3), (3, 3)]
+    assert [p.name for p in tmp_path.iterdir()] == ["mine.gif"]
+    with pytest.raises(InputError, match="with ax no file is written"):
+        sc.plot.film(moving, out="x.gif", ax=ax)
+
+
+# ---- differences
+
+
+def test_differences_are_those_of_the_pairs_of_a_comparison():
+    results = made_up(brains=3, gap=0.3)
+    figure = sc.plot.compare(results, metric="final_error")
+    (ax,) = figure.axes
+    pairs = sc.compare(results, "final_error").pairs
+    first = pairs["one"].iloc[0]
+    for name in dict.fromkeys(pairs["other"]):
+        rows, called = pairs[(pairs["one"] == first) & (pairs["other"] == name)], renamed(name, TITLES)
+        (lines,) = (c for c in ax.collections if c.get_label() == f"interval {called}")
+        ends = np.array([segment[:, 0] for segment in lines.get_segments()])
+        np.testing.assert_allclose(ends, -rows[["difference_high", "difference_low"]])
+        dots = [drawn(ax, f"{way} {called}") for way, there in (("apart", True), ("level", False))
+                if (rows["told_apart"] == there).any()]  # fmt: skip
+        np.testing.assert_allclose(sorted(np.concatenate(dots)[:, 0]), sorted(-rows["difference"]))
+    assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full"]
+
+
+def test_pooled_differences_tell_apart_what_differs_and_only_that():
+    results = made_up(brains=2, worlds=("ring", "full", "line"), gap=0.5)
+    results["convergence_round"][:] = results["convergence_round"][:1].values
+    figure = sc.plot.compare(results, metric=["final_error", "convergence_round"], by=[])
+    error, late = figure.axes
+    assert error.get_title("left") == "(a) final error, all 3 worlds"
+    ((x, _),) = drawn(error, "apart ")
+    each = np.abs(results["final_estimate"] - 0.55).median("robot").values
+    assert x == pytest.approx(np.median(np.median(each[1::2] - each[::2], axis=0)))
+    np.testing.assert_allclose(drawn(late, "level "), [[0.0, 0.0]])
+    (ax,) = sc.plot.compare(results, metric="final_error", by="topology").axes
+    assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
+
+
+def test_what_cannot_be_compared_in_a_figure_is_told():
+    many = made_up(brains=2, worlds=[f"net {k}" for k in range(41)], trials=6, robots=1)
+    with pytest.raises(InputError, match=r"41 worlds are more than the 40 rows that have room: .*in topology"):
+        sc.plot.compare(many)
+    with pytest.raises(InputError, match="41 rows are more than the 40"):
+        sc.plot.compare(many, by="topology")
+    with pytest.raises(InputError, match=r"^by='robots': all worlds have the same"):
+        sc.plot.compare(many, by="robots")
+    with pytest.raises(InputError, match="ax holds one panel, not 5: name one metric"):
+        sc.plot.compare(made_up(brains=2), ax=subplots(1))
+
+
+def test_a_difference_without_end_is_an_arrow_at_the_edge():
+    results = made_up(brains=2, worlds=("ring",))
+    results["consensus_right"] = (("setting", "trial"), np.ones((2, 20)))
+    results["consensus_round"] = (("setting", "trial"), np.stack([np.full(20, 9.0), np.full(20, np.inf)]))
+    (ax,) = sc.plot.compare(results, metric="consensus_round").axes
+    np.testing.assert_array_equal(drawn(ax, "infinite "), [[1.0, 0.0]])
+    assert "infinite" in texts(ax.figure)
+
+
+def test_what_are_no_axes_and_no_trials_are_told(small_results):
+    with pytest.raises(InputError, match="ax = int: should be matplotlib Axes"):
+        sc.plot.scatter(small_results, ax=3, panels=[])
+    nothing = small_results.isel(trial=[])
+    for draw in (sc.plot.lines, sc.plot.scatter, sc.plot.curves):
+        with pytest.raises(InputError, match=r"no trial|nothing to draw"):
+            draw(nothing)

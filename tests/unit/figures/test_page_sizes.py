@@ -1,0 +1,429 @@
+"""Figures for a page of given width, height, letters and style; what they call brains; what they say at their foot."""
+
+import itertools
+import re
+from pathlib import Path
+
+import matplotlib as mpl
+import matplotlib.style
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.text import Text
+from PIL import Image
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.figures.kinds import find
+from swarmcensus.paper.reproducing import reproduce
+from tests.support.contending import made_up
+
+BELIEFS = """
+trials = 6
+[swarm]
+robots           = 8
+accuracy         = [0.7, 0.8]
+assumed_accuracy = [0.7, 0.75, {error = "N(0, 0.05)"}]
+[world]
+topology   = "full"
+fill_ratio = [0.55, 0.8]
+[schedule]
+rounds = 30
+"""
+MOVING = """
+name   = "moving"
+trials = 1
+[swarm]
+robots   = 6
+accuracy = 0.8
+[world]
+topology   = "moving"
+density    = 2
+fill_ratio = 0.55
+[schedule]
+ticks = 20
+"""
+
+
+@pytest.fixture(scope="module")
+def draw(small_results):
+    """A function that draws a kind with some options."""
+    beliefs, moving = (sc.run(sc.Study.parse(text), jobs=1) for text in (BELIEFS, MOVING))
+    at_055 = small_results.isel(setting=small_results["fill_ratio"].values == 0.55)
+    results = {
+        "scatter": at_055.isel(setting=at_055["robots"].values == 12),
+        "decisions": at_055.isel(setting=at_055["robots"].values == 12),
+        "lines": small_results,
+        "heatmap": small_results.isel(setting=slice(0, 4)),
+        "curves": small_results,
+        "beliefs": beliefs,
+        "arena": moving,
+        **dict.fromkeys(("compare", "ranks", "pareto"), made_up(trials=6, gap=0.3)),
+    }
+    own = {"lines": {"x": "robots", "panels": "topology"}, "curves": {"setting": 3}}
+
+    def draw(kind, **options):
+        return find(kind)(results[kind], **own.get(kind, {}), **options)
+
+    return draw
+
+
+KINDS = ("scatter", "decisions", "lines", "heatmap", "curves", "beliefs", "arena", "compare", "ranks", "pareto")
+
+
+def shown(figure: Figure) -> list[tuple[str, np.ndarray]]:
+    """All texts of a figure that are not empty, with their boxes in dots."""
+    figure.draw_without_rendering()
+    texts = [t for t in figure.findobj(Text) if t.get_text().strip() and t.get_visible()]
+    off = {id(t) for ax in figure.findobj(Axes) if not ax.axison for a in (ax.xaxis, ax.yaxis) for t in a.findobj(Text)}
+    texts = [t for t in texts if id(t) not in off]
+    # an axis keeps labels of ticks outside its limits
+    ticks = {id(label): ax for ax in figure.findobj(mpl.axis.Axis) for label in ax.get_ticklabels()}
+    beyond = [t for t in texts if id(t) in ticks and not _on_axis(t, ticks[id(t)])]
+    return [(t.get_text(), t.get_window_extent()) for t in texts if t not in beyond]
+
+
+def _on_axis(label, axis):
+    low, high = sorted(axis.get_view_interval())
+    return low <= label.get_position()[axis.axis_name == "y"] <= high
+
+
+def assert_readable(figure: Figure, within: float = 1.0) -> None:
+    """All texts stand on the paper, up to so many dots, none upon another, and keys are not cut in notebooks."""
+    texts = shown(figure)
+    for text, box in texts:
+        assert min(box.x0, box.y0, figure.bbox.x1 - box.x1, figure.bbox.y1 - box.y1) >= -within, text
+    for ax in figure.axes:
+        assert all(ax.get_tightbbox().y0 <= key.get_window_extent().y0 + within for key in ax.findobj(Legend))
+    for (one, box), (other, its) in itertools.combinations(texts, 2):
+        wide = min(box.x1, its.x1) - max(box.x0, its.x0)
+        high = min(box.y1, its.y1) - max(box.y0, its.y0)
+        assert wide <= 1.5 or high <= 1.5, (one, other)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_is_readable_in_a_column_and_on_a_slide(kind, draw):
+    for width, inches in (("column", 3.5), ("double", 7.2), ("slide", 10.0)):
+        figure = draw(kind, width=width)
+        assert figure.get_figwidth() == pytest.approx(inches)
+        assert_readable(figure)
+
+
+@pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.75, 4.0), (5.8, 4.3), (6.0, 2.5)])
+def test_an_arena_is_readable_on_a_low_page(width, height, draw):
+    figure = draw("arena", width=width, height=height)
+    assert figure.get_figheight() == height
+    assert_readable(figure)
+
+
+def test_a_figure_has_the_height_and_letters_that_are_asked_for(draw):
+    for kind in ("scatter", "lines", "heatmap", "curves", "compare", "arena"):
+        figure = draw(kind, width=5.0, height=8.0, font_size=6)
+        assert figure.get_size_inches().tolist() == pytest.approx([5.0, 8.0]), kind
+        assert_readable(figure)
+    assert {t.get_fontsize() for t in draw("lines", font_size=12).axes[0].get_xticklabels()} == {12.0}
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "said"),
+    [
+        ("lines", {"width": "wide"}, r"width='wide': should be 2 to 60 inches, or one of column, double, slide"),
+        ("lines", {"width": 1}, r"width=1: should be 2 to 60 inches"),
+        ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
+        ("lines", {"height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
+        ("lines", {"width": 2.0, "font_size": 30}, r"width=2.0: this figure needs \d+\.\d inches at least"),
+        ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
+        ("arena", {"height": 2.0}, "an arena with its key needs"),
+        ("lines", {"y": "final_eror"}, r"y 'final_eror': did you mean 'final_error'\? what is measured here is "),
+        (
+            "lines",
+            {"colour": "brain"},
+            r"lines has no option 'colour': did you mean 'color'\? there are y, x, .*, width",
+        ),
+        ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
+        ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
+        (
+            "pareto",
+            {"labels": {"bayes-bots": "Voter model"}},
+            "bayes-bots and voter would both be called 'Voter model'",
+        ),
+    ],
+)
+def test_pages_that_cannot_be_are_told_in_a_line(kind, options, said, draw):
+    with pytest.raises(sc.InputError, match=said):
+        draw(kind, **options)
+
+
+def test_an_option_that_no_kind_has_is_told(draw):
+    with pytest.raises(sc.InputError, match="lines has no option 'widht': did you mean 'width'"):
+        draw("lines", widht=3.5)
+    with pytest.raises(sc.InputError, match="labels=3: should be names by names"):
+        draw("lines", labels=3)
+
+
+def test_numbers_of_numpy_are_sizes(draw, tmp_path):
+    figure = draw("curves", width=np.int64(4), font_size=np.float32(8))
+    assert sc.plot.save(figure, tmp_path / "f.png", dpi=np.int64(50))
+    assert figure.get_figwidth() == 4.0
+    figure.set_size_inches(60, 60)
+    with pytest.raises(sc.InputError, match=r"dpi=600: these are 36,000 x 36,000 pixels, more than 400,000,000"):
+        sc.plot.save(figure, tmp_path / "large.png", dpi=600)
+    assert not (tmp_path / "large.png").exists()
+
+
+def test_axes_of_ones_own_have_the_size_of_their_figure(draw):
+    mine = Figure().subplots()
+    with pytest.raises(sc.InputError, match="width=: axes of your own have the size of their figure"):
+        draw("curves", ax=mine, width=3.0)
+
+
+def test_the_shell_writes_the_size_and_the_letters_in_each_format(small_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    plot = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--panels", "topology", "--color", "accuracy"]
+    size = ["--width", "column", "--height", "8", "--dpi", "100", "--font-size", "6"]
+    for ending in ("png", "svg", "pdf"):
+        assert main([*plot, *size, "--out", f"f.{ending}"]) == 0
+    with Image.open("f.png") as picture:
+        assert picture.size == (350, 800)
+    svg = (tmp_path / "f.svg").read_text()
+    assert 'width="252pt" height="576pt"' in svg
+    assert re.search("<text [^>]*>scale-free</text>|<text [^>]*>\\(\\w\\) scale-free</text>", svg)  # text stays text
+    assert b"/FontFile2" in (tmp_path / "f.pdf").read_bytes()  # TrueType: letters that editors know
+    for wrong, said in (
+        (["--dpi", "5"], "--dpi 5: should be 10 to 2400 dots per inch"),
+        (["--style", "gplot"], "--style gplot: is neither a style nor a file: did you mean 'ggplot'?"),
+        (["--width", "tiny"], "--width tiny: should be 2 to 60 inches, or one of column, double, slide"),
+    ):
+        capsys.readouterr()
+        assert main([*plot, *wrong, "--out", "wrong.png"]) == 2
+        assert said in capsys.readouterr().err
+    assert not (tmp_path / "wrong.png").exists()
+
+
+def test_styles_are_respected(draw, small_file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with mpl.rc_context({"font.size": 5.0, "axes.facecolor": "#ffeeee", "axes.grid": True}):
+        axes = draw("lines").axes[0]
+    assert {t.get_fontsize() for t in axes.get_xticklabels()} == {5.0}
+    assert mpl.colors.to_hex(axes.get_facecolor()) == "#ffeeee"
+    (tmp_path / "mine.mplstyle").write_text("axes.facecolor: eeffee\nsavefig.dpi: 50\n")
+    plot = ["plot", str(small_file), "--kind", "curves", "--width", "4", "--height", "3"]
+    assert main([*plot, "--style", "mine.mplstyle", "--out", "styled.png"]) == 0
+    with Image.open("styled.png") as picture:
+        picture = picture.convert("RGB")
+    assert picture.size == (200, 150)
+    assert (238, 255, 238) in {colour for _, colour in picture.getcolors(100_000)}
+    assert mpl.rcParams["axes.facecolor"] == "white"  # as before
+
+
+def test_on_dark_paper_no_line_is_black(draw):
+    with mpl.style.context("dark_background"):
+        lines = [line for kind in ("ranks", "curves") for line in draw(kind).axes[0].get_lines()]
+    assert lines
+    assert "black" not in {line.get_color() for line in lines}
+
+
+# ---- names of brains
+
+
+def test_brains_have_the_names_of_labels_else_their_titles(draw, capsys):
+    texts = " ".join(text for text, _ in shown(draw("pareto")))
+    assert "Minimalistic (paper)" in texts
+    assert "Bayes Bots prior=10" in texts
+    for kind in ("pareto", "ranks", "compare"):
+        written = " ".join(" ".join(text.split()) for text, _ in shown(draw(kind, labels={"bayes-bots": "Mine"})))
+        assert "Mine prior=1" in written
+        assert "ayes" not in written
+
+
+def test_labels_are_written_as_they_are(draw, tmp_path):
+    labels = {"minimalistic": r"bad $\frac$ x", "bayes-bots": "voter and more", "voter": "census"}
+    for kind in ("pareto", "ranks", "compare"):
+        figure = draw(kind, labels=labels)
+        sc.plot.save(figure, tmp_path / "f.png")  # no part of a label is a formula
+        written = " ".join(" ".join(text.split()) for text, _ in shown(figure)).replace(r"\$", "$")
+        assert all(each in written for each in (*labels.values(), "voter and more prior=1")), kind
+    sc.plot.save(draw("scatter", color="brain", labels={"minimalistic": labels["minimalistic"]}), tmp_path / "f.png")
+
+
+def test_a_long_label_stays_on_the_page_in_the_heading_of_a_key(draw):
+    assert_readable(draw("compare", width="column", labels={"minimalistic": "word " * 30}))
+
+
+def test_labels_of_the_shell_may_hold_any_sign_but_name_a_brain_once(small_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    plot = ["plot", str(small_file), "--kind", "lines", "--x", "brain", "--out", "f.svg"]
+    assert main([*plot, "--label", "minimalistic=a = b"]) == 0
+    assert "a = b" in (tmp_path / "f.svg").read_text()
+    assert main([*plot, "--label", "minimalistic=a", "--label", "minimalistic=b"]) == 2
+    assert "--label names a brain twice" in capsys.readouterr().err
+
+
+def test_labels_of_a_study_change_what_brains_are_called_and_no_numbers(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    study = """
+trials = 2
+[swarm]
+brain    = ["minimalistic", "legacy"]
+robots   = 4
+accuracy = 0.8
+[world]
+topology   = "ring"
+fill_ratio = 0.5
+[schedule]
+rounds = 5
+"""
+    path = tmp_path / "two.toml"
+    path.write_text(study)
+    assert main(["run", "two.toml", "-q"]) == 0
+    before = sc.load("two.nc")
+    path.write_text(study + '[labels]\nlegacy = "The old rule"\n')
+    assert main(["run", "two.toml"]) == 0  # nothing is run again
+    assert "found 4 of 4 trials" in capsys.readouterr().err.replace("all ", "")
+    after = sc.load("two.nc")
+    assert after.equals(before)
+    assert after["fingerprint"].values.tolist() == before["fingerprint"].values.tolist()
+    assert main(["show", "two.nc"]) == 0
+    assert "The old rule" in capsys.readouterr().out
+    assert main(["compare", "two.nc", "--against", "legacy", "--label", "minimalistic=New"]) == 0
+    out = capsys.readouterr().out
+    assert "better, - worse than The old rule" in out
+    assert "New" in out
+    figure = sc.plot.lines(after, x="brain")
+    assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Minimalistic (paper)", "The old rule"]
+    for labels, said in (
+        ('{legaci = "x"}', "labels: no brain is called 'legaci': did you mean 'legacy'?"),
+        ('{legacy = "minimalistic"}', "labels: minimalistic and legacy would both be called 'minimalistic'"),
+        ('{legacy = "Minimalistic (paper)"}', r"minimalistic and legacy would both be called 'Minimalistic \(paper\)'"),
+        ('{legacy = ""}', "labels.legacy"),
+    ):
+        with pytest.raises(sc.InputError, match=said):
+            sc.Study.parse(f"labels = {labels}\n{study}")
+
+
+def test_long_names_are_shortened_once_and_stay_different(draw):
+    data = made_up(trials=6)
+    long = "brains/of/the/second/experiment/with_a_very_long_name"
+    names = [f"{long}_{kind}_and_some_more_of_it.py" for kind in ("one", "two", "three")]
+    brains = dict(zip(("minimalistic", "bayes-bots", "voter"), names, strict=True))
+    data = data.assign_coords(brain=("setting", np.array([brains[name] for name in data["brain"].values.tolist()])))
+    data = data.isel(setting=[0, 1, 3, 4, 5, 7]).assign_coords(observations_per_round=("setting", [10] * 6))
+    for figure in (
+        sc.plot.lines(data, y="final_error", x="brain", color="topology", width="column"),
+        sc.plot.scatter(data, color="brain", panels=[], width="column"),
+        sc.plot.pareto(data, width="column"),
+    ):
+        assert_readable(figure)
+    labels = [t.get_text() for t in sc.plot.lines(data, y="final_error", x="brain").axes[0].get_xticklabels()]
+    assert len(set(labels)) == 3
+
+
+def test_two_brains_with_one_label_in_merged_studies_keep_their_own_names():
+    text = MOVING.replace("robots", 'brain = "{0}"\nrobots').replace("trials = 1", "trials = 1\nlabels.{0} = 'Ours'")
+    studies = [sc.Study.parse(text.format(brain).replace("ticks = 20", "ticks = 1")) for brain in ("legacy", "swift")]
+    merged = sc.merge([sc.run(study, jobs=1) for study in studies])
+    figure = sc.plot.lines(merged, x="brain")
+    assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Legacy (paper)", "Swift"]
+    assert sc.compare(merged).grid.contenders == ["legacy", "swift"]
+
+
+def test_accuracies_as_numbers_are_an_axis_instead_of_accuracy(draw, small_results):
+    lines = sc.plot.lines(small_results, x="accuracy_black", color="topology")
+    for figure in (lines, draw("scatter", color="accuracy_black")):
+        captions = [ax.get_title("left") for ax in figure.axes]
+        assert captions
+        assert not any("accuracy" in caption for caption in captions)
+
+
+def test_many_long_names_under_an_axis_stay_on_the_paper_and_apart(small_results):
+    names = [f"brains/some_long_name_of_number_{k}.py" for k in range(small_results.sizes["setting"])]
+    data = small_results.assign_coords(brain=("setting", np.array(names)))
+    figure = sc.plot.lines(data, x="brain", panels=[], width=2.0, font_size=6)
+    figure.canvas.draw()
+    ticks = [tick for tick in figure.axes[0].get_xticklabels() if tick.get_text()]
+    assert 2 < len(ticks) < len(names)
+    assert min(tick.get_window_extent().x0 for tick in ticks) >= 0
+    ends = [tick.get_window_extent().x1 for tick in ticks]
+    assert min(np.diff(ends)) >= 6 / 72 * figure.dpi / np.sin(np.radians(40))  # lines of letters do not touch
+
+
+def test_a_study_without_a_name_is_called_by_its_file(draw, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    study = sc.Study.parse(MOVING.replace('name   = "moving"', ""))
+    sc.save(sc.run(study, jobs=1), "meadow.nc")
+    assert main(["show", "meadow.nc"]) == 0
+    assert capsys.readouterr().out.startswith("meadow.nc: meadow (seed 0")
+    assert main(["plot", "meadow.nc", "--kind", "curves", "--label", "minimalistic=Ours", "--out", "c.svg"]) == 0
+    assert ">meadow, setting 0, trial 0: Ours, moving, N = 6, D = 2, " in Path("c.svg").read_text()
+
+
+def test_films_have_the_size_and_dots_that_are_asked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sc.save(sc.run(sc.Study.parse(MOVING), jobs=1), "m.nc")
+    film = ["plot", "m.nc", "--kind", "film", "--last", "2", "--out", "f.gif"]
+    assert main([*film, "--width", "4", "--height", "5", "--dpi", "50"]) == 0
+    with Image.open("f.gif") as picture:
+        assert picture.size == (200, 250)
+    assert main([*film, "--dpi", "5"]) == 2
+
+
+# ---- what figures say
+
+
+def test_too_few_trials_are_said_as_compare_says_it(draw):
+    data = made_up(trials=6, gap=0.3)
+    said = [caution for caution in sc.compare(data).cautions if "cannot tell anything apart" in caution]
+    assert len(said) == 2
+    ranks, compared = (" ".join(" ".join(t for t, _ in shown(draw(kind))).split()) for kind in ("ranks", "compare"))
+    assert said[1] in ranks
+    assert said[0] in compared
+    assert "cannot tell" not in " ".join(t for t, _ in shown(sc.plot.ranks(made_up(trials=20, gap=0.3))))
+
+
+def test_a_measure_without_numbers_is_left_out_with_a_sentence():
+    data = made_up(trials=8)
+    data["correct"][:] = np.nan
+    figure = sc.plot.compare(data, metric=["final_error", "correct"])
+    assert len(figure.axes) == 1
+    assert "left out, no pair of trials has numbers: right" in " ".join(t for t, _ in shown(figure))
+
+
+def test_equal_costs_have_one_x():
+    figure = sc.plot.pareto(made_up(), cost="memory_bytes")
+    for axes in figure.axes:
+        dots = [line for line in axes.lines if line.get_marker() not in ("", "None")]
+        assert [line.get_xdata()[0] for line in dots] == [48, 60, 60, 8]
+        assert all(line.get_transform() == axes.transData for line in dots)
+
+
+def test_a_share_of_all_trials_has_one_end_drawn_dotted_and_printed_so(small_file, small_results, capsys):
+    text = BELIEFS.replace("[0.55, 0.8]", "0.55").replace("[0.7, 0.8]", "0.99")
+    study = sc.Study.parse(text.replace('[0.7, 0.75, {error = "N(0, 0.05)"}]', "0.99"))
+    results = sc.run(study, jobs=1)
+    assert (results["correct"].isel(checkpoint=-1) == 1).all()
+    figure = sc.plot.decisions(results)
+    kinds = {c.get_label().split()[0] for axes in figure.axes for c in axes.collections}
+    assert "one-sided" in kinds
+    assert any("lower end only" in text for text, _ in shown(figure))
+    from swarmcensus.cli import tables
+
+    tables.settings(results, small_file)
+    out = capsys.readouterr().out
+    assert re.search(r"100\.0 +\[>= \d\d\.\d\]", out)
+    assert "[>= x]: the same in all trials, so a lower end only" in out
+    assert "(medians, pooled over 6 trials of 8 robots)" in out
+
+
+def test_captions_write_one_for_one_point_nothing():
+    data = made_up(worlds=("ring", "full"), trials=8)
+    data = data.assign_coords(density=("setting", np.repeat([1.0, 2.5], 4)))
+    assert [axes.get_title("left") for axes in sc.plot.pareto(data).axes] == ["(a) ring, D = 1", "(b) full, D = 2.5"]
+
+
+def test_figures_of_the_paper_are_also_written_as_pdf(tmp_path):
+    done = reproduce(tmp_path, only="fig3", trials=1, pdf=True, say=lambda _: None)
+    [(_, paths)] = done.figures
+    assert [path.suffix for path in paths] == [".png", ".svg", ".pdf"]
+    assert 'href="figures/fig3.pdf"' in done.page.read_text()

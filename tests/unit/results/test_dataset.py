@@ -1,0 +1,287 @@
+"""The dataset: its schema, its file, its table."""
+
+import json
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.results import hdf5, measures
+from swarmcensus.results import store as results
+from swarmcensus.results.reading import packed, readable
+from swarmcensus.results.selecting import where
+from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.worlds import sensors
+from swarmcensus.worlds.spreads import uniform
+
+
+def test_schema(small_results):
+    assert dict(small_results.sizes) == {"setting": 32, "trial": 4, "robot": 12, "checkpoint": 2}
+    assert small_results["checkpoint"].values.tolist() == [10, 60]
+    for name in (
+        "brain",
+        "topology",
+        "robots",
+        "density",
+        "accuracy",
+        "fill_ratio",
+        "rounds",
+        "observations_per_round",
+    ):
+        assert small_results[name].dims == ("setting",)
+    assert (
+        small_results["accuracy"].values[4] == "U(0.525,0.975)" or "U(0.525,0.975)" in small_results["accuracy"].values
+    )
+    for name in ("convergence_round", "convergence_error", "final_estimate"):
+        assert small_results[name].dims == ("setting", "trial", "robot")
+    assert small_results["correct"].dims == ("setting", "checkpoint", "trial")
+    assert packed(small_results)["convergence_round"].dtype == np.int32
+
+
+def test_provenance(small_results, small_study):
+    attributes = small_results.attrs
+    assert attributes["study"] == small_study.text
+    assert attributes["seed"] == 7
+    assert attributes["swarmcensus_version"] == sc.__version__
+    assert "numba" in attributes["library_versions"]
+    assert json.loads(attributes["brains"])["minimalistic"]["sha256"] == brains.load("minimalistic").sha256
+    assert attributes["trials_done"] == attributes["trials_total"] == 128
+
+
+def test_file_and_back(small_results, small_file):
+    assert sc.load(small_file).identical(small_results)
+    with xr.open_dataset(small_file, engine="h5netcdf") as plain:
+        for name in ("final_estimate", "convergence_round"):
+            assert plain[name].variable.equals(small_results[name].variable)
+        assert not {*NUMERIC} & {*plain.variables}
+
+
+def test_names_in_any_letters(small_results, tmp_path):
+    named = small_results.assign_coords(brain=("setting", np.full(small_results.sizes["setting"], "bräin.py", object)))
+    sc.save(named, tmp_path / "x.nc")
+    assert results.read(tmp_path / "x.nc")["brain"].values.tolist() == named["brain"].values.tolist()
+
+
+def test_a_time_that_is_missing_is_nan_in_python_and_a_whole_number_in_the_file(small_results, small_file, tmp_path):
+    times = small_results["convergence_round"]
+    exists = xr.DataArray(np.arange(12), dims="robot") < small_results["robots"]
+    assert (times.notnull() == exists).all()
+    assert times.min() >= 0
+    kept = results.stored(small_file)
+    assert kept["convergence_round"].dtype == np.int32
+    assert kept["convergence_round"].values.min() == -1
+    assert packed(small_results).identical(kept)
+    assert packed(kept).identical(kept)
+    sc.save(sc.load(small_file), tmp_path / "again.nc")
+    assert (tmp_path / "again.nc").read_bytes() == small_file.read_bytes()
+
+
+ACCURACIES = {  # mean b, mean w, standard deviation
+    "0.675": (0.675, 0.675, 0.0),
+    "U(0.525,0.975)": (0.75, 0.75, 0.45 / 12**0.5),
+    "black=0.9 white=0.6": (0.9, 0.6, 0.0),
+    "black=U(0.6,0.9) white=0.7": (0.75, 0.7, 0.3 / 12**0.5),
+    "0.9 drift=-1e-05 least=0.6": (0.9, 0.9, 0.0),
+    "elsewhere(1.0)": (np.nan, np.nan, np.nan),
+}
+
+
+def test_accuracies_are_numbers_too(small_results):
+    few = packed(small_results).isel(setting=range(len(ACCURACIES)))
+    few = readable(few.assign_coords(accuracy=("setting", np.array([*ACCURACIES], object))))
+    found = np.stack([few[name].values for name in NUMERIC], axis=1)
+    np.testing.assert_allclose(found, [*ACCURACIES.values()], rtol=1e-12)
+    assert few.sel(setting=few.accuracy_black > 0.8)["accuracy"].values.tolist() == [
+        "black=0.9 white=0.6", "0.9 drift=-1e-05 least=0.6",
+    ]  # fmt: skip
+
+
+def test_the_moments_of_a_spread_that_names_none_are_those_of_its_quantiles(monkeypatch):
+    exact = sensors.start_of("U(0.525,0.975)").moments
+    monkeypatch.delattr(uniform, "moments")
+    np.testing.assert_allclose(sensors.start_of("U(0.525,0.975)").moments, exact, rtol=1e-6)
+
+
+@pytest.mark.parametrize("text", ["N(0.75,0.1)", "N(0.95,0.3)", "N(0.0,0.2)"])
+def test_the_moments_of_normal_accuracies_are_those_of_many_robots(text):
+    mean, same, sd = sensors.start_of(text).moments
+    drawn, _ = sensors.parse_accuracy(text).draw(1, "moments", 0, 1, 200_000)
+    assert mean == same
+    assert abs(drawn.mean() - mean) < 4 * sd / drawn.size**0.5
+    assert abs(drawn.std() - sd) < 4 * sd / drawn.size**0.5
+
+
+@pytest.mark.parametrize("damage", ["cut", "text", "empty", "other", "missing", "folder", "zeros"])
+def test_what_is_no_results_file(damage, small_file, tmp_path):
+    path = tmp_path / "bad.nc"
+    whole = small_file.read_bytes()
+    if damage == "cut":
+        path.write_bytes(whole[: len(whole) // 2])
+    elif damage == "text":
+        path.write_text("hello")
+    elif damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "other":
+        xr.Dataset({"x": 1}).to_netcdf(path, engine="h5netcdf")
+    elif damage == "folder":
+        path.mkdir()
+    elif damage == "zeros":  # as a failing disk leaves them, within a block of texts
+        at = whole.index(b"GCOL") + 16
+        path.write_bytes(whole[:at] + bytes(64) + whole[at + 64 :])
+    with pytest.raises(sc.InputError, match=r"bad\.nc"):
+        sc.load(path)
+
+
+def test_a_block_of_texts_is_found_wherever_it_is(small_file, tmp_path, monkeypatch):
+    whole = small_file.read_bytes()
+    at = whole.index(b"GCOL")
+    (tmp_path / "bad.nc").write_bytes(whole[: at + 16] + bytes(64) + whole[at + 80 :])
+    for size in (5, at + 1, at + 4, at + 5, 1 << 20):
+        monkeypatch.setattr(hdf5, "BLOCK", size)
+        assert hdf5.broken_texts(tmp_path / "bad.nc") == at
+        assert hdf5.broken_texts(small_file) is None
+
+
+def test_a_disk_that_is_full_leaves_no_file_open(small_results, tmp_path):
+    """HDF5 ends the process with a signal where such a file is still open at the end."""
+    resource = pytest.importorskip("resource")  # not on Windows
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (9_000, before[1]))
+    try:
+        with pytest.raises(sc.InputError, match="cannot write"):
+            sc.save(small_results, tmp_path / "x.nc")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert h5py.h5f.get_obj_count(h5py.h5f.OBJ_ALL, h5py.h5f.OBJ_FILE) == 0
+    assert not list(tmp_path.iterdir())
+
+
+def test_long_form(small_results):
+    frame = results.frame(small_results)
+    assert len(frame) == 4 * 16 * (5 + 12)
+    row = frame.iloc[777]
+    place = {"setting": row.setting, "trial": row.trial, "robot": row.robot}
+    for name in ("convergence_round", "convergence_error", "final_estimate"):
+        assert row[name] == small_results[name].sel(place)
+    assert (frame["topology"].values == small_results["topology"].values[frame["setting"].values]).all()
+
+
+def test_tables_hold_the_true_fill_ratio_of_each_trial(small_results):
+    data = small_results.copy()
+    shares = np.arange(data["true_fill_ratio"].size, dtype=float).reshape(data["true_fill_ratio"].shape)
+    data["true_fill_ratio"] = data["true_fill_ratio"].dims, shares
+    frame = results.frame(data)
+    assert (frame["true_fill_ratio"] == shares[frame["setting"], frame["trial"]]).all()
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_export(kind, small_results, tmp_path):
+    path = tmp_path / f"table.{kind}"
+    assert results.export(small_results, path, kind) == 1088
+    read = pd.read_csv(path) if kind == "csv" else pd.read_parquet(path)
+    assert np.allclose(read["final_estimate"], results.frame(small_results)["final_estimate"], rtol=0, atol=1e-15)
+
+
+def test_trials_that_were_not_run_are_left_out(small_results):
+    part = small_results.copy(deep=True)
+    part["final_estimate"][:, 2:] = np.nan
+    assert len(results.frame(part)) == 544
+
+
+def test_a_partly_filled_checkpoint_grid():
+    study = sc.Study(
+        trials=2, swarm={"robots": 3, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.5},
+        schedule={"rounds": [10, 30]}, measure={"checkpoints": [5, 20, 30]},
+    )  # fmt: skip
+    correct = sc.run(study, jobs=1)["correct"].values
+    assert np.isnan(correct[0, 1:]).all()
+    assert not np.isnan(correct[1]).any()
+
+
+class TestSelecting:
+    @pytest.mark.parametrize(
+        ("expression", "count"),
+        [
+            ('topology == "ring"', 8),
+            ("robots == 12 and fill_ratio > 0.6", 8),
+            ("accuracy == 0.675", 16),
+            ("0.675 == accuracy", 16),
+            ('accuracy == "U(0.525,0.975)" or robots == 5', 24),
+            ('not topology in ["ring", "line"]', 16),
+            ('topology not in ("ring", "line") and not robots == 5', 8),
+            ("setting < 3", 3),
+            ("5 <= robots < 12", 16),
+        ],
+    )
+    def test_expressions(self, expression, count, small_results):
+        assert where(small_results, expression).sizes["setting"] == count
+
+    @pytest.mark.parametrize(
+        ("expression", "said"),
+        [
+            ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
+            ("topology == ring", """no coordinate 'ring': a text is quoted, as "ring\""""),
+            ("robots = 5", "robots = 5"),
+            ("robots == 6", "no setting is so"),
+            ("robots", "should compare"),
+            ("__import__('os').system('true') == 0", "neither a coordinate nor a value"),
+            ("robots == [5]", "no number"),
+            ("robots in 5", "comes a list"),
+            ("robots is 5", "should compare with"),
+        ],
+    )
+    def test_faults(self, expression, said, small_results):
+        with pytest.raises(sc.InputError, match=said):
+            where(small_results, expression)
+
+
+class TestStudyOfResults:
+    def test_edge_lists_travel_with_the_results(self, tmp_path, monkeypatch):
+        (tmp_path / "office.csv").write_text("i,j\n0,1\n1,2\n")
+        (tmp_path / "s.toml").write_text(
+            'trials = 1\n[swarm]\nrobots = 3\naccuracy = 0.8\n[world]\ntopology = "office.csv"\nfill_ratio = 0.5\n'
+            "[schedule]\nrounds = 5\n"
+        )
+        sc.save(sc.run(sc.Study.load(tmp_path / "s.toml"), jobs=1), tmp_path / "r.nc")
+        (tmp_path / "office.csv").unlink()
+        loaded = sc.load(tmp_path / "r.nc")
+        assert sc.replay(loaded, 0, 0)["estimate"].values[-1].tolist() == loaded["final_estimate"].values[0, 0].tolist()
+
+    def test_brain_files_are_not_run_unasked(self, tmp_path):
+        mine = tmp_path / "mine.py"
+        mine.write_text(brains.load("minimalistic").source)
+        study = sc.Study(
+            trials=1, swarm={"brain": str(mine), "robots": 3, "accuracy": 0.8},
+            world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
+        )  # fmt: skip
+        data = sc.run(study, jobs=1)
+        with pytest.raises(sc.InputError, match="are run only if they lie below"):
+            sc.replay(data, 0, 0)
+        assert (
+            sc.replay(data, 0, 0, brain_file=mine)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
+        )
+        other = tmp_path / "other.py"
+        other.write_text(mine.read_text() + "\n")
+        with pytest.raises(sc.InputError, match="not the source"):
+            sc.replay(data, 0, 0, brain_file=other)
+
+
+def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):
+    """NaN where a smaller swarm has no robot."""
+    data = small_results
+    found = measures.with_measure(data, "final_error")["final_error"]
+    of = np.arange(12) < data["robots"].values[:, np.newaxis, np.newaxis]
+    off = np.abs(data["final_estimate"].values - data["fill_ratio"].values[:, np.newaxis, np.newaxis])
+    np.testing.assert_array_equal(found.values, np.where(of, off, np.nan))
+    assert found.attrs["units"] == "1"
+    np.testing.assert_allclose(found.median("robot"), measures.numbers(data, "final_error"), rtol=1e-12)
+    sent = measures.with_measure(data, "bytes_sent")["bytes_sent"]
+    bytes_sent = data["messages_sent"].values * data["message_bytes"].values[:, np.newaxis, np.newaxis]
+    np.testing.assert_array_equal(sent.values, np.where(of, bytes_sent, np.nan))
+    np.testing.assert_allclose(sent.mean("robot"), measures.numbers(data, "bytes_sent"), rtol=1e-12)
+    for name in ("final_estimate", "decided", "nothing"):  # is there, lacks variables, is none
+        assert measures.with_measure(data, name) is data

@@ -1,0 +1,655 @@
+"""Whatever is changed in a results file is noticed; nothing is opened or run that only such a file names."""
+
+import contextlib
+import functools
+import json
+import re
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.safe_source import digest
+from swarmcensus.cli.commands import main
+from swarmcensus.results import check_against_study, structure
+from swarmcensus.results.reading import WHOLE
+from swarmcensus.results.store import stored
+from swarmcensus.results.values import ENDLESS, EVERY
+from swarmcensus.runs import verifying
+from swarmcensus.worlds import networks, pictures
+from tests.support import second
+from tests.support.altering import alterations, of_the_whole
+from tests.support.places import DATA
+
+PLAIN = """
+name = "apart"
+seed = 3
+trials = {trials}
+[swarm]
+robots = [2, 3]
+accuracy = [0.7, "U(0.6, 0.9)"]
+assumed_accuracy = 0.75
+[world]
+topology = ["ring", "full"]
+fill_ratio = [0.3, 0.6]
+link_success = 0.9
+[schedule]
+rounds = [4, 8]
+observations_per_round = 2
+[measure]
+checkpoints = [2, 8]
+local = true
+estimates = true
+"""
+RULE = '{until = "convergence_error median +- 0.05", at_least = 6, at_most = 9}'
+
+EVERYTHING = """
+name = "everything"
+seed = 3
+trials = 2
+[swarm]
+brain = {file = "all.py", step = [0.08, 0.0]}
+robots = 4
+accuracy = [{start = 0.9, drift = -0.01}]
+[world]
+topology = "ring"
+fill_ratio = [0.3, {from = 0.7, to = 0.2, at = 5}]
+message_delay = 1
+[schedule]
+rounds = 8
+observations_per_round = 2
+[measure]
+checkpoints = [2, 8]
+estimates = true
+metrics = ["first-right", "swarm-right"]
+[[members]]
+robots = [0, 1]
+brain = "slow-liar"
+honest = false
+[[faults]]
+at = 3
+until = 6
+robots = 1
+stop = "talking"
+"""
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A file that holds all kinds of settings, one with all that can be measured, one of a rule, and a merged one."""
+    here = tmp_path_factory.mktemp("trust")
+    sc.save(sc.run(sc.Study.load(DATA / "results.toml"), jobs=1), here / "kinds.nc")
+    for name, trials in (("measures", 2), ("rule", RULE)):
+        text = PLAIN.format(trials=trials)
+        if name == "rule":
+            text = text.replace("local = true\nestimates = true\n", "").replace('["ring", "full"]', '"ring"')
+            text = text.replace("[0.3, 0.6]", "0.3").replace("[2, 3]", "3")
+        sc.save(sc.run(sc.Study.parse(text), jobs=1), here / f"{name}.nc")
+    pictured = (
+        (DATA / "results.toml")
+        .read_text()
+        .replace('"ring", "office.csv", ', '"office.csv", ')
+        .replace("2\n\n[swarm]", "1\n\n[swarm]")
+    )
+    (here / "results.toml").write_text(pictured)
+    for name in ("office.csv", "leaf.png"):
+        shutil.copy(DATA / name, here)
+    sc.save(sc.run(sc.Study.load(here / "results.toml"), jobs=1), here / "pictures.nc")
+    one, two = PLAIN.format(trials=2), PLAIN.format(trials=1).replace("[2, 8]", "[4]").replace("0.3, 0.6", "0.6, 0.9")
+    parts = [sc.run(sc.Study.parse(text.replace("local = true\n", "")), jobs=1) for text in (one, two)]
+    sc.save(sc.merge(parts), here / "merged.nc")
+    return here
+
+
+@pytest.fixture(scope="module")
+def everything_at_once(tmp_path_factory):
+    here = tmp_path_factory.mktemp("everything")
+    (here / "all.py").write_text(second.ALL)
+    with contextlib.chdir(here):
+        sc.save(sc.run(sc.Study.parse(EVERYTHING), jobs=1), "everything.nc")
+    return here / "everything.nc"
+
+
+@pytest.fixture
+def everything(everything_at_once, monkeypatch):
+    """A file of a brain that uses all of the contract, among liars, with metrics, faults, delays and changes."""
+    monkeypatch.chdir(everything_at_once.parent)
+    return everything_at_once
+
+
+@pytest.fixture
+def liars(monkeypatch, tmp_path):
+    """A file of a brain that decides and ends, with parameters, in both worlds, some robots of another brain."""
+    monkeypatch.chdir(DATA)
+    sc.save(sc.run(sc.Study.load("second.toml"), jobs=1), tmp_path / "second.nc")
+    return tmp_path / "second.nc"
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Trials that were run again once are not run a third time: the same study gives the same numbers."""
+    known, recompute = {}, verifying.recompute
+
+    def remembered(study, settings, wanted, *rest):
+        key = study.text, tuple(settings), wanted.tobytes(), rest[0]
+        if key not in known:
+            known[key] = recompute(study, settings, wanted, *rest)
+        return known[key]
+
+    monkeypatch.setattr(verifying, "recompute", remembered)
+
+
+def noticed(results):
+    try:
+        found = sc.verify(results, 1.0, jobs=1)
+    except InputError:
+        return True
+    return bool(found.differences or found.labels or found.notes)
+
+
+def unheld(what):
+    """Whether `verify` says of what was changed that it is compared with nothing."""
+    name = what.removeprefix("attribute ").partition(":")[0]
+    only_written = name == "study" and what.endswith(" '")
+    if what in {f"{name} as f8" for name in WHOLE}:  # as Python reads it
+        return True
+    if not what.startswith("attribute ") or name in ("study", "merged"):
+        return only_written
+    return any(phrase.startswith(f"{name}: ") for phrase in check_against_study.unchecked(xr.Dataset(attrs={name: ""})))
+
+
+@pytest.mark.long(but=["some of rule"])
+@pytest.mark.parametrize(
+    ("name", "step"),
+    [
+        *(pytest.param(name, 1, id=name) for name in ("kinds", "measures", "rule", "merged", "everything", "liars")),
+        pytest.param("rule", 3, id="some of rule"),
+    ],
+)
+def test_whatever_is_changed_is_noticed(name, step, request, files, quick, untraced):
+    """Every variable, coordinate and attribute that is in the file, in each way; only what `verify` names is not.
+
+    In quick runs each third way of one file is tried.
+    """
+    given = request.getfixturevalue(name) if name in ("everything", "liars") else files / f"{name}.nc"
+    data = stored(given)
+    assert not noticed(data)
+    # what is said of settings is of one kind everywhere, and each change costs some milliseconds
+    told = {*stored(files / "kinds.nc").variables} - {*EVERY} if name != "kinds" else set()
+    ways = [*alterations(data, {*data.variables} - told), *(of_the_whole(data) if name != "measures" else ())][::step]
+    assert len(ways) > 100
+    missed = [what for what, changed in ways if not noticed(changed)]
+    assert [what for what in missed if not unheld(what)] == []
+
+
+@pytest.mark.long(but=["measures"])
+@pytest.mark.parametrize("name", ["measures", "everything"])
+def test_what_is_missing_or_infinite_has_one_form(name, request, files):
+    """Other forms are refused wherever results are read, not only where trials are run again."""
+    data = stored(request.getfixturevalue(name) if name == "everything" else files / f"{name}.nc")
+    assert structure.wrong(data) is None
+    forms = ("nan", "inf", "-1", "-2", "as ", "all NaN", "all -1")
+    ways = [(w, d) for w, d in alterations(data, {*EVERY}) if any(form in w for form in forms) and ": " not in w]
+    ways = [(w, d) for w, d in ways if not (w.split()[0] in ENDLESS and w.endswith("= inf"))]  # never, or not
+    assert len(ways) > 100
+    assert [what for what, changed in ways if structure.wrong(changed) is None] == []
+    with pytest.raises(InputError, match="damaged or changed"):
+        sc.merge([data, ways[0][1]])
+
+
+@pytest.mark.long
+def test_what_is_changed_in_the_file_itself(files, quick, tmp_path):
+    """Every attribute that HDF5 holds and every number that no reader shows: noticed, or bookkeeping without effect."""
+    source = files / "pictures.nc"
+    data, without_effect = stored(source), set()
+    with h5py.File(source) as file:
+        every = [(name, key) for name in ("/", *file) for key in file[name].attrs if not key.endswith("_LIST")]
+        kept = list({(key, file[name].dtype if name != "/" else key): (name, key) for name, key in every}.values())
+        bare = [name for name, one in file.items() if bytes(one.attrs.get("NAME", b"")).startswith(b"This is a netCDF")]
+    assert len(bare) == 4
+    for name, key in [*kept, *((name, None) for name in bare)]:
+        for other in (7, None) if key else (7,):
+            shutil.copy(source, tmp_path / "x.nc")
+            with h5py.File(tmp_path / "x.nc", "r+") as file:
+                if key is None:
+                    file[name][...] = other
+                elif other is None:
+                    del file[name].attrs[key]
+                else:
+                    file[name].attrs[key] = np.bytes_(b"7") if key in ("CLASS", "NAME") else other
+            try:
+                changed = stored(tmp_path / "x.nc")
+            except InputError:
+                continue
+            assert key is not None, name
+            if changed.identical(data) and (key != "coordinates" or not noticed(tmp_path / "x.nc")):
+                without_effect.add(key)
+            else:
+                assert key == "coordinates" or noticed(changed) or unheld(f"attribute {key}: "), (name, key, other)
+    assert without_effect <= {
+        "_NCProperties",
+        "_Netcdf4Dimid",
+        "_Netcdf4Coordinates",
+        "_FillValue",
+        "NAME",
+    }
+
+
+def test_what_no_reader_meets_is_verified(small_file, tmp_path, capsys):
+    """An attribute that reading ignores where others repeat it, and both indices by which HDF5 finds objects."""
+    path, raw = tmp_path / "x.nc", small_file.read_bytes()
+    assert main(["verify", str(small_file), "--all", "-q"]) == 0
+    shutil.copy(small_file, path)
+    with h5py.File(path, "r+") as file:
+        file["final_estimate"].attrs["coordinates"] = "brain"
+    assert main(["verify", str(path)]) == 1
+    assert "final_estimate: coordinates is 'brain' in the file" in capsys.readouterr().out
+    for found in re.finditer(rb"BTHD\0|BTLF\0", raw):
+        at = found.start() + 9
+        path.write_bytes(raw[:at] + bytes([raw[at] ^ 4]) + raw[at + 1 :])
+        assert main(["verify", str(path)]) == 2, found
+        assert "damaged" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "value"),
+    [
+        ("convergence_round", "_FillValue", np.int32(3)),
+        ("convergence_round", "_FillValue", None),
+        ("robots", "_FillValue", np.int64(2)),
+        ("final_estimate", "_FillValue", 0.5),
+        ("final_estimate", "scale_factor", 2.0),
+        ("fill_ratio", "add_offset", 0.1),
+        ("rounds", "missing_value", 4),
+    ],
+)
+def test_what_would_show_other_readers_other_numbers_is_refused(name, key, value, tmp_path):
+    shutil.copy(DATA / "results-3.nc", tmp_path / "x.nc")
+    with h5py.File(tmp_path / "x.nc", "r+") as file:
+        file[name].attrs.pop(key, None)
+        if value is not None:
+            file[name].attrs[key] = value
+    with pytest.raises(InputError, match=f"damaged or changed: {name} should have"):
+        sc.load(tmp_path / "x.nc")
+
+
+class TestWhatIsMissing:
+    def erased(self, files, **attributes):
+        data = sc.load(files / "kinds.nc")
+        for name in (name for name in EVERY if name in data):
+            data[name].loc[{"setting": 3, "trial": 1}] = -1 if data[name].dtype.kind == "i" else np.nan
+        return data.assign_attrs(attributes)
+
+    def test_an_erased_trial_is_refused(self, files):
+        with pytest.raises(InputError, match="trials_done is 48, and 47 trials are there"):
+            sc.verify(self.erased(files), 1.0)
+
+    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, capsys):
+        sc.save(self.erased(files), tmp_path / "x.nc")
+        assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
+        said = capsys.readouterr().out
+        assert "47 of 47 trials run again" in said
+        assert "1 of 48 trials are not in the file" in said
+
+    def test_a_total_that_hides_it_is_not_the_studys(self, files):
+        found = sc.verify(self.erased(files, trials_done=47, trials_total=47), 1.0)
+        assert found.labels == [
+            "the attribute trials_total is 47 in the file and 48 by its study",
+            "setting 3: of its 2 trials some are missing, and none is said to be",
+        ]
+
+    def test_a_setting_that_is_taken_away(self, files, tmp_path):
+        sc.save(sc.load(files / "kinds.nc").isel(setting=slice(1, None)), tmp_path / "x.nc")
+        assert sc.load(tmp_path / "x.nc").attrs["trials_done"] == 46
+        found = sc.verify(tmp_path / "x.nc", 1.0)
+        assert found.labels == ["1 of the 24 settings of its study are not in the file"]
+
+    def test_a_failure_of_a_trial_that_is_there(self, files):
+        data = sc.load(files / "kinds.nc").assign_attrs(failed=json.dumps([{"setting": 2, "trial": 0, "why": "?"}]))
+        with pytest.raises(InputError, match="failed names setting 2, trial 0, which is there"):
+            sc.verify(data, 1.0)
+
+
+def test_another_version_is_not_called_the_same(files, tmp_path, capsys):
+    sc.save(sc.load(files / "rule.nc").assign_attrs(swarmcensus_version="0.0.9"), tmp_path / "x.nc")
+    assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
+    said = capsys.readouterr().out
+    assert "the numbers are the same to the last bit; the file is of version 0.0.9, and this is 0." in said
+
+
+def test_labels_that_differ_are_sentences_and_exit_with_1(files, tmp_path, capsys):
+    data = sc.load(files / "kinds.nc")
+    data["accuracy"].values[:] = data["accuracy"].values[::-1].copy()
+    sc.save(data, tmp_path / "x.nc")
+    assert main(["verify", str(tmp_path / "x.nc"), "--sample", "0.1", "--seed", "1"]) == 1
+    said = capsys.readouterr().out
+    assert (
+        "setting 0: accuracy is 'black=0.9 white=0.6' in the file and '0.8' by its study (24 settings differ)" in said
+    )
+    assert "labels that do not match the study: 1" in said
+
+
+@pytest.mark.long(but_every=2)
+@pytest.mark.parametrize("what", ["done trials with NaN", "half a trial", "a label", "dims"])
+def test_merge_refuses(what, files):
+    data = sc.load(files / "kinds.nc")
+    if what == "done trials with NaN":
+        data["correct"].values[0, 0, 0] = np.nan
+    elif what == "half a trial":
+        data["convergence_round"].values[0, 0, 1] = -1
+    elif what == "a label":
+        data["fill_ratio"].values[0] = 0.9
+    else:
+        data = data.pad(robot=(0, 2)).assign_coords(robot=np.arange(6))
+        data["convergence_round"] = data["convergence_round"].fillna(-1).astype(np.int32)
+    with pytest.raises(InputError, match="results 2: damaged or changed: "):
+        sc.merge([sc.load(files / "kinds.nc"), data])
+
+
+def hidden(data, kept, names=tuple(EVERY), **attributes):
+    """A dataset with nothing left of these variables but of the trials that are `kept` (setting, trial)."""
+    data = data.copy(deep=True)
+    there = xr.Variable(("setting", "trial"), kept)
+    for name in (name for name in names if name in data):
+        blank = -1 if data[name].dtype.kind == "i" else np.nan
+        variable = data[name].variable
+        data[name].values[:] = variable.where(there, blank).transpose(*variable.dims).values
+    done = int((data["convergence_round"].values[:, :, 0] >= 0).sum())
+    return data.assign_attrs({"trials_done": done, "trials_total": done} | attributes)
+
+
+class TestTrialsThatAreHidden:
+    """Whoever counts trials anew cannot hide that some are gone."""
+
+    def done(self, data):
+        return data["convergence_round"].values[:, :, 0] >= 0
+
+    def test_in_merged_results_of_a_rule(self, files):
+        data = sc.merge([files / "rule.nc"])
+        assert not noticed(data)
+        kept = self.done(data)
+        kept[:, ::2] = False
+        assert "some are missing, and none is said to be" in sc.verify(hidden(data, kept), 1.0).labels[0]
+
+    @pytest.mark.long
+    def test_behind_one_that_is_said_to_have_failed(self, files):
+        data = sc.load(files / "rule.nc")
+        kept = self.done(data)
+        kept[0] = np.arange(kept.shape[1]) == 3
+        failed = json.dumps([{"setting": 0, "trial": 0, "why": "ZeroDivisionError"}])
+        data["half_width"].values[0] = np.nan
+        found = sc.verify(hidden(data, kept, failed=failed, trials_total=int(kept.sum()) + 1), 1.0)
+        assert "setting 0: of its 6 trials some are missing, and none is said to be" in found.labels
+
+    def test_said_to_have_failed_though_it_runs(self, files):
+        data = sc.load(files / "kinds.nc")
+        kept = self.done(data)
+        kept[2, 1] = False
+        failed = json.dumps([{"setting": 2, "trial": 1, "why": "a worker was lost"}])
+        found = sc.verify(hidden(data, kept, failed=failed, trials_total=kept.size), 1.0)
+        assert [(d.setting, d.trial, d.stored) for d in found.differences] == [(2, 1, -1)]
+
+    @pytest.mark.parametrize("names", [("estimates",), ("local_convergence_step", "local_convergence_error")])
+    def test_what_every_study_measures_of_merged_results(self, names, files):
+        data = sc.merge([files / "measures.nc"])
+        assert not noticed(data)
+        kept = np.tile([True, False], (data.sizes["setting"], 1))
+        found = sc.verify(hidden(data, kept, names), 1.0)
+        assert "setting 0, trial 1: some of what its study measures is missing" in found.labels
+
+    def test_trials_that_no_study_asks_for(self, files):
+        data = sc.load(files / "kinds.nc")
+        other = data.assign_coords(trial=[2, 3])
+        with pytest.raises(InputError, match="trial 3 is in the file, and its study asks for 2"):
+            sc.merge([data, other])
+
+
+def test_half_a_trial_of_a_run_that_was_cut_off_is_not_merged(files):
+    data = sc.load(files / "measures.nc")
+    kept = np.tile([True, False], (data.sizes["setting"], 1))
+    half = hidden(data, kept, ("local_convergence_step", "local_convergence_error"), trials_total=kept.size)
+    half.attrs["trials_done"] = int(kept.sum())
+    merged = sc.merge([half])
+    assert not (merged["convergence_round"].values[:, 1] >= 0).any()
+    assert merged.attrs["trials_done"] == kept.sum()
+    assert sc.verify(merged, 1.0).labels == []
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.parametrize("how", ["a run", "some settings", "merged"])
+def test_a_round_trip_changes_no_type(how, files, tmp_path):
+    data = sc.run(sc.Study.load(DATA / "results.toml"), jobs=1) if how == "a run" else sc.load(files / "kinds.nc")
+    data = data.isel(setting=[0, 5]) if how == "some settings" else sc.merge([data]) if how == "merged" else data
+    sc.save(data, tmp_path / "x.nc")
+    again = sc.load(tmp_path / "x.nc")
+    assert {name: one.dtype for name, one in data.variables.items()} == {n: v.dtype for n, v in again.variables.items()}
+    assert {again[name].dtype.kind for name in ("brain", "topology", "accuracy", "floor", "fingerprint")} == {"O"}
+    kept = {key: type(value) for key, value in again.attrs.items()}
+    assert kept == {key: type(data.attrs[key]) for key in kept}
+    assert {type(value) for one in again.variables.values() for value in one.attrs.values()} <= {str, int}
+
+
+def test_minus_zero_is_not_the_same_to_the_last_bit(files):
+    data = sc.load(files / "kinds.nc")
+    place = tuple(np.argwhere(data["correct"].values == 0.0)[0])
+    data["correct"].values[place] = -0.0
+    assert len(sc.verify(data, 1.0).differences) == 1
+
+
+def test_attributes_of_other_programs_are_told(files):
+    found = sc.verify(sc.load(files / "kinds.nc").assign_attrs(Conventions="CF"), 0.1)
+    assert found.notes == ["the attribute Conventions is not of a run"]
+    assert not found.labels
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("elsewhere", "the numbers of fill_ratio are not in the file"),
+        ("virtual", "the numbers of fill_ratio are not in the file"),
+        ("linked", "fill_ratio is a link"),
+        ("group", "notes is a group"),
+    ],
+)
+def test_no_other_file_is_read(how, said, tmp_path):
+    """HDF5 can keep an array in any file: whoever merged such results would copy that file into them."""
+    path, other = tmp_path / "x.nc", tmp_path / "other"
+    shutil.copy(DATA / "results-3.nc", path)
+    with h5py.File(path, "r+") as file:
+        old = file["fill_ratio"]
+        shape, kind = old.shape, old.dtype
+        if how == "group":
+            file.create_group("notes")
+        else:
+            del file["fill_ratio"]
+        if how == "elsewhere":
+            other.write_bytes(bytes(8 * shape[0]))
+            file.create_dataset("fill_ratio", shape, kind, external=[(str(other), 0, 8 * shape[0])])
+        elif how == "virtual":
+            layout = h5py.VirtualLayout(shape, kind)
+            layout[...] = h5py.VirtualSource(str(other), "x", shape)
+            file.create_virtual_dataset("fill_ratio", layout)
+        elif how == "linked":
+            file["fill_ratio"] = h5py.ExternalLink(str(other), "x")
+    with pytest.raises(InputError, match=f"damaged or changed: {said}$"):
+        sc.load(path)
+
+
+class TestNothingElseIsOpened:
+    """Study texts in results name files that are there; none of them is opened or run."""
+
+    @pytest.fixture
+    def here(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        for file in ("office.csv", "leaf.png"):
+            shutil.copy(DATA / file, tmp_path / f"other-{file}")
+        for module, name in ((networks, "read_edges"), (pictures, "read_image")):
+            monkeypatch.setattr(module, name, lambda path, *_: pytest.fail(f"{path} was opened"))
+        return tmp_path
+
+    @pytest.fixture(scope="class")
+    def changed(self, files, tmp_path_factory):
+        """A file whose study names other files than it was run with, made once."""
+        data, there = sc.load(files / "kinds.nc"), tmp_path_factory.mktemp("changed")
+
+        @functools.cache
+        def made(old, new):
+            text = data.attrs["study"].replace(old, new)
+            assert text != data.attrs["study"]
+            path = there / f"{len(list(there.iterdir()))}.nc"
+            sc.save(data.assign_attrs(study=text), path)
+            return path
+
+        return made
+
+    @pytest.mark.long(but_every=4)
+    @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "plot x.nc --kind curves",
+                                         "plot x.nc --kind arena", "merge x.nc --out y.nc"])  # fmt: skip
+    @pytest.mark.parametrize(
+        ("old", "new", "said"),
+        [
+            ('"office.csv"', '"other-office.csv"', "these edges are not stored here"),
+            ('"leaf.png"', '"other-leaf.png"', "this image is not stored here"),
+            ("[swarm]", '[swarm]\nbrain = "mine.py"', "this brain's source is not stored here"),
+        ],
+    )
+    def test_in_any_command(self, command, old, new, said, changed, here, capsys):
+        (here / "mine.py").write_text("raise SystemExit('was run')")
+        shutil.copy(changed(old, new), "x.nc")
+        assert main(command.split()) == 2
+        assert f"{said}, and no file is opened here" in capsys.readouterr().err
+
+
+class TestBrainFiles:
+    SOURCE = brains.load("minimalistic").source
+
+    @pytest.fixture
+    def here(self, tmp_path, monkeypatch):
+        (tmp_path / "work").mkdir()
+        monkeypatch.chdir(tmp_path / "work")
+        return tmp_path / "work"
+
+    def results(self, name):
+        study = sc.Study(
+            trials=1, swarm={"brain": name, "robots": 3, "accuracy": 0.8},
+            world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
+        )  # fmt: skip
+        return sc.run(study, jobs=1)
+
+    @pytest.mark.parametrize("name", ["mine.py", "brains/mine.py"])
+    def test_one_that_lies_where_the_study_said_is_taken(self, name, here):
+        (here / name).parent.mkdir(exist_ok=True)
+        (here / name).write_bytes(b"\xef\xbb\xbf" + self.SOURCE.replace("\n", "\r\n").encode())
+        data = self.results(name)
+        assert not sc.verify(data, 1.0).differences
+        assert sc.replay(data, 0, 0)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
+
+    @pytest.mark.parametrize("how", ["changed", "gone", "folder", "longer"])
+    def test_one_with_another_source_is_not_run(self, how, here):
+        (here / "mine.py").write_text(self.SOURCE)
+        data = self.results("mine.py")
+        (here / "mine.py").unlink()
+        if how == "changed":
+            (here / "mine.py").write_text("raise SystemExit('was run')")
+        elif how == "folder":
+            (here / "mine.py").mkdir()
+        elif how == "longer":
+            (here / "mine.py").write_text(self.SOURCE + 3 * self.SOURCE)
+        with pytest.raises(InputError, match="are run only if they lie below"):
+            sc.verify(data, 1.0)
+
+    def test_one_outside_the_current_folder_is_not_run(self, here, monkeypatch):
+        (here.parent / "mine.py").write_text(self.SOURCE)
+        (here / "link.py").symlink_to(here.parent / "mine.py")
+        found = [self.results(name) for name in ("../mine.py", str(here.parent / "mine.py"), "link.py")]
+        for data in found:
+            with pytest.raises(InputError, match="are run only if they lie below"):
+                sc.verify(data, 1.0)
+
+    def test_a_file_that_is_given_is_compared_before_it_is_run(self, here):
+        (here / "mine.py").write_text(self.SOURCE)
+        data = self.results("mine.py")
+        (here / "mine.py").write_text("raise SystemExit('was run')")
+        with pytest.raises(InputError, match="not the source that these results were made with"):
+            sc.verify(data, 1.0, brain_file="mine.py")
+
+    def test_a_source_and_its_hash_belong_together(self, here):
+        (here / "mine.py").write_text(self.SOURCE)
+        data = self.results("mine.py")
+        (here / "mine.py").write_text(self.SOURCE + "\n# other\n")
+        known = json.loads(data.attrs["brains"])
+        known["mine.py"]["source"] += "\n# other\n"
+        with pytest.raises(InputError, match="is not the one that the hash beside it is of"):
+            sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
+        known["mine.py"]["sha256"] = digest(known["mine.py"]["source"])
+        found = sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
+        assert any("is not of the study that these results name" in label for label in found.labels)
+
+
+class TestFormat:
+    """Files of the format, kept: they are read for good."""
+
+    @pytest.mark.interpreted
+    def test_a_trial_of_a_kept_file_is_what_it_was(self):
+        data = sc.load(DATA / "results-3.nc")
+        lived = sc.replay(data, 1, 1)["estimate"].values[-1]
+        assert (lived == data["final_estimate"].values[1, 1, : lived.size]).all()
+
+    @pytest.mark.long
+    def test_all_that_is_done_with_results_is_done_with_it(self, tmp_path, monkeypatch, capsys):
+        monkeypatch.chdir(tmp_path)
+        shutil.copy(DATA / "results-3.nc", "r.nc")
+        data = sc.load("r.nc")
+        assert stored("r.nc")["convergence_round"].values[0, 0].tolist()[-1] == -1
+        assert np.isnan(data["convergence_round"].values[0, 0, -1])  # three robots of four
+        for command in ("verify r.nc --all", "replay r.nc --setting 1 --trial 1", "plot r.nc --where robots==3",
+                        "plot r.nc --kind arena", "export r.nc", "status r.nc", "merge r.nc --out m.nc",
+                        "verify m.nc --all"):  # fmt: skip
+            assert main(command.split()) == 0, command
+        said = capsys.readouterr().out
+        assert said.count("48 of 48 trials run again: the ") == said.count("same to the last bit") == 2
+        assert "48 of 48 trials done" in said
+
+    @pytest.mark.long
+    def test_brains_of_the_second_edition_are_done_with_too(self, tmp_path, monkeypatch, capsys):
+        monkeypatch.chdir(tmp_path)
+        for name in ("second-3.nc", "second.py", "teller.py"):
+            shutil.copy(DATA / name, tmp_path)
+        for command in ("verify second-3.nc --all", "replay second-3.nc --setting 7 --trial 1 --out trace.csv",
+                        "plot second-3.nc --where robots==4", "export second-3.nc", "compare second-3.nc",
+                        "merge second-3.nc --out m.nc", "verify m.nc --all"):  # fmt: skip
+            assert main(command.split()) == 0, command
+        said = capsys.readouterr().out
+        assert said.count("64 of 64 trials run again: the ") == said.count("same to the last bit") == 2
+        assert "recent[2]" in (tmp_path / "trace.csv").read_text().partition("\n")[0]
+
+    def test_a_run_goes_on_from_a_kept_file(self, tmp_path):
+        for file in DATA.iterdir():
+            shutil.copy(file, tmp_path)
+        study = sc.Study.load(tmp_path / "results.toml").with_(trials=3)
+        data, whole = sc.run(study, jobs=1, out=tmp_path / "results-3.nc"), sc.run(study, jobs=1)
+        assert data.drop_attrs().identical(whole.drop_attrs())
+        assert sc.load(tmp_path / "results-3.nc").identical(data)
+
+    def test_other_readers_see_what_is_missing(self, files):
+        with xr.open_dataset(files / "measures.nc", engine="h5netcdf") as plain:
+            assert np.isnan(plain["convergence_round"].values[0, 0, 2])
+            assert np.isnan(plain["local_convergence_step"].values[0, 0, 2])
+            assert np.isfinite(plain["convergence_round"].values[0, 0, :2]).all()
+        with h5py.File(files / "measures.nc") as file:
+            assert file["convergence_round"].attrs["_FillValue"] == -1
+
+    @pytest.mark.parametrize("other", ["swarmcensus results 2", "swarmcensus results 99"])
+    def test_another_format_is_refused(self, other, files, tmp_path):
+        data = sc.load(files / "kinds.nc").assign_attrs(format=other)
+        said = f"its format is '{other}', and this version of swarmcensus reads 'swarmcensus results 3'"
+        with pytest.raises(InputError, match=said):
+            sc.verify(data)
+        sc.save(data, tmp_path / "x.nc")
+        with pytest.raises(InputError, match=f"x.nc: {said}"):
+            sc.load(tmp_path / "x.nc")

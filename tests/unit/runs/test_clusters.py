@@ -1,0 +1,545 @@
+"""A study on a cluster ends with the bits that threads give, whatever happens to the workers meanwhile."""
+
+import contextlib
+import json
+import os
+import runpy
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import dask
+import distributed
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.cli.commands import main
+from swarmcensus.runs import clusters, queues
+from swarmcensus.runs.running import run
+from swarmcensus.studies import addresses
+from tests.support.clusters import LONG, Once, same, study
+from tests.support.places import EXAMPLE
+from tests.support.small import FAILS
+
+pytestmark = pytest.mark.usefixtures("untraced_processes")
+
+FIXED = """
+name   = "sent"
+seed   = 7
+trials = 6
+
+[swarm]
+brain    = ["minimalistic", "mine.py"]
+robots   = 12
+accuracy = [0.7, "U(0.525, 0.975)"]
+
+[world]
+topology   = ["ring", "scale-free", "links.csv"]
+fill_ratio = 0.55
+
+[schedule]
+rounds = 60
+
+[measure]
+local = true
+"""
+MOVING = """
+name   = "sent too"
+seed   = 8
+trials = 3
+
+[swarm]
+robots   = [3, 9]
+accuracy = 0.8
+
+[world]
+topology   = "moving"
+density    = 1
+fill_ratio = 0.55
+floor      = ["tiles", {image = "leaves.png"}]
+
+[schedule]
+ticks = 150
+
+[[faults]]
+at     = 50
+robots = 1
+stop   = "moving"
+"""
+
+
+@pytest.fixture(scope="module")
+def scheduler():
+    """The address of a running scheduler with two worker processes, on loopback."""
+    with processes(2) as cluster:
+        yield cluster.scheduler_address
+
+
+def processes(count):
+    return distributed.LocalCluster(
+        n_workers=count,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+        silence_logs="CRITICAL",
+    )
+
+
+@pytest.fixture(scope="module")
+def threads():
+    """What threads give of the long study."""
+    return sc.run(sc.Study.parse(LONG), jobs=2)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A folder with what the studies name: a brain file (a shipped brain's source), an edge list, an image."""
+    for name in ("links.csv", "leaves.png"):
+        shutil.copy(EXAMPLE / name, tmp_path)
+    (tmp_path / "mine.py").write_text(sc.Study(**tables("legacy")).swarm.brain[0].source)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def tables(brain):
+    return {
+        "trials": 1,
+        "swarm": {"brain": brain, "robots": 2, "accuracy": 0.7},
+        "world": {"topology": "ring", "fill_ratio": 0.5},
+    }
+
+
+@pytest.mark.long
+def test_processes_here_give_the_bits_of_threads(here, capsys):
+    Path("s.toml").write_text(FIXED)
+    scratch = set(Path().glob("*"))
+    assert main(["run", "s.toml", "--cluster", "local:2"]) == 0
+    assert same(sc.load("s.nc"), sc.run(study(FIXED), jobs=2))
+    assert set(Path().glob("*")) - scratch == {Path("s.nc")}
+    said = capsys.readouterr().err.splitlines()
+    assert next(line for line in said if "compiling" not in line) == "sent: starting 2 worker processes"
+    assert all(line.startswith("sent: ") for line in said)
+
+
+def test_finished_work_starts_no_cluster(here):
+    Path("s.toml").write_text(FIXED)
+    assert main(["run", "s.toml"]) == 0
+    before = sc.load("s.nc")
+    assert main(["run", "s.toml", "--cluster", "tcp://127.0.0.1:1"]) == 0  # where nobody answers
+    assert same(sc.load("s.nc"), before)
+
+
+@pytest.mark.long(but=["fixed"])
+@pytest.mark.parametrize("text", [FIXED, MOVING], ids=["fixed", "moving"])
+def test_a_running_scheduler_gives_the_bits_of_threads(here, scheduler, text):
+    Path("s.toml").write_text(text)
+    assert main(["run", "s.toml", "--scheduler", scheduler]) == 0
+    assert same(sc.load("s.nc"), sc.run(study(text), jobs=2))
+
+
+@pytest.mark.long
+def test_a_study_with_another_edge_list_is_another_study(here, scheduler):
+    """Though its text is the same, and the workers have met it."""
+    text = FIXED.replace('"ring", "scale-free", ', "").replace(', "mine.py"', "")
+    first = run(study(text), cluster=scheduler)
+    Path("links.csv").write_text("i,j\n" + "".join(f"{i},{i + 1}\n" for i in range(11)))
+    second = run(study(text), cluster=scheduler)
+    assert not np.array_equal(first["final_estimate"], second["final_estimate"])
+    assert same(second, sc.run(study(text), jobs=2))
+
+
+@pytest.mark.long
+def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
+    text = MOVING.replace(
+        "trials = 3", 'trials = {until = "convergence_error median +- 0.02", at_least = 10, at_most = 20}'
+    )
+    ruled = study(text)
+    assert same(run(ruled, cluster=scheduler), sc.run(ruled, jobs=2))
+
+
+@pytest.mark.long
+def test_a_large_image_travels(here, scheduler):
+    from PIL import Image
+
+    grey = np.random.default_rng(1).integers(0, 255, (2000, 3000), np.uint8)
+    Image.fromarray(grey).save("leaves.png")
+    assert same(run(study(MOVING), cluster=scheduler), sc.run(study(MOVING), jobs=2))
+
+
+def test_a_worker_that_is_killed_costs_nothing(here, scheduler, threads):
+    with distributed.Client(scheduler, set_as_default=False) as client:
+        victims = sorted(client.run(os.getpid).values())
+        kill = Once(lambda: [os.kill(pid, signal.SIGKILL) for pid in victims])  # all that hold anything
+        killed = run(study(LONG), cluster=scheduler, progress=kill, out="s.nc")
+        assert kill.done
+        client.wait_for_workers(2, timeout=30)
+        assert not set(client.run(os.getpid).values()) & set(victims)
+    assert "failed" not in killed.attrs
+    assert same(killed, threads)
+
+
+@pytest.mark.long
+def test_a_bundle_that_kills_its_workers_fails_and_others_do_not(here, monkeypatch):
+    real = clusters.run_remotely
+
+    def deadly(key, bundle):
+        if any(task.settings == (1,) and task.first == 0 for task in bundle):
+            os._exit(1)
+        return real(key, bundle)
+
+    monkeypatch.setattr(clusters, "run_remotely", deadly)
+    some = study(LONG).with_(trials=100)
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1}),
+        pytest.warns(UserWarning, match=r"its worker died again and again \(out of memory\?\)"),
+    ):
+        data = run(some, cluster="local:2", out="s.nc")
+    failed = {(one["setting"], one["trial"]) for one in json.loads(data.attrs["failed"])}
+    done = data["convergence_round"].values[:, :, 0] >= 0
+    assert (1, 0) in failed
+    assert failed == {tuple(place) for place in np.argwhere(~done).tolist()}
+    assert done.mean() > 0.25
+    assert same(run(some, jobs=2, out="s.nc"), sc.run(some, jobs=2))
+
+
+@pytest.mark.long
+def test_a_trial_that_fails_fails_alone(here, scheduler):
+    Path("mine.py").write_text(FAILS)
+    text = FIXED.replace("robots   = 12", "robots = 20").replace('["ring", "scale-free", ', "[").replace(
+        '["links.csv"]', '"ring"'
+    ).replace("fill_ratio = 0.55", "fill_ratio = [0.3, 0.32]").replace("local = true", "")  # fmt: skip
+    with pytest.warns(UserWarning, match=r"setting \d: .* fails in trial \d of ring.*ZeroDivisionError"):
+        here_ = sc.run(study(text), jobs=2)
+    with pytest.warns(UserWarning, match=r"setting \d: .* fails in trial \d of ring.*ZeroDivisionError"):
+        there = run(study(text), cluster=scheduler)
+    assert 0 < len(json.loads(there.attrs["failed"])) < 24
+    assert there.attrs["failed"] == here_.attrs["failed"]
+    assert same(there, here_)
+
+
+@pytest.mark.long
+def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler, threads):
+    def stop():
+        raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted) as stopped:
+        run(study(LONG), cluster=scheduler, progress=Once(stop), out="s.nc")
+    assert 0 < stopped.value.done < 800
+    assert sc.load("s.nc").attrs["trials_done"] == stopped.value.done
+    assert same(run(study(LONG), cluster=scheduler, out="s.nc"), threads)
+
+
+@pytest.mark.long
+def test_what_is_done_is_kept_when_the_scheduler_goes(here, threads):
+    with processes(1) as cluster, pytest.raises(InputError, match="the cluster is gone"):
+        run(study(LONG), cluster=cluster.scheduler_address, progress=Once(cluster.close), out="s.nc")
+    assert list(Path("s.nc.parts").glob("*.npz"))
+    assert same(run(study(LONG), jobs=2, out="s.nc"), threads)
+
+
+@pytest.mark.long
+def test_workers_may_come_late(here):
+    notes = []
+    with processes(0) as cluster:
+
+        def show(progress):
+            if progress.note and not notes:
+                cluster.scale(1)
+            notes.append(progress.note)
+
+        data = run(study(MOVING), cluster=cluster.scheduler_address, progress=show)
+    assert notes[0] == "waiting for workers"
+    assert same(data, sc.run(study(MOVING), jobs=2))
+
+
+SBATCH = """#!/bin/bash
+cp "$1" {folder}/job-$$.sh
+setsid bash {folder}/job-$$.sh > {folder}/$$.log 2>&1 < /dev/null &
+echo $! >> {folder}/submitted
+echo "Submitted batch job $!"
+"""
+SCANCEL = """#!/bin/bash
+kill -TERM -- -$1
+"""
+SLURM = """
+jobs      = 1
+cores     = 2
+memory    = "3GB"
+walltime  = "00:30:00"
+partition = "short"
+account   = "swarms"
+interface = "lo"
+directives = ["--exclusive"]
+prologue  = ["export GREETING=hello"]
+"""
+
+
+@pytest.fixture
+def slurm(here, monkeypatch):
+    """Commands named as Slurm's are, which run jobs on this machine; yields the ids of the jobs so far."""
+    (here / "bin").mkdir()
+    for name, text in (("sbatch", SBATCH), ("scancel", SCANCEL)):
+        (here / "bin" / name).write_text(text.format(folder=here))
+        (here / "bin" / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{here / 'bin'}{os.pathsep}{os.environ['PATH']}")
+    (here / "slurm.toml").write_text(SLURM + f'scratch = "{here}"\n')
+
+    def submitted():
+        return [int(line) for line in (here / "submitted").read_text().split()]
+
+    yield submitted
+    for group in submitted():
+        assert ends(group), f"job {group} is left"
+
+
+def ends(group):
+    """Whether a group of processes ends within seconds; it is ended if not."""
+    for _ in range(100):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.1)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(group, signal.SIGKILL)
+    return False
+
+
+@pytest.mark.long
+def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch, threads):
+    """The first job ends in the middle, as at its walltime; another is submitted in its place."""
+    end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
+    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
+    data = run(study(LONG), cluster="slurm.toml", progress=end)
+    assert end.done
+    assert len(slurm()) == 2
+    assert same(data, threads)
+
+
+def refusing(folder, when="true"):
+    """Have `sbatch` say no while a shell command succeeds."""
+    script = folder / "bin" / "sbatch"
+    no = f'if {when}; then echo "sbatch: error: no more" >&2; exit 1; fi'
+    script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
+
+
+def test_a_batch_system_that_refuses_all_jobs_is_told_in_one_sentence(here, slurm, capsys):
+    refusing(here)
+    (here / "submitted").touch()
+    Path("s.toml").write_text(FIXED)
+    assert main(["run", "s.toml", "--cluster", "slurm.toml"]) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: error: no more"
+    )
+    (here / "bin" / "sbatch").unlink()
+    with pytest.MonkeyPatch.context() as alone:
+        alone.setenv("PATH", str(here / "bin"))
+        assert main(["run", "s.toml", "--cluster", "slurm.toml"]) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: no such command here"
+    )
+
+
+@pytest.mark.long
+def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
+    longer = study(LONG).with_(trials=400)
+    refusing(here, f"! mkdir {here}/taken 2> /dev/null")
+    text = (here / "slurm.toml").read_text()
+    (here / "slurm.toml").write_text(text.replace("jobs      = 1\ncores     = 2", "jobs = 2\ncores = 1"))
+    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
+
+    with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
+        data = run(longer, cluster="slurm.toml", progress=Once((here / "taken").rmdir))
+    assert len(slurm()) == 2
+    assert same(data, sc.run(longer, jobs=2))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_ends_a_run_cancels_its_jobs_and_keeps_what_is_done(slurm, number):
+    """The fixture sees to it that none is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
+    before = signal.getsignal(number)
+    with pytest.raises(Interrupted) as stopped:
+        run(study(LONG), cluster="slurm.toml", progress=Once(lambda: signal.raise_signal(number)), out="s.nc")
+    assert 0 < stopped.value.done < 800
+    assert signal.getsignal(number) is before
+
+
+def test_a_job_that_dask_replaced_has_time_to_start(monkeypatch):
+    """Dask lets go of a job of one worker before we do, and the next has its name."""
+
+    class Job:
+        refusal, job_id = "", "7"
+
+    class Cluster:
+        def __init__(self):
+            self.workers = {"a": Job()}
+            self.scheduler_info = {"workers": {"tcp://1": {"name": "a"}}}
+
+        def scale(self, jobs):
+            self.workers.setdefault("a", Job())
+
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.1)
+    cluster = Cluster()
+    jobs = queues.Jobs(cluster, queues.Queue(system="pbs", jobs=1, cores=1, memory="1GB"))
+    jobs.renew()
+    cluster.scheduler_info["workers"].clear()
+    del cluster.workers["a"]
+    jobs.renew()
+    second = cluster.workers["a"]
+    time.sleep(0.2)
+    jobs.renew()
+    assert cluster.workers["a"] is second
+
+
+def test_a_job_asks_for_what_the_file_says(here):
+    Path("slurm.toml").write_text(SLURM)
+    with clusters.read_queue(Path("slurm.toml")).start() as cluster:
+        lines = cluster.job_script().splitlines()
+    wanted = ["-p short", "-A swarms", "--cpus-per-task=2", "--mem=3G", "-t 00:30:00", "--exclusive"]
+    assert {f"#SBATCH {option}" for option in wanted} <= set(lines)
+    assert "export GREETING=hello" in lines
+    assert "--nworkers 2" in lines[-1]
+    assert "--nthreads 1" in lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("system", "account", "more"),
+    [("pbs", "-A swarms", ""), ("sge", "-P swarms", ""), ("lsf", "-P swarms", ""), ("oar", "--project swarms", ""),
+     ("moab", "-A swarms", ""), ("htcondor", None, '[options]\ndisk = "1GB"')],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore:OAR Job memory reserved resources")
+def test_every_batch_system_gets_a_job_script(here, system, account, more):
+    lines = ['system = "' + system + '"', "jobs = 1", "cores = 2", 'memory = "3GB"', 'interface = "lo"']
+    lines += ['account = "swarms"', 'walltime = "00:30"'] if account else []
+    Path("q.toml").write_text("\n".join([*lines, more]))
+    with clusters.read_queue(Path("q.toml")).start() as cluster:
+        script = cluster.job_script()
+    assert "distributed.cli.dask_worker" in script
+    assert account is None or account in script.replace('"', "")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("jobs = 2\ncores = 2", "memory"),
+        ('jobs = 0\ncores = 2\nmemory = "1GB"', "jobs"),
+        ('jobs = 2\ncores = "two"\nmemory = "1GB"', "cores"),
+        ('jobs = 2\ncores = 2\nmemory = "1GB"\nnodes = 3', "nodes"),
+        ('system = "cron"\njobs = 2\ncores = 2\nmemory = "1GB"', "slurm"),
+        ("jobs = ", "TOML"),
+        ('system = "htcondor"\njobs = 1\ncores = 1\nmemory = "1GB"\npartition = "x"', "htcondor takes no queue"),
+        ('jobs = 1\ncores = 1\nmemory = "much"', "memory"),
+        ('jobs = 1\ncores = 1\nmemory = "1GB"\ninterface = "none7"', "no jobs could be submitted"),
+        ('jobs = 1\ncores = 1\nmemory = "1GB"\ninterface = "lo"\n[options]\ncolour = "red"', "takes no colour"),
+    ],
+)
+def test_a_wrong_cluster_file_is_told_in_one_line(here, capsys, text, said):
+    Path("s.toml").write_text(FIXED)
+    Path("c.toml").write_text(text)
+    assert main(["run", "s.toml", "--cluster", "c.toml"]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert "c.toml" in lines[-1]
+    assert said in lines[-1]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--cluster", "local:0"], "local:4"),
+        (["--cluster", "local:many"], "local:4"),
+        (["--cluster", "nowhere.toml"], "local:4"),
+        (["--scheduler", "host:8786"], "tcp://host:8786"),
+        (["--scheduler", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
+        (["--scheduler", "gopher://127.0.0.1:1"], "no Dask scheduler answers at gopher://127.0.0.1:1"),
+        (["--scheduler", "tcp://127.0.0.1:1", "--cluster", "local:2"], "one of them"),
+        (["--cluster", "local:2", "--jobs", "3"], "--jobs 3"),
+    ],
+)
+def test_a_cluster_that_is_not_there_is_told_in_one_line(here, capsys, monkeypatch, options, said):
+    monkeypatch.setattr(clusters, "CONNECT", "0.5s")
+    Path("s.toml").write_text(FIXED)
+    assert main(["run", "s.toml", *options]) == 2
+    assert said in capsys.readouterr().err.splitlines()[-1]
+
+
+@pytest.mark.parametrize(("module", "where"), [("distributed", "local:2"), ("dask_jobqueue", "slurm.toml")])
+def test_without_dask_it_is_said_what_to_install(here, monkeypatch, module, where):
+    Path("slurm.toml").write_text(SLURM)
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(InputError, match=r"pip install 'swarmcensus\[cluster\]'"):
+        run(study(FIXED), cluster=where)
+    Path("wrong.toml").write_text(SLURM + "jbos = 2\n")
+    for wrong, said in (("local:0", "should be local: and a number"), ("wrong.toml", "jbos"), ("no.toml", "cannot be")):
+        with pytest.raises(InputError, match=said) as caught:
+            run(study(FIXED), cluster=wrong)
+        assert "pip install" not in str(caught.value)
+
+
+@pytest.mark.long
+def test_a_plain_run_does_without_dask(here):
+    """It runs where Dask is not there to import; where it is, only xarray asks for it."""
+    Path("s.toml").write_text(FIXED)
+    code = (
+        "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli.commands import main; "
+        "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.runs.clusters' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_workers_with_other_versions_are_refused(here, scheduler, monkeypatch):
+    monkeypatch.setattr(clusters, "__version__", "99.0")
+    with pytest.raises(InputError, match=rf"swarmcensus {sc.__version__} there, 99\.0 here"):
+        run(study(FIXED), cluster=scheduler)
+
+
+def test_a_study_is_read_as_it_was_sent(here):
+    sent = study(MOVING)
+    got, settings = clusters.read_payload(clusters.payload_of(sent))
+    assert [addresses.fingerprint(s, got.seed) for s in settings] == [
+        addresses.fingerprint(s, sent.seed) for s in sent.settings()
+    ]
+    payload = clusters.payload_of(sent)
+    payload["versions"]["numpy"] = "0.1"
+    with pytest.raises(InputError, match=r"numpy .* there, 0\.1 here"):
+        clusters.read_payload(payload)
+
+
+def test_bundles_grow_with_the_work_and_with_the_crowd(here):
+    class Client:
+        def __init__(self, workers):
+            self.nthreads = lambda: {str(k): 1 for k in range(workers)}
+
+        def set_metadata(self, key, value): ...
+        def get_executor(self, pure): ...
+
+    few, many = (clusters.Workers(Client(n), study(FIXED), 1) for n in (2, 2000))
+    assert few.queue_length == 2 * clusters.WAITING_PER_WORKER
+    assert few.bundle_seconds(4.0) == 4.0 / (2 * clusters.BUNDLES_PER_WORKER)  # so that the last ones end together
+    assert few.bundle_seconds(0.001) == clusters.SHORTEST
+    assert few.bundle_seconds(1e6) == clusters.LONGEST
+    assert many.bundle_seconds(1e6) == 2000 / clusters.BUNDLES_PER_SECOND  # the scheduler keeps up
+    late = clusters.Workers(Client(0), study(FIXED), 8)
+    assert late.queue_length == clusters.WAITING_PER_WORKER
+    assert late.note == "waiting for workers"
+    assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.BUNDLES_PER_WORKER)
+
+
+@pytest.mark.long
+def test_the_simulated_scheduler_against_closed_forms():
+    makespan = runpy.run_path(str(EXAMPLE.parents[1] / "benchmarks" / "scaling.py"))["makespan"]
+    assert makespan([2.0] * 12, 4) == 6.0  # equal bundles, no overhead: perfect
+    assert makespan([2.0] * 13, 4) == 8.0  # the last wave
+    assert makespan([2.0] * 12, 1) == 24.0
+    assert makespan([0.5] * 1000, 1000, dispatch=0.25) == 1000 * 0.25 + 0.5  # the scheduler is the limit
+    assert makespan([1.0] * 10, 1, dispatch=0.25, latency=0.5) == 10 * 1.75
+    assert makespan([5.0, 1.0, 1.0, 1.0], 2) == 5.0  # a long one first, short ones beside it
+    assert makespan([1.0] * 3, 2, late=8.0) == 3.0  # the second comes after 4 seconds, when nothing is left
+    assert makespan([1.0] * 8, 2, late=8.0) == 6.0

@@ -1,0 +1,145 @@
+"""What a study of large swarms keeps in memory while it runs, and what it does not."""
+
+import tracemalloc
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.engine import compiler
+from swarmcensus.results import shards, store
+from swarmcensus.results import values as rooms
+from swarmcensus.results.values import ArrayStore, Values
+from swarmcensus.runs import pools, tasks
+from swarmcensus.runs.running import run
+from swarmcensus.simulation.trials import record_estimates, record_trial
+from tests.support.small import SEED, settings_of
+
+ROBOTS = 60_000
+BYTES = 36 * ROBOTS  # of results, a setting
+
+
+def crowds(settings, robots=ROBOTS, trials=1):
+    return sc.Study(
+        trials=trials, swarm={"robots": robots, "accuracy": [round(0.6 + 0.02 * k, 2) for k in range(settings)]},
+        world={"topology": "ring", "fill_ratio": 0.55}, schedule={"rounds": 2},
+    )  # fmt: skip
+
+
+@pytest.fixture
+def small_rooms(monkeypatch):
+    """Arrays of a megabyte are large."""
+    monkeypatch.setattr(rooms, "LARGE_BYTES", 1_000_000)
+    monkeypatch.setattr(rooms, "FRESH_BYTES", 1_000_000)
+    monkeypatch.setattr(shards, "SPOOLED_BYTES", 1_000_000)
+
+
+def peak(settings, out):
+    """The most bytes that a run has at once, but for what lies in files; and its dataset."""
+    tracemalloc.start()
+    try:
+        data = run(crowds(settings), 1, progress=False, out=out)
+        return tracemalloc.get_traced_memory()[1], data
+    finally:
+        tracemalloc.stop()
+
+
+def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_rooms, tmp_path, monkeypatch):
+    """Ten settings take no more than one and some that wait to be written, of which there are four at the most."""
+    monkeypatch.setattr(pools, "BUNDLE_SECONDS", 0.0)
+    monkeypatch.setattr(shards, "AT_LEAST", 0.0)  # as of trials that take seconds
+    monkeypatch.setattr(shards, "OF_ELAPSED", 0.0)
+    monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))
+    run(crowds(1, 10), 1, progress=False)  # compiles, and imports what is imported late
+    one, _ = peak(1, tmp_path / "one.nc")
+    ten, data = peak(10, tmp_path / "ten.nc")
+    assert ten - one < 5 * BYTES
+    assert {path.name for path in tmp_path.iterdir()} == {"one.nc", "ten.nc"}
+    assert sc.load(tmp_path / "ten.nc").equals(data)
+    assert sc.load(tmp_path / "one.nc").equals(sc.load(tmp_path / "ten.nc").sel(setting=[0]))
+
+
+def test_arrays_in_files_grow_and_are_written_like_others(small_rooms, tmp_path):
+    """To the last bit, whatever was let go of meanwhile."""
+    study = crowds(2, 70_000, 2)
+    settings, marks = study.settings(), ["a", "b"]
+    written = []
+    for array_store in (ArrayStore(tmp_path), ArrayStore()):
+        values = Values(study, settings, 1, store=array_store)
+        random = np.random.default_rng(1)
+        for trial in (0, 1):
+            values.grow(trial + 1)
+            for setting in (0, 1):
+                numbers = random.random((1, 70_000))
+                values.put(setting, trial, {"final_estimate": numbers, "convergence_round": (9 * numbers).astype("i4")})
+        written.append(tmp_path / f"{len(written)}.nc")
+        store.save(store.dataset(study, settings, marks, values), written[-1])
+    one, other = (path.read_bytes() for path in written)
+    assert one == other
+    assert (store.dataset(study, settings, marks, values)["convergence_round"] >= 0).all()
+
+
+def test_a_folder_without_room_for_results_is_told(small_rooms, tmp_path, monkeypatch):
+    def full(**_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(rooms.tempfile, "TemporaryFile", full)
+    with pytest.raises(InputError, match=r"cannot keep results in .*: No space left on device"):
+        run(crowds(5), 1, progress=False, out=tmp_path / "a.nc")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("trials", "settings", "jobs", "threads"), [(1, 1, 2, 1), (2, 1, 2, 2), (1, 3, 2, 2), (3, 2, 1, 1)]
+)
+def test_trials_know_how_many_threads_share_the_memory(trials, settings, jobs, threads, monkeypatch):
+    asked = []
+
+    def run_batch(*arguments):
+        asked.append(arguments[7])
+        return batch(*arguments)
+
+    batch = tasks.run_batch
+    run(crowds(1, 5), 1, progress=False)  # compiled, so that only trials of the study ask
+    monkeypatch.setattr(tasks, "run_batch", run_batch)
+    run(crowds(settings, 5, trials), jobs, progress=False)
+    assert asked.count(threads) >= settings  # the tiny trial that compiles is alone
+    assert {*asked} <= {1, threads}
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        {"rounds": 1},
+        {"rounds": 7, "topology": ["full", "scale-free"], "accuracy": "U(0.6, 0.9)"},
+        {"rounds": 5, "brain": "commons", "message_delay": 2, "link_success": 0.7},
+    ],
+)
+def test_estimates_of_a_trial_need_no_machine_code_but_the_runs(case, monkeypatch):
+    """They are those of its record in full, which others of the engine's entries make."""
+    compile_world = compiler.compile_world
+
+    def only_what_runs(name="world"):
+        return SimpleNamespace(simulate=compile_world(name).simulate) if name == "kernel" else compile_world(name)
+
+    for setting in settings_of(**case):
+        expected = record_trial(setting, SEED, 1)[1]
+        with monkeypatch.context() as patch:
+            patch.setattr(compiler, "compile_world", only_what_runs)
+            assert (record_estimates(setting, SEED, 1) == expected).all()
+        assert np.isfinite(expected).all()
+
+
+def test_curves_replay_no_more_than_estimates(monkeypatch):
+    results = run(crowds(1, 5), 1, progress=False)
+    monkeypatch.setattr("swarmcensus.results.replaying.record_trial", None)
+    assert sc.plot.curves(results) is not None
+
+
+def test_a_replay_of_a_single_round_begins_before_it():
+    (setting,) = settings_of(rounds=1)
+    fields, estimates, _ = record_trial(setting, SEED, 0)
+    assert (fields["t"][0] == 0.0).all()
+    assert (estimates[0] == 0.5).all()

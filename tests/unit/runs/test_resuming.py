@@ -1,0 +1,755 @@
+"""Finished work is never lost, and what comes of it in the end is what an undisturbed run gives, bit for bit."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from filelock import FileLock
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.commands import main
+from swarmcensus.engine import compiler
+from swarmcensus.results import shards
+from swarmcensus.results import store as results
+from swarmcensus.results.partial import opened
+from swarmcensus.results.values import EVERY, LOCAL, MARKS, Values, shapes
+from swarmcensus.runs import tasks
+from swarmcensus.runs.resuming import hold_output
+from swarmcensus.runs.running import run
+from swarmcensus.runs.status import status
+from swarmcensus.simulation import answers
+from swarmcensus.simulation.inputs import inputs_of
+from tests.support.long import in_two_sizes
+from tests.support.resuming import STUDY, Cut, cut_off, study
+
+pytestmark = pytest.mark.usefixtures("untraced_processes")
+
+LONG = (
+    STUDY.replace("trials = 6", "trials = 150")
+    .replace("rounds = 60", "rounds = 2000")
+    .replace("ticks  = 200", "ticks = 2000")
+)
+
+
+def same(one, other):
+    """Equal to the last bit, but for what says when and by whom it was run."""
+    return one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return sc.run(study(), jobs=2)
+
+
+@pytest.fixture(autouse=True)
+def small_bundles(monkeypatch):
+    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(STUDY)
+    return tmp_path
+
+
+def test_a_run_that_was_cut_off_goes_on(here, whole):
+    cut_off("a.nc", 40)
+    assert not Path("a.nc").exists()
+    lines, done = [], []
+    again = run(study(), 1, lambda p: done.append(p.done), out="a.nc", say=lines.append)
+    assert done[0] >= 40
+    assert "found" in lines[0]
+    assert "of a run that was cut off" in lines[0]
+    assert same(again, whole)
+    assert same(sc.load("a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
+
+
+@pytest.mark.long(only=["1"])
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_while_a_trial_is_stored_leaves_no_half_of_it(times, here, whole, monkeypatch):
+    """What it broke is stored anew; where Ctrl-C comes again then, it is left out."""
+    put, pieces = Values.put, []
+
+    def torn(self, setting, first, taken):
+        pieces.append((setting, first))
+        broken = 30 <= len(pieces) < 30 + times
+        put(self, setting, first, {k: v for k, v in taken.items() if not (broken and k in MARKS)})
+        if broken:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Values, "put", torn)
+        with pytest.raises(Interrupted) as stopped:
+            run(study(), 1, out="a.nc")
+    data = sc.load("a.nc")
+    assert 0 < stopped.value.done == data.attrs["trials_done"]
+    setting, first = pieces[29]
+    assert (data["convergence_round"].values[setting, first, 0] >= 0) == (times == 1)
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
+def test_nothing_is_run_twice(here, whole, monkeypatch):
+    run(study(), 2, out="a.nc")
+    before = Path("a.nc").read_bytes()
+    monkeypatch.setattr("swarmcensus.runs.pools.run_bundle", lambda *_: pytest.fail("was run"))
+    assert same(run(study(), 2, out="a.nc"), whole)
+    assert Path("a.nc").read_bytes() == before
+
+
+def test_ctrl_c_puts_what_is_done_into_the_output(here, whole):
+    def stop(progress):
+        if progress.done >= 30:
+            raise KeyboardInterrupt
+
+    with pytest.raises(sc.Interrupted) as stopped:
+        run(study(), 1, stop, out="a.nc")
+    partial = sc.load("a.nc")
+    assert partial.attrs["trials_done"] == stopped.value.done >= 30
+    assert partial.attrs["trials_total"] == stopped.value.total == 144
+    assert not shards.folder_of(Path("a.nc")).exists()
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
+def test_ctrl_c_before_the_first_trial_is_done_can_be_gone_on_from(here, whole, monkeypatch):
+    def stop(progress):
+        if not progress.note:  # it compiles no more
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as slow:
+        slow.setattr("swarmcensus.runs.pools.run_bundle", lambda *_: [])
+        with pytest.raises(sc.Interrupted):
+            run(study(), 1, stop, out="a.nc")
+    assert sc.load("a.nc").attrs["trials_done"] == 0
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
+def test_more_trials_and_settings_compute_only_what_is_missing(here):
+    small = STUDY.replace("trials = 6", "trials = 4").replace("[3, 20]", "20").replace('0.7, "U', '"U')
+    run(study(small), 2, out="a.nc")
+    done = []
+    larger = STUDY.replace("trials = 6", "trials = 7").replace("0.7,", "0.6, 0.7,")
+    grown = run(study(larger), 2, lambda p: done.append((p.done, p.total)), out="a.nc")
+    assert done[0] == (4 * 6, 7 * 36)
+    assert same(grown, sc.run(study(larger), jobs=2))
+
+
+def test_local_estimates_may_be_asked_for_later(here):
+    fixed = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    run(study(fixed), 2, out="a.nc")
+    local = fixed.replace("local       = false", "local = true")
+    assert same(run(study(local), 2, out="a.nc"), sc.run(study(local), jobs=2))
+    with pytest.raises(InputError, match="local_convergence_step, which this study does not ask for"):
+        run(study(fixed), out="a.nc")
+
+
+@pytest.mark.long
+def test_a_subset_of_the_checkpoints_is_enough(here):
+    run(study(STUDY.replace("[10, 60]", "[10, 20, 60]")), 2, out="a.nc")
+    assert same(run(study(), 2, out="a.nc"), sc.run(study(), jobs=2))
+    with pytest.raises(InputError, match="no decisions at round 30"):
+        run(study(STUDY.replace("[10, 60]", "[10, 30, 60]")), out="a.nc")
+
+
+@pytest.mark.long(but=["cut"])
+@pytest.mark.parametrize("damage", ["cut", "flip", "empty", "rename"])
+def test_a_damaged_shard_is_named_and_redone(here, whole, damage):
+    path = cut_off("a.nc", 60)[0]
+    data = bytearray(path.read_bytes())
+    if damage == "cut":
+        path.write_bytes(data[: len(data) // 2])
+    elif damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "rename":
+        path.rename(path.with_name(f"000001-{32 * '0'}.npz"))
+    else:
+        for place in random.Random(3).sample(range(len(data)), 3):
+            data[place] ^= 0x10
+        path.write_bytes(data)
+    named = next(p for p in shards.listed(shards.folder_of(Path("a.nc"))) if shards.read(p) is None)
+    assert status("a.nc").damaged == [named]
+    assert any("is damaged" in line for line in status("a.nc").lines)
+    with pytest.warns(UserWarning, match=f"{named.name} is damaged: what it held is run again"):
+        again = run(study(), 2, out="a.nc")
+    assert same(again, whole)
+
+
+def test_any_flipped_bit_is_noticed(here):
+    path = cut_off("a.nc", 10)[0]
+    data = path.read_bytes()
+    for place in random.Random(4).sample(range(8 * len(data)), 200):
+        changed = bytearray(data)
+        changed[place // 8] ^= 1 << place % 8
+        path.write_bytes(changed)
+        assert shards.read(path) is None
+    path.write_bytes(data)
+    assert shards.read(path) is not None
+
+
+@pytest.mark.long(but=["True-change1-seed is 7 there and 8 here"])
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('name   = "resumed"', 'name = "other"'), "study is 'resumed' there and 'other' here"),
+        (("seed   = 7", "seed = 8"), "seed is 7 there and 8 here"),
+        (("[measure]", "[measure]\ndelta = 0.02"), "delta is 0.01 there and 0.02 here"),
+        (("[measure]", "[measure]\nbins = 5"), "bins is 10 there and 5 here"),
+        (("0.7, ", ""), "a setting that is not in this study"),
+        (("trials = 6", "trials = 5"), "holds 6 trials a setting, this study asks for 5"),
+    ],
+)
+@pytest.mark.parametrize("finished", [True, False])
+def test_work_of_another_run_is_refused(change, said, finished, here, capsys):
+    if finished:
+        assert main(["run", "s.toml", "--out", "a.nc"]) == 0
+    else:
+        cut_off("a.nc", 130)
+    before = {p: p.read_bytes() for p in here.rglob("*") if p.is_file() and p.name not in ("lock", "run.json")}
+    Path("t.toml").write_text(STUDY.replace(*change))
+    capsys.readouterr()
+    assert main(["run", "t.toml", "--out", "a.nc"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "--fresh" in error
+    assert error.count("\n") == 1
+    assert {p: p.read_bytes() for p in before} == before
+    assert main(["run", "t.toml", "--out", "a.nc", "--fresh"]) == 0
+    Path("t.toml").unlink()
+    assert same(sc.load("a.nc"), sc.run(study(STUDY.replace(*change)), jobs=2))
+
+
+def test_another_version_is_refused(here, monkeypatch):
+    cut_off("a.nc", 20)
+    monkeypatch.setattr("swarmcensus.runs.resuming.__version__", "99.0")
+    with pytest.raises(InputError, match=r"version is '0.*' there and '99\.0' here"):
+        run(study(), out="a.nc")
+
+
+def test_a_brain_that_has_changed_is_refused(here):
+    source = sc.Study.parse(STUDY).swarm.brain[0].source
+    text = (
+        STUDY.replace("robots   =", 'brain = "mine.py"\nrobots   =')
+        .replace('"full", "ring", "moving"', '"ring"')
+        .replace("density    = 1\n", "")
+        .replace("ticks  = 200\n", "")
+    )
+    Path("mine.py").write_text(source)
+    Path("s.toml").write_text(text)
+    assert main(["run", "s.toml"]) == 0
+    Path("mine.py").write_text(source + "\n# changed\n")
+    assert main(["run", "s.toml"]) == 2
+
+
+def test_an_output_that_is_no_results_file_is_left_alone(here, capsys):
+    Path("a.nc").write_text("my notes")
+    assert main(["run", "s.toml", "--out", "a.nc"]) == 2
+    assert "not a readable netCDF-4 file" in capsys.readouterr().err
+    assert Path("a.nc").read_text() == "my notes"
+
+
+def test_two_runs_on_one_output(here, capsys):
+    def second(progress):
+        if progress.done and not seen:
+            seen.append(main(["run", "s.toml", "--out", "a.nc"]))
+            found.append(status("a.nc"))
+
+    seen, found = [], []
+    run(study(), 1, second, out="a.nc")
+    assert seen == [2]
+    assert f"a.nc: another run (process {os.getpid()} on " in capsys.readouterr().err
+    assert f"process {os.getpid()} on" in found[0].running
+    assert 0 < found[0].total == 144
+    assert not status("a.nc").running
+
+
+@pytest.mark.long
+def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
+    with pytest.raises(InputError, match="no such file, and no run"):
+        status("a.nc")
+    cut_off("a.nc", 50)
+    assert main(["status", "a.nc"]) == 0
+    said = capsys.readouterr().out
+    assert "resumed: 24 settings" in said
+    assert "of 144 trials done" in said
+    assert "the same swarmcensus run goes on from here" in said
+    assert 40 <= status("a.nc").done < 144
+    run(study(), out="a.nc")
+    assert status("a.nc").lines == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]
+    cut_off("b.nc", 50)
+    (shards.folder_of(Path("b.nc")) / "run.json").write_text("{")
+    with pytest.raises(InputError, match="is damaged"):
+        status("b.nc")
+    run(study(), out="b.nc")
+
+
+def test_shares_add_up(here, whole):
+    for k in (1, 2, 3):
+        assert main(["run", "s.toml", "--share", f"{k}/3", "--out", f"{k}.nc"]) == 0
+        assert sc.load(f"{k}.nc").attrs["trials_done"] == 48
+    assert main(["merge", "1.nc", "2.nc", "3.nc", "--out", "all.nc"]) == 0
+    assert same(sc.load("all.nc"), whole)
+    for wrong in ("0/3", "4/3", "1/7"):
+        assert main(["run", "s.toml", "--share", wrong, "--out", "x.nc"]) == 2
+
+
+@in_two_sizes(("trials", "times", "at_least"), (40, [1, 1], 1), (200, [0, 1, 1, 1, 2, 0, 1, 1, 1, 1], 6))
+def test_sigkill_at_random_moments(here, untraced, capsys, trials, times, at_least):
+    """Some while it starts, most after some shards more: a busy machine may take long to come that far."""
+    often = (
+        "import sys; from swarmcensus.cli.commands import main; from swarmcensus.results import shards; "
+        "shards.AT_LEAST = 0.02; sys.exit(main())"
+    )
+    longer = LONG.replace("trials = 150", f"trials = {trials}")
+    Path("s.toml").write_text(longer)
+    moments = random.Random(11)
+    folder = shards.folder_of(Path("a.nc"))
+    found = 0
+    for more in times:
+        wanted = len(shards.listed(folder)) + more
+        run_again = [sys.executable, "-c", often, "run", "s.toml", "--out", "a.nc", "--jobs", "1"]
+        with subprocess.Popen(run_again, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+            while process.poll() is None and len(shards.listed(folder)) < wanted:
+                time.sleep(0.01)
+            time.sleep(moments.uniform(0.0, 0.1))
+            assert process.poll() is None, "the study is too short for this test"
+            process.send_signal(signal.SIGKILL)
+            found += b"found" in process.stderr.read()
+    assert found >= at_least
+    assert not Path("a.nc").exists()
+    assert main(["run", "s.toml", "--out", "a.nc"]) == 0
+    assert "of a run that was cut off" in capsys.readouterr().err
+    assert same(sc.load("a.nc"), sc.run(study(longer), jobs=2))
+    assert not folder.exists()
+
+
+def test_a_full_disk(here, whole, monkeypatch):
+    disk = here / "disk"
+    disk.mkdir()
+    if os.geteuid() != 0 or shutil.which("mount") is None:
+        pytest.skip("to mount a small file system one must be root")
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)], capture_output=True)
+    if mounted.returncode:
+        pytest.skip(f"no small file system can be mounted here: {mounted.stderr.decode().strip()}")
+    try:
+        out = disk / "a.nc"
+        (disk / "other").write_bytes(bytes(36_000))
+        monkeypatch.setattr(shards, "AT_LEAST", 0.0)
+        monkeypatch.setattr(shards, "OF_ELAPSED", 0.0)
+        with pytest.raises(InputError, match="No space left on device"):
+            run(study(), 1, out=out)
+        assert not out.exists()
+        left = shards.listed(shards.folder_of(out))
+        assert left
+        assert all(shards.read(path) for path in left)
+        assert not [p for p in shards.folder_of(out).iterdir() if p.name.startswith(".")]
+        (disk / "other").unlink()
+        subprocess.run(["mount", "-o", "remount,size=8m", str(disk)], check=True)
+        lines = []
+        assert same(run(study(), 2, out=out, say=lines.append), whole)
+        assert "of a run that was cut off" in lines[0]
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_a_full_disk_as_the_system_tells_it(here, whole, monkeypatch):
+    monkeypatch.setattr(shards, "AT_LEAST", 0.0)
+    monkeypatch.setattr(shards, "OF_ELAPSED", 0.0)
+    folder = shards.folder_of(Path("a.nc"))
+
+    def full(_):
+        if len(shards.listed(folder)) >= 3:
+            raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("swarmcensus.basics.files.os.fsync", full)
+        with pytest.raises(InputError, match="No space left on device"):
+            run(study(), 1, out="a.nc")
+    assert len(shards.listed(folder)) == 3
+    assert not [p for p in folder.iterdir() if p.name.startswith(".")]
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
+def test_a_trial_that_fails_fails_alone(here, capsys):
+    source = sc.Study.parse(STUDY).swarm.brain[0].source
+    bad = source.replace(
+        "    me.t += looks\n",
+        "    me.t += looks\n    if me.t == 600.0 and me.n > 275.0:\n        me.x = 1.0 / (me.t - me.t)\n",
+        1,
+    )
+    assert bad != source
+    Path("bad.py").write_text(bad)
+    text = (
+        STUDY.replace("robots   = [3, 20]", 'brain = ["minimalistic", "bad.py"]\nrobots = 20')
+        .replace('"full", "ring", "moving"', '"ring"').replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+        .replace("[0.55, 0.95]", "[0.3, 0.32]")
+    )  # fmt: skip
+    Path("s.toml").write_text(text)
+    assert main(["run", "s.toml"]) == 2
+    data = sc.load("s.nc")
+    failed = json.loads(data.attrs["failed"])
+    done = data["convergence_round"].values[:, :, 0] >= 0
+    assert {(one["setting"], one["trial"]) for one in failed} == {tuple(place) for place in np.argwhere(~done).tolist()}
+    assert 0 < len(failed) < done[4:].size  # some of the bad brain's trials fail and some do not
+    assert done[:4].all()
+    mine = next(k for k, line in enumerate(bad.splitlines(), start=1) if "me.t - me.t" in line)
+    assert (
+        f"ZeroDivisionError: division by zero, at bad.py, line {mine}: me.x = 1.0 / (me.t - me.t)" in failed[0]["why"]
+    )
+    said = capsys.readouterr().err
+    assert f"setting {failed[0]['setting']}, trial {failed[0]['trial']}" in said
+    assert failed[0]["why"] in said
+    # what did not fail is what the same brain gives without the fault, which is never reached there
+    good = sc.run(sc.Study.parse(text.replace(', "bad.py"', "")), jobs=2)
+    kept = data["final_estimate"].values[4:]
+    expected = good["final_estimate"].values
+    assert np.array_equal(kept[done[4:]], expected[done[4:]])
+
+
+def test_results_and_shards_hold_no_pickles(here):
+    path = cut_off("a.nc", 20)[0]
+    with np.load(path, allow_pickle=False) as arrays:
+        assert all(arrays[name].dtype.kind in "iufbSV" for name in arrays)
+    run(study(), out="a.nc")
+    assert b"cpickle" not in Path("a.nc").read_bytes().lower()
+    assert results.load("a.nc")["fingerprint"].dtype.kind in "UO"
+
+
+@pytest.mark.long
+def test_longer_settings_are_added_under_the_default_checkpoints(here):
+    text = STUDY.replace("checkpoints = [10, 60]", "")
+    run(study(text), 2, out="a.nc")
+    cut_off("b.nc", 20, text)
+    longer = study(text.replace("rounds = 60", "rounds = [60, 100]").replace("ticks  = 200", "ticks  = [200, 300]"))
+    undisturbed = sc.run(longer, jobs=2)
+    for name in ("a.nc", "b.nc"):
+        assert same(run(longer, 2, out=name), undisturbed)
+    shorter = study(text.replace("rounds = 60", "rounds = [60, 30]"))
+    run(study(text), 2, out="c.nc")
+    with pytest.raises(InputError, match=r"no decisions at round 30.*measure\.checkpoints .*50, 60"):
+        run(shorter, 2, out="c.nc")
+
+
+@pytest.mark.long
+def test_decisions_that_only_some_merged_results_have_are_missed(here):
+    one, two = study(STUDY.replace("[3, 20]", "3")), study(STUDY.replace("[3, 20]", "20").replace("[10,", "[10, 20,"))
+    results.save(sc.merge([sc.run(one), sc.run(two)]), "m.nc")
+    with pytest.raises(InputError, match="no decisions at round 20"):
+        run(study(STUDY.replace("[10,", "[10, 20,")), out="m.nc")
+    assert same(run(study(), out="m.nc"), sc.run(study()))
+
+
+def test_shards_with_local_estimates_that_are_no_longer_asked_for(here):
+    text = STUDY.replace('"moving"', '"line"').replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    cut_when(lambda p: p.work_done > 0.9 * p.work_total, study(text.replace("false", "true")), "a.nc")  # local is last
+    with pytest.raises(InputError, match="npz holds local_convergence_step, which this study does not ask for"):
+        run(study(text), out="a.nc")
+
+
+def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
+    done = Values(study(), study().settings()[:1], 2)
+
+    class Falls(dict):
+        def __getitem__(self, name):
+            return Last() if name == "convergence_round" else super().__getitem__(name)
+
+    class Last:
+        @property
+        def shape(self):
+            raise KeyboardInterrupt
+
+    robots, checkpoints = done.robots[0], len(study().checkpoints)
+    sizes = shapes(2, robots, checkpoints, local=False, names=done.arrays, of_swarm=())
+    numbers = {name: np.zeros(shape) for name, shape in sizes.items()}
+    with pytest.raises(KeyboardInterrupt):
+        done.put(0, 0, Falls(numbers))
+    assert not done.done().any()
+    assert all((array[0] == 0).any() for name, array in done.arrays.items() if name != "convergence_round")
+
+
+def test_what_killed_processes_left_beside_their_names_is_removed(here, whole):
+    cut_off("a.nc", 40)
+    for left in ("a.nc.parts/.run-0123abcd.json", f"a.nc.parts/.000009-{32 * 'a'}-0123abcd.npz", ".a-0123abcd.nc"):
+        Path(left).touch()
+    Path(".b-0123abcd.nc").touch()  # of another output, whose run may be at work
+    assert same(run(study(), out="a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == [".b-0123abcd.nc", "a.nc", "s.toml"]
+
+
+def test_a_fresh_run_that_was_cut_off_goes_on_and_replaces_the_output(here, whole):
+    run(study(seed=8, trials=2), out="a.nc")
+    found = cut_when(lambda p: p.done >= 40, study(), "a.nc", fresh=True)
+    lines = []
+    assert same(run(study(), out="a.nc", say=lines.append), whole)
+    assert f"in {counted(found, 'shard')} of a run" in lines[0]
+    assert same(sc.load("a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
+
+
+def cut_when(holds, one, out, **options):
+    def die(progress):
+        if holds(progress):
+            raise Cut
+
+    with pytest.raises(Cut):
+        run(one, 1, die, out=out, **options)
+    return len(shards.listed(shards.folder_of(Path(out))))
+
+
+def test_a_fresh_run_that_is_stopped_at_once_leaves_the_output(here, whole):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    run(study(), out="a.nc")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("swarmcensus.runs.running._run_stages", stop)
+        with pytest.raises(Interrupted):
+            run(study(seed=8), out="a.nc", fresh=True)
+    assert same(run(study(), out="a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
+
+
+def test_links_to_one_output_lock_each_other(here):
+    Path("real").mkdir()
+    Path("a.nc").symlink_to("real/b.nc")
+    assert shards.folder_of(Path("a.nc")) == here / "real/b.nc.parts"
+    with (
+        hold_output(Path("a.nc"), study(), [], [], False, print),
+        pytest.raises(InputError, match="another run"),
+    ):
+        run(study(), out="real/b.nc")
+
+
+def test_a_brain_and_its_copy_are_two_settings(here):
+    """A first brain of one's own is often a copy of a shipped one, beside it in one study."""
+    shutil.copy(sc.brains.load("minimalistic").path, "copy.py")
+    text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "copy.py"]').replace(', "moving"', "")
+    text = text.replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("swarmcensus.engine.compiler.compile_brain", compile_as_shipped(compiler.compile_brain))
+        data = run(sc.Study.parse(text), 1, out="a.nc")
+        assert same(run(sc.Study.parse(text), 1, out="a.nc"), data)
+    half = data.sizes["setting"] // 2
+    assert np.array_equal(data["final_estimate"][:half], data["final_estimate"][half:], equal_nan=True)
+
+
+def compile_as_shipped(compile_brain):
+    """A copy is the same code: there is no need to compile it."""
+    return lambda _, *how, **more: compile_brain(sc.brains.load("minimalistic"), *how, **more)
+
+
+@pytest.mark.long
+def test_a_mended_brain_does_not_cost_the_others(here, capsys):
+    source = sc.brains.load("minimalistic").source
+    text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "mine.py"]').replace(
+        '"full", "ring", "moving"', '"ring"'
+    )
+    Path("s.toml").write_text(text.replace("density    = 1\n", "").replace("ticks  = 200\n", ""))
+    Path("mine.py").write_text(source.replace("    me.t += looks\n", "    me.t += looks / 0.0\n", 1))
+    assert main(["run", "s.toml"]) == 2
+    assert "at mine.py, line" in capsys.readouterr().err
+    before = sc.load("s.nc")
+    Path("mine.py").write_text(source)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("swarmcensus.engine.compiler.compile_brain", compile_as_shipped(compiler.compile_brain))
+        assert main(["run", "s.toml"]) == 0
+    assert "found 48 of 96 trials" in capsys.readouterr().err
+    after = sc.load("s.nc")
+    assert after.attrs["trials_done"] == 96
+    assert "failed" not in after.attrs
+    assert np.array_equal(after["final_estimate"][:8], before["final_estimate"][:8], equal_nan=True)
+
+
+def test_a_folder_that_vanishes_during_a_run_is_made_again(here, whole):
+    def vanish(progress):
+        if progress.done == progress.total:
+            shutil.rmtree("made")
+
+    assert same(run(study(), 1, vanish, out="made/a.nc"), whole)
+    assert same(sc.load("made/a.nc"), whole)
+    assert [p.name for p in Path("made").iterdir()] == ["a.nc"]
+
+
+@pytest.mark.long(only=["False"])
+@pytest.mark.parametrize("finished", [True, False])
+def test_only_what_a_run_wrote_is_removed(finished, here, whole):
+    folder = shards.folder_of(Path("a.nc"))
+    mine = ["mine.npz", "000001-0123.npz", ".mine.npz", ".000001-0123abcd.npz", f".000001-{32 * 'a'}-mine.npz"]
+    if not finished:
+        cut_off("a.nc", 40)
+    folder.mkdir(exist_ok=True)
+    for name in mine:
+        (folder / name).write_text("my notes")
+    (here / "elsewhere.npz").write_text("my notes")
+    (folder / f"000001-{32 * '0'}.npz").symlink_to(here / "elsewhere.npz")
+    (folder / f".000001-{32 * 'a'}-0123abcd.npz").symlink_to(here / "elsewhere.npz")
+    assert same(run(study(), 1, out="a.nc"), whole)
+    assert same(run(study(), 1, out="a.nc", fresh=True), whole)
+    assert (here / "elsewhere.npz").read_text() == "my notes"
+    assert all((folder / name).read_text() == "my notes" for name in mine)
+    assert len(list(folder.iterdir())) == len(mine) + 2
+
+
+@pytest.mark.parametrize("name", ["", "lock", "run.json", "fresh", shards.SKETCH])
+def test_a_link_where_a_run_keeps_its_work_is_refused(name, here):
+    folder = shards.folder_of(Path("a.nc"))
+    (here / "elsewhere").mkdir()
+    if name:
+        folder.mkdir()
+        (here / "elsewhere" / "notes").write_text("my notes")
+        (folder / name).symlink_to(here / "elsewhere" / "notes")
+    else:
+        (here / "elsewhere" / f"000001-{32 * '0'}.npz").write_text("my notes")
+        folder.symlink_to(here / "elsewhere")
+    with pytest.raises(InputError, match="is a link: a run keeps its work there"):
+        run(study(), out="a.nc", fresh=True)
+    (kept,) = (here / "elsewhere").iterdir()
+    assert kept.read_text() == "my notes"
+    assert not Path("a.nc").exists()
+
+
+@pytest.mark.long
+def test_status_of_shares_and_of_what_was_merged(here):
+    def lines(name):
+        return status(name).lines[1:]
+
+    for k in (1, 2, 3):
+        run(study(), 2, out=f"{k}.nc", share=(k, 3))
+    done = "this share is done, swarmcensus merge puts it together with the others"
+    assert lines("1.nc") == ["share 1/3: 48 of its 48 trials done", f"not running: {done}"]
+    cut_when(lambda p: p.done >= 10, study(), "4.nc", share=(2, 3))
+    assert lines("4.nc") == [
+        "share 2/3: these are its trials",
+        "not running: the same swarmcensus run goes on from here",
+    ]
+    assert status("4.nc").total == 48
+    assert main(["merge", "1.nc", "2.nc", "--out", "m.nc"]) == 0
+    assert lines("m.nc") == ["not running: swarmcensus run of its study, with --out m.nc, goes on from here"]
+    assert (status("m.nc").done, status("m.nc").total) == (96, 144)
+    other = study(STUDY.replace("[3, 20]", "4").replace("trials = 6", "trials = 9"))
+    results.save(run(other), "o.nc")
+    assert main(["merge", "1.nc", "o.nc", "--out", "n.nc"]) == 0
+    (said,) = lines("n.nc")
+    assert "run of one study that holds all settings of the 2 merged, with --out n.nc, goes on from here" in said
+    assert (status("n.nc").done, status("n.nc").total) == (48 + 108, 144 + 108)
+    run(study(), out="m.nc")
+    assert status("m.nc").lines == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]
+
+
+def test_status_of_the_stages_of_a_rule(here):
+    rule = '{until = "convergence_error median +- 0.01", at_least = 6, at_most = 40}'
+    text = STUDY.replace("trials = 6", f"trials = {rule}").replace(', "moving"', "")
+    text = text.replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    cut_when(lambda p: p.total > 16 * 6, study(text), "a.nc")
+    found = status("a.nc")
+    assert found.total > found.done >= 16 * 6  # the first stage is done, and more trials are wanted
+    assert found.lines == [
+        f"resumed: 16 settings; {found.done} trials done",
+        "trials are added until: convergence_error median +- 0.01",
+        "not running: the same swarmcensus run goes on from here",
+    ]
+    data = run(study(text), 1, out="a.nc")
+    assert status("a.nc").done == status("a.nc").total == data.attrs["trials_done"]
+    assert len(status("a.nc").lines) == 1
+
+
+@pytest.mark.long
+def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
+    run_batch = tasks.run_batch
+
+    def spoiled(setting, seed, first, trials, *rest):
+        if first <= 2 < first + trials and setting.robots == 20:
+            wrong = np.where(np.arange(trials) == 2 - first, [[5.0], [7.0], [np.nan]], -1.0).T
+            answers.check_estimates(setting, inputs_of(setting, seed, first, trials), wrong)
+        return run_batch(setting, seed, first, trials, *rest)
+
+    monkeypatch.setattr(tasks, "run_batch", spoiled)
+    text = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    with pytest.warns(UserWarning, match="failed"):
+        data = run(study(text), 1, out="a.nc")
+    failed = json.loads(data.attrs["failed"])
+    assert {one["trial"] for one in failed} == {2}
+    assert len(failed) == 8 == data.attrs["trials_total"] - data.attrs["trials_done"]
+    assert "robot 5, after round 7: estimate gives nan" in failed[0]["why"]
+    assert sc.load("a.nc").identical(data)
+
+
+@pytest.mark.parametrize(
+    "measure",
+    [
+        pytest.param("local = false", marks=pytest.mark.long),
+        pytest.param("local = true", marks=pytest.mark.long),
+        "local = false\nestimates = true",
+    ],
+)
+def test_a_run_that_was_killed_has_an_early_picture(measure, here, monkeypatch, capsys):
+    """What the shards hold is shown, drawn and exported, and nothing is altered by that."""
+    monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))
+    text = STUDY.replace("local       = false", measure)
+    if measure == "local = true":  # which is of fixed networks
+        text = text.replace('"moving"', '"line"').replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    cut_off("a.nc", 50, text)
+    folder = shards.folder_of(Path("a.nc"))
+    before = {p.name: p.read_bytes() for p in folder.iterdir()}
+    done = status("a.nc").done
+    says = f"a.nc is not written yet: this is what its run has so far, {done} of 144 trials\n"
+    assert main(["show", "a.nc", "--limit", "0"]) == 0
+    out, error = capsys.readouterr()
+    assert error.startswith(says)
+    assert f"{done} of 144 trials done" in out
+    assert main(["plot", "a.nc", "--kind", "decisions", "--where", "setting < 3"]) == 0
+    assert capsys.readouterr().err == says
+    assert main(["export", "a.nc"]) == 0
+    assert capsys.readouterr().err == says
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
+    early = opened("a.nc")
+    final = run(study(text), out="a.nc")
+    for name in EVERY:
+        if name in early:
+            there = early[name].values
+            same_places = final[name].isel(trial=slice(early.sizes["trial"])).values
+            known = there != -1 if there.dtype.kind == "i" else ~np.isnan(there)
+            assert known.any() or name == "true_fill_ratio" or name in LOCAL  # which come last
+            assert (there[known] == same_places[known]).all()
+    capsys.readouterr()
+    assert main(["show", "a.nc"]) == 0
+    assert "not written yet" not in capsys.readouterr().err
+    assert not folder.exists()
+
+
+def test_what_is_not_written_yet_is_told_from_what_is_not_there(here, capsys):
+    cut_off("a.nc", 50)  # too short for an early picture
+    for command in (["show", "a.nc"], ["plot", "a.nc"], ["export", "a.nc"], ["verify", "a.nc"]):
+        assert main(command) == 2
+        assert "not written yet, its run was cut off: the same swarmcensus run goes on" in capsys.readouterr().err
+    with FileLock(shards.folder_of(Path("a.nc")) / "lock"):
+        assert main(["verify", "a.nc"]) == 2
+    assert "a run is at work on it: see swarmcensus status a.nc" in capsys.readouterr().err
+    assert main(["show", "b.nc"]) == 2
+    assert "there is no such file" in capsys.readouterr().err
+
+
+def test_results_that_are_not_whole_say_so_where_they_are_drawn(here, whole, capsys):
+    part = whole.copy(deep=True).isel(trial=slice(3))
+    sc.save(part, "part.nc")
+    for command in (["plot", "part.nc", "--kind", "decisions", "--where", "setting < 3"], ["export", "part.nc"]):
+        assert main(command) == 0
+        assert "part.nc: 72 of 144 trials done\n" in capsys.readouterr().err
+
+
+def test_a_rule_cannot_be_shared(here, capsys):
+    text = STUDY.replace("trials = 6", 'trials = {until = "convergence_error median +- 0.1"}')
+    assert text != STUDY
+    Path("s.toml").write_text(text)
+    assert main(["run", "s.toml", "--share", "1/2"]) == 2
+    assert "a study whose trials follow a rule cannot be shared" in capsys.readouterr().err

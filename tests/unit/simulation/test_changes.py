@@ -1,0 +1,268 @@
+"""Floors that change and sensors that drift while robots look: what a study says, and what a run makes of it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.bins import right_bins
+from swarmcensus.cli.commands import main
+from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
+from swarmcensus.explaining import wrong_beliefs
+from swarmcensus.figures.coordinates import varies
+from swarmcensus.figures.looks import looks_of
+from swarmcensus.results import recordings
+from swarmcensus.results import store as files
+from swarmcensus.results.selecting import where
+from swarmcensus.simulation import metrics, sampling, walking
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.studies import addresses
+from swarmcensus.worlds.changes import Change, along, read_change
+from tests.reference import rounds as reference
+from tests.support.second import brain
+from tests.support.small import SEED, SLOW, SWITCH, called, changing, moving_of, settings_of
+
+LIBRARY = ["first-right", "time-right", "mean-error", "largest-jump", "swarm-right", "recovery-time"]
+
+
+# ---- what it is
+
+
+def test_a_course_is_what_the_docs_say():
+    """From `at` on it moves by equal steps, and in round `until` it has arrived; a switch is one step."""
+    slow = along(Change(0.8, 0.2, 4, 6).course, np.arange(1, 9))
+    assert slow == pytest.approx([0.8, 0.8, 0.8, 0.6, 0.4, 0.2, 0.2, 0.2], abs=1e-15)
+    assert along(Change(0.8, 0.2, 4).course, np.arange(1, 7)).tolist() == [0.8] * 3 + [0.2] * 3
+    assert along(Change(0.8, 0.2, 4, 4).course, np.arange(1, 7)).tolist() == [0.8] * 3 + [0.2] * 3
+
+
+@pytest.mark.parametrize("change", [Change(0.1, 0.7, 5), Change(0.9, 0.3, 3, 17), Change(1 / 3, 0.7, 2, 1000)])
+def test_engine_dataset_and_reference_agree_on_it_to_the_bit(change):
+    (setting,) = settings_of(rounds=30)
+    setting = replace(setting, change=change)
+    rounds = np.arange(1, 31)
+    found = along(change.course, rounds).tolist()
+    assert found == [called(fill_ratio_in)(change.course, k) for k in rounds]
+    assert found == [reference.fill_ratio_in(setting, int(k)) for k in rounds]
+    assert read_change(str(change)) == change
+
+
+@pytest.mark.parametrize(("drift", "bound"), [(-0.03, {"least": 0.6}), (0.02, {"most": 0.85}), (-0.03, {}), (0.05, {})])
+def test_accuracies_drift_to_their_bound_and_stay(drift, bound):
+    accuracy = {"start": "U(0.7, 0.8)", "drift": drift, **bound}
+    (setting,) = settings_of(accuracy=accuracy)
+    b, w, assumed_b, assumed_w = sampling.accuracies(setting, SEED, 0, 2)
+    assert (b == w).all()
+    assert (b == assumed_b).all()  # who knows its sensor knows how it began
+    assert (w == assumed_w).all()
+    (plain,) = settings_of(accuracy="U(0.7, 0.8)")
+    assert (b == sampling.accuracies(plain, SEED, 0, 2)[0]).all()
+    moves = sampling.drifts(setting, SEED, 0, 2, b)
+    in_round = called(accuracy_in)
+    end = bound.get("least", 0.5) if drift < 0 else bound.get("most", 1.0)
+    for k in range(1, 30):
+        for i in range(5):
+            due = max(b[1, i] + drift * (k - 1), end) if drift < 0 else min(b[1, i] + drift * (k - 1), end)
+            assert in_round(b[1], moves[1], i, k) == due == reference.accuracy_in(setting, 0, b[1, i], k)
+
+
+def test_who_starts_beyond_the_bound_stays_there():
+    """Of a normal spread only the mean is held against the bound."""
+    (setting,) = settings_of(robots=60, accuracy={"start": "N(0.7, 0.2)", "drift": -0.01, "least": 0.65})
+    b = sampling.accuracies(setting, SEED, 0, 1)[0][0]
+    moves = sampling.drifts(setting, SEED, 0, 1, b[np.newaxis])[0]
+    below = np.flatnonzero(b < 0.65)
+    assert 5 < below.size < 55
+    ends = np.array([called(accuracy_in)(b, moves, i, 1000) for i in range(60)])
+    assert (ends == np.where(b < 0.65, b, 0.65)).all()
+
+
+# ---- what it shares
+
+
+@pytest.mark.parametrize("world", [{}, {"topology": "moving", "density": 8}], ids=["fixed", "moving"])
+def test_until_it_changes_a_world_is_the_one_that_stays(world):
+    """The same tiles, readings and messages; and after it none of the old floor's."""
+    early, late = sc.run(changing(SWITCH, world=world)), sc.run(changing(0.85, world=world))
+    one, other = (sc.replay(data, 0, 1)["estimate"].values for data in (early, late))
+    assert (one[:31] == other[:31]).all()
+    assert (one[-1] != other[-1]).all()
+    drifts = sc.run(changing(0.85, {"start": 0.9, "drift": -0.001}, world))
+    read = [sc.replay(data, 0, 1)[{True: "reading", False: "blacks"}[bool(world)]].values for data in (drifts, late)]
+    assert np.array_equal(read[0][:2], read[1][:2], equal_nan=True)
+
+
+def test_they_are_settings_of_their_own():
+    made = changing([0.25, SWITCH, SLOW, SWITCH | {"from": 0.8}], [0.9, {"start": 0.9, "drift": -0.001}])
+    settings = made.settings()
+    assert len({addresses.fingerprint(s, 7) for s in settings}) == len(settings) == 8
+    results = sc.run(made)
+    assert (results["fill_ratio"] == 0.25).all()
+    assert results["fill_ratio_change"].values[:4].tolist() == [
+        "", "0.85 to 0.25 at 31", "0.85 to 0.25 at 31 until 71", "0.8 to 0.25 at 31"
+    ]  # fmt: skip
+    assert set(results["accuracy"].values) == {"0.9", "0.9 drift=-0.001 least=0.5"}
+    assert (results["assumed_accuracy"] == "0.9").all()
+    assert "fill_ratio_change" not in sc.run(changing(0.25))
+    again = sc.Study.parse(made.text)
+    assert again.settings() == settings
+    for text, count in (("fill_ratio == 0.25", 8), ('fill_ratio_change == "0.85 to 0.25 at 31"', 2)):
+        assert where(results, text).sizes["setting"] == count
+
+
+def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
+    made = changing(SLOW, schedule={"rounds": [20, 40, 100]})
+    assert [s.fill_ratio for s in made.settings()] == pytest.approx([0.85, 0.85 - 0.6 * 10 / 41, 0.25], abs=1e-15)
+
+
+# ---- what is measured
+
+
+@pytest.mark.long(but_every=5)
+@pytest.mark.parametrize("change", [SWITCH, SLOW], ids=["switch", "drift"])
+@pytest.mark.parametrize(("moves", "truth"), [(False, "nominal"), (True, "nominal"), (True, "floor")])
+def test_all_is_held_against_the_truth_of_the_round(moves, change, truth):
+    world = {"topology": "moving", "density": 8, "floor": {"clusters": 0.2}} if moves else {}
+    measure = {"metrics": LIBRARY, "checkpoints": [10, 30, 31, 50, 71, 100], "truth": truth}
+    results = sc.run(
+        changing([change, 0.25], world=world, measure=measure, swarm={"robots": 8, "accuracy": [0.7, 0.95]})
+    )
+    for k in range(4):
+        trace = sc.replay(results, k, 2)
+        name = "fill_ratio" if truth == "nominal" else "true_fill_ratio"
+        truths = trace[name].values if name in trace else np.full(101, trace.attrs[name])
+        assert (name in trace) == bool(results["fill_ratio_change"].values[k])
+        x = trace["estimate"].values
+        index = metrics.convergence(x)
+        one = results.isel(setting=k, trial=2)
+        assert (one["convergence_error"].values == metrics.error_at(x, index, truths[-1])).all()
+        for c in results["checkpoint"].values:
+            assert one["correct"].sel(checkpoint=c) == metrics.correct(x[c], truths[c])
+        x, truths = x[1:], truths[1:]
+        bins = right_bins(truths, 10)
+        right = (x >= bins[:, :1]) & (x < bins[:, 1:])
+        near = np.abs(x - truths[:, np.newaxis]) < 0.05
+        last = max([0, *np.flatnonzero(np.diff(truths)) + 1])
+        np.testing.assert_allclose(one["mean_error"], np.abs(x - truths[:, np.newaxis]).mean(axis=0), rtol=1e-12)
+        np.testing.assert_allclose(one["time_right"], right.mean(axis=0), rtol=1e-12)
+        for i in range(8):
+            good = [t for t in range(100) if right[t:, i].all()]
+            assert one["first_right"][i] == (good[0] + 1 if good else np.inf)
+            good = [t for t in range(100) if near[t:, i].all()]
+            assert one["recovery_time"][i] == (max(good[0] - last, 0) if good else np.inf)
+
+
+@pytest.mark.interpreted
+def test_a_consensus_is_right_where_it_is_that_of_the_end():
+    source = 'MEMORY = {"t": 0.0, "n": 0.0}\nMESSAGE = ("x",)\n'
+    bodies = {
+        "observe(me, blacks, looks)": "me.t = 1.0\n    me.n = blacks", "broadcast(me)": "return (me.n,)",
+        "receive(me, message)": "pass", "fuse(me)": "pass", "estimate(me)": "return me.n / 3.0",
+        "decide(me)": "return 1 if me.n > 1.5 else 0",
+    }  # fmt: skip
+    source += "\n\n".join(f"def {head}:\n    {body}" for head, body in bodies.items()) + "\n"
+    told = {"robots": 4, "accuracy": 1.0, "brain": brain(source)}
+    results = sc.run(changing({"from": 1.0, "to": 0.0, "at": 50}, swarm=told))
+    assert (results["consensus"] == 1).all()
+    assert (results["right_option"] == 0).all()
+    assert (results["consensus_right"] == 0).all()
+    assert (results["decision_change"] == 50).all()
+
+
+# ---- the same life, however it is lived
+
+
+@pytest.mark.parametrize("change", [SWITCH, SLOW], ids=["switch", "drift"])
+def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
+    setting = moving_of(ticks=100, fill_ratio=change, accuracy={"start": 0.9, "drift": -0.004})
+    whole = record_ride(setting, SEED, 1)
+    monkeypatch.setattr(walking, "CHUNK_BYTES", 6 * 41 * 7)
+    parts = record_ride(setting, SEED, 1)
+    assert (whole.estimates == parts.estimates).all()
+    assert np.array_equal(whole.readings, parts.readings, equal_nan=True)
+
+
+@pytest.mark.long
+def test_results_are_resumed_verified_and_merged(tmp_path, capsys):
+    text = changing([SLOW, 0.3], [0.9, {"start": "U(0.8, 0.9)", "drift": -0.002, "least": 0.6}]).text
+    (tmp_path / "s.toml").write_text(text)
+    whole, parts = tmp_path / "whole.nc", tmp_path / "parts.nc"
+    assert main(["run", str(tmp_path / "s.toml"), "--out", str(whole)]) == 0
+    assert main(["run", str(tmp_path / "s.toml"), "--out", str(parts), "--trials", "1"]) == 0
+    assert main(["run", str(tmp_path / "s.toml"), "--out", str(parts)]) == 0
+    one, other = (sc.load(path).drop_attrs(deep=False) for path in (whole, parts))
+    assert one.identical(other)
+    assert main(["verify", str(whole)]) == 0
+    plain = sc.run(changing(0.3))
+    both = sc.merge([sc.load(whole), plain])
+    assert both["fill_ratio_change"].values.tolist().count("") == 2  # the plain setting is in both
+    assert "0.85 to 0.25 at 31 until 71" in both["fill_ratio_change"].values
+    capsys.readouterr()
+
+
+def test_members_whose_sensors_wear():
+    members = [{"robots": 3, "accuracy": {"start": 0.9, "drift": -0.01, "least": 0.6}}]
+    worn, sound = sc.run(changing(0.3, members=members)), sc.run(changing(0.3))
+    assert worn["members"].values.tolist() == ["3 accuracy 0.9 drift=-0.01 least=0.6"]
+    trace, other = sc.replay(worn, 0, 0), sc.replay(sound, 0, 0)
+    same = (trace["blacks"].values == other["blacks"].values).all(axis=0)
+    assert same.tolist() == (trace["member"] == 0).values.tolist()
+
+
+# ---- what is asked and told later
+
+
+def test_other_bins_are_asked_of_the_truth_of_each_checkpoint():
+    measure = {"estimates": True, "checkpoints": [10, 30, 31, 60, 100]}
+    results = sc.run(changing([SLOW, 0.25], measure=measure))
+    again = sc.run(changing([SLOW, 0.25], measure=measure | {"bins": 7}))
+    assert (sc.remeasure(results, bins=7)["correct"].values == again["correct"].values).all()
+    floor = sc.run(changing(SWITCH, world={"topology": "moving", "density": 8}, measure=measure | {"truth": "floor"}))
+    with pytest.raises(sc.InputError, match=r"bins = 7: decisions are compared with the floor at each"):
+        sc.remeasure(floor, bins=7)
+    assert sc.remeasure(floor, delta=0.1).attrs["delta"] == 0.1
+
+
+def test_edges_of_bins_are_warned_of_at_both_ends(tmp_path, capsys):
+    (tmp_path / "s.toml").write_text(changing({"from": 0.3, "to": 0.55, "at": 9}).text)
+    main(["run", str(tmp_path / "s.toml"), "--out", str(tmp_path / "s.nc")])
+    assert "fill ratio 0.3 lies on the edge between two of the 10 bins" in capsys.readouterr().err
+
+
+def test_a_trace_as_csv_has_the_truth_of_each_row(tmp_path):
+    results = sc.run(changing(SLOW, world={"topology": "moving", "density": 8}))
+    recordings.write_trace(sc.replay(results, 0, 0), tmp_path / "trace.csv")
+    table = pd.read_csv(tmp_path / "trace.csv")
+    assert len(table) == 101 * 8
+    assert table["fill_ratio"].to_numpy() == pytest.approx(along(Change(0.85, 0.25, 31, 71).course, table["round"]))
+    assert table["true_fill_ratio"].nunique() > 30
+
+
+def test_captions_call_no_belief_wrong_that_was_right_once():
+    results = sc.run(changing([SLOW, 0.3], [0.8, {"start": 0.9, "drift": -0.001}]))
+    assert {*varies(results)} == {"fill_ratio", "fill_ratio_change", "accuracy"}
+    looks = looks_of(results["accuracy"].values.tolist(), "o")
+    assert [(look.name, look.short) for look in looks.values()] == [
+        ("0.8", ".8"), ("0.9, -0.001 a round to 0.5", "drifts")
+    ]  # fmt: skip
+
+
+def test_an_accuracy_is_read_from_the_text_of_a_dataset():
+    """And no cost of a belief is predicted where the truth drifts."""
+    told = {"start": "U(0.8, 0.9)", "drift": -0.001, "least": 0.6}
+    made = changing(0.3, [0.9, told, {"start": 0.9, "drift": 0.002}])
+    results = sc.run(made)
+    for text, setting in zip(results["accuracy"].values, made.settings(), strict=True):
+        assert wrong_beliefs.accuracy_of(text) == setting.accuracy
+    assert [np.isnan(cost.predicted) for cost in wrong_beliefs.costs_of(results)] == [False, True, True]
+
+
+def test_results_name_what_they_hold_to_other_readers(tmp_path):
+    results = sc.run(changing([SLOW, 0.3], measure={"metrics": ["recovery-time"]}))
+    files.save(results, tmp_path / "x.nc")
+    assert sc.load(tmp_path / "x.nc").identical(results)
+    assert json.loads(results.attrs["metrics"])["recovery_time"]["name"] == "recovery-time"
+    assert sc.summary(results)["fill_ratio_change"].tolist() == ["0.85 to 0.25 at 31 until 71", ""]

@@ -1,0 +1,382 @@
+"""decide and done: what robots decide and when, what all agree on, and who has seen enough."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.comparing import cells
+from swarmcensus.conformance import suite
+from swarmcensus.conformance.contract_checks import PROMISES
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.swarming import right_option
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from tests.support.places import EXAMPLE
+from tests.support.second import MEANS, brain, changed, fixed, moving
+from tests.support.small import GO, SEED
+
+SPRT = brains.load(EXAMPLE / "sprt.py")
+MEASURE = Metrics(0.01, 10, (), decides=True, ends=True)
+DECIDES = MEANS + "\n\ndef decide(me):\n    return CHOICE\n"
+OPTIONS = ("MEMORY =", "OPTIONS = 4\nMEMORY =")
+ENDS = MEANS + "\n\ndef done(me):\n    return me.t >= 3.0\n"
+TABLE = [  # by round, then by robot
+    [-1, -1, -1],
+    [-1, 2, -1],
+    [3, 3, 3],
+    [3, -1, 1],
+    [3, 2, 1],
+    [0, 2, 1],
+]
+NEVER = np.inf
+
+
+def told(source, **world):
+    """What a study on a line of robots that look once a round has in its results, of trial 0."""
+    study = sc.Study(
+        trials=2,
+        seed=SEED,
+        swarm={"brain": brain(source), "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 6, "observations_per_round": 1},
+        world={"topology": "line", "fill_ratio": 0.8} | world,
+    )
+    return sc.run(study, jobs=1).isel(setting=0, trial=0)
+
+
+def listed(table):
+    """A `decide` that says what a table does, by me.t and me.name."""
+    lines = [
+        f"    if me.t == {t}.0 and me.name == {i}.0:\n        return {one}"
+        for t, row in enumerate(table, start=1)
+        for i, one in enumerate(row)
+    ]
+    return changed(OPTIONS) + "\n\ndef decide(me):\n" + "\n".join(lines) + "\n    return -1\n"
+
+
+@pytest.mark.interpreted
+def test_decisions_by_hand():
+    """Three robots, six rounds: they once agree, change their minds, and take decisions back."""
+    data = told(listed(TABLE))
+    assert data["decision"].values.tolist() == [0, 2, 1]
+    assert data["decision_round"].values.tolist() == [3, 2, 3]
+    assert data["decision_change"].values.tolist() == [6, 5, 4]
+    assert (data["consensus"], data["consensus_round"]) == (3, 3)
+    assert (data["consensus_right"], data["right_option"]) == (1, 3)
+
+
+@pytest.mark.interpreted
+def test_no_decision_by_hand():
+    """Robot 1 never decides, robot 0 but for a while: nobody agrees."""
+    data = told(listed([[1, -1, 2], [1, -1, 2], [-1, -1, 2]] + [[-1, -1, 2]] * 3))
+    assert data["decision"].values.tolist() == [-1, -1, 2]
+    assert data["decision_round"].values.tolist() == [1, NEVER, 1]
+    assert data["decision_change"].values.tolist() == [3, NEVER, 1]
+    assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (-1, NEVER, 0)
+
+
+@pytest.mark.interpreted
+def test_the_first_agreement_counts_though_a_better_one_follows():
+    data = told(listed([[0, 0, 0], [3, 3, 3]] * 3))
+    assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (0, 1, 0)
+
+
+@pytest.mark.parametrize("options", [2, 3, 7, 10, 100])
+def test_the_right_option_is_the_bin_of_the_truth(options):
+    """Bins are closed below, and the last one above; between white and black there is none at 0.5."""
+    for k in range(options):
+        low = k / options
+        assert right_option(np.nextafter((k + 1) / options, 0.0), options) == k
+        assert np.isnan(right_option(low, options)) if (options, k) == (2, 1) else right_option(low, options) == k
+    assert right_option(1.0, options) == options - 1
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(("truth", "right"), [(0.45, 0), (0.55, 1), (0.0, 0), (1.0, 1), (0.5, np.nan)])
+def test_two_options_are_white_and_black(truth, right):
+    data = told(DECIDES.replace("CHOICE", "1 if me.t > 2.0 else 0"), fill_ratio=truth)
+    assert data["right_option"].values == pytest.approx(right, nan_ok=True)
+    assert (data["consensus"], data["consensus_round"]) == (0, 1)
+    expected = np.nan if np.isnan(right) else float(right == 0)
+    assert data["consensus_right"].values == pytest.approx(expected, nan_ok=True)
+
+
+@pytest.mark.interpreted
+def test_who_is_done_looks_no_more_and_goes_on_talking():
+    """By hand: after three looks of one a round, and after two rounds of two."""
+    data = told(ENDS)
+    assert data["done_round"].values.tolist() == [3, 3, 3]
+    assert data["messages_sent"].values.tolist() == [6, 6, 6]
+    assert data["messages_heard"].values.tolist() == [6, 12, 6]
+    for looks, rounds, made in ((1, 3, 3), (2, 2, 4), (5, 1, 5)):
+        (setting,) = fixed(brain(ENDS), looks=looks, rounds=6)
+        fields, estimates, blacks = record_trial(setting, SEED, 0)
+        assert (fields["t"][-1] == made).all()
+        assert (fields["n"][-1] == blacks[1 : rounds + 1].sum(axis=0)).all()
+        assert (fields["is_done"].sum(axis=0) == 7 - rounds).all()
+        batch = run_batch(setting, SEED, 0, 1, MEASURE, GO)
+        assert (batch.verdicts[0, :, 3] == rounds).all()
+        assert (batch.verdicts[0, :, 4] == estimates[rounds]).all()
+        assert (batch.final[0] == estimates[rounds]).all()
+
+
+@pytest.mark.interpreted
+def test_who_is_done_may_begin_again():
+    """Done at three looks, and no more once it has heard of it: the first time counts."""
+    source = changed(
+        ("return me.t >= 3.0", "return me.t >= 3.0 and me.rest < 2.0"),
+        ("MEMORY = {", 'MEMORY = {"rest": 0.0, '),
+        ("def fuse(me):\n    pass", "def fuse(me):\n    if done(me):\n        me.rest += 1.0"),
+        source=ENDS,
+    )
+    data = told(source)
+    (setting,) = fixed(brain(source), rounds=6)
+    fields, *_ = record_trial(setting, SEED, 0)
+    assert fields["t"][:, 0].tolist() == [0, 1, 2, 3, 3, 4, 5]
+    assert data["done_round"].values.tolist() == [3, 3, 3]
+
+
+@pytest.mark.interpreted
+def test_on_the_move():
+    """A robot is done after its third reading, at whichever tick that is."""
+    setting = moving(brain(ENDS + "\n\ndef decide(me):\n    return 1 if me.t >= 2.0 else -1\n"), ticks=40)
+    (batch,) = run_ride([setting], SEED, 0, MEASURE, GO)
+    ride = record_ride(setting, SEED, 0)
+    made = np.cumsum(ride.looked, axis=0)
+    third, second = ((made >= k).argmax(axis=0).astype(float) for k in (3, 2))
+    assert batch.verdicts[0, :, 3].tolist() == np.where(made[-1] >= 3, third, NEVER).tolist()
+    assert batch.verdicts[0, :, 1].tolist() == np.where(made[-1] >= 2, second, NEVER).tolist()
+    assert (ride.fields["t"][-1] == np.minimum(made[-1], 3)).all()
+    assert batch.consensus[0, :2].tolist() == [1.0, second.max()]
+
+
+@pytest.mark.interpreted
+def test_what_nobody_decides_is_not_in_the_results():
+    assert "decision" not in told(MEANS)
+    assert "done_round" not in told(MEANS)
+    only = told(ENDS)
+    assert "consensus" not in only
+    assert "done_estimate" in only
+
+
+@pytest.mark.interpreted
+def test_of_brains_of_which_one_decides_the_other_has_none():
+    study = sc.Study(
+        trials=1,
+        swarm={"brain": ["minimalistic", brain(listed(TABLE))], "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 6, "observations_per_round": 1},
+        world={"topology": "line", "fill_ratio": 0.8},
+    )
+    data = sc.run(study)
+    assert np.isnan(data["decision"].values[0]).all()
+    assert np.isnan(data["consensus_round"].values[0]).all()
+    assert data["decision"].values[1].tolist() == [[0, 2, 1]]
+
+
+@pytest.mark.parametrize("wrong", [0.01, 0.05])
+def test_the_sequential_test_is_wrong_no_more_often_than_it_says(wrong):
+    """600 robots alone: Wald's bound on the share of wrong decisions, and four standard errors; error rate 0.01 %."""
+    lonely = {"name": "nobody", "edges": []}
+    (setting,) = fixed(
+        SPRT.with_parameters({"wrong": wrong, "margin": 0.1}),
+        robots=600,
+        rounds=400,
+        accuracy=0.8,
+        looks=5,
+        fill_ratio=0.6,
+        topology=lonely,
+    )
+    verdicts = run_batch(setting, SEED, 0, 1, MEASURE, GO).verdicts[0]
+    decided = verdicts[:, 0]
+    assert (decided >= 0).mean() > 0.99
+    assert (decided == 0).mean() < wrong + 4 * np.sqrt(wrong / 600)
+    assert (verdicts[:, 3] == verdicts[:, 1]).all()
+    assert (decided == 0).any() or wrong < 0.02
+
+
+WRONG = {
+    "me.t * 0 + 2": "2",
+    "me.t * 0 - 2": "-2",
+    "0.5 + 0 * me.t": "0.5",
+    "me.t * 1e300 * 1e300": "inf",
+    "math.inf - math.inf * me.t": "nan",
+}
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("choice", WRONG)
+def test_what_is_no_option_is_told(choice):
+    source = changed(("MEMORY =", "import math\n\nMEMORY ="), source=DECIDES.replace("CHOICE", choice))
+    said = rf"brain 'brain.py' fails in trial 1 of .*: decide gives {WRONG[choice]}: -1 \(undecided\) or an opt"
+    (setting,) = fixed(brain(source))
+    with pytest.raises(InputError, match=said):
+        run_batch(setting, SEED, 1, 1, MEASURE, GO)
+    with pytest.raises(InputError, match=said):
+        run_ride([moving(brain(source))], SEED, 1, MEASURE, GO)
+    fault = suite.fault_of(PROMISES["decides for an option, or not yet"], brain(source))
+    assert fault
+    assert f"gives {float(WRONG[choice]):g}" in fault or f"gives {WRONG[choice]}" in fault
+
+
+def test_decide_and_done_only_read():
+    for name, line in (("decide", "me.n = 0.5\n    return 1"), ("done", "me.t += 1.0\n    return False")):
+        source = MEANS + f"\n\ndef {name}(me):\n    {line}\n"
+        fault = suite.fault_of(PROMISES["functions that tell something only read"], brain(source))
+        assert fault
+        assert f"{name} (line " in fault
+
+
+@pytest.mark.parametrize("options", ["1", "0", "-3", "2.0", "True", "'two'", "10001", "(2, 3)"])
+def test_wrong_options_are_refused(options):
+    with pytest.raises(
+        InputError, match=r"brain.py: OPTIONS = .*: should be a whole number, 2 \(white and black\) to 10,000"
+    ):
+        brain(changed(("MEMORY =", f"OPTIONS = {options}\nMEMORY =")))
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        ("def decide(me, x):\n    return 1", "decide takes 2 arguments: 1 are"),
+        ("done = True", "done is True, not a function"),
+    ],
+)
+def test_wrong_functions_are_refused(function, said):
+    with pytest.raises(InputError, match=said):
+        brain(MEANS + f"\n\n{function}\n")
+
+
+@pytest.mark.interpreted
+def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
+    """All of an interval is then infinite, and so it is said."""
+    monkeypatch.chdir(tmp_path)
+    for name, test in (("one", "me.name < 1.0"), ("two", "me.name > 1.0")):
+        Path(f"{name}.py").write_text(MEANS + f"\n\ndef decide(me):\n    return 1 if {test} else -1\n")
+    study = sc.Study(
+        trials=5,
+        swarm={"brain": ["one.py", "two.py"], "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 6},
+        world={"topology": "line", "fill_ratio": [0.8, 0.3]},
+    )
+    sc.save(sc.run(study, jobs=1), "r.nc")
+    assert main(["compare", "r.nc"]) == 0
+    said = capsys.readouterr()
+    assert "never" in said.out
+    assert "warning" not in said.err
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_infinite_interval_has_no_width():
+    """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
+    measure = SimpleNamespace(share=False, unit="rounds")
+    values, low, high = np.array([np.inf, 50.0]), np.array([np.inf, 40.0]), np.array([np.inf, 60.0])
+    told = cells.numbers(values, low, high, np.array([5, 5]), measure)
+    assert told[0][0] == "never"
+    assert told[1] == ("50", "[40, 60]")
+
+
+@pytest.mark.long
+def test_recorded_readings_are_those_that_were_made(tmp_path):
+    """Who is done in the middle of a round makes the rest of its readings, and none of the next: `infer` agrees."""
+    source = changed(("me.t >= 3.0", "me.t >= 25.0"), source=ENDS)
+    (tmp_path / "some.py").write_text(source)
+    study = sc.Study(
+        trials=1, swarm={"brain": str(tmp_path / "some.py"), "robots": 4, "accuracy": 0.7},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 6},
+    )  # fmt: skip
+    results = sc.run(study, jobs=1)
+    trace = sc.replay(results, 0, 0, brain_file=tmp_path / "some.py")
+    assert (trace["t"].values[-1] == 30.0).all()
+    assert (trace["blacks"].values[4:] == 0.0).all()
+    readings, links = recording(results, 0, 0, brain_file=tmp_path / "some.py")
+    assert np.isfinite(readings).sum(axis=0).tolist() == [30] * 4
+    told = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py")
+    assert (told["n"].values == trace["n"].values).all()
+    slow = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py", compiled=False)
+    assert (slow["n"].values == trace["n"].values).all()
+
+
+@pytest.mark.parametrize(
+    ("decide", "said"),
+    [
+        ("return 7 if me.t > 99.0 else 1", "decide returns 7: -1 .undecided. or an option from 0 to 1 is right"),
+        ("return -2", "decide returns -2: -1"),
+        ("if me.t > 2.0:\n        return 1", "decide may end without returning anything"),
+        ("if me.t > 2.0:\n        return\n    return 1", "decide may end without returning anything"),
+    ],
+)
+def test_what_is_seen_of_a_decision_without_running_it(decide, said):
+    with pytest.raises(InputError, match=said):
+        brain(MEANS + f"\n\ndef decide(me):\n    {decide}\n")
+
+
+def test_a_loop_may_be_the_last_that_a_decision_does():
+    brain(MEANS + "\n\ndef decide(me):\n    for k in range(2):\n        if k == 1:\n            return k\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("decides", "the function decides is never called: did you mean 'decide'?"),
+        ("Done", "the function Done is never called: did you mean 'done'?"),
+        ("one", None),
+    ],
+)
+def test_a_function_that_is_almost_called_so_is_asked_about(name, said):
+    source = MEANS + f"\n\ndef {name}(me):\n    return 1\n"
+    if said:
+        with pytest.raises(InputError) as caught:
+            brain(source)
+        assert said in str(caught.value)
+    else:
+        brain(source)
+    with pytest.raises(InputError, match="OPTIONS needs the function decide, which is missing"):
+        brain(changed(OPTIONS))
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("topology", ["line", "full", "moving"])
+def test_who_is_done_before_the_first_round_was_done_in_round_0(topology):
+    source = changed(("me.t >= 3.0", "me.t >= 0.0"), source=ENDS) + "\n\ndef decide(me):\n    return 1\n"
+    world = {"density": 1.0, "body": {"tile": 0.05}} if topology == "moving" else {}
+    schedule = {"schedule": {"ticks": 3}} if topology == "moving" else {"schedule": {"rounds": 3}}
+    swarm = {"brain": brain(source), "robots": 3, "accuracy": 0.7}
+    world = {"topology": topology, "fill_ratio": 0.8} | world
+    found = sc.run(sc.Study(trials=2, seed=SEED, swarm=swarm, world=world, **schedule), jobs=1)
+    assert (found["done_round"] == 0).all()
+    assert (found["decision_round"] == 1).all()
+    assert (found["consensus_round"] == 1).all()
+
+
+@pytest.mark.long
+def test_nobody_is_asked_to_decide_before_the_first_round():
+    """A brain that divides by what it has seen need not ask whether it has seen anything."""
+    source = MEANS + "\n\ndef decide(me):\n    return 1 if me.n / me.t > 0.5 else 0\n"
+    found = told(source + "\n\ndef done(me):\n    return me.t > 3.0\n")
+    assert (found["decision_round"] == 1).all()
+    (setting,) = fixed(brain(source))
+    fields, _, _ = record_trial(setting, SEED, 0)
+    assert (fields["decided"][0] == -1).all()
+    assert (fields["decided"][1:] >= 0).all()
+    readings = np.ones((3, 2))
+    for compiled in (True, False):
+        trace = sc.infer(readings, None, 0.8, 1, brain(source), compiled=compiled)
+        assert trace["decided"].values.tolist() == [[-1, -1], *[[1, 1]] * 3]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "    if me.t > 2.0:\n        for k in range(3):\n            return k - 1\n    else:\n        return -1\n",
+        "    if me.t > 2.0:\n        while True:\n            for k in range(3):\n                if k:\n"
+        "                    break\n            return 1\n    else:\n        return 0\n",
+        "    while me.t < 0.0:\n        return 1\n    return 0\n",
+    ],
+)
+def test_loops_are_trusted_to_return_wherever_they_stand(body):
+    brain(MEANS + "\n\ndef decide(me):\n" + body)

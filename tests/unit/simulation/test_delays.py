@@ -1,0 +1,276 @@
+"""Messages that are rounds late on fixed networks: held against the reference and sums by hand, and what is told."""
+
+import math
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.engine.constants import HEARD, SENT
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import metrics, trials
+from swarmcensus.simulation.blaming import line_of_failure
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.studies import addresses
+from swarmcensus.studies.coordinates import coordinates_of
+from tests.reference import rounds as reference
+from tests.support.lives import lived
+from tests.support.lying import liars
+from tests.support.places import ROOT
+from tests.support.second import changed, fixed
+from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, moving_of, settings_of
+
+COMMONS = ROOT / "support" / "commons.py"
+BRAINS = ["minimalistic", "commons", "swift", "voter"]
+WORLDS = {
+    "ring": {"topology": "ring"},
+    "tree": {"topology": "scale-free"},
+    "full": {"topology": "full"},
+    "full, lossy": {"topology": "full", "link_success": 0.5},
+    "line, lossy": {"topology": "line", "link_success": 0.5},
+    "full, failing": {"topology": "full", "faults": FAULTS},
+    "ring, passing": {"topology": "ring", "faults": PASSING},
+}
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("world", WORLDS)
+def test_shipped_brains_hear_late_messages_as_in_the_reference(world):
+    """Bit for bit, but to rounding where everyone hears everyone: sums are added in another order there."""
+    for setting in settings_of(6, BRAINS, "U(0.6, 0.9)", rounds=9, looks=3, message_delay=[1, 4], **WORLDS[world]):
+        fields, estimates, blacks = record_trial(setting, SEED, 1)
+        minds = reference.fixed(setting, SEED, 1, failing(setting, 1), heard_in(setting, 1), blacks)
+        batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
+        assert estimates == pytest.approx(np.array(minds.estimates), abs=1e-12 if world == "full" else 0.0)
+        assert (batch.final[0] == estimates[-1]).all()
+        assert batch.counts[0, SENT].tolist() == minds.sent
+        assert batch.counts[0, HEARD].tolist() == minds.heard
+        for name in setting.brain.memory:
+            assert fields[name][-1] == pytest.approx([getattr(me, name) for me in minds.minds], rel=1e-9)
+
+
+@pytest.mark.long(only=["full"])
+@pytest.mark.interpreted
+@pytest.mark.parametrize("topology", ["ring", "full"])
+def test_noise_is_as_late_as_messages(topology):
+    """Of jammers that now and then fail, with losses."""
+    setting, *_ = fixed(
+        "minimalistic", robots=9, rounds=12, topology=topology, link_success=0.8, message_delay=3, faults=FAULTS,
+        members=liars("jammer", [2, 3], often=0.4)[:1],
+    )  # fmt: skip
+    lived(setting)
+
+
+def test_without_a_delay_all_is_as_before():
+    """To the bit, and to the fingerprint by which finished trials are found."""
+    plain, told, late = (settings_of(message_delay=delay) if delay else settings_of() for delay in ((), [0], [2]))
+    assert plain == told
+    assert addresses.fingerprint(plain[0], 1) == addresses.fingerprint(told[0], 1) != addresses.fingerprint(late[0], 1)
+    assert "message_delay" not in coordinates_of(plain[0])
+    assert str(late[0]) == str(plain[0]).replace(", C =", ", delay 2, C =")
+
+
+def test_late_messages_meet_the_same_luck_and_losses():
+    """Settings that differ in the delay alone see the same tiles, and lose the messages of the same rounds."""
+    now, late = settings_of(robots=8, rounds=60, link_success=0.5, message_delay=[0, 5])
+    for key in ("readings_key", "losses_key"):
+        assert (getattr(addresses, key)(now, SEED) == getattr(addresses, key)(late, SEED)).all()
+    counts = [run_batch(one, SEED, 0, 1, Metrics(0.01, 10, ()), GO).counts[0] for one in (now, late)]
+    first = [run_batch(one, SEED, 0, 1, Metrics(0.01, 10, ()), GO).counts[0]
+             for one in settings_of(robots=8, rounds=5, link_success=0.5)]  # fmt: skip
+    assert (counts[0][SENT] == counts[1][SENT]).all()
+    assert (counts[0][HEARD] - counts[1][HEARD] == first[0][HEARD]).all()
+
+
+@pytest.mark.parametrize(
+    ("topology", "robots"),
+    [
+        pytest.param("ring", 6, marks=pytest.mark.interpreted),
+        pytest.param("full", 7, marks=pytest.mark.interpreted),
+        pytest.param("full", 33_000, marks=pytest.mark.long),
+    ],
+)
+def test_sums_are_mixed_with_those_of_some_rounds_ago(topology, robots):
+    """By hand: s(t) = D y(t) + O y(t - d), where y is what is said, and s(t) = y(t) as long as nothing is heard.
+
+    The larger full network is one that does not pass through the cache as a whole.
+    """
+    delay, looks, f_b = 2, 3, 0.8
+    (setting,) = settings_of(robots, str(COMMONS), f_b, rounds=5, looks=looks, topology=topology, message_delay=delay)
+    fields, _, blacks = record_trial(setting, SEED, 0)
+    k = 2 * f_b - 1
+    said, s = [], np.zeros(robots)
+    for t in range(1, 6):
+        said.append(s + k * (blacks[t] - looks * (1 - f_b)))
+        s = said[-1]
+        if t > delay:
+            old = said[-1 - delay]
+            heard = old.sum() - old if topology == "full" else np.roll(old, 1) + np.roll(old, -1)
+            s = (s + heard) / (robots if topology == "full" else 3)
+        assert fields["s"][t] == pytest.approx(s, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.interpreted
+def test_a_delay_that_is_nearly_as_long_as_the_trial():
+    """In all rounds but the last robots are as alone, and then each hears what was said in the first."""
+    late, alone = settings_of(5, "commons", rounds=6, looks=30, message_delay=5, link_success=[1.0, 0.0])
+    estimates, lonely = (record_trial(one, SEED, 0)[1] for one in (late, alone))
+    assert (estimates[:6] == lonely[:6]).all()
+    assert (estimates[6] != lonely[6]).all()
+
+
+@pytest.mark.parametrize("rows", [1, 3, 6])
+def test_segments_that_are_run_again_hear_what_was_said_before_them(rows, monkeypatch):
+    """The rule of convergence looks back to the bits of the way there, however little is kept at a time."""
+    measure = Metrics(0.3 if rows == 6 else 0.03, 7, (2, 5, 10), estimates=True)
+    monkeypatch.setattr(trials, "segment_length", lambda *_: rows)
+    for setting in settings_of(4, "commons", rounds=10, topology=["full", "scale-free"], message_delay=[1, 4]):
+        batch = run_batch(setting, SEED, 1, 2, measure, GO)
+        for t in (0, 1):
+            curves = record_trial(setting, SEED, 1 + t)[1]
+            index = metrics.convergence(curves, measure.delta)
+            assert (batch.convergence[t] == index).all()
+            assert (batch.error[t] == np.abs(curves[index, np.arange(4)] - 0.55)).all()
+            assert (batch.kept[:, t] == curves[[2, 5, 10]]).all()
+
+
+def test_room_for_late_messages_is_reckoned_with(monkeypatch):
+    asked = []
+    monkeypatch.setattr(trials, "segment_length", lambda *sizes: asked.append(sizes) or 3)
+    (now,), (late,) = settings_of(2, "commons", rounds=4), settings_of(2, "commons", rounds=4, message_delay=3)
+    for one in (now, late):
+        run_batch(one, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+    (_, _, before, _, _), (*sizes, record, whole, threads) = asked
+    assert (*sizes, whole, threads) == (2, 4, 1, 1)
+    assert record - before >= 8 * (3 + 2) * len(late.brain.message)
+
+
+@pytest.mark.interpreted
+def test_an_oracle_hears_at_once():
+    now, late = settings_of(6, "oracle", message_delay=[0, 5])
+    assert (record_trial(now, SEED, 0)[1] == record_trial(late, SEED, 0)[1]).all()
+
+
+@pytest.mark.parametrize("topology", ["line", "scale-free"])
+def test_commons_stays_unbiased(topology):
+    """The mean error of 300 trials is within 3.5 standard errors of 0, of each robot: of 24 one in 90 studies is not.
+
+    What the prior weighs, 0.0625 / v^2 < 1e-4, is far less than these.
+    """
+    for setting in settings_of(6, "commons", "U(0.65, 0.9)", rounds=60, looks=5, topology=topology, fill_ratio=0.3,
+                               message_delay=[2, 10]):  # fmt: skip
+        off = run_batch(setting, SEED, 0, 300, Metrics(0.01, 10, ()), GO).final - 0.3
+        assert (np.abs(off.mean(axis=0)) < 3.5 * off.std(axis=0, ddof=1) / math.sqrt(300)).all()
+        assert off.std() < 0.1
+
+
+# ---- which line of a brain fails
+
+
+@pytest.mark.long
+def test_the_line_that_fails_on_late_news_is_found(tmp_path):
+    """What is said in round 3 is heard in round 6, and in none before."""
+    source = changed(
+        ("    return (estimate(me),)", "    return (me.t,)"),
+        ("    pass\n\n\ndef fuse", "    me.n += 1.0 / (3.0 - message[0])\n\n\ndef fuse"),
+    )
+    (tmp_path / "mine.py").write_text(source)
+    used = str(tmp_path / "mine.py")
+    world = {"topology": ["ring", "full"], "message_delay": 3}
+    for setting in settings_of(4, used, rounds=5, **world):
+        assert line_of_failure(setting, SEED, 0) == ""
+    walk = moving_of(6, used, ticks=60, body={"message_delay": 3, "tile": 0.05})
+    for setting in (*settings_of(4, used, rounds=6, **world), walk):
+        assert line_of_failure(setting, SEED, 0).endswith("line 17: me.n += 1.0 / (3.0 - message[0])")
+    with pytest.raises(sc.InputError, match="ZeroDivisionError"):
+        run_batch(settings_of(4, used, rounds=6, **world)[0], SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+
+
+# ---- studies and results
+
+
+@pytest.mark.parametrize(
+    ("world", "tables", "said"),
+    [
+        (RING | {"message_delay": 1000}, {}, "world.message_delay = 1000: no message is heard within 1,000 rounds"),
+        (RING, {"case": [{"rounds": 9, "message_delay": [0, 9]}]}, "case[0].message_delay = 9: no message is heard"),
+        (RING | {"message_delay": 1001}, {}, "world.message_delay = 1001: should be less than or equal to 1,000"),
+        (RING | {"message_delay": -1}, {}, "world.message_delay = -1: should be greater than or equal to 0"),
+        (RING | {"message_delay": 1.5}, {}, "world.message_delay = 1.5: should be a valid integer"),
+        (MOVING | {"message_delay": 2}, {}, "is world.body.message_delay, in ticks"),
+        (MOVING, {"case": [{"message_delay": 2}]}, "case[0].message_delay is of fixed networks"),
+        (RING | {"message_delay": [2, 2]}, {}, "a value is twice"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_said_in_a_sentence(world, tables, said):
+    with pytest.raises(sc.InputError) as caught:
+        sc.Study(**{"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": world} | tables)
+    assert said in str(caught.value)
+
+
+STUDY = """
+seed = 5
+trials = 8
+[swarm]
+brain = ["minimalistic", "commons"]
+robots = 6
+accuracy = 0.8
+[world]
+topology = "ring"
+fill_ratio = 0.35
+message_delay = [0, 1, 4]
+[schedule]
+rounds = 40
+"""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("late") / "late.nc"
+    sc.save(sc.run(sc.Study.parse(STUDY), jobs=1), path)
+    return path
+
+
+def test_results_say_how_late_messages_were(file):
+    data = sc.load(file)
+    assert data["message_delay"].values.tolist() == [0, 1, 4] * 2
+    assert (data["messages_heard"][0, 0] == 80).all()
+    assert (data["messages_heard"][2, 0] == 72).all()
+    assert (data["messages_sent"] == 40).all()
+    trace = sc.replay(data, 5, 2)
+    assert "delay 4, C = 40" in trace.attrs["title"]
+    assert (trace["estimate"].values[-1] == data["final_estimate"].values[5, 2]).all()
+    with pytest.raises(sc.InputError, match="no lost messages, no delays"):
+        recording(data, 2, 0)
+    assert recording(data, 0, 0)[0].shape == (400, 6)
+
+
+def test_studies_with_and_without_delays_are_merged(file):
+    other = sc.run(sc.Study.parse(STUDY.replace("message_delay = [0, 1, 4]", "link_success = [1, 0.5]")), jobs=1)
+    both = sc.merge([file, other])
+    assert both["message_delay"].values.tolist() == [0, 1, 4, 0, 1, 4, 0, 0]
+
+
+@pytest.mark.long
+def test_pages_and_figures_name_the_delay(file, capsys):
+    assert main(["show", str(file)]) == 0
+    assert "message_delay" in capsys.readouterr().out
+    assert main(["compare", str(file)]) == 0
+    assert "message_delay" in capsys.readouterr().out
+    figure = sc.plot.lines(sc.load(file), x="message_delay")
+    assert figure.axes[0].get_xlabel() == "message delay (rounds)"
+    said = "".join(axes.get_title(loc="left") for axes in sc.plot.decisions(sc.load(file)).axes)
+    assert "delay 4" in said
+
+
+@pytest.mark.long
+def test_runs_are_resumed_and_verified(tmp_path, capsys):
+    (tmp_path / "s.toml").write_text(STUDY)
+    whole, parts = tmp_path / "whole.nc", tmp_path / "parts.nc"
+    for out, more in ((whole, []), (parts, ["--trials", "3"]), (parts, [])):
+        assert main(["run", str(tmp_path / "s.toml"), "--out", str(out), *more]) == 0
+    one, other = (sc.load(path).drop_attrs(deep=False) for path in (whole, parts))
+    assert one.identical(other)
+    assert main(["verify", str(whole)]) == 0
+    capsys.readouterr()

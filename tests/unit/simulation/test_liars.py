@@ -1,0 +1,301 @@
+"""Adversaries in studies: how they are named, what results say of them, and that results stand for themselves."""
+
+import json
+import pickle
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.comparing.contenders import grid_of
+from swarmcensus.figures.panels import panels_of
+from swarmcensus.results.merging import merge
+from swarmcensus.results.selecting import where
+from swarmcensus.runs import clusters
+from swarmcensus.runs.verifying import verify
+from swarmcensus.studies import addresses
+from tests.support.second import MEANS
+
+pytestmark = pytest.mark.interpreted
+
+MINE = '"""Grey: it says one half, and a little more each round."""\n\nPARAMETERS = {"more": 0.01}\nMEMORY = {"k": 0.0}\n\n\ndef lie(me, x):\n    return 0.5 + me.k\n\n\ndef plot(me):\n    me.k += me.more\n'  # noqa: E501
+STUDY = """
+name   = "liars"
+seed   = 5
+trials = 3
+
+[swarm]
+brain    = ["minimalistic", "legacy"]
+robots   = 10
+accuracy = 0.8
+
+[[members]]
+robots = [0, 1, 0.3]
+brain  = ["always-black", {file = "slow-liar", pace = [0.01, 0.02]}, "jammer", "grey.py"]
+honest = false
+
+[world]
+topology   = "ring"
+fill_ratio = 0.3
+
+[schedule]
+rounds = 12
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("liars")
+    (folder / "grey.py").write_text(MINE)
+    (folder / "s.toml").write_text(STUDY)
+    sc.save(sc.run(sc.Study.load(folder / "s.toml"), jobs=1), folder / "s.nc")
+    return folder
+
+
+@pytest.fixture
+def here(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.fixture
+def data(folder):
+    return sc.load(folder / "s.nc")
+
+
+@pytest.mark.long
+def test_liars_are_a_number_and_have_a_name(data):
+    assert data.sizes["setting"] == 2 * (1 + 2 * 5)
+    assert data["liars"].values.tolist() == 2 * ([0] + [1] * 5 + [3] * 5)
+    who = ["always-black", "slow-liar pace=0.01", "slow-liar pace=0.02", "jammer", "grey.py"]
+    assert data["adversary"].values.tolist() == 2 * ["", *who, *who]
+    assert data["members"].values[6] == "0.3 always-black, not honest"
+    assert (
+        np.isfinite(data["final_estimate"].values[:11]).sum(axis=(1, 2)) == 3 * (10 - data["liars"].values[:11])
+    ).all()
+    assert json.loads(data.attrs["brains"]).keys() == {"minimalistic", "legacy"}
+    assert json.loads(data.attrs["adversaries"]).keys() == {"always-black", "slow-liar", "jammer", "grey.py"}
+    assert where(data, "liars == 3 and adversary == 'jammer'").sizes["setting"] == 2
+    assert where(data, "liars < 2").sizes["setting"] == 12
+
+
+def test_liars_shift_what_the_honest_believe(data):
+    """Towards black, and the more of them the farther; grey ones towards one half; who is jammed hears nothing."""
+    ours = data.isel(setting=data["brain"].values == "legacy")
+    mean = dict(zip(zip(ours["adversary"].values.tolist(), ours["liars"].values.tolist(), strict=True),
+                    ours["final_estimate"].mean(["trial", "robot"]).values.tolist(), strict=True))  # fmt: skip
+    assert mean["", 0] < mean["always-black", 1] < mean["always-black", 3]
+    assert mean["", 0] < mean["grey.py", 3] < mean["always-black", 3]
+    heard = where(data, "adversary == 'jammer' and liars == 1")["messages_heard"]
+    assert (heard.sum(["robot"]).values == 9 * 24 - 24 - 2 * 12).all()  # 9 honest ones; two hear none; noise is none
+
+
+def test_settings_that_differ_in_the_swarms_brain_are_pairs(data):
+    field, _ = grid_of(data, data)
+    assert field.contenders == ["minimalistic", "legacy"]
+    assert field.place.shape == (11, 2)
+    assert list(field.worlds[0]) == ["members"]
+
+
+def test_lines_are_drawn_against_the_number_of_liars(here, tmp_path, data):
+    assert main(["plot", "s.nc", "--kind", "lines", "--x", "liars", "--out", str(tmp_path / "l.png")]) == 0
+    figure = sc.plot.lines(data, x="liars", color="adversary", panels="brain")
+    assert [panel.caption for panel in panels_of(data, ("liars", "adversary"))] == [
+        "Minimalistic (paper)",
+        "Legacy (paper)",
+    ]
+    lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
+    black = next(line for label, line in lines.items() if label == "line always-black")
+    assert black.get_xdata().tolist() == [0.0, 1.0, 3.0]
+
+
+def test_the_table_shows_members_once(here, capsys):
+    assert main(["show", "s.nc", "--where", "liars == 3 and brain == 'legacy'"]) == 0
+    text = capsys.readouterr().out
+    assert "0.3 always-black, not honest" in text
+    assert "liars" not in text.replace("s.nc: liars", "")
+
+
+# ---- results stand for themselves
+
+
+def test_a_trial_is_replayed(here, data):
+    for setting in (0, 6, 7, 21):
+        trace = sc.replay(data, setting=setting, trial=1)
+        assert trace.sizes["robot"] == 10
+    assert np.isfinite(sc.replay(data, setting=7, trial=0)["liar_far"].values[-1]).sum() == 3
+    assert (sc.replay(data, setting=7, trial=0)["liar_far"].max() == pytest.approx(0.12)).item()
+
+
+@pytest.mark.long
+def test_a_file_is_run_where_it_lies_or_is_given_and_nowhere_else(here, data, tmp_path, monkeypatch, capsys):
+    elsewhere = tmp_path / "mine.py"
+    elsewhere.write_text(MINE)
+    monkeypatch.chdir(tmp_path)
+    last = ["replay", str(here / "s.nc"), "--setting", "21", "--trial", "0", "--out", "t.nc"]
+    assert main(last) == 2
+    assert "the adversary 'grey.py' is a file. Files named in results are run only" in capsys.readouterr().err
+    assert main([*last, "--brain-file", "mine.py"]) == 0
+    assert main(["replay", str(here / "s.nc"), "--setting", "20", "--trial", "0", "--out", "t.nc"]) == 0
+    assert verify(data, sample=1.0, brain_file="mine.py").differences == []
+    elsewhere.write_text(MINE.replace("0.5", "0.6"))
+    assert main([*last, "--brain-file", "mine.py"]) == 2
+    assert (
+        "not the source that these results were made with (legacy, minimalistic, always-black"
+        in capsys.readouterr().err
+    )
+
+
+@pytest.mark.long
+def test_a_brain_file_of_members_is_not_run_unasked_either(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MEANS.replace('("x",)', '("x", "n")').replace("(estimate(me),)", "(estimate(me), me.n)"))
+    members = [{"robots": 1, "brain": "mine.py", "honest": False}]
+    swarm, world = {"robots": 4, "accuracy": 0.7}, {"topology": "ring", "fill_ratio": 0.5}
+    Path("other.py").write_text(Path("mine.py").read_text())
+    swarm["brain"] = "other.py"
+    data = sc.run(sc.Study(trials=1, swarm=swarm, world=world, members=members, schedule={"rounds": 2}), jobs=1)
+    Path("mine.py").unlink()
+    with pytest.raises(sc.InputError, match=r"the brain 'mine.py' is a file"):
+        sc.replay(data, setting=0, trial=0)
+
+
+@pytest.mark.long
+def test_verified_in_full(here, data):
+    found = verify(data, sample=1.0)
+    assert (found.differences, found.labels, found.checked) == ([], [], 66)
+
+
+def test_a_change_is_noticed(here, data):
+    data["final_estimate"].values[6, 0, 0] += 1e-15
+    data["liars"].values[3] = 2
+    found = verify(data, sample=1.0)
+    assert [str(one).partition(":")[0] for one in found.differences] == ["setting 6, trial 0"]
+    assert found.labels == ["setting 3: liars is 2 in the file and 1 by its study"]
+    changed = data.assign_attrs(adversaries=data.attrs["adversaries"].replace("0.5 + me.k", "0.4 + me.k"))
+    with pytest.raises(sc.InputError, match=r"the source of the adversary 'grey\.py' is not the one"):
+        verify(changed)
+
+
+@pytest.mark.long
+def test_resumed_and_merged(here, data, tmp_path):
+    out = tmp_path / "r.nc"
+    study = sc.Study.load("s.toml")
+    fewer = sc.run(study.with_(trials=2), jobs=1, out=out)
+    again = sc.run(study, jobs=1, out=out)
+    for name in ("final_estimate", "messages_heard"):
+        assert np.array_equal(again[name].values, data[name].values, equal_nan=True)
+    merged = merge([fewer, data])
+    assert np.array_equal(merged["final_estimate"].values, data["final_estimate"].values, equal_nan=True)
+    assert merged["liars"].values.tolist() == data["liars"].values.tolist()
+    assert verify(merged, sample=0.1, seed=1).labels == []
+
+
+@pytest.mark.long
+def test_merged_with_a_study_in_which_nobody_lies(here, data):
+    plain = sc.Study.parse(STUDY.partition("[[members]]")[0].replace("robots   = 10", "robots   = 6")
+                           + "[world]" + STUDY.partition("[world]")[2])  # fmt: skip
+    for parts in ([sc.run(plain, jobs=1), data], [data, sc.run(plain, jobs=1)]):
+        merged = merge(parts)
+        alone = merged.isel(setting=merged["robots"].values == 6)
+        assert alone["liars"].values.tolist() == [0, 0]
+        assert alone["honest"].values.tolist() == [6, 6]
+        assert alone["members"].values.tolist() == ["", ""]
+        assert verify(merged, sample=1.0).labels == []
+
+
+def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
+    study = sc.Study.load("s.toml")
+    sent = pickle.dumps(clusters.payload_of(study))
+    monkeypatch.chdir(tmp_path)  # where no such file lies
+    there, settings = clusters.read_payload(pickle.loads(sent))
+    assert [addresses.fingerprint(s, 5) for s in settings] == [addresses.fingerprint(s, 5) for s in study.settings()]
+    assert {a.name: a.source for a in there.adversaries} == {a.name: a.source for a in study.adversaries}
+
+
+# ---- the shell
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("honest = false", "", "members[0].brain = 'always-black': that is an adversary, which is not honest"),
+        ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wears the brain of its swarm"),
+        ('["minimalistic", "legacy"]', '"grey.py"', "that is an adversary, which wears the brain of its swarm"),
+        ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
+        ('"always-black"', '"allways-black"', "did you mean 'always-black'? neither a brain nor an adversary"),
+        ("pace = [0.01, 0.02]", "speed = 3", "the adversary 'slow-liar' has no parameter 'speed': it has pace, goal"),
+        ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
+        ('"grey.py"', '"bad.py"', "adversary file bad.py, line 2: lie uses me.y"),
+        ('"grey.py"', '"none.py"', "none.py"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_told_in_a_sentence(tmp_path, monkeypatch, capsys, old, new, said):
+    monkeypatch.chdir(tmp_path)
+    Path("grey.py").write_text(MINE)
+    Path("bad.py").write_text("def lie(me, x):\n    return me.y\n")
+    Path("mute.py").write_text(MEANS.replace('("x",)', '("words",)'))
+    assert old in STUDY
+    Path("s.toml").write_text(STUDY.replace(old, new, 1))
+    assert main(["run", "s.toml"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+    assert "s.toml" in line
+    assert not Path("s.nc").exists()
+
+
+@pytest.mark.long
+def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("grey.py").write_text(MINE.replace("0.5 + me.k", "0.5 / (me.k - 0.02)"))
+    study = STUDY.replace('["minimalistic", "legacy"]', '"minimalistic"').replace('"always-black", ', "")
+    Path("s.toml").write_text(study.replace('{file = "slow-liar", pace = [0.01, 0.02]}, "jammer", ', ""))
+    assert main(["run", "s.toml", "--jobs", "1"]) == 2
+    said = capsys.readouterr().err
+    assert re.search("ZeroDivisionError: (float )?division by zero, at grey.py --wearing", said)
+    assert "return 0.5 / (me.liar_k - 0.02)" in said
+
+
+@pytest.mark.long
+def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes, monkeypatch):
+    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)  # the process that checks compiles
+    assert main(["brains"]) == 0
+    assert "slow-liar" in capsys.readouterr().out
+    assert main(["brains", "--show", "grey.py", "--wearing", "legacy"]) == 0
+    source = capsys.readouterr().out
+    assert "def liar_lie(me, x):" in source
+    assert "Wearing: The rival" in source
+    assert main(["brains", "--check", "grey.py"]) == 0
+    assert "grey.py: conforms" in capsys.readouterr().out
+    assert main(["brains", "--show", "legacy", "--wearing", "minimalistic"]) == 2
+    assert "legacy has no lie(me, x)" in capsys.readouterr().err
+    assert main(["brains", "--wearing", "legacy"]) == 2
+    assert "needs --check or --show" in capsys.readouterr().err
+    Path("half.py").write_text("def lie(me, x):\n    return x / 0.0\n")
+    assert main(["brains", "--check", "half.py"]) == 2
+    assert "FAIL" in capsys.readouterr().out
+
+
+@pytest.mark.long
+def test_merged_results_of_which_a_part_has_liars_are_the_same_when_run_again(tmp_path, capsys):
+    """What is joined of the parts belongs to them all, whichever comes first."""
+
+    def part(name, **tables):
+        return sc.Study(
+            name=name, trials=2, swarm={"robots": 5, "accuracy": 0.8, "brain": tables.pop("brain", "minimalistic")},
+            world={"topology": "ring", "fill_ratio": 0.3}, schedule={"rounds": 8}, **tables,
+        )  # fmt: skip
+
+    plain = sc.run(part("plain"), jobs=1)
+    lying = sc.run(part("lying", brain="w-msr", members=[{"robots": 1, "brain": "opposite", "honest": False}]), jobs=1)
+    for order in ([plain, lying], [lying, plain]):
+        merged = merge(order)
+        assert {"adversaries", "parameters"} <= merged.attrs.keys()
+        found = verify(merged, sample=1.0)
+        assert (found.notes, found.labels, found.differences) == ([], [], [])
+    sc.save(merged, tmp_path / "m.nc")
+    assert main(["verify", str(tmp_path / "m.nc")]) == 0
+    assert "the same to the last bit" in "".join(capsys.readouterr())

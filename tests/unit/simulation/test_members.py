@@ -1,0 +1,446 @@
+"""Mixed swarms: who is who, what members have of their own, and of whom the results are."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.engine.constants import HEARD, SENT
+from swarmcensus.simulation import metrics, sampling
+from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.studies import addresses
+from swarmcensus.studies.coordinates import coordinates_of
+from tests.support.long import in_two_sizes
+from tests.support.second import MEANS, STEER, agreed, brain, changed, fixed, moving
+from tests.support.small import FAULTS, GO, SEED
+
+LIAR = changed(("return (estimate(me),)", "return (1.0 - estimate(me),)"))
+LISTENS = changed(
+    ("MEMORY = {", 'MEMORY = {"x": 0.5, '),
+    ("return (estimate(me),)", "return (me.x,)"),
+    ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.x += 0.25 * (message[0] - me.x)"),
+    ("def fuse(me):\n    pass", "def fuse(me):\n    me.x = 0.75 * me.x + 0.25 * me.n / max(me.t, 1.0)"),
+    ("return me.n / me.t if me.t > 0.0 else 0.5", "return me.x"),
+)
+DECIDES = LISTENS + "\n\ndef decide(me):\n    return -1 if me.t < 20.0 else 0 if me.x < 0.5 else 1\n"
+ENDS = DECIDES + "\n\ndef done(me):\n    return me.t > 60.0\n"
+MEASURE = Metrics(0.02, 10, (2, 8, 20), estimates=True, decides=True, ends=True)
+
+
+def liars(robots):
+    return [{"robots": robots, "brain": brain(LIAR, "liar.py"), "honest": False}]
+
+
+def who(robots=20, members=(), trials=40, **world):
+    """Who is who (trial, robot)."""
+    (setting,) = fixed(brain(MEANS), robots=robots, members=members, **world)
+    return sampling.groups(setting, SEED, 0, trials)
+
+
+@pytest.mark.parametrize(("share", "count"), [(3, 3), (20, 20), (0.1, 2), (0.3, 6), (0.29, 6), (1.0, 20)])
+def test_there_are_as_many_as_the_study_says_in_each_trial(share, count):
+    """And no binomial number of them."""
+    assert (who(members=[{"robots": share, "accuracy": 0.9}]).sum(axis=1) == count).all()
+    (setting,) = fixed(brain(MEANS), robots=20, members=liars(share) if count < 20 else ())
+    assert setting.honest == 20 - count if count < 20 else setting.honest == 20
+
+
+def test_a_larger_share_holds_the_robots_of_a_smaller_one():
+    found = [who(members=liars(share)) == 1 for share in (0.1, 0.2, 5, 0.7)]
+    for small, large in pairwise(found):
+        assert (small <= large).all()
+        assert (small.sum(axis=1) < large.sum(axis=1)).all()
+
+
+def test_tables_share_the_swarm_out_and_nobody_is_of_two():
+    found = who(members=[{"robots": 0.2, "accuracy": 0.9}, {"robots": 5, "accuracy": 0.8}, *liars(0.3)])
+    assert all(np.bincount(row).tolist() == [5, 4, 5, 6] for row in found)
+    two = who(members=[{"robots": 0.2, "accuracy": 0.9}])
+    assert ((found == 1) == (two == 1)).all()
+
+
+def test_they_are_the_same_robots_whatever_else_differs():
+    """The brain, the network, the faults: so that settings meet the same swarm."""
+    one = who(members=liars(6))
+    for other in (
+        who(members=[{"robots": 6, "accuracy": 0.9}]),
+        who(members=liars(6), topology="full", link_success=0.5, faults=FAULTS, accuracy=0.9),
+    ):
+        assert (one == other).all()
+    setting = moving(brain(LISTENS), robots=20, members=liars(6), density=2)
+    assert (sampling.groups(setting, SEED, 0, 40) == one).all()
+    assert (sampling.groups(setting, SEED, 7, 3) == one[7:10]).all()
+    assert (one != sampling.groups(setting, SEED + 1, 0, 40)).any()
+
+
+def test_each_robot_is_as_likely_in_each_trial():
+    """4,000 trials of 2 in 8: each robot a quarter of the time, each pair once in 28; chi-square, error rate 0.1 %."""
+    found = who(robots=8, members=liars(2), trials=4000) == 1
+    pairs = np.bincount(found @ (2 ** np.arange(8)), minlength=256)
+    of_two = [2**i + 2**j for i in range(8) for j in range(i)]
+    assert pairs.sum() == pairs[of_two].sum() == 4000
+    assert stats.chisquare(pairs[of_two]).pvalue > 1e-3
+    both = (found[1:] & found[:-1]).sum(axis=1)  # of two trials in a row: hypergeometric
+    law = stats.hypergeom(8, 2, 2).pmf([0, 1, 2])
+    assert stats.chisquare(np.bincount(both, minlength=3), law * len(both)).pvalue > 1e-3
+
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.interpreted
+@pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
+def test_what_is_measured_is_of_the_honest(topology):
+    """Every number of a batch against plain NumPy on the trace of all robots; who lies is in the trace too."""
+    (setting,) = fixed(
+        brain(ENDS), robots=9, rounds=20, looks=4, members=liars(0.3), topology=topology, link_success=0.8
+    )
+    batch = run_batch(setting, SEED, 0, 3, MEASURE, GO)
+    for trial in range(3):
+        honest = sampling.groups(setting, SEED, trial, 1)[0] == 0
+        fields, curves, _ = record_trial(setting, SEED, trial)
+        ours, index = curves[:, honest], metrics.convergence(curves[:, honest], 0.02)
+        assert honest.sum() == 6
+        assert (batch.convergence[trial] == index).all()
+        assert (batch.error[trial] == metrics.error_at(ours, index, 0.55)).all()
+        assert (batch.final[trial] == ours[-1]).all()
+        for c, checkpoint in enumerate(MEASURE.checkpoints):
+            right = (ours[checkpoint] >= 0.5) & (ours[checkpoint] < 0.6)
+            assert batch.correct[c, trial] == right.mean()
+            assert (batch.kept[c, trial] == ours[checkpoint]).all()
+        decided, done = fields["decided"][1:, honest], fields["is_done"][1:, honest]
+        assert (fields["decided"][:, ~honest] == -1).all()
+        assert (batch.verdicts[trial, :, 0] == decided[-1]).all()
+        assert (batch.verdicts[trial, :, 3] == done.argmax(axis=0) + 1).all()
+        assert tuple(batch.consensus[trial, :2]) == agreed(decided)
+        assert (batch.counts[trial, SENT] == 20).all()
+        if topology == "full":
+            assert (batch.counts[trial, HEARD] < 8 * 20).all()
+    assert batch.counts.shape == (3, 3, 6)
+
+
+@pytest.mark.interpreted
+def test_the_same_of_robots_that_move():
+    setting = moving(brain(ENDS), robots=9, ticks=80, members=liars(3))
+    (batch,), ride = run_ride([setting], SEED, 1, MEASURE, GO), record_ride(setting, SEED, 1)
+    honest = sampling.groups(setting, SEED, 1, 1)[0] == 0
+    ours = ride.estimates[:, honest]
+    index = metrics.convergence(ours, 0.02)
+    assert (batch.convergence[0] == index).all()
+    assert (batch.error[0] == metrics.error_at(ours, index, 0.55)).all()
+    assert (batch.final[0] == ours[-1]).all()
+    heard = np.zeros(9)
+    np.add.at(heard, ride.links[:, 1:].ravel(), 1)
+    assert (batch.counts[0, HEARD] == heard[honest]).all()
+    assert (batch.verdicts[0, :, 0] == ride.fields["decided"][-1, honest]).all()
+
+
+@pytest.mark.interpreted
+def test_results_have_as_many_robots_as_are_honest():
+    study = sc.Study(
+        trials=2,
+        seed=SEED,
+        swarm={"brain": brain(LISTENS), "robots": 10, "accuracy": 0.7},
+        schedule={"rounds": 5},
+        world={"topology": "ring", "fill_ratio": 0.5},
+        members=[*liars([0, 0.2]), {"robots": 1, "accuracy": 0.9}],
+    )
+    data = sc.run(study, jobs=1)
+    assert data["robots"].values.tolist() == [10, 10]
+    assert data["members"].values.tolist() == ["1 accuracy 0.9", "0.2 liar.py, not honest; 1 accuracy 0.9"]
+    assert (np.isfinite(data["final_estimate"].values).sum(axis=2) == [[10, 10], [8, 8]]).all()
+    assert np.isnan(data["messages_sent"].values[1, :, 8:]).all()
+
+
+@pytest.mark.interpreted
+def test_robots_that_lie_are_heard():
+    """By hand: a liar at one end of a pair; the honest one hears one minus what the liar sees."""
+    hears = changed(
+        ("me.x += 0.25 * (message[0] - me.x)", "me.x = message[0]"),
+        ("me.x = 0.75 * me.x + 0.25 * me.n / max(me.t, 1.0)", "pass"),
+        source=LISTENS,
+    )
+    (setting,) = fixed(brain(hears), robots=2, rounds=6, members=liars(1), topology="line")
+    fields, curves, blacks = record_trial(setting, SEED, 0)
+    liar = int(np.flatnonzero(sampling.groups(setting, SEED, 0, 1)[0])[0])
+    seen = np.cumsum(blacks[1:, liar]) / np.arange(1, 7)
+    assert (curves[1:, liar] == seen).all()
+    assert (curves[1:, 1 - liar] == 1.0 - seen).all()
+    assert np.isnan(fields["x"][:, liar]).all()
+
+
+BELIEVES = changed(
+    ("MEMORY = {", 'MEMORY = {"p": 0.0, "q": 0.0, '),
+    ("def fuse(me):\n    pass", "def fuse(me):\n    me.p = me.b\n    me.q = me.w"),
+)
+
+
+def test_members_see_as_well_as_they_are_said_to():
+    """On a black floor readings are right with the member's accuracy: counts of 60 looks, chi-square, 0.1 % each."""
+    (setting,) = fixed(
+        brain(BELIEVES),
+        robots=300,
+        rounds=20,
+        looks=60,
+        accuracy=0.6,
+        fill_ratio=1.0,
+        topology="line",
+        members=[{"robots": 0.4, "accuracy": 0.8}, {"robots": 60, "accuracy": {"black": 0.7, "white": 0.9}}],
+    )
+    fields, _, blacks = record_trial(setting, SEED, 0)
+    group = sampling.groups(setting, SEED, 0, 1)[0]
+    for number, b, w in ((0, 0.6, 0.6), (1, 0.8, 0.8), (2, 0.7, 0.9)):
+        assert (fields["p"][-1][group == number] == b).all()  # and they know it
+        assert (fields["q"][-1][group == number] == w).all()
+        found = np.bincount(blacks[1:, group == number].astype(int).ravel(), minlength=61)
+        law = stats.binom(60, b).pmf(np.arange(61)) * found.sum()
+        some = law >= 5
+        pooled = [np.append(v[some], v[~some].sum()) for v in (found, law)]
+        assert stats.chisquare(pooled[0], pooled[1] * pooled[0].sum() / pooled[1].sum()).pvalue > 1e-3
+
+
+def test_drawn_accuracies_of_members_have_their_law():
+    """Uniform of the swarm and of the members, each in its own range, and independent; error rate 0.3 %."""
+    (setting,) = fixed(
+        brain(MEANS), robots=400, accuracy="U(0.5, 0.7)", members=[{"robots": 0.5, "accuracy": "U(0.8, 1.0)"}]
+    )
+    given = inputs_of(setting, SEED, 0, 5)
+    group = sampling.groups(setting, SEED, 0, 5)
+    assert (given.sensors[0] == given.beliefs[0]).all()
+    ours, theirs = given.sensors[0][group == 0], given.sensors[0][group == 1]
+    assert stats.kstest((ours - 0.5) / 0.2, "uniform").pvalue > 1e-3
+    assert stats.kstest((theirs - 0.8) / 0.2, "uniform").pvalue > 1e-3
+    assert abs(np.corrcoef(ours, theirs)[0, 1]) < 3.3 / np.sqrt(len(ours))
+    plain = sampling.accuracies(fixed(brain(MEANS), robots=400, accuracy="U(0.5, 0.7)")[0], SEED, 0, 5)[0]
+    assert (given.sensors[0][group == 0] == plain[group == 0]).all()
+
+
+@pytest.mark.parametrize(
+    ("swarm", "member", "ours", "theirs"),
+    [
+        ({}, {"assumed_accuracy": 0.99}, (0.7, 0.7), (0.7, 0.99)),
+        ({"assumed_accuracy": 0.6}, {"accuracy": 0.9}, (0.7, 0.6), (0.9, 0.6)),
+        ({"assumed_accuracy": 0.6}, {"accuracy": 0.9, "assumed_accuracy": 0.8}, (0.7, 0.6), (0.9, 0.8)),
+        ({"assumed_accuracy": {"error": -0.1}}, {"accuracy": 0.9}, (0.7, 0.6), (0.9, 0.8)),
+        ({}, {"accuracy": 0.9, "assumed_accuracy": {"error": -0.2}}, (0.7, 0.7), (0.9, 0.7)),
+    ],
+)
+def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
+    study = sc.Study(
+        trials=1,
+        seed=SEED,
+        swarm={"brain": brain(BELIEVES), "robots": 6, "accuracy": 0.7} | swarm,
+        world={"topology": "ring", "fill_ratio": 0.5},
+        schedule={"rounds": 2},
+        members=[{"robots": 2} | member],
+    )
+    (setting,) = study.settings()
+    given, group = inputs_of(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
+    fields, *_ = record_trial(setting, SEED, 0)
+    for number, (true, assumed) in enumerate((ours, theirs)):
+        assert given.sensors[0][0][group == number] == pytest.approx(true)
+        assert fields["p"][-1][group == number] == pytest.approx(assumed)
+
+
+@pytest.mark.long(only=["False-quick"])
+@pytest.mark.interpreted
+@in_two_sizes("ticks", 120, 300)
+@pytest.mark.parametrize("steers", [False, True])
+def test_members_are_as_fast_as_they_are_said_to_be(steers, ticks):
+    """A robot that goes straight on does its speed in a tick, and nobody is faster, but who is pushed."""
+    source = MEANS + ("\n\ndef steer(me):\n    return 9.0, 0.0\n" if steers else "")
+    members = [{"robots": 3, "speed": 0.05}, {"robots": 2, "speed": 0.4}, {"robots": 1, "speed": 0.0}]
+    setting = moving(brain(source), robots=10, ticks=ticks, density=0.5, members=members)
+    ride, group = record_ride(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
+    steps = np.linalg.norm(np.diff(ride.poses[..., :2], axis=0), axis=2)
+    for number, speed in enumerate((setting.body.speed, 0.05, 0.4, 0.0)):
+        mine = steps[:, group == number]
+        pace = speed * setting.body.tick
+        assert np.quantile(mine, 0.97) <= pace + 1e-12
+        assert (abs(mine - pace) < 1e-9).mean() > 0.2
+
+
+@pytest.mark.interpreted
+def test_robots_of_one_speed_walk_as_if_they_were_no_members():
+    plain, same = moving(brain(MEANS)), moving(brain(MEANS), members=[{"robots": 3, "accuracy": 0.9}])
+    faster = moving(brain(MEANS), members=[{"robots": 3, "speed": 0.3}])
+    assert addresses.walk_group(plain) == addresses.walk_group(same) != addresses.walk_group(faster)
+    rides = [record_ride(one, SEED, 0) for one in (plain, same)]
+    assert (rides[0].poses == rides[1].poses).all()
+
+
+@pytest.mark.interpreted
+def test_only_some_steer():
+    """Robots whose brain does not steer walk at random; the others stand still here."""
+    stands = MEANS + "\n\ndef steer(me):\n    return 0.0, 0.0\n"
+    setting = moving(
+        brain(MEANS), robots=8, ticks=60, density=1, members=[{"robots": 4, "brain": brain(stands, "stands.py")}]
+    )
+    ride, group = record_ride(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
+    far = np.linalg.norm(ride.poses[-1, :, :2] - ride.poses[5, :, :2], axis=1)
+    assert far[group == 1].max() < 0.01 < far[group == 0].min()
+    (batch,) = run_ride([setting], SEED, 0, MEASURE, GO)
+    assert (batch.final[0] == ride.estimates[-1]).all()
+
+
+STUDY = """
+trials = 1
+[swarm]
+brain = "mine.py"
+robots = [5, 8]
+accuracy = 0.7
+[[members]]
+robots = 2
+brain  = "liar.py"
+[world]
+topology = "ring"
+fill_ratio = 0.5
+[schedule]
+rounds = 3
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("robots = 2", "robots = 6", "members[0].robots = 6: that is 6 of 5 robots"),
+        ("robots = 2", "robots = 1.5", "members[0].robots = 1.5: should be a whole number of robots, or a fraction"),
+        ("robots = 2", "robots = -1", "members[0].robots = -1: should be a whole number of robots, or a fraction"),
+        ("robots = 2", "robots = true", "members[0].robots = true: should be a whole number"),
+        ("robots = 2", "robots = [0.1, 'all']", "members[0].robots"),
+        ("robots = 2", "robots = []", "members[0].robots"),
+        ("robots = 2\n", "", "members[0].robots is missing"),
+        (
+            "robots = 2",
+            "robots = 0.6\naccuracy = 0.9\n[[members]]\nrobots = 0.7",
+            "members[0].robots = 0.6 and members[1].robots = 0.7: that is 7 of 5 robots",
+        ),
+        ("robots = 2", "robots = 1.0\nhonest = false", "members: of 5 robots none is honest"),
+        (
+            "robots = 2",
+            "robots = 2\nspeed = 0.1",
+            'members[0].speed is of robots that move: it goes with topology = "moving"',
+        ),
+        ("robots = 2", "robots = 2\nhonest = 'no'", "members[0].honest"),
+        ("robots = 2", "robots = 2\naccuracy = 1.2", "members[0].accuracy"),
+        ("robots = 2", "robots = 2\nbrains = 'mine.py'", "unknown key members[0].brains: did you mean 'brain'"),
+        ("[[members]]", "[members]", "should be a list of tables, each under [[members]]"),
+        ('"liar.py"', '"other.py"', "members[0].brain = 'other.py': its MESSAGE is (x, n), and that of 'mine.py' (x)"),
+        ('"liar.py"', '"four.py"', "members[0].brain = 'four.py': its OPTIONS is 4, and that of 'mine.py' 2"),
+        ('"liar.py"', '"none.py"', "none.py"),
+        ('"liar.py"', '{file = "liar.py", much = 1}', "the brain 'liar.py' has no parameter 'much'"),
+    ],
+)
+def test_wrong_members_are_told_in_a_sentence(tmp_path, monkeypatch, capsys, old, new, said):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(DECIDES)
+    Path("liar.py").write_text(LIAR)
+    Path("four.py").write_text(changed(("MEMORY =", "OPTIONS = 4\nMEMORY ="), source=DECIDES))
+    Path("other.py").write_text(
+        changed(('("x",)', '("x", "n")'), ("return (estimate(me),)", "return estimate(me), me.n"))
+    )
+    assert old in STUDY
+    Path("s.toml").write_text(STUDY.replace(old, new, 1))
+    assert main(["run", "s.toml"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+    assert not Path("s.nc").exists()
+
+
+FAULTY = {
+    "fails": (
+        "me.n += blacks",
+        "me.n += blacks / (me.n * 0.0)",
+        r"brain 'mine.py' or 'liar.py' fails in .*ZeroDivisionError.*liar.py, line 9",
+    ),
+    "does not compile": (
+        "me.n += blacks",
+        "me.n += 'a' + blacks",
+        r"brain 'liar.py' fails in .*swarmcensus brains --check .*liar.py says why",
+    ),
+    "decides for nothing": (
+        "def fuse",
+        "def decide(me):\n    return 7 + 0 * me.n\n\n\ndef fuse",
+        r"brain 'liar.py' fails in .*: decide gives 7: ",
+    ),
+}
+
+
+@pytest.mark.long(but=["does not compile"])
+@pytest.mark.parametrize("what", FAULTY)
+def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
+    monkeypatch.chdir(tmp_path)
+    old, new, said = FAULTY[what]
+    Path("mine.py").write_text(DECIDES)
+    Path("liar.py").write_text(changed((old, new), source=LIAR))
+    with pytest.raises(sc.InputError, match=said):
+        sc.run(sc.Study.parse(STUDY), jobs=1)
+
+
+@pytest.mark.long
+def test_the_line_that_fails_is_found_whatever_brains_use(tmp_path, monkeypatch):
+    """Luck, names, silence and ends are those of the trial: the very robot fails in the very round."""
+    monkeypatch.chdir(tmp_path)
+    bad = (
+        changed(
+            ("return (estimate(me),)", "if me.t > 15.0:\n        return (estimate(me),)"),
+            ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.n += 0.0 * message[0]"),
+            (
+                "def fuse(me):\n    pass",
+                "def fuse(me):\n    if me.luck < 0.05 and me.name == 2.0 and me.t == 20.0:\n"
+                "        me.n = 1.0 / (me.t - 20.0)",
+            ),
+        )
+        + "\n\ndef done(me):\n    return me.t >= 20.0\n"
+        + STEER
+    )
+    Path("mine.py").write_text(bad)
+    study = STUDY.replace('[[members]]\nrobots = 2\nbrain  = "liar.py"\n', "").replace("rounds = 3", "rounds = 100")
+    with pytest.raises(
+        sc.InputError, match=r"ZeroDivisionError: division by zero, at .*mine.py, line 23: me.n = 1.0 / "
+    ):
+        sc.run(sc.Study.parse(study), jobs=1)
+
+
+def test_one_robot_is_not_all_of_them():
+    swarm = {"robots": 10, "accuracy": 0.7}
+    world = {"topology": "ring", "fill_ratio": 0.55}
+    study = sc.Study(trials=1, swarm=swarm, world=world, members=[{"robots": [1, 1.0], "accuracy": 0.6}])
+    assert [coordinates_of(s)["members"] for s in study.settings()] == ["1 accuracy 0.6", "1.0 accuracy 0.6"]
+    assert [(sampling.groups(s, 1, 0, 1) == 1).sum() for s in study.settings()] == [1, 10]
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"robots": 2}, r"members\[0\] differs in nothing from the others"),
+        ({"robots": 0.04, "accuracy": 0.6}, r"members\[0\].robots = 0.04: that is less than one of 10 robots"),
+    ],
+)
+def test_members_that_are_nobody_or_like_everybody_are_refused(table, said):
+    swarm = {"robots": 10, "accuracy": 0.7}
+    with pytest.raises(InputError, match=said):
+        sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55}, members=[table])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ([{"robots": 0, "accuracy": 0.6}], r"members\[0\].robots = 0: that is nobody"),
+        ([{"robots": [0, 0.0], "accuracy": 0.6}], r"members\[0\].robots = 0: that is nobody"),
+        (3, r"members = 3: should be a list of tables, each under \[\[members\]\]"),
+        (
+            [{"robots": 1, "honest": [True]}],
+            r"members\[0\].honest = \[true\]: should be true or false",
+        ),
+    ],
+)
+def test_tables_that_mean_nothing_are_refused(given, said):
+    swarm = {"robots": 10, "accuracy": 0.7}
+    with pytest.raises(InputError, match=said):
+        sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55}, members=given)

@@ -1,0 +1,115 @@
+"""me.name: robots are told apart, and a brain that asks for it is not anonymous."""
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.simulation import sampling
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
+from tests.support.places import EXAMPLE
+from tests.support.second import MEANS, brain, changed, fixed, moving
+from tests.support.small import SEED
+
+LEADER = brains.load(EXAMPLE / "leader.py")
+HEARS = changed(
+    ("MEMORY = {", 'MEMORY = {"own": -1.0, "sum": 0.0, '),
+    ("return (estimate(me),)", "return (me.name,)"),
+    ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.sum += message[0]"),
+    ("def fuse(me):\n    pass", "def fuse(me):\n    me.own = me.name"),
+)
+
+
+@pytest.mark.interpreted
+def test_names_are_the_robots_numbers():
+    """By hand: on a line of 260 robots, of which blocks of the engine hold 256, each hears its neighbours' names."""
+    for topology in ("line", "full"):
+        (setting,) = fixed(brain(HEARS), robots=260, rounds=2, topology=topology)
+        fields, *_ = record_trial(setting, SEED, 0)
+        names = np.arange(260.0)
+        assert (fields["own"][1] == names).all()
+        near = np.append(names[1:], 0) + np.insert(names[:-1], 0, 0)
+        assert (fields["sum"][-1] == 2 * (near if topology == "line" else names.sum() - names)).all()
+        assert "name" not in fields
+
+
+@pytest.mark.interpreted
+def test_on_the_move_and_in_a_mixed_swarm():
+    setting = moving(brain(HEARS), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
+    fields = record_ride(setting, SEED, 1).fields
+    who = sampling.groups(setting, SEED, 1, 1)[0]
+    assert (np.isnan(fields["own"][-1]) == (who == 1)).all()
+    assert (fields["own"][-1][who == 0] == np.flatnonzero(who == 0)).all()
+
+
+@pytest.mark.long(only=["True"])
+@pytest.mark.parametrize("compiled", [True, False])
+def test_recorded_data(compiled):
+    trace = sc.infer(np.ones((2, 3)), [[0, 1], [1, 2]], 0.8, 1, brain(HEARS), compiled=compiled)
+    assert trace["own"].values[-1].tolist() == [0.0, 1.0, 2.0]
+    assert trace["sum"].values[-1].tolist() == [2.0, 4.0, 2.0]
+
+
+@pytest.mark.interpreted
+def test_news_of_the_leader_come_a_robot_further_each_round():
+    """The example by hand: on a line, robot i believes in round k what robot 0 had seen in round k - i."""
+    (setting,) = fixed(LEADER, robots=5, rounds=9, topology="line")
+    fields, estimates, _ = record_trial(setting, SEED, 0)
+    for k in range(1, 10):
+        for i in range(min(k, 5)):
+            assert estimates[k, i] == fields["x_hat"][k - i, 0]
+            assert fields["since"][k, i] == k - i
+            assert fields["leader"][k, i] == 0.0
+
+
+@pytest.mark.interpreted
+def test_results_say_who_is_anonymous():
+    study = sc.Study(
+        trials=1, swarm={"brain": ["minimalistic", LEADER], "robots": 3, "accuracy": 0.7}, schedule={"rounds": 2},
+        world={"topology": "ring", "fill_ratio": 0.5},
+    )  # fmt: skip
+    assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
+
+
+@pytest.mark.interpreted
+def test_a_swarm_of_which_some_know_their_names_is_not_anonymous():
+    study = sc.Study(
+        trials=1,
+        swarm={"brain": brain(MEANS, "means.py"), "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 2},
+        world={"topology": "ring", "fill_ratio": 0.5},
+        members=[{"robots": [0, 1], "brain": brain(HEARS)}],
+    )
+    assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
+
+
+@pytest.mark.interpreted
+def test_a_field_of_ones_own_may_be_called_name():
+    """Then it is that field, and nothing is given."""
+    own = changed(("MEMORY = {", 'MEMORY = {"name": 7.0, '), ("me.n += blacks", "me.n += blacks\n    me.name += 1.0"))
+    assert not brain(own).uses.name
+    (setting,) = fixed(brain(own), rounds=3)
+    assert (record_trial(setting, SEED, 0)[0]["name"][-1] == 10.0).all()
+
+
+@pytest.mark.parametrize("line", ["me.name = 1.0", "me.name += 1.0", "del me.name", "me.n, me.name = 1.0, 2.0"])
+def test_it_is_only_for_reading(line):
+    with pytest.raises(InputError, match=r"brain.py, line 21: fuse sets me.name, which is read-only"):
+        brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}")))
+
+
+def test_what_sums_add_does_not_depend_on_who_hears_it():
+    source = changed(("me.sum += message[0]", "me.sum += message[0] * me.name"), source=HEARS)
+    brain(source)
+    adds = changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("sum",)'), source=source)
+    with pytest.raises(
+        InputError, match=r"receive reads me.name: with SUMS, what it adds may depend only on the message"
+    ):
+        brain(adds)
+    helped = (
+        changed(("message[0] * me.name", "message[0] * of(me)"), source=adds) + "\n\ndef of(me):\n    return me.name\n"
+    )
+    with pytest.raises(InputError, match=r"receive reads me.name"):
+        brain(helped)

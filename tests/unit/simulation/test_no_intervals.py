@@ -1,0 +1,157 @@
+"""Answers that are refused: of `interval` before anything runs, by the suite and where robots are asked; estimates."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.conformance import suite
+from swarmcensus.conformance.contract_checks import PROMISES
+from swarmcensus.conformance.machine_code import agrees, compiles
+from swarmcensus.simulation.rides import run_ride
+from swarmcensus.simulation.trials import Metrics, run_batch
+from tests.support.second import MEANS, SAYS, brain, changed, fixed, moving
+from tests.support.small import GO, SEED
+
+WRONG = {
+    "the wrong way round": ({"low": 0.75, "high": 0.25}, r"\(0.75, 0.25\)"),
+    "below 0": ({"low": -0.5, "high": 0.25}, r"\(-0.5, 0.25\)"),
+    "above 1": ({"low": 0.5, "high": 1.5}, r"\(0.5, 1.5\)"),
+    "no number": ({"low": 0.5, "big": 1e200}, r"\(nan, 1\)"),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_is_no_interval_is_told(what):
+    given, shown = WRONG[what]
+    used = brain(SAYS).with_parameters(given | {"since": 3.0})
+    right = r"two numbers, 0 <= low <= high <= 1, are right, or \(0.0, 1.0\) if nothing is known"
+    said = f"brain 'brain.py' fails in trial 1 of .*, after {{}}: interval gives {shown}: {right}$"
+    (setting,) = fixed(used)
+    with pytest.raises(InputError, match=said.format("round 3")):
+        run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, (2, 3, 8)), GO)
+    run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, (2,)), GO)  # nobody asks
+    with pytest.raises(InputError, match=said.format("tick 25")):
+        run_ride([moving(used)], SEED, 1, Metrics(0.01, 10, (2, 25)), GO)
+    fault = suite.fault_of(PROMISES["tells an interval within [0, 1], the low end first"], used)
+    assert fault
+    assert "interval (line 29) gives (" in fault
+    assert right.replace("\\", "") in fault
+
+
+ADDS = MEANS.replace("MEMORY", 'PARAMETERS = {"add": 0.0, "big": 0.0}\nMEMORY', 1).replace(
+    "return me.n / me.t if me.t > 0.0 else 0.5",
+    "return 0.5 + me.add + me.big * me.big - me.big * me.big if me.t >= 3.0 else 0.5",
+)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [({"add": 1.0}, "1.5"), ({"add": -5.5}, "-5"), ({"big": 1e200}, "nan"), ({"add": 1e-5 + 0.5}, "1.00001")],
+    ids=str,
+)
+def test_an_estimate_outside_0_to_1_fails_its_trial_wherever_robots_live(given, shown):
+    used = brain(ADDS).with_parameters(given)
+    said = rf"^brain 'brain.py' fails in trial 1 of .*: robot {{}}: estimate gives {shown}: a number in \[0, 1\] is"
+    metrics = Metrics(0.01, 10, (2,))
+    for one in (used, *([] if "big" in given else [used.with_numbers(Numbers("single"))])):
+        with pytest.raises(InputError, match=said.format("0, after round 3")):
+            run_batch(fixed(one)[0], SEED, 1, 2, metrics, GO)
+    with pytest.raises(InputError, match=said.format("0, after observation 3")):
+        run_batch(fixed(used)[0], SEED, 1, 1, metrics, GO, True)
+    with pytest.raises(InputError, match=said.format(r"\d, after tick \d+")):
+        run_ride([moving(used)], SEED, 1, metrics, GO)
+    steers = brain(ADDS + "\n\ndef steer(me):\n    return 0.1, 0.0\n").with_parameters(given)
+    with pytest.raises(InputError, match="estimate gives"):
+        run_ride([moving(steers)], SEED, 1, metrics, GO)
+    run_batch(fixed(brain(ADDS).with_parameters({"add": 0.5 + 1e-9}))[0], SEED, 1, 1, metrics, GO)  # rounding
+    liars = [{"robots": 2, "honest": False, "brain": used}]
+    assert run_batch(fixed(brain(MEANS, "means.py"), liars)[0], SEED, 1, 1, metrics, GO)
+
+
+@pytest.mark.interpreted
+def test_a_replay_shows_a_wrong_estimate_and_warns_of_it():
+    used = brain(ADDS).with_parameters({"add": 1.0})
+    with pytest.warns(UserWarning, match=r"robot 0, after round 3: estimate gives 1.5: a number in \[0, 1\] is right"):
+        trace = sc.infer(np.ones((4, 2)), None, 0.8, 1, used)
+    assert trace["estimate"].values[:, 0].tolist() == [0.5, 0.5, 0.5, 1.5, 1.5]
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("return 0.7, 0.2", "interval returns (0.7, 0.2): two numbers, 0 <= low <= high <= 1, are right, or (0.0, 1"),
+        ("return 0.1, me.t, 0.9", "interval returns (0.1, me.t, 0.9): two numbers"),
+        ("return -0.1, me.t", "interval returns (-0.1, me.t): two numbers"),
+        ("return me.t, 2", "interval returns (me.t, 2): two numbers"),
+        ("return 0.5", "interval returns 0.5: two numbers"),
+        ("return (0.1, 0.2) if me.t > 1.0 else None", "interval returns None: two numbers"),
+        ("if me.t > 1.0:\n        return 0.1, 0.2", "interval may end without returning anything"),
+        ("me.n = 0.5\n    return me.luck, 1.0", "interval reads me.luck, which is new only in observe, receive, fuse"),
+    ],
+)  # fmt: skip
+def test_what_is_seen_of_an_interval_without_running_it(lines, said):
+    with pytest.raises(InputError, match=r"brain.py, line \d+: ") as caught:
+        brain(f"{MEANS}\n\ndef interval(me):\n    {lines}\n")
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "lines", ["return 0, 1", "return 0.5, 0.5", "x = (0.2, me.t)\n    return x", "return wide(me)"]
+)
+def test_what_may_be_one_is_not_refused(lines):
+    brain(f"{MEANS}\n\ndef wide(me):\n    return 0.0, 1.0\n\n\ndef interval(me):\n    {lines}\n")
+
+
+def test_names_and_arguments():
+    for name, said in (
+        ("interval(me, level)", "interval takes 2 arguments: 1 are right"),
+        ("intervals(me)", "the function intervals is never called: did you mean 'interval'?"),
+    ):
+        with pytest.raises(InputError) as caught:
+            brain(f"{MEANS}\n\ndef {name}:\n    return 0.0, 1.0\n")
+        assert said in str(caught.value)
+
+
+def test_it_only_reads():
+    fault = suite.fault_of(
+        PROMISES["functions that tell something only read"],
+        brain(MEANS + "\n\ndef interval(me):\n    me.n += 1.0\n    return 0.0, 1.0\n"),
+    )
+    assert fault
+    assert "interval (line " in fault
+    assert "changes me.n" in fault
+
+
+@pytest.mark.long
+def test_what_differs_in_machine_code_and_what_does_not_compile_is_told():
+    body = "    return 0.0, 1.0 if (math.floor(me.t) + 3) * 4611686018427387904 > 0 else 0.5\n"  # beyond 64 bits
+    whole = brain(changed(("MEMORY =", "import math\n\nMEMORY =")) + f"\n\ndef interval(me):\n{body}")
+    fault = suite.fault_of(agrees, whole)
+    assert fault
+    assert "compiled, interval_high is " in fault
+    three = MEANS + "\n\ndef three(me):\n    return 0.0, 0.5, 1.0\n\n\ndef interval(me):\n    return three(me)\n"
+    fault = suite.fault_of(compiles, brain(three))
+    assert fault
+    assert "interval gives UniTuple(float64 x 3), not two numbers, low and high" in fault
+
+
+@pytest.mark.long
+def test_the_line_in_which_it_fails_is_told(tmp_path, monkeypatch):
+    """At a checkpoint, where it is asked, and not before."""
+    source = MEANS + "\n\ndef interval(me):\n    return 0.0, 1.0 / (me.t - 2.0) / (me.t - 5.0) * 0.0 + 1.0\n"
+    monkeypatch.chdir(tmp_path)
+    Path("brain.py").write_text(source)
+    study = sc.Study(
+        trials=1, swarm={"brain": "brain.py", "robots": 3, "accuracy": 0.7}, measure={"checkpoints": [4, 5]},
+        world={"topology": "line", "fill_ratio": 0.8}, schedule={"rounds": 6, "observations_per_round": 1},
+    )  # fmt: skip
+    with pytest.raises(
+        InputError, match=r"ZeroDivisionError: division by zero, at brain.py, line 29: return 0.0, 1.0 / "
+    ):
+        sc.run(study, jobs=1)
+    assert (sc.run(study.with_(measure={"checkpoints": [3, 4]}), jobs=1)["coverage"] == 1.0).all()

@@ -1,0 +1,206 @@
+"""The upper bound: the oracle's estimate is the maximum of the pooled likelihood, whatever hinders other brains."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import parse
+from swarmcensus.engine.constants import SENSING
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import sampling
+
+ORACLE = brains.load("oracle")
+MIXED = {"black": "U(0.55, 1.0)", "white": "U(0.1, 0.9)"}
+
+
+def most_likely(b, w, t, n):
+    """Where the score of all readings changes its sign, or the end of [0, 1] beyond which it would."""
+    k = b + w - 1
+
+    def score(x):
+        p = np.clip(x * b + (1 - x) * (1 - w), 1e-9, 1 - 1e-9)
+        return (k * (n - t * p) / (p * (1 - p))).sum()
+
+    if score(0.0) <= 0 or score(1.0) >= 0:
+        return 0.0 if score(0.0) <= 0 else 1.0
+    return brentq(score, 0.0, 1.0, xtol=1e-14)
+
+
+def study(topology, **other):
+    swarm = {"brain": "oracle", "robots": 12, "accuracy": MIXED} | other.pop("swarm", {})
+    world = {"topology": topology, "fill_ratio": 0.3} | other.pop("world", {})
+    rounds = {"ticks": 400} if topology == "moving" else {"rounds": 60, "observations_per_round": 3}
+    if topology == "moving":
+        world |= {"density": 1.0}
+    faults = other.pop("faults", [{"at": 300 if topology == "moving" else 40, "robots": 1.0, "stop": "sensing"}])
+    return sc.Study(**{"seed": 4, "trials": 3, "faults": faults} | other, swarm=swarm, world=world, schedule=rounds)
+
+
+def pooled(made, results, setting, trial, honest=None):
+    """The maximum of the pooled likelihood of what a trial's robots saw."""
+    found = made.settings()[setting]
+    trace = sc.replay(results, setting, trial)
+    b, w = (np.broadcast_to(side[0], found.robots) for side in sampling.accuracies(found, made.seed, trial, 1)[:2])
+    t, n = trace["t"].values[-1], trace["n"].values[-1]
+    keep = slice(None) if honest is None else honest
+    return most_likely(b[keep], w[keep], t[keep], n[keep]), trace
+
+
+@pytest.mark.parametrize("topology", ["ring", "scale-free", "full", "moving"])
+def test_it_finds_the_maximum_of_the_pooled_likelihood(topology):
+    """Once nobody sees anything new, all robots come to hold it, to the last digits."""
+    hindered = {"link_success": 0.3} | ({"body": {"message_delay": 5}} if topology == "moving" else {})
+    made = study(topology, swarm={"assumed_accuracy": 0.95}, world=hindered)
+    results = sc.run(made)
+    for trial in range(3):
+        best, trace = pooled(made, results, 0, trial)
+        assert 0.0 < best < 1.0
+        assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-12)
+        x = trace["x"].values[: 300 if topology == "moving" else 40]
+        assert np.ptp(x, axis=1).max() < 1e-14  # one round as the next: they do not drift apart
+    assert (results["messages_heard"].values == 11 * (400 if topology == "moving" else 60)).all()
+
+
+def test_while_robots_see_it_is_a_step_behind_at_the_most():
+    made = study("line", faults=[])
+    results = sc.run(made)
+    for trial in range(3):
+        best, _ = pooled(made, results, 0, trial)
+        assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-3)
+
+
+def test_it_is_the_same_in_every_network_and_whatever_robots_assume():
+    made = sc.Study(
+        seed=9, trials=2,
+        swarm={"brain": "oracle", "robots": 8, "accuracy": MIXED, "assumed_accuracy": [0.7, {"error": "N(0, 0.2)"}]},
+        world={"topology": ["full", "ring", "line"], "fill_ratio": 0.6, "link_success": [1.0, 0.2]},
+        schedule={"rounds": 30, "observations_per_round": 2},
+    )  # fmt: skip
+    results = sc.run(made)
+    final = results["final_estimate"].values
+    assert len(final) == 12
+    assert (final == final[0]).all()
+    assert len(set(results["topology"].values.tolist())) == 3  # and is called by what was asked for
+    assert len(set(results["link_success"].values.tolist())) == 2
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("topology", ["ring", "moving"])
+def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch):
+    """A liar's brain is not even run; a robot that stops talking is heard all the same."""
+    monkeypatch.chdir(tmp_path)  # below it a member's file may be read again
+    (tmp_path / "liar.py").write_text(
+        brains.load("minimalistic").source.replace("return me.x_hat, me.alpha", "return 1.0, 1e9")
+    )
+    made = study(
+        topology, members=[{"robots": 4, "brain": str(tmp_path / "liar.py"), "accuracy": 0.9, "honest": False}],
+        faults=[{"at": 5, "robots": 6, "stop": "talking"}, {"at": 30, "robots": 1.0, "stop": "sensing"}],
+        swarm={"brain": ["oracle", "minimalistic"]},
+    )  # fmt: skip
+    results = sc.run(made)
+    for trial in range(3):
+        honest = sampling.groups(made.settings()[0], made.seed, trial, 1)[0] == 0
+        best, trace = pooled(made, results, 0, trial, honest)
+        assert (trace["t"].values[-1] > 0).tolist() == honest.tolist()
+        assert results["final_estimate"].values[0, trial, :8] == pytest.approx(best, abs=1e-12)
+    assert np.abs(results["final_estimate"].values[1, :, :8] - 0.3).max() > 0.5  # what they do to others
+
+
+@pytest.mark.long
+def test_a_steering_swarm_has_one_too(tmp_path):
+    """Robots that steer live in a loop of their own."""
+    (tmp_path / "seer.py").write_text(ORACLE.source + "\n\ndef steer(me):\n    return 0.1, 0.5\n")
+    made = study("moving", swarm={"brain": str(tmp_path / "seer.py")})
+    results = sc.run(made)
+    found = made.settings()[0]
+    for trial in range(3):
+        b, w = (np.broadcast_to(side[0], 12) for side in sampling.accuracies(found, 4, trial, 1)[:2])
+        trace = sc.replay(results, 0, trial, brain=tmp_path / "seer.py")
+        best = most_likely(b, w, trace["t"].values[-1], trace["n"].values[-1])
+        assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-12)
+
+
+@pytest.mark.long
+def test_steps_that_turn_back_are_shortened_and_end_at_the_maximum():
+    """Few readings of very unequal sensors: plain scoring goes to and fro for ever in some of these."""
+    chance, stuck = np.random.default_rng(0), 0
+    for case in range(1500):
+        robots = int(chance.integers(1, 30))
+        b = w = np.where(chance.random(robots) < 0.2, 1.0, chance.uniform(0.5, 0.7, robots))
+        t = chance.integers(1, (3, 10, 100)[case % 3], robots).astype(float)
+        f = chance.choice([0.0, 0.01, 0.1, 0.5, 0.9])
+        n = chance.binomial(t.astype(int), f * b + (1 - f) * (1 - w)).astype(float)
+        best = most_likely(b, w, t, n)
+        fails = abs(plainly_scored(b, w, t, n) - best) > 1e-2
+        stuck += fails
+        if fails or case < 60:
+            assert scored(b, w, t, n) == pytest.approx(best, abs=1e-5)
+    assert stuck > 0
+
+
+def plainly_scored(b, w, t, n):
+    """Where 150 whole steps end."""
+    x, k = 0.5, b + w - 1
+    for _ in range(150):
+        p = np.clip(x * b + (1 - x) * (1 - w), 1e-9, 1 - 1e-9)
+        worth = t * k * k / (p * (1 - p))
+        x = min(max((k * (n - t * (1 - w)) / (p * (1 - p))).sum() / worth.sum(), 0.0), 1.0)
+    return x
+
+
+def scored(b, w, t, n):
+    """Where 300 rounds of the brain end, in a full network: what one robot hears and does, all do."""
+    own = ORACLE.functions
+    minds = [ORACLE.robot(*sides) for sides in zip(b, w, strict=True)]
+    for me, looks, blacks in zip(minds, t, n, strict=True):
+        own.observe(me, blacks, looks)
+    for _ in range(300):
+        me = minds[0]
+        for other in minds[1:]:
+            own.receive(me, own.broadcast(other))
+        own.fuse(me)
+        for other in minds[1:]:
+            other.x = me.x
+    return own.estimate(minds[0])
+
+
+def test_a_message_by_hand():
+    """b = 0.9, w = 0.7, 3 of 10 readings black, at x = 1/2: p = 0.6, I = 10 * 0.36 / 0.24, s = 0.6 (3 - 6) / 0.24."""
+    me = ORACLE.robot(0.9, 0.7)
+    ORACLE.functions.observe(me, 3.0, 10.0)
+    pull, information = ORACLE.functions.broadcast(me)
+    assert information == pytest.approx(15.0)
+    assert pull == pytest.approx(15.0 * 0.5 - 7.5)
+    ORACLE.functions.receive(me, (9.0, 15.0))
+    ORACLE.functions.fuse(me)
+    assert me.x == pytest.approx(9.0 / 30.0)
+
+
+def test_what_an_oracle_has_to_be(tmp_path):
+    with pytest.raises(InputError, match="ORACLE = 1: should be True"):
+        parse(ORACLE.source.replace("ORACLE = True", "ORACLE = 1"), "o.py", tmp_path / "o.py")
+    with pytest.raises(InputError, match="an ORACLE hears all robots at once, so it needs SUMS"):
+        parse(ORACLE.source.replace("SUMS =", "ADDED ="), "o.py", tmp_path / "o.py")
+    assert ORACLE.is_oracle
+    assert not brains.load("minimalistic").is_oracle
+
+
+def test_recordings_tell_that_it_hears_all():
+    made = study("ring", faults=[])
+    readings, edges = recording(sc.run(made), 0, 1)
+    assert len(edges) == 12 * 11 / 2
+    b, w = (side[0] for side in sampling.accuracies(made.settings()[0], 4, 1, 1)[:2])
+    again = sc.infer(readings, edges, (b, w), 3, brain="oracle")
+    assert again["estimate"].values[-1] == pytest.approx(sc.run(made)["final_estimate"].values[0, 1], abs=1e-12)
+    with pytest.raises(InputError, match="an oracle hears all"):
+        recording(sc.run(study("moving", faults=[])), 0, 0)
+
+
+def test_who_fails_for_an_oracle_is_who_sees_nothing():
+    made = study("ring", faults=[{"at": 5, "robots": 3, "stop": ["talking", "sensing"]}])
+    stops = sampling.stops(made.settings()[0], 4, 0)
+    assert (stops[SENSING] == 5).sum() == 3
+    assert (stops == 5).sum() == 3

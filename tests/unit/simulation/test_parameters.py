@@ -1,0 +1,200 @@
+"""PARAMETERS: numbers that a brain only reads, and a study sweeps."""
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.engine import compiler
+from swarmcensus.simulation.trials import record_trial
+from swarmcensus.studies import addresses
+from tests.support.second import MEANS, brain, changed, fixed
+from tests.support.small import SEED
+
+PRIOR = changed(
+    ("MEMORY =", 'PARAMETERS = {"prior": 10.0, "among": (0.25, 0.75)}\nMEMORY ='),
+    (
+        "return me.n / me.t if me.t > 0.0 else 0.5",
+        "return (me.n + me.prior * me.among[1]) / (me.t + me.prior) * (1.0 - me.among[0])",
+    ),
+)
+STUDY = """
+name   = "swept"
+seed   = 4
+trials = 2
+
+[swarm]
+brain    = ["plain.py", {file = "prior.py", prior = [1, 10.0, 40], among = [[0.25, 0.75], [0.0, 0.5]]}]
+robots   = 4
+accuracy = 0.8
+
+[world]
+topology   = "ring"
+fill_ratio = 0.55
+
+[schedule]
+rounds = 6
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plain.py").write_text(MEANS)
+    (tmp_path / "prior.py").write_text(PRIOR)
+    (tmp_path / "s.toml").write_text(STUDY)
+    return tmp_path
+
+
+@pytest.mark.interpreted
+def test_every_combination_is_a_setting_with_its_values_as_coordinates(here):
+    data = sc.run(sc.Study.load("s.toml"), jobs=1)
+    told = list(zip(data["brain"].values, data["prior"].values, data["among"].values, strict=True))
+    assert told[0][0] == "plain.py"
+    assert np.isnan(told[0][1])
+    assert [one[1:] for one in told[1:]] == [
+        (prior, among) for prior in (1.0, 10.0, 40.0) for among in ("(0.25, 0.75)", "(0, 0.5)")
+    ]
+    assert len(set(data["fingerprint"].values.tolist())) == 7
+
+
+@pytest.mark.interpreted
+def test_the_values_are_what_the_brain_reads(here):
+    """By hand: the estimate is what the formula makes of the counts of the brain that has no prior."""
+    data = sc.run(sc.Study.load("s.toml"), jobs=1)
+    black = data["final_estimate"].values[0] * 60.0
+    for k, (low, high) in zip(range(1, 7), [(0.25, 0.75), (0.0, 0.5)] * 3, strict=True):
+        prior = float(data["prior"][k])
+        expected = (black + prior * high) / (60.0 + prior) * (1.0 - low)
+        assert data["final_estimate"].values[k] == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.interpreted
+def test_a_swept_value_is_the_same_as_one_written_in_the_file(here):
+    swept = sc.run(sc.Study.load("s.toml"), jobs=1)
+    (here / "prior.py").write_text(changed(('"prior": 10.0', '"prior": 40.0'), source=PRIOR))
+    written = sc.run(sc.Study.parse(STUDY.replace("prior = [1, 10.0, 40], ", "")), jobs=1)
+    for name in ("final_estimate", "convergence_round", "convergence_error"):
+        assert (swept[name].values[5:] == written[name].values[1:]).all()
+
+
+def test_the_files_own_value_need_not_be_said(here):
+    said, unsaid = (
+        sc.Study.parse(STUDY.replace("prior = [1, 10.0, 40], among = [[0.25, 0.75], [0.0, 0.5]]", text)).settings()[1]
+        for text in ("prior = 10, among = [0.25, 0.75]", "among = [0.25, 0.75]")
+    )
+    assert said == unsaid
+    assert addresses.fingerprint(said, 4) == addresses.fingerprint(unsaid, 4)
+
+
+def test_other_values_need_no_other_machine_code():
+    plain = brain(PRIOR)
+    swept = plain.with_parameters({"prior": 3, "among": (0.5, 0.5)})
+    assert compiler.compile_brain(plain) is compiler.compile_brain(swept)
+    assert (compiler.array_layout(swept).blank.view(np.float64) == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
+def test_receive_may_read_them_though_it_only_adds(topology):
+    """What a message adds is found by a mind of zeros, which has the parameters all the same."""
+    listens = changed(
+        ("MEMORY = {", 'PARAMETERS = {"weight": 0.5, "parts": (0.25, 2.0)}\nMEMORY = {"sum": 0.0, '),
+        ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.sum += gain(me) * message[0]"),
+    )
+    listens += "\n\ndef gain(me):\n    return me.weight * (me.parts[0] + me.parts[1])\n"
+    adds = changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("sum",)'), source=listens)
+    given = {"weight": 3.0, "parts": (1.0, 0.5)}
+    found = []
+    for source in (listens, adds):
+        (setting,) = fixed(brain(source).with_parameters(given), topology=topology)
+        found.append(record_trial(setting, SEED, 0)[0]["sum"])
+    assert found[0][-1].min() > 4.5 * 0.2
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("prior = [1", "prio = [1", "no parameter 'prio': did you mean 'prior'"),
+        (
+            '["plain.py"',
+            '[{file = "plain.py", prior = 1}',
+            "the brain 'plain.py' has no parameter 'prior': it has none",
+        ),
+        ("[1, 10.0, 40]", '"much"', "prior = 'much': not a number"),
+        ("[1, 10.0, 40]", "true", "prior = True: not a number"),
+        ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
+        ("[1, 10.0, 40]", "[]", "prior = []: should be a list of at least one"),
+        ("[1, 10.0, 40]", "[1, 1.0]", "two entries of swarm.brain have one name: plain.py, prior.py prior=1.0"),
+        ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]: the brain 'prior.py' needs a number"),
+        (
+            "[[0.25, 0.75], [0.0, 0.5]]",
+            "[0.1, 0.2, 0.3]",
+            "among = [0.1, 0.2, 0.3]: the brain 'prior.py' needs a vec",
+        ),
+        ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5: the brain 'prior.py' needs a vector of 2"),
+        ("[[0.25, 0.75], [0.0, 0.5]]", "[[0.1, nan]]", "among = [0.1, nan]: not a number"),
+        ('file = "prior.py", ', "", "a brain with parameters is a table such as"),
+    ],
+)
+def test_wrong_values_are_told_in_a_sentence(here, capsys, old, new, said):
+    assert old in STUDY
+    (here / "s.toml").write_text(STUDY.replace(old, new))
+    assert main(["run", "s.toml"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "s.toml: " in line
+    assert "swarm.brain" in line
+    assert said in line
+    assert not (here / "s.nc").exists()
+
+
+@pytest.mark.parametrize("name", ["robots", "trial", "final_estimate", "members"])
+def test_a_name_that_results_have_taken_is_refused(here, capsys, name):
+    (here / "prior.py").write_text(PRIOR.replace('"prior"', f'"{name}"').replace("me.prior", f"me.{name}"))
+    (here / "s.toml").write_text(STUDY.replace("prior = [1, 10.0, 40], ", ""))
+    assert main(["run", "s.toml"]) == 2
+    assert f"a parameter {name!r}, a name that is taken in the results" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("declared", "said"),
+    [
+        ('{"n": 1.0}', "PARAMETERS['n'] is in MEMORY too"),
+        ('{"b": 1.0}', "PARAMETERS key 'b' is reserved by the engine"),
+        ('{"luck": 1.0}', "PARAMETERS key 'luck' is reserved by the engine"),
+        ('{"name": 1.0}', "PARAMETERS key 'name' is reserved by the engine"),
+        ('{"file": 1.0}', "PARAMETERS key 'file' is reserved by the engine"),
+        ('{"a b": 1.0}', "PARAMETERS key 'a b' is not a name"),
+        ('{"p": "x"}', "PARAMETERS['p'] = 'x': not a number"),
+        ('{"p": ()}', "PARAMETERS['p'] = (): a vector of 0"),
+        ('("p",)', "PARAMETERS should be a dict such as"),
+    ],
+)
+def test_wrong_declarations_are_refused(declared, said):
+    with pytest.raises(InputError) as caught:
+        brain(changed(("MEMORY =", f"PARAMETERS = {declared}\nMEMORY =")))
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "me.prior = 1.0",
+        "me.prior += 1.0",
+        "me.among[0] = 1.0",
+        "me.n, me.prior = 1.0, 2.0",
+        "del me.prior",
+        "me.among = me.among",
+        "for me.prior in range(3):\n        pass",
+    ],
+)
+@pytest.mark.parametrize("function", ["fuse", "helper"])
+def test_they_are_only_for_reading(line, function):
+    source = PRIOR + f"\n\ndef helper(me):\n    {'pass' if function == 'fuse' else line}\n"
+    source = changed(
+        ("def fuse(me):\n    pass", f"def fuse(me):\n    {line if function == 'fuse' else 'helper(me)'}"), source=source
+    )
+    with pytest.raises(InputError, match=rf"brain.py, line \d+: .*{function} .*read-only"):
+        brain(source)

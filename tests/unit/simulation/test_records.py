@@ -1,0 +1,46 @@
+"""Fields of a record are its attributes in CPython, whatever NumPy calls so."""
+
+import re
+
+import numpy as np
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.engine.records import record_type
+from swarmcensus.simulation.trials import Metrics, run_batch
+from tests.support.second import brain
+from tests.support.small import GO, SEED, settings_of
+
+NUMPYS = sorted(name for name in {*dir(np.recarray), *dir(np.record)} if not name.startswith("_"))
+
+
+def test_what_numpy_has_of_its_own_is_hidden_by_a_field_of_that_name():
+    record = np.zeros(1, record_type([(name, "f8") for name in NUMPYS] + [("vector", "f8", (3,))]))[0]
+    for k, name in enumerate(NUMPYS):
+        setattr(record, name, k)
+    record.vector[1] = 7.0
+    assert [getattr(record, name) for name in NUMPYS] == [*range(len(NUMPYS))]
+    assert record.vector.tolist() == [0.0, 7.0, 0.0]
+    with pytest.raises(AttributeError):
+        record.other = 1.0
+
+
+def test_a_number_is_one_of_cpython():
+    record = np.zeros(1, record_type([("mean", "f8")]))[0]
+    with pytest.raises(ZeroDivisionError):
+        1.0 / record.mean
+
+
+@pytest.mark.interpreted
+def test_a_brain_whose_fields_have_such_names_lives_the_same_life():
+    shipped = brains.load("minimalistic")
+    names = ["size", "mean", "sum", "dtype", "item", "max", "T", "shape", "setfield", "fill"]
+    source = shipped.source
+    for name, other in zip(shipped.memory, names, strict=True):
+        source = re.sub(rf'(?<=\bme\.){name}\b|(?<="){name}(?=")', other, source)
+    measured = Metrics(0.05, 10, (4, 8))
+    lives = []
+    for one in (shipped, brain(source)):
+        (setting,) = settings_of(brain=one)
+        lives.append(run_batch(setting, SEED, 0, 3, measured, GO))
+    np.testing.assert_equal(*map(vars, lives))

@@ -1,0 +1,299 @@
+"""Vectors in MEMORY, PARAMETERS and MESSAGE: so many numbers under one name."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.conformance import suite
+from swarmcensus.conformance.contract_checks import PROMISES
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from tests.support.places import EXAMPLE
+from tests.support.second import ADDS, ALL, brain, changed, fixed
+from tests.support.small import GO, SEED
+
+MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
+COUNTS = changed(
+    ("MEMORY = {", 'MEMORY = {"seen": (0.0, 0.5), "heard": (0.0, 0.0), '),
+    ('MESSAGE = ("x",)', 'MESSAGE = ("seen",)'),
+    ("return (estimate(me),)", "return (me.seen,)"),
+    ("    me.n += blacks\n", "    me.n += blacks\n    me.seen[0] += looks - blacks\n    me.seen[-1] += blacks\n"),
+    (
+        "def receive(me, message):\n    pass",
+        "def receive(me, message):\n    for k in range(2):\n        me.heard[k] += message[0][k]",
+    ),
+)
+
+
+@pytest.mark.interpreted
+def test_their_items_are_numbers_of_their_own():
+    """By hand: three robots on a line, two rounds of two looks each."""
+    (setting,) = fixed(brain(COUNTS), robots=3, rounds=2, looks=2, topology="line")
+    fields, _, blacks = record_trial(setting, SEED, 0)
+    black = np.cumsum(blacks, axis=0)
+    assert fields["seen"].shape == (3, 3, 2)
+    assert (fields["seen"][..., 1] == black + 0.5).all()
+    assert (fields["seen"][..., 0] == [[0.0], [2.0], [4.0]] - black).all()
+    said = fields["seen"][1:]
+    heard = np.cumsum(np.stack([said[:, 1], said[:, 0] + said[:, 2], said[:, 1]], axis=1), axis=0)
+    assert (fields["heard"][1:] == heard).all()
+
+
+@pytest.mark.interpreted
+def test_a_message_is_what_it_was_when_it_was_said():
+    """A robot that changes its vector while it listens does not change what it has said."""
+    source = changed(("me.heard[k] += message[0][k]", "me.seen[k] += message[0][k]"), source=COUNTS)
+    for setting in fixed(brain(source), robots=3, rounds=1, topology=["line", "full"]):
+        fields, _, blacks = record_trial(setting, SEED, 0)
+        own = np.stack([1.0 - blacks[1], 0.5 + blacks[1]], axis=1)
+        ring = own.sum(axis=0) if setting.topology.name == "full" else own[:2].sum(axis=0)
+        assert (fields["seen"][1, 0] == ring).all()
+
+
+@pytest.mark.interpreted
+def test_a_vector_may_be_made_up_for_a_message_and_held_beside_numbers():
+    source = changed(
+        ('MESSAGE = ("seen",)', 'MESSAGE = {"n": 0.0, "pair": (0.0, 0.0), "t": 0.0}'),
+        ("return (me.seen,)", "return me.n, (me.n, 2 * me.t), me.t"),
+        ("message[0][k]", "message[1][k] + message[0] * message[2]"),
+        source=COUNTS,
+    )
+    assert brain(source).message == {"n": 0, "pair": 2, "t": 0}
+    assert brain(source).message_bytes == 16
+    (setting,) = fixed(brain(source), robots=2, rounds=1, looks=3, topology="line")
+    fields, _, blacks = record_trial(setting, SEED, 1)
+    for me, other in ((0, 1), (1, 0)):
+        n = blacks[1, other]
+        assert fields["heard"][1, me].tolist() == [n + 3.0 * n, 6.0 + 3.0 * n]
+
+
+def test_what_they_cost_is_counted_number_by_number():
+    assert brain(COUNTS).memory_bytes == 4 * (2 + 2 + 2 + 2)
+    assert brain(COUNTS).message_bytes == 8
+    assert brain(ALL).memory_bytes == 4 * (7 + 3 + 2)
+
+
+@pytest.mark.long(only=["edges-counts", "messages-counts", "edges-all", "messages-adds"])
+@pytest.mark.parametrize("source", [COUNTS, ALL, ADDS], ids=["counts", "all", "adds"])
+@pytest.mark.parametrize("talk", ["edges", "messages"])
+def test_recorded_data_in_cpython_and_in_machine_code(source, talk):
+    random = np.random.default_rng(3)
+    readings = random.integers(0, 2, (40, 4)).astype(float)
+    readings[random.random(readings.shape) < 0.2] = np.nan
+    links = [[0, 1], [1, 2], [3, 1]] if talk == "edges" else [[k, k % 4, (k + 1) % 4] for k in range(40)]
+    slow, fast = (sc.infer(readings, links, 0.8, 5, brain(source), compiled=flag) for flag in (False, True))
+    assert set(slow.data_vars) == set(fast.data_vars) >= {"estimate", *brain(source).memory}
+    for name in fast.data_vars:
+        assert fast[name].dims == slow[name].dims
+        assert (fast[name].values == slow[name].values).all()
+
+
+@pytest.mark.interpreted
+def test_a_trace_and_its_file_have_them(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("counts.py").write_text(COUNTS)
+    study = sc.Study(
+        trials=1,
+        swarm={"brain": "counts.py", "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 4},
+        world={"topology": "ring", "fill_ratio": 0.5},
+    )
+    sc.save(sc.run(study), "r.nc")
+    trace = sc.replay("r.nc", 0, 0, brain_file="counts.py")
+    assert trace["seen"].dims == ("round", "robot", "item_seen")
+    assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--brain-file", "counts.py", "--out", "t.nc"]) == 0
+    with xr.open_dataset("t.nc") as kept:
+        assert (kept["seen"].values == trace["seen"].values).all()
+
+
+@pytest.mark.interpreted
+def test_a_belief_over_ten_bins_is_bayes_rule():
+    """The example by hand: a robot's weights are the logarithms of binomial likelihoods, up to a constant."""
+    used = brains.load(EXAMPLE / "histogram.py")
+    setting = next(s for s in fixed(used, robots=2, rounds=3, looks=7, accuracy=0.8, topology="line"))
+    fields, estimates, blacks = record_trial(setting, SEED, 0)
+    n, middles = blacks.sum(), (np.arange(10) + 0.5) / 10
+    p = 0.8 * middles + 0.2 * (1.0 - middles)
+    log = n * np.log(p) + (42 - n) * np.log(1.0 - p)
+    assert fields["belief"][-1, 0] == pytest.approx(log, rel=1e-12)
+    weights = np.exp(log - log.max())
+    assert estimates[-1] == pytest.approx([(weights * middles).sum() / weights.sum()] * 2, rel=1e-12)
+    batch = run_batch(setting, SEED, 0, 1, MEASURE, GO)
+    assert (batch.verdicts[0, :, 0] == np.argmax(log)).all()
+
+
+BEYOND = {
+    "read": ("    me.n += blacks\n", "    me.n += blacks + me.seen[int(me.t)] * 0.0\n", "observe"),
+    "set": ("    me.n += blacks\n", "    me.n += blacks\n    me.seen[2 * int(me.t)] = 1.0\n", "observe"),
+    "said": ("message[0][k]", "message[0][k + int(me.t)]", "receive"),
+    "before": ("    me.n += blacks\n", "    me.n += blacks + me.seen[-2 - int(me.t)] * 0.0\n", "observe"),
+}
+
+
+@pytest.mark.long(but=["before"])
+@pytest.mark.parametrize("what", BEYOND)
+def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, what):
+    """In CPython the check names the line, and compiled a run ends with a sentence that does."""
+    monkeypatch.chdir(tmp_path)
+    old, new, function = BEYOND[what]
+    Path("beyond.py").write_text(changed((old, new), source=COUNTS))
+    faults = [one.fault for one in suite.examine(Path("beyond.py"), PROMISES) if one.fault]
+    assert any(f"{function} fails at line" in fault and "IndexError" in fault for fault in faults)
+    study = sc.Study(
+        trials=1,
+        swarm={"brain": "beyond.py", "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 4},
+        world={"topology": "ring", "fill_ratio": 0.5},
+    )
+    with pytest.raises(
+        InputError, match=r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
+    ):
+        sc.run(study)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("me.seen = (1.0, 2.0)", "sets me.seen, a vector: its items are set one by one"),
+        ("me.seen = me.heard", "sets me.seen, a vector: its items are set one by one"),
+        ("me.seen += 1.0", "sets me.seen, a vector: its items are set one by one"),
+        ("me.seen[:] = me.heard", "only items of MEMORY's vectors can be set"),
+        ("me.seen[0:1] = (1.0,)", "only items of MEMORY's vectors can be set"),
+        ("me.n = me.seen[0:1][0]", "takes a slice of a vector: its items are read one by one"),
+        ("del me.seen[0]", "only items of MEMORY's vectors can be set"),
+        ("me.n[0] = 1.0", "sets me.n[0]: only items of MEMORY's vectors can be set"),
+        ("seen = me.seen\n    seen[0] = 1.0", "sets seen[0]: only items of MEMORY's vectors can be set"),
+    ],
+)
+def test_their_items_are_set_one_by_one(line, said):
+    with pytest.raises(InputError) as caught:
+        brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}"), source=COUNTS))
+    assert said in str(caught.value)
+    assert ", line 24: fuse " in str(caught.value) or ", line 25: fuse " in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("message", "given", "said"),
+    [
+        pytest.param(
+            '("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says", marks=pytest.mark.long
+        ),
+        ('("seen",)', "(me.n,)", "it cannot be compiled"),
+        ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
+    ],
+)
+def test_a_message_of_another_shape_is_told(message, given, said):
+    source = changed(
+        ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS
+    )
+    source = changed(("me.heard[k] += message[0][k]", "me.heard[k] += 1.0"), source=source)
+    (setting,) = fixed(brain(source))
+    with pytest.raises(InputError, match=said):
+        run_batch(setting, SEED, 0, 1, MEASURE, GO)
+    assert suite.fault_of(PROMISES["gives finite messages and estimates in [0, 1]"], brain(source))
+
+
+@pytest.mark.parametrize(
+    ("declared", "said"),
+    [
+        ("(0.0,) * 4097", "a vector of 4,097: it should have 1 to 4,096 numbers"),
+        ("()", "a vector of 0"),
+        ("(0.0, (1.0, 2.0))", "not a number"),
+        ("(0.0, True)", "not a number, as item 1"),
+        ("(1e300, 0.0)", "too large, as item 0: numbers are below"),
+    ],
+)
+def test_wrong_vectors_are_refused(declared, said):
+    with pytest.raises(InputError, match=said):
+        brain(changed(('"seen": (0.0, 0.5)', f'"seen": {declared}'), source=COUNTS))
+
+
+def test_a_message_names_a_vector_once():
+    with pytest.raises(InputError, match="MESSAGE names 'seen' twice"):
+        brain(changed(('("seen",)', '("seen", "seen")'), ("(me.seen,)", "me.seen, me.seen"), source=COUNTS))
+
+
+@pytest.mark.interpreted
+def test_an_estimate_may_use_math_on_items():
+    source = changed(
+        ("return me.n / me.t if me.t > 0.0 else 0.5", "return math.exp(-me.seen[0])"),
+        ("MEMORY =", "import math\n\nMEMORY ="),
+        source=COUNTS,
+    )
+    (setting,) = fixed(brain(source))
+    fields, estimates, _ = record_trial(setting, SEED, 0)
+    assert estimates == pytest.approx(np.vectorize(lambda x: math.exp(-x))(fields["seen"][..., 0]), rel=1e-15)
+
+
+@pytest.mark.long
+def test_a_vector_of_a_message_alone_is_not_read_beyond_its_end(tmp_path):
+    """It would be what other robots say, or nobody's memory."""
+    source = '''"""Reads where nothing is."""
+MEMORY = {"x": 0.5, "place": 3000000.0}
+MESSAGE = {"ballot": (0.0,) * 3}
+
+
+def observe(me, blacks, looks):
+    pass
+
+
+def broadcast(me):
+    return ((me.x, me.x, me.x),)
+
+
+def receive(me, message):
+    me.x = message[0][int(me.place)]
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return me.x
+'''
+    (tmp_path / "beyond.py").write_text(source)
+    study = sc.Study(
+        trials=1, swarm={"brain": str(tmp_path / "beyond.py"), "robots": 4, "accuracy": 0.7},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 3},
+    )  # fmt: skip
+    with pytest.raises(InputError, match="IndexError"):
+        sc.run(study, jobs=1)
+
+
+def test_a_list_may_be_repeated_too():
+    assert brain(changed(('"seen": (0.0, 0.5)', '"seen": [0.25] * 2'), source=COUNTS)).memory["seen"] == (0.25, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("p = me.weights\n    p *= 2", "a parameter is read-only"),
+        ("p = me.weights\n    me.x = (p + p)[0]", "a parameter is read-only"),
+        ("p = me.weights\n    me.x = p[0:1][0]", "a parameter is read-only"),
+        ("me.x = me.weights[0:1][0]", "takes a slice of a vector"),
+    ],
+)
+def test_a_vector_among_the_parameters_is_read_item_by_item(line, said, tmp_path):
+    (tmp_path / "b.py").write_text(changed(("    me.heard = 0.0\n", f"    {line}\n    me.heard = 0.0\n"), source=ALL))
+    found = [one.fault for one in suite.examine(tmp_path / "b.py", PROMISES) if one.fault]
+    assert said in found[0]
+
+
+@pytest.mark.interpreted
+def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '
+    (tmp_path / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
+    swarm, world = {"robots": 3, "accuracy": 0.7, "brain": "b.py"}, {"topology": "line", "fill_ratio": 0.8}
+    sc.save(sc.run(sc.Study(trials=1, swarm=swarm, world=world, schedule={"rounds": 2}), jobs=1), "r.nc")
+    assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--out", "t.csv"]) == 0
+    head = Path("t.csv").read_text().splitlines()[0]
+    assert "seen[1]" in head
+    assert "item_seen[2]" in head

@@ -1,0 +1,127 @@
+"""Keys that mean nothing are errors; values that mean something are taken however they are given."""
+
+import networkx as nx
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus.results import store as files
+from tests.support.small import BOTH, MOVING, RING
+
+
+def study(world=RING, robots=5, **tables):
+    return sc.Study(**{"trials": 1, "swarm": {"robots": robots, "accuracy": 0.7}, "world": world} | tables)
+
+
+def fault(**changes):
+    return [{"at": 1, "robots": 1, "stop": "talking"} | changes]
+
+
+USELESS = [
+    (RING, {"schedule": {"ticks": 5}}, 'schedule.ticks is of robots that move: it goes with topology = "moving"'),
+    (RING | {"density": 1}, {}, "world.density is of robots that move"),
+    (RING | {"side": 1}, {}, "world.side is of robots that move"),
+    (RING | {"floor": "half"}, {}, "world.floor is of robots that move"),
+    (RING | {"body": {"radius": 0.1}}, {}, "world.body is of robots that move"),
+    (RING, {"measure": {"truth": "floor"}}, 'measure.truth = "floor" is of robots that move'),
+    (MOVING, {"schedule": {"rounds": 5}}, "schedule.rounds is of fixed networks"),
+    (MOVING, {"schedule": {"observations_per_round": 5}}, "schedule.observations_per_round is of fixed networks"),
+    (MOVING | {"body": {"message_delay": 40}}, {"schedule": {"ticks": 40}}, "no message is heard within 40 ticks"),
+    (RING, {"faults": fault(at=1001)}, "faults[0].at = 1001 comes after the last round, 1000"),
+    (MOVING, {"faults": fault(at=10_001)}, "faults[0].at = 10001 comes after the last round, 10000"),
+    (RING, {"faults": fault(robots=0.05)}, "faults[0].robots = 0.05: that is less than one of 5 robots: none"),
+    # of a base that only cases use, and of which they use something else
+    (RING | {"density": 1}, {"case": [{"topology": "moving", "density": 2}]}, "world.density is of robots that move"),
+    (RING | {"side": 3}, {"case": [{"topology": "moving", "density": 2}]}, "world.side is of robots that move"),
+]
+
+
+@pytest.mark.parametrize(("world", "tables", "said"), USELESS)
+def test_what_means_nothing_is_an_error(world, tables, said):
+    with pytest.raises(sc.InputError) as caught:
+        study(world, **tables)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("world", "tables"),
+    [
+        (BOTH | {"floor": "half", "body": {"radius": 0.05}},
+         {"schedule": {"rounds": 5, "ticks": 9, "observations_per_round": 2}, "measure": {"truth": "floor"}}),
+        (RING | {"density": None, "side": None, "floor": None}, {}),
+        (RING | {"density": 1, "body": {}}, {"case": [{"topology": "moving", "ticks": 5}]}),
+        (RING, {"faults": fault(at=1000, robots=1.0)}),
+        (RING, {"faults": fault(robots=0)}),
+        (RING, {"schedule": {"rounds": [5, 10]}, "faults": fault(at=10)}),
+    ],
+)  # fmt: skip
+def test_what_means_something_somewhere_is_taken(world, tables):
+    made = study(world, **tables)
+    assert sc.Study.parse(made.text).settings() == made.settings()
+
+
+def test_results_whose_study_has_such_keys_are_still_read(tmp_path):
+    results = sc.run(study(schedule={"rounds": 5}), jobs=1)
+    results.attrs["study"] = results.attrs["study"].replace("rounds = 5", "rounds = 5\nticks = 20")
+    files.save(results, tmp_path / "old.nc")
+    assert sc.replay(tmp_path / "old.nc", 0, 0).sizes["round"] == 6
+    with pytest.raises(sc.InputError, match=r"schedule\.ticks is of robots that move"):
+        sc.Study.parse(results.attrs["study"])
+
+
+@pytest.mark.parametrize(
+    "robots",
+    [range(3, 6), np.arange(3, 6), (3, 4, 5), pd.Series([3, 4, 5]), [np.int64(3), np.uint8(4), 5],
+     xr.DataArray(np.array([3, 4, 5]))],
+    ids=lambda v: type(v).__name__,
+)  # fmt: skip
+def test_whole_numbers_come_as_lists_of_any_kind(robots):
+    made = study(robots=robots)
+    assert [s.robots for s in made.settings()] == [3, 4, 5]
+    assert sc.Study.parse(made.text).settings() == made.settings()
+
+
+def test_numbers_of_numpy_are_numbers():
+    made = study(
+        MOVING | {"link_success": np.float32(0.5), "body": {"turn_most": np.int16(9), "radius": np.float64(0.07)}},
+        trials=np.int64(2), seed=np.uint16(3), robots=np.int32(5), schedule={"ticks": np.arange(5, 8)},
+        measure={"bins": np.int8(5), "delta": np.float64(0.1), "checkpoints": np.array(5)},
+        faults=fault(at=np.int64(2), robots=np.float64(0.5)),
+    )  # fmt: skip
+    assert (made.trials, made.seed, made.measure.bins, made.checkpoints) == (2, 3, 5, [5])
+    assert sc.Study.parse(made.text).settings() == made.settings()
+    assert made.with_(trials=np.int64(4)).trials == 4
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"), [(np.float64(3.0), "3.0"), (3.0, "3.0"), (np.bool_(True), "true"), (True, "true")]
+)
+def test_other_numbers_are_not_whole(value, shown):
+    for key, tables in (("swarm.robots", {"robots": value}), ("schedule.rounds", {"schedule": {"rounds": value}})):
+        with pytest.raises(sc.InputError) as caught:
+            study(**tables)
+        assert str(caught.value) == f"study: {key} = {shown}: should be a valid integer"
+
+
+@pytest.mark.parametrize("key", ["density", "side"])
+def test_truth_values_are_no_numbers(key):
+    world = {"topology": "moving", "fill_ratio": 0.5, key: True}
+    with pytest.raises(sc.InputError, match=f"world.{key} = true: a number is wanted"):
+        study(world)
+
+
+def test_graphs_without_names_are_told_how_to_get_one():
+    graphs = [nx.Graph([(0, k)]) for k in (1, 2, 3)]
+    with pytest.raises(sc.InputError, match=r'one name: graph, graph, graph: name a graph by graph\.name = "office"'):
+        study(RING | {"topology": graphs})
+    for graph, name in zip(graphs, "abc", strict=True):
+        graph.name = name
+    made = study(RING | {"topology": graphs})
+    assert sc.Study.parse(made.text).settings() == made.settings()
+
+
+def test_a_delay_spans_the_fixed_networks_of_a_study_alone():
+    settings = study(BOTH | {"message_delay": [0, 2]}).settings()
+    assert [(s.topology.name, s.delay) for s in settings] == [("ring", 0), ("ring", 2), ("moving", 0)]

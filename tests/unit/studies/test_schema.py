@@ -1,0 +1,157 @@
+"""The JSON schema of study files lets every study through, and marks what is none, where an editor can know."""
+
+import copy
+import json
+import re
+import tomllib
+
+import jsonschema
+import pytest
+
+from swarmcensus.basics.files import shipped_studies
+from swarmcensus.cli.commands import main
+from swarmcensus.planning import mission as of_missions
+from swarmcensus.studies.schema import schema
+from tests.support.pages import PAGES, blocks
+
+PLAIN = {
+    "trials": 1,
+    "swarm": {"robots": 5, "accuracy": 0.7},
+    "world": {"topology": "ring", "fill_ratio": 0.5},
+}
+
+
+@pytest.fixture(scope="module")
+def checker():
+    found = schema()
+    jsonschema.Draft7Validator.check_schema(found)
+    return jsonschema.Draft7Validator(found)
+
+
+@pytest.mark.parametrize("name", shipped_studies())
+def test_every_shipped_study_is_let_through(checker, name):
+    checker.validate(tomllib.loads(shipped_studies()[name].read_text(encoding="utf-8")))
+
+
+def test_what_pages_show_of_studies_is_let_through(checker):
+    shown = [tomllib.loads(text) for page in PAGES for text in blocks(page, "toml")]
+    studies = [one for one in shown if "wanted" not in one and "jobs" not in one]
+    assert len(studies) > 10
+    for one in studies:
+        whole = copy.deepcopy(PLAIN)
+        for key, value in one.items():
+            whole[key] = whole[key] | value if isinstance(whole.get(key), dict) else value
+        checker.validate(whole)
+
+
+def wrong(place, value):
+    """A study with one value changed."""
+    study = copy.deepcopy(PLAIN)
+    table, _, key = place.rpartition(".")
+    inner = study
+    for part in filter(None, table.split(".")):
+        inner = inner.setdefault(part, {})
+    inner[key] = value
+    return study
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        ("triels", 3),
+        ("trials", 0),
+        ("trials", {"until": "correct@1 mean +- 0.1", "atleast": 3}),
+        ("seed", "one"),
+        ("schedule.round", 3),
+        ("schedule.rounds", []),
+        ("schedule.ticks", "17 fortnights"),
+        ("swarm.robots", 2.5),
+        ("swarm.robots", [10, 0]),
+        ("swarm.accuracy", 1.5),
+        ("swarm.accuracy", "somewhat"),
+        ("swarm.accuracy", {"black": 0.9}),
+        ("swarm.accuracy", {"error": 0.1}),
+        ("swarm.accuracy", {"start": 0.9, "drift": -0.1, "last": 0.5}),
+        ("swarm.assumed_accuracy", {"start": 0.9, "drift": -0.1}),
+        ("swarm.brain", {"prior": 1}),
+        ("world.topology", 3),
+        ("world.topology", {"name": "star", "edges": [[0, 1, 2]]}),
+        ("world.fill_ratio", [0.5, 1.5]),
+        ("world.fill_ratio", {"from": 0.1, "to": 0.2}),
+        ("world.link_success", -0.1),
+        ("world.density", 0),
+        ("world.floor", "lava"),
+        ("world.body.radius", 0.0),
+        ("world.body.sensor", [0.1, "left"]),
+        ("world.body.wheels", 2),
+        ("measure.bins", 0),
+        ("world.fill_ratio", {"from": 0.1, "to": 0.2, "at": 1}),
+        ("faults", [{"at": 1, "robots": 1, "stop": []}]),
+        ("swarm.accuracy", "beta(8, 2)"),
+        ("measure.truth", "both"),
+        ("faults", [{"at": 1, "robots": 1, "stop": "singing"}]),
+        ("faults", [{"at": 0, "robots": 1, "stop": "moving"}]),
+        ("members", [{"robots": -1}]),
+        ("members", [{"honest": False}]),
+        ("case", [{"body": {}}]),
+        ("case", {"robots": 3}),
+    ],
+    ids=str,
+)
+def test_what_is_wrong_is_marked(checker, place, value):
+    assert checker.is_valid(PLAIN)
+    assert not checker.is_valid(wrong(place, value))
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        ("schedule.ticks", ["2 min", 100]),
+        ("world.body.message_delay", "0.2 s"),
+        ("world.topology", {"name": "relay", "edges": [[0, 1]], "directed": True}),
+        ("world.topology", "edges.csv"),
+        ("world.floor", [{"clusters": 0.2}, "half"]),
+        ("swarm.brain", ["my_brain.py", {"file": "sprt.py", "wrong": [0.1, 0.2]}]),
+        ("swarm.accuracy", "N(0.7, 0.1)"),
+        ("members", [{"robots": [0, 0.1], "brain": "shouter", "honest": False, "speed": 0}]),
+    ],
+    ids=str,
+)
+def test_what_may_be_right_is_let_through(checker, place, value):
+    checker.validate(wrong(place, value))
+
+
+def test_every_key_and_table_says_what_it_means():
+    found = schema()
+    for table in (found, *found["$defs"].values()):
+        for key, told in table["properties"].items():
+            assert re.match(r"\S.*\.$", told["description"], re.DOTALL), key
+
+
+def test_of_missions(capsys):
+    found = of_missions.schema()
+    checker = jsonschema.Draft7Validator(found)
+    shown = [tomllib.loads(text) for page in PAGES for text in blocks(page, "toml")]
+    missions = [one for one in shown if "wanted" in one]
+    assert missions
+    for one in missions:
+        checker.validate(one)
+    for table in (found, *found["$defs"].values()):
+        for key, told in table["properties"].items():
+            assert re.match(r"\S.*\.$", told["description"], re.DOTALL), key
+    assert main(["plan", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == found
+    assert main(["plan", "--schema", "--robots", "3"]) == 2
+    assert "> mission.schema.json" in capsys.readouterr().err
+
+
+def test_names_are_offered(checker):
+    told = json.dumps(checker.schema)
+    assert all(f'"{name}"' in told for name in ("commons", "scale-free", "shouter", "clusters", "mean-error"))
+
+
+def test_the_shell_prints_it(capsys):
+    assert main(["studies", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == schema()
+    assert main(["studies", "--schema", "--out", "x.json"]) == 2
+    assert "> study.schema.json" in capsys.readouterr().err

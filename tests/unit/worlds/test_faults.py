@@ -1,0 +1,231 @@
+"""Robots that fail, on fixed networks and in motion."""
+
+import itertools
+import tomllib
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.engine.constants import NEVER, PARTS, SENSING, TALKING
+from swarmcensus.engine.failures import works
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
+from swarmcensus.worlds.faults import Fault, for_an_oracle, outages, stops
+
+STUDY = """
+seed = 3
+trials = 3
+faults = [{at = 20, robots = 3, stop = "STOP"}]
+[swarm]
+brain = ["minimalistic", "legacy"]
+robots = 8
+accuracy = 0.7
+[world]
+topology = ["full", "ring", "scale-free"]
+fill_ratio = 0.55
+[schedule]
+rounds = 40
+"""
+MOVING = (
+    STUDY.replace('["full", "ring", "scale-free"]', '"moving"\ndensity = 6')
+    .replace("rounds", "ticks")
+    .replace("[swarm]", "[world.body]\nmessage_delay = 1\n[swarm]")
+)
+
+
+def traces(text, stop):
+    whole = sc.Study.parse(text.replace('"STOP"', stop))
+    sound = sc.Study.parse(text.replace('faults = [{at = 20, robots = 3, stop = "STOP"}]', ""))
+    one, other = sc.run(whole), sc.run(sound)
+    for k, setting in enumerate(whole.settings()):
+        failed = np.flatnonzero((sampling.stops(setting, 3, 1) == 20).any(axis=0))
+        assert len(failed) == 3
+        yield setting, failed, sc.replay(one, k, 1, links=True), sc.replay(other, k, 1, links=True)
+
+
+@pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
+def test_robots_that_stop_sensing_observe_no_more(text):
+    for _, failed, trace, sound in traces(text, '"sensing"'):
+        t = trace["t"].values
+        assert (t[20:, failed] == t[19, failed]).all()
+        others = np.setdiff1d(np.arange(8), failed)
+        assert (t[:, others] == sound["t"].values[:, others]).all()
+        assert (trace["estimate"].values[:20] == sound["estimate"].values[:20]).all()
+
+
+def test_robots_that_stop_sensing_are_heard_as_ever():
+    text = STUDY.replace('"STOP"', '"sensing"')
+    heard = sc.run(sc.Study.parse(text))["messages_heard"]
+    sound = sc.run(sc.Study.parse(text.replace("faults", "#")))["messages_heard"]
+    assert (heard.values == sound.values).all()
+    assert (heard.values[0] == 40 * 7).all()
+
+
+def test_robots_that_stop_talking_are_heard_no_more():
+    for setting, failed, trace, sound in traces(STUDY, '["talking"]'):
+        assert trace["estimate"].values[:20] == pytest.approx(sound["estimate"].values[:20], abs=1e-12)
+        assert (trace["alpha"].values == sound["alpha"].values).all()
+        if setting.topology.name == "full" and setting.brain.name == "minimalistic":
+            alpha = trace["alpha"].values[20:]
+            speakers = np.setdiff1d(np.arange(8), failed)
+            said = alpha[:, speakers].sum(axis=1, keepdims=True)
+            own = np.where(np.isin(np.arange(8), speakers), alpha, 0.0)
+            assert trace["beta"].values[20:] == pytest.approx(said - own, rel=1e-9)
+
+
+def test_moving_robots_that_stop_talking_are_heard_until_their_last_message_arrives():
+    for setting, failed, trace, _ in traces(MOVING, '["talking"]'):
+        if setting.brain.name != "minimalistic":
+            continue
+        alpha, expected = trace["alpha"].values, np.zeros_like(trace["alpha"].values)
+        heard = np.zeros(expected.shape, bool)
+        for tick, *ends in trace["link"].values:
+            for receiver, sender in (ends, ends[::-1]):
+                if sender not in failed or tick - 1 < 20:
+                    expected[tick, receiver] += alpha[tick - 1, sender]
+                    heard[tick, receiver] = True
+        assert trace["beta"].values[heard] == pytest.approx(expected[heard], rel=1e-12)
+
+
+def test_robots_that_stop_moving_stand_still():
+    for _, failed, trace, sound in traces(MOVING, '"moving"'):
+        place = trace["position"].values
+        assert (place[:20] == sound["position"].values[:20]).all()
+        # the wheels' lag and others' pushes are all that moves them: a tenth of a tick's way, and contact
+        assert np.abs(place[21:, failed] - place[20, failed]).max() < 0.05
+        assert (trace["looked"].values[20:, failed] == 1).all()
+
+
+def test_who_fails_differs_between_trials_and_faults():
+    study = sc.Study.parse(
+        STUDY.replace(
+            '[{at = 20, robots = 3, stop = "STOP"}]',
+            '[{at = 5, robots = 0.5, stop = "sensing"}, {at = 9, robots = 0.5, stop = ["talking", "sensing"]}]',
+        )
+    )
+    setting = study.settings()[0]
+    picked = [tuple(map(tuple, sampling.stops(setting, 3, trial))) for trial in range(6)]
+    assert len(set(picked)) == 6
+    stops = sampling.stops(setting, 3, 0)
+    assert (stops[2] == 9).sum() == 4
+    assert set(stops[1]) <= {5, 9, 1 << 62}
+    assert (stops[1] == 5).sum() == 4
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        ('{at = 0, robots = 3, stop = "sensing"}', "faults[0].at = 0: should be greater"),
+        ('{at = 5, robots = 9, stop = "sensing"}', "faults[0].robots = 9: there are 8 robots"),
+        (
+            '{at = 5, robots = 1.5, stop = "sensing"}',
+            "a whole number of robots, or a fraction of the swarm in [0, 1]",
+        ),
+        ('{at = 5, robots = true, stop = "sensing"}', "faults[0].robots = true: should be a whole number of robots"),
+        ('{at = 5, robots = "3", stop = "sensing"}', 'faults[0].robots = "3": should be a whole number of robots'),
+        ('{at = 5, robots = 3, stop = "smiling"}', "faults[0].stop = \"smiling\": should be 'moving', 'sensing' or"),
+        ("{at = 5, robots = 3, stop = []}", "faults[0].stop = []"),
+        ('{at = 5, robots = 3, stop = "sensing", until = 5}', "faults[0].until = 5: should come after at = 5"),
+        ('{at = 5, robots = 3, stop = "sensing", until = 0}', "faults[0].until = 0: should be greater"),
+        ('{at = 5, robots = 3, stop = "sensing", until = 7.5}', "faults[0].until = 7.5: should be a valid integer"),
+        ('{at = 5, robots = 3, stop = "moving"}', "these robots never move"),
+        ('{at = 5, robots = 3, stops = "sensing"}', "unknown key faults[0].stops"),
+    ],
+)
+def test_what_is_wrong_is_named(fault, said):
+    with pytest.raises(sc.InputError) as caught:
+        sc.Study.parse(STUDY.replace('{at = 20, robots = 3, stop = "STOP"}', fault))
+    assert said in str(caught.value)
+
+
+# ---- faults that end
+
+
+def test_rows_say_when_parts_work_by_definition():
+    """Of overlapping spells, endless ones and none: at <= t < until of any fault means that the part does not work."""
+    faults = (
+        Fault(at=3, robots=3, stop=("sensing", "talking"), until=6),
+        Fault(at=5, robots=0.5, stop="sensing", until=9),
+        Fault(at=12, robots=2, stop="talking"),
+        Fault(at=1, robots=0, stop="moving", until=4),
+    )
+    for trial in range(3):
+        rows = stops(faults, 3, trial, 6)
+        spells = outages(rows)
+        assert rows.shape == (PARTS * (1 + 2 * 4), 6)
+        assert spells.shape == (4, 2, PARTS, 6)
+        for n, fault in enumerate(faults):
+            alone = stops((*[Fault(at=1, robots=0, stop="moving")] * n, fault), 3, trial, 6)[:PARTS] == fault.at
+            assert alone.sum() == len(fault.stop) * fault.count(6)
+            assert (spells[n, 0] == np.where(alone, fault.at, NEVER)).all()
+            assert (spells[n, 1] == np.where(alone, fault.until or NEVER, NEVER)).all()
+        assert (rows[:PARTS] == spells[:, 0].min(axis=0)).all()
+        for part, robot, tick in itertools.product(range(PARTS), range(6), range(1, 15)):
+            due = not ((spells[:, 0, part, robot] <= tick) & (tick < spells[:, 1, part, robot])).any()
+            assert works(rows, part, robot, tick) == due
+
+
+def test_who_fails_is_who_failed_before_there_was_an_end():
+    """Lots, fingerprints and walks of faults for good are what they were; with an end they are of other walks."""
+    faults = [{"at": 20, "robots": 3, "stop": ["moving", "talking"]}]
+    text = MOVING.replace('faults = [{at = 20, robots = 3, stop = "STOP"}]', "")
+    never, ends = (
+        sc.Study(**tomllib.loads(text), faults=[faults[0] | more]).settings()[0] for more in ({}, {"until": 30})
+    )
+    assert (sampling.stops(never, 3, 1) == sampling.stops(ends, 3, 1)[:PARTS]).all()
+    assert never.faults[0].content == {"at": 20, "robots": 3, "stop": ("moving", "talking")}
+    assert addresses.fingerprint(never, 3) != addresses.fingerprint(ends, 3)
+    assert addresses.walk_group(never) != addresses.walk_group(ends)
+
+
+@pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
+def test_robots_that_join_late_have_seen_and_said_nothing_before(text):
+    text = text.replace(
+        'at = 20, robots = 3, stop = "STOP"', 'at = 1, robots = 3, stop = ["sensing", "talking"], until = 20'
+    )
+    results = sc.run(sc.Study.parse(text))
+    for k, setting in enumerate(sc.Study.parse(text).settings()):
+        trace = sc.replay(results, k, 1)
+        late = np.flatnonzero(sampling.stops(setting, 3, 1)[1] == 1)
+        assert len(late) == 3
+        t = trace["t"].values
+        assert (t[:20, late] == 0).all()
+        assert (t[20:, late] > t[19:-1, late]).any(axis=0).all()
+        assert (results["messages_sent"].values[k, 1] == np.where(np.isin(np.arange(8), late), 21, 40)).all()
+
+
+def test_robots_that_stand_for_a_while_go_on():
+    text = MOVING.replace('stop = "STOP"', 'stop = "moving", until = 30')
+    results = sc.run(sc.Study.parse(text))
+    trace = sc.replay(results, 0, 1)
+    spells = trace["outages"]
+    assert spells.dims == ("fault", "edge", "part", "robot")
+    lame = np.flatnonzero(trace["stops"].sel(part="moving").values == 20)
+    assert (spells.sel(part="moving").values[0][:, lame] == [[20], [30]]).all()
+    assert (np.delete(spells.values, lame, axis=-1) == -1).all()
+    paths = np.abs(np.diff(trace["position"].values, axis=0)).max(axis=-1)
+    assert paths[22:29, lame].max() < 0.013  # a push at the most: a tick straight ahead is 14 mm
+    assert (paths[30:, lame].max(axis=0) > 0.009).all()
+
+
+def test_an_oracle_hears_who_is_away_for_a_while_and_never_a_liar():
+    found = np.full((PARTS * 3, 4), NEVER)
+    found[[SENSING, PARTS + SENSING], 1] = 2
+    found[2 * PARTS + SENSING, 1] = 5
+    found[[TALKING, PARTS + TALKING], 2] = 3
+    found[2 * PARTS + TALKING, 2] = 6
+    heard = for_an_oracle(found, np.array([False, False, False, True]))
+    for tick in range(1, 9):
+        assert all(works(heard, TALKING, i, tick) for i in range(4))
+        assert [works(heard, SENSING, i, tick) for i in range(4)] == [True, not 2 <= tick < 5, True, False]
+
+
+def test_ends_are_times_where_robots_move():
+    text = MOVING.replace(
+        'at = 20, robots = 3, stop = "STOP"', 'at = "1 s", robots = 3, stop = "sensing", until = "2 s"'
+    )
+    (fault,) = sc.Study.parse(text).faults
+    assert (fault.at, fault.until) == (10, 20)
+    with pytest.raises(sc.InputError, match=r"faults\[0\]\.until = 10: should come after at = 10"):
+        sc.Study.parse(text.replace("2 s", "1 s"))

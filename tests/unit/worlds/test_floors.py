@@ -1,0 +1,572 @@
+"""Floors: how much of them is black and where, what is kept of them, and that independent tiles stay as they were."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.engine.addresses import address
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine.random import block, counter, unit
+from swarmcensus.figures import panels
+from swarmcensus.results import selecting
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import metrics, sampling
+from swarmcensus.studies import addresses
+from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.worlds import ground, patterns
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.floors import clusters
+from swarmcensus.worlds.patterns import Floor, parse_floor
+from swarmcensus.worlds.pictures import MOST_PIXELS, read_image
+from tests.support.small import beliefs_of
+
+FILLS = (0.0, 0.05, 0.55, 0.95, 1.0)
+SIGMAS = 5.0  # a true statement fails once in 1.7 million draws
+
+
+@pytest.fixture(scope="module")
+def gradient(tmp_path_factory):
+    """A picture that gets lighter from left to right, in few grey levels; its uppermost tenth is black."""
+    path = tmp_path_factory.mktemp("images") / "gradient.png"
+    grey = np.tile(np.repeat(np.arange(30, 230, 20, np.uint8), 8), (40, 1))
+    grey[:4] = 0
+    Image.fromarray(grey).save(path)
+    return path
+
+
+def setting_of(floor, fill_ratio=0.55, robots=25, density=10.0, **body):
+    study = sc.Study(
+        trials=1,
+        swarm={"robots": robots, "accuracy": 0.7},
+        world={"topology": "moving", "density": density, "fill_ratio": fill_ratio, "floor": floor, "body": body},
+    )
+    return study.settings()[0]
+
+
+def every_kind(gradient):
+    return ["tiles", {"clusters": 0.2}, {"stripes": 0.3}, "half"] + [
+        {"image": str(gradient), "mode": mode} for mode in ("threshold", "dither")
+    ]
+
+
+def within_reach(setting):
+    """Which tiles of the floor a ground sensor can stand over, by the distance of each one's centre."""
+    half, body = setting.arena_side / 2, setting.body
+    across = 2 * math.ceil(half / body.tile)
+    centre = (np.arange(across) - across // 2 + 0.5) * body.tile
+    x, y = np.meshgrid(centre, centre)
+    inner = half - body.radius
+    away = np.hypot(x - np.clip(x, -inner, inner), y - np.clip(y, -inner, inner))
+    return (away <= math.hypot(*body.sensor)) & (np.abs(x) <= half) & (np.abs(y) <= half)
+
+
+# ---- how much is black
+
+
+@pytest.mark.parametrize("fill_ratio", FILLS)
+def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
+    """To one tile where a quantile decides, else within chance and what is cut off of the last stripe."""
+    for floor in every_kind(gradient):
+        setting = setting_of(floor, fill_ratio)
+        tiles = within_reach(setting).sum()
+        chance = SIGMAS * math.sqrt(fill_ratio * (1 - fill_ratio) / tiles)
+        allowed = 0.5 / tiles + 1e-12
+        if setting.floor.kind == "tiles":
+            allowed = chance
+        elif setting.floor.kind == "stripes":
+            width = setting.arena_side - 2 * setting.body.radius
+            allowed = chance + fill_ratio * (1 - fill_ratio) * dict(setting.floor.keys)["length"] / width
+        for trial in range(3):
+            assert abs(sampling.ground(setting, 1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
+
+
+@pytest.mark.long
+@settings(max_examples=25, deadline=None)
+@given(
+    st.integers(1, 12), st.floats(1.0, 8.0), st.floats(-0.2, 0.2), st.floats(0.0, 0.1), st.floats(0.009, 0.05),
+    st.floats(0.0, 1.0), st.sampled_from(["tiles", {"stripes": 0.4}, {"clusters": 0.11}, "half"]),
+)  # fmt: skip
+def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(robots, density, ahead, left, tile, fill_ratio, floor):
+    """Also with a sensor that reaches beyond the body, and so up to the walls."""
+    setting = setting_of(floor, fill_ratio, robots, density, sensor=(ahead, left), tile=tile)
+    black = sampling.ground(setting, 2, 1).all_tiles()[within_reach(setting)]
+    assert sampling.ground(setting, 2, 1).true_fill_ratio == black.mean()
+
+
+def test_of_very_many_tiles_a_regular_grid_is_counted():
+    every = ground.reachable(3.0, 0.07, 0.06, 0.01)[0]
+    some = ground.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
+    assert len(some) <= 1000 < len(every)
+    assert {tuple(t) for t in some} < {tuple(t) for t in every}
+    steps = np.diff(np.unique(some[:, 0]))
+    assert len(some) > 700
+    assert (steps == steps[0]).all()
+    assert abs(some.mean()) <= steps[0] / 2
+
+
+@given(st.lists(st.floats(-10, 10), min_size=1, unique=True), st.floats(0, 1))
+def test_a_quantile_has_its_share_below(scores, share):
+    scores = np.array(scores)
+    assert (scores < ground.quantile(scores, share)).sum() == round(share * len(scores))
+
+
+@pytest.mark.long
+def test_a_sensor_meets_the_share_that_is_there(untraced):
+    """Over many trials, what lone robots stand on is black as often as the floor in reach is, whatever its kind."""
+    floor = [{"clusters": 0.1}, {"stripes": 0.2}, "half"]
+    study = sc.Study(
+        trials=60, seed=5, swarm={"robots": 4, "accuracy": 0.9},
+        world={"topology": "moving", "density": 4, "fill_ratio": 0.4, "floor": floor}, schedule={"ticks": 400},
+    )  # fmt: skip
+    results = sc.run(study, jobs=2)
+    for k in range(3):
+        seen = np.array([sc.replay(results, k, trial)["tile"].values[1:].mean() for trial in range(60)])
+        difference = seen - results["true_fill_ratio"].values[k]
+        assert abs(difference.mean()) < 4.5 * difference.std(ddof=1) / math.sqrt(60)
+
+
+# ---- independent tiles
+
+
+def test_independent_tiles_have_the_colours_that_they_always_had():
+    """By the formula: the address says nothing of the kind of floor, and a tile's word is held against f."""
+    for floor in (None, "tiles"):
+        world = {"topology": "moving", "density": 3, "fill_ratio": 0.55} | ({"floor": floor} if floor else {})
+        setting = sc.Study(trials=1, swarm={"robots": 2, "accuracy": 0.7}, world=world).settings()[0]
+        key = address(7, "floor", robots=2, density=3.0, tile=0.01, fill_ratio=0.55)
+        black = sampling.ground(setting, 7, 4).all_tiles()
+        zero = (1 << 30) - len(black) // 2
+        for row, column in np.argwhere(black < 2)[::7]:
+            place = np.uint64(counter(zero + column, zero + row))
+            word, _ = block(key[0], key[1], np.uint64(counter(4, 0)), place)
+            assert black[row, column] == (unit(np.uint64(word)) < 0.55)
+    assert (sampling.ground(replace(setting, floor=None), 7, 4).all_tiles() == black).all()
+
+
+# ---- clusters
+
+
+@pytest.mark.parametrize("length", [0.02, 0.03, 0.05, 0.2, 0.21, 0.333, 1.5])
+def test_the_kernel_has_the_correlation_that_is_asked_for(length):
+    """exp(-(d / length)^2), from every place between two nodes and at every distance, but for the kernel's cut-off."""
+    weights = clusters.kernel(length, 0.01)
+    apart, taps = weights.shape
+    np.testing.assert_allclose((weights**2).sum(axis=1), 1.0, rtol=1e-12)
+    reach = math.ceil(2.5 * length / 0.01)
+    nodes = np.zeros((apart + reach + 1, (apart + reach) // apart + taps + 1))
+    for tile in range(len(nodes)):
+        nodes[tile, tile // apart : tile // apart + taps] = weights[tile % apart]
+    for start in range(apart):
+        distance = 0.01 * np.arange(reach + 1)
+        correlation = nodes[start : start + reach + 1] @ nodes[start]
+        np.testing.assert_allclose(correlation, np.exp(-((distance / length) ** 2)), atol=0.001)
+
+
+def field_of(setting, seed, trial):
+    half = math.ceil(setting.arena_side / 2 / setting.body.tile)
+    place = np.arange(-half, half, dtype=np.int32)
+    x, y = np.meshgrid(place, place)
+    return sampling.ground(setting, seed, trial).score(np.stack([x, y], axis=-1))
+
+
+def test_clusters_are_a_normal_field_of_that_correlation():
+    """By brute force over all pairs of tiles at a distance: the field, and its sign by the arc sine law."""
+    length, trials = 0.05, 6
+    setting = setting_of({"clusters": length}, 0.5, density=1.0)
+    lags = [(0, 3), (5, 0), (3, 4), (0, 7), (10, 0), (0, 20)]
+    found = np.zeros((trials, len(lags), 2))
+    values = []
+    for trial in range(trials):
+        z = field_of(setting, 3, trial)
+        size = len(z)
+        values.append(z[::25, ::25].ravel())  # five lengths apart: independent to 10^-10
+        for k, (down, along) in enumerate(lags):
+            a, b = z[: size - down, : size - along], z[down:, along:]
+            found[trial, k] = (a * b).mean(), (np.sign(a) * np.sign(b)).mean()
+    d = 0.01 * np.hypot(*np.array(lags).T)
+    rho = np.exp(-((d / length) ** 2))
+    blobs = trials * setting.arena_side**2 / (math.pi * length**2)
+    for k, right in enumerate((rho, 2 / math.pi * np.arcsin(rho))):
+        # the variance of a mean of products is at most 2 over the number of independent patches
+        assert (np.abs(found[..., k].mean(axis=0) - right) < SIGMAS * math.sqrt(2 / blobs) + 0.001).all()
+    assert stats.kstest(np.concatenate(values), "norm").pvalue > 1e-5
+    assert abs(rho[1] - 1 / math.e) < 1e-12  # 5 tiles are the correlation length
+
+
+def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
+    setting = setting_of({"clusters": 0.07}, robots=1, density=1.0)
+    kept = field_of(setting, 1, 2)
+    monkeypatch.setattr(clusters, "MOST_NODES", 0)
+    assert (field_of(setting, 1, 2) == kept).all()
+    monkeypatch.undo()
+    far = np.array([[[-4000, 70_000], [3, 4]]], np.int32)  # beyond the walls
+    assert np.isfinite(sampling.ground(setting, 1, 2).score(far)).all()
+
+
+def test_noise_is_one_number_a_tile():
+    tiles = np.array([[[-5, 7], [7, -5]], [[-5, 7], [0, 0]]], np.int32)
+    out = np.empty((2, 2))
+    compile_world("scores").noise(tiles, address(1, "floor"), 3, out)
+    assert out[0, 0] == out[1, 0]
+    assert len(np.unique(out)) == 3
+
+
+# ---- stripes and halves
+
+
+@pytest.mark.parametrize(("period", "share"), [(0.3, 0.55), (0.125, 0.3), (0.5, 0.95)])
+def test_stripes_have_their_period_width_and_an_axis_and_phase_of_each_trial(period, share):
+    setting = setting_of({"stripes": period}, share)
+    axes, phases = [], []
+    for trial in range(40):
+        black = sampling.ground(setting, 1, trial).all_tiles().astype(float)
+        axis = int(black.mean(axis=0).std() < black.mean(axis=1).std())  # 0: stripes run along y
+        axes.append(axis)
+        line = black.mean(axis=axis)  # a tile that a stripe ends in is black with the share that is covered
+        n = len(line)
+        x = (np.arange(n) - n // 2 + 0.5) * 0.01
+        wave = np.exp(-2j * np.pi * x / period)
+        whole = slice(0, int(int(n * 0.01 / period) * period / 0.01 + 0.5))
+        phases.append(np.angle((line[whole] * wave[whole]).mean()) / (2 * np.pi) % 1)
+        phase = Chance(addresses.floor_key(setting, 1), trial).uniform(2)[1]
+        assert np.abs(line - covered(x, period, share, phase)).max() < SIGMAS * math.sqrt(0.25 / n)
+    assert 8 < sum(axes) < 32  # of 40 coins, but once in 20,000
+    assert stats.kstest(phases, "uniform").pvalue > 1e-4
+
+
+def covered(x, period, share, phase):
+    """The share of tiles around x that stripes cover."""
+    fine = x[:, np.newaxis] + (np.arange(50) + 0.5) / 50 * 0.01 - 0.005
+    return ((fine / period + phase) % 1.0 < share).mean(axis=1)
+
+
+def test_half_a_floor_is_black_on_a_side_of_each_trial():
+    setting = setting_of("half", 0.3)
+    sides = []
+    for trial in range(40):
+        black = sampling.ground(setting, 1, trial).all_tiles()
+        n = len(black)
+        ways = [black, black[::-1], black.T, black.T[::-1]]  # seen from each side
+        (side,) = (k for k, way in enumerate(ways) if way[: n // 5].all() and not way[n // 2 :].any())
+        rows = ways[side].mean(axis=1)
+        assert ((rows == 0) | (rows == 1)).sum() >= n - 1  # one line is black in part
+        sides.append(side)
+    assert np.bincount(sides, minlength=4).min() >= 2  # of 40 throws, but once in 1,000 for a fair four-sided die
+
+
+# ---- pictures
+
+
+def test_a_picture_is_black_where_it_is_darkest(gradient):
+    setting = setting_of({"image": str(gradient)}, 0.55)
+    black = sampling.ground(setting, 1, 0).all_tiles()
+    n = len(black)
+    assert black[-n // 11 :].all()  # the top of the picture is where y is largest
+    below = black[: -n // 9]
+    assert below[:, : int(0.49 * n)].all()
+    assert not below[:, int(0.61 * n) :].any()
+    tie = below[:, int(0.51 * n) : int(0.59 * n)]  # one grey level: ties are broken tile by tile
+    assert 0 < tie.mean() < 1
+    assert abs(np.corrcoef(tie[:, 1:].ravel(), tie[:, :-1].ravel())[0, 1]) < 5 / math.sqrt(tie.size)
+
+
+def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
+    setting = setting_of({"image": str(gradient), "mode": "dither"}, 0.55)
+    black = np.mean([sampling.ground(setting, 1, trial).all_tiles() for trial in range(4)], axis=0)
+    n = len(black)
+    below = black[: -n // 9]
+    bands = [below[:, int((k + 0.1) * n / 10) : int((k + 0.9) * n / 10)] for k in range(10)]
+    share = np.array([band.mean() for band in bands])
+    error = np.array([0.5 / math.sqrt(4 * band.size) for band in bands])
+    assert (np.diff(share) < 0).all()
+    darkness = 1 - np.arange(30, 230, 20) / 255
+    odds = share / (1 - share) * (1 - darkness) / darkness  # all are changed by one factor
+    spread = error / (share * (1 - share))
+    assert (np.abs(np.log(odds / odds[4])) < SIGMAS * np.hypot(spread, spread[4])).all()
+    trials = [sampling.ground(setting, 1, t).all_tiles()[: n // 2, n // 2] for t in (0, 1)]
+    assert (trials[0] != trials[1]).any()
+
+
+def write(path, array, **options):
+    Image.fromarray(array).save(path, **options)
+    return path
+
+
+def test_every_kind_of_png_is_read(tmp_path):
+    grey = np.array([[0, 100], [200, 255]], np.uint8)
+    expected = grey.astype(int) * 257
+    assert (read_image(write(tmp_path / "l.png", grey)) == expected).all()
+    assert (read_image(write(tmp_path / "rgb.png", np.repeat(grey[..., np.newaxis], 3, axis=2))) == expected).all()
+    clear = np.zeros((2, 2, 4), np.uint8)
+    clear[..., 3] = 255 - grey  # black, the more transparent the whiter
+    assert (read_image(write(tmp_path / "rgba.png", clear)) == expected).all()
+    assert (read_image(write(tmp_path / "la.png", clear[..., 2:])) == expected).all()
+    deep = np.array([[0, 12345], [65535, 257]], np.uint16)
+    assert (read_image(write(tmp_path / "i16.png", deep)) == deep).all()
+    assert (read_image(write(tmp_path / "t16.png", deep, transparency=12345)) == [[0, 65535], [65535, 257]]).all()
+    palette = Image.fromarray(np.array([[0, 1]], np.uint8), "P")
+    palette.putpalette([255, 0, 0, 0, 0, 255])
+    palette.save(tmp_path / "p.png")
+    assert (read_image(tmp_path / "p.png") == np.array([[76, 29]]) * 257).all()  # red and blue by their luma
+    palette.save(tmp_path / "t.png", transparency=1)
+    assert read_image(tmp_path / "t.png").tolist() == [[76 * 257, 65535]]
+    Image.fromarray(grey > 150).save(tmp_path / "1.png")
+    assert (read_image(tmp_path / "1.png") == [[0, 0], [65535, 65535]]).all()
+
+
+# ---- studies and datasets
+
+STUDY = """
+name = "floors"
+seed = 11
+trials = 2
+[swarm]
+brain = ["minimalistic", "legacy"]
+robots = 6
+accuracy = 0.8
+[world]
+topology = "moving"
+density = 5
+fill_ratio = 0.35
+floor = ["tiles", {clusters = 0.2}, {stripes = 0.5}, "half", {image = "gradient.png"}, {image = "gradient.png", mode = "dither"}]
+[world.body]
+message_delay = 0
+[schedule]
+ticks = 150
+[measure]
+checkpoints = [50, 150]
+truth = "floor"
+"""  # noqa: E501
+
+
+@pytest.fixture(scope="module")
+def floored(gradient):
+    study = sc.Study.parse(STUDY, context={"base": gradient.parent})
+    return study, sc.run(study, jobs=2)
+
+
+@pytest.mark.long
+def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(floored):
+    study, results = floored
+    assert results["floor"].values.tolist() == 2 * [
+        "tiles", "clusters(0.2)", "stripes(0.5)", "half", "image(gradient)", "image(gradient,dither)",
+    ]  # fmt: skip
+    for k, setting in enumerate(study.settings()):
+        trace = sc.replay(results, k, 1)
+        assert (results["final_estimate"].values[k, 1] == trace["estimate"].values[-1]).all()
+        readings, messages = recording(results, k, 1)
+        again = sc.infer(readings, messages, beliefs_of(setting, study, 1), 1, setting.brain, compiled=k % 6 != 1)
+        assert (again["estimate"].values == trace["estimate"].values).all()
+        tile, place = trace["tile"].values[1:], trace["position"].values[1:]
+        heading = trace["heading"].values[1:]
+        arm = np.stack([np.cos(heading) * 0.0614 - np.sin(heading) * 0.01, np.sin(heading) * 0.0614 + np.cos(heading) * 0.01], -1)  # fmt: skip # noqa: E501
+        black = sampling.ground(setting, study.seed, 1).all_tiles()
+        column, row = np.moveaxis(np.floor((place + arm) / 0.01).astype(int) + len(black) // 2, -1, 0)
+        assert (black[row, column] != tile).mean() < 0.002  # arctan2 rounds at tile borders
+        assert trace.attrs["true_fill_ratio"] == results["true_fill_ratio"].values[k, 1]
+        assert trace.attrs["true_fill_ratio"] == black[within_reach(setting)].mean()
+
+
+@pytest.mark.long
+def test_errors_and_decisions_are_held_against_the_floor_or_against_f(floored, gradient):
+    _, results = floored
+    nominal = sc.run(sc.Study.parse(STUDY.replace('"floor"', '"nominal"'), context={"base": gradient.parent}))
+    assert (results.attrs["truth"], nominal.attrs["truth"]) == ("floor", "nominal")
+    assert nominal["convergence_round"].equals(results["convergence_round"])
+    assert nominal["true_fill_ratio"].equals(results["true_fill_ratio"])
+    stripes = results["floor"].values == "stripes(0.5)"
+    assert (results["true_fill_ratio"].values[stripes] != 0.35).all()
+    for data in (results, nominal):
+        for k, trial in np.ndindex(data.sizes["setting"], 2):
+            truth = data["true_fill_ratio"].values[k, trial] if data is results else 0.35
+            curves = sc.replay(data, k, trial)["estimate"].values
+            error = metrics.error_at(curves, metrics.convergence(curves), truth)
+            np.testing.assert_allclose(data["convergence_error"].values[k, trial], error, rtol=1e-12, atol=1e-15)
+            for c, checkpoint in enumerate((50, 150)):
+                assert data["correct"].values[k, c, trial] == metrics.correct(curves[checkpoint], truth)
+
+
+def test_a_floor_by_itself_gives_the_same_bits(floored):
+    _, results = floored
+    for floor in ("{clusters = 0.2}", '"half"', None):
+        alone = "".join(
+            (f"floor = {floor}\n" if floor else "") if line.startswith("floor") else line
+            for line in STUDY.splitlines(keepends=True)
+        )
+        found = sc.run(sc.Study.parse(alone), jobs=1)
+        kept = results["floor"].values == found["floor"].values[0]
+        for name in ("convergence_round", "convergence_error", "final_estimate", "correct", "true_fill_ratio"):
+            assert (found[name].values == results[name].values[kept]).all()
+
+
+def test_brains_share_a_floor_and_floors_share_a_walk(floored):
+    _, results = floored
+    one, other = sc.replay(results, 1, 0), sc.replay(results, 7, 0)
+    assert one["tile"].equals(other["tile"])
+    assert one["position"].equals(sc.replay(results, 3, 0)["position"])
+
+
+@pytest.mark.long
+def test_an_image_is_needed_once(tmp_path, gradient):
+    """Replays and copies of a study take the pixels from where they were kept; their address is what is in them."""
+    file = tmp_path / "pic.png"
+    file.write_bytes(gradient.read_bytes())
+    (tmp_path / "s.toml").write_text(STUDY.replace("gradient.png", "pic.png"))
+    study = sc.Study.load(tmp_path / "s.toml")
+    sc.save(sc.run(study), tmp_path / "s.nc")
+    file.unlink()
+    loaded = sc.load(tmp_path / "s.nc")
+    assert loaded["floor_pic"].dtype == np.uint16
+    for k in (4, 5):
+        trace = sc.replay(tmp_path / "s.nc", k, 1)
+        assert (trace["estimate"].values[-1] == loaded["final_estimate"].values[k, 1]).all()
+    assert study.with_(trials=1).settings() == study.settings()
+    elsewhere = sc.Study.parse(STUDY, context={"base": gradient.parent}).settings()
+    for a, b in zip(study.settings(), elsewhere, strict=True):
+        assert (addresses.floor_key(a, 1) == addresses.floor_key(b, 1)).all()
+    keys = {tuple(addresses.floor_key(s, 1)) for s in elsewhere}
+    assert len(keys) == 6
+    changed = tmp_path / "gradient.png"
+    write(changed, np.array([[0, 255]], np.uint8))
+    other = sc.Study.parse(STUDY, context={"base": tmp_path}).settings()
+    assert not (addresses.floor_key(other[4], 1) == addresses.floor_key(elsewhere[4], 1)).any()
+
+
+def test_fixed_networks_have_no_floor(small_results):
+    assert set(small_results["floor"].values) == {""}
+    assert np.isnan(small_results["true_fill_ratio"].values).all()
+    both = sc.Study.parse(
+        STUDY.replace('"moving"', '["ring", "moving"]')
+        .replace("ticks", "rounds = 20\nticks")
+        .replace(', {image = "gradient.png"}, {image = "gradient.png", mode = "dither"}', "")
+    )
+    results = sc.run(both)
+    fixed = (results["topology"] == "ring").values
+    assert fixed.sum() == 2
+    assert (np.isnan(results["true_fill_ratio"].values).all(axis=1) == fixed).all()
+    assert (results["floor"].values[fixed] == "").all()
+
+
+def test_floors_are_selected_and_named_in_captions(floored):
+    _, results = floored
+    one = selecting.where(results, 'floor == "clusters(0.2)" and brain == "legacy"')
+    assert one.sizes["setting"] == 1
+    assert [p.caption for p in panels.panels_of(one)] == ["floor clusters(0.2)"]
+    two = selecting.where(results, 'floor in ["tiles", "half"] and brain == "legacy"')
+    assert [p.caption for p in panels.panels_of(two)] == ["floor tiles", "floor half"]
+    plain = selecting.where(results, 'floor == "tiles" and brain == "legacy"')
+    assert [p.caption for p in panels.panels_of(plain)] == [""]
+
+
+@pytest.mark.parametrize("floor", ["tiles", "half", {"clusters": 0.25}, {"stripes": 1.0}])
+def test_a_floor_is_written_as_it_is_read(floor, tmp_path):
+    read = parse_floor(floor, tmp_path, {})
+    assert to_toml_value(read) == to_toml_value(floor)
+    assert parse_floor(read, tmp_path, {}) is read
+    assert hash(read) == hash(parse_floor(read.form, tmp_path, {}))
+
+
+def test_a_kind_of_floor_is_a_file_of_its_name(gradient):
+    assert patterns.PLUGINS.shipped == ("clusters", "half", "image", "stripes", "tiles")
+    contents = []
+    for floor in every_kind(gradient):
+        read = parse_floor(floor, gradient.parent, {})
+        contents.append(read.content)
+        assert not read.edition
+        assert parse_floor(read.form, gradient.parent, {}) == read
+    digest = contents[-1][2]
+    assert contents == [  # what the random numbers of every study depend on: never to be changed
+        ["tiles", 0.0, None, ""], ["clusters", 0.2, None, ""], ["stripes", 0.3, None, ""], ["half", 0.0, None, ""],
+        ["image", 0.0, digest, "threshold"], ["image", 0.0, digest, "dither"],
+    ]  # fmt: skip
+    assert type(parse_floor({"clusters": 1}, None, {}).content[1]) is float
+
+
+PLAIN = """
+trials = 1
+[swarm]
+robots = 5
+accuracy = 0.7
+[world]
+topology = "moving"
+density = 2
+fill_ratio = 0.5
+floor = FLOOR
+"""
+
+
+@pytest.mark.parametrize(
+    ("floor", "said"),
+    [
+        (
+            '"checks"',
+            'world.floor = "checks": a floor is one of {clusters = 0.2}, "half", {image = "leaves.png", '
+            'mode = "threshold"}, {stripes = 0.5}, "tiles"',
+        ),
+        ("3", "world.floor = 3: a floor is one of"),
+        ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
+        (
+            "{clusters = 0}",
+            "world.floor = {clusters = 0}: floor clusters: length = 0: should be greater than 0 (metres)",
+        ),
+        ("{clusters = 1001}", "length = 1001: should be less than or equal to 1,000"),
+        ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
+        ("{half = 2}", 'floor half: it has no keys: write "half"'),
+        ("{clusters = 1, length = 2}", "floor clusters: clusters is its length"),
+        ("{clusters = true}", "length = True: should be a valid number"),
+        ("{stripes = nan}", "floor stripes: length = nan: should be a finite number"),
+        ('{stripes = "wide"}', "length = 'wide': should be a valid number"),
+        ("{clusters = 0.015}", "world.floor = {clusters = 0.015}: should be at least two tiles, 0.02 m"),
+        ('["tiles", "tiles"]', "a value is twice in a list"),
+        ("[]", "world.floor = []: should be a list of at least one"),
+        ('{image = "a.png", mode = "blur"}', "mode = 'blur': should be 'threshold' or 'dither'"),
+        ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'? it has image, mode"),
+        ("{image = 3}", "an image is the path of a PNG file"),
+        ('{image = "none.png"}', "none.png: there is no such file"),
+        ('{image = "text.png"}', "text.png: not a PNG file"),
+        ('{image = "photo.jpg"}', "photo.jpg: not a PNG file"),
+        ('{image = "cut.png"}', "cut.png: cannot be read as PNG"),
+        ('{image = "folder.png"}', "folder.png: cannot be read as PNG"),
+        ('{image = "huge.png"}', f"huge.png: 4,097 x 4,097 pixels: should be {MOST_PIXELS:,} at the most"),
+        ('[{image = "a.png"}, {image = "more/a.png"}]', "two images of world.floor have one name: a"),
+    ],
+)
+def test_what_is_wrong_is_named(floor, said, tmp_path):
+    rng = np.random.default_rng(1)
+    noisy = rng.integers(0, 256, (64, 64)).astype(np.uint8)
+    (tmp_path / "more").mkdir()
+    (tmp_path / "folder.png").mkdir()
+    write(tmp_path / "more" / "a.png", noisy)
+    write(tmp_path / "photo.jpg", noisy)
+    (tmp_path / "text.png").write_text("no picture")
+    (tmp_path / "cut.png").write_bytes(write(tmp_path / "a.png", noisy).read_bytes()[:2000])
+    if "huge" in floor:
+        Image.new("1", (4097, 4097)).save(tmp_path / "huge.png")
+    with pytest.raises(sc.InputError) as caught:
+        sc.Study.parse(PLAIN.replace("FLOOR", floor), context={"base": tmp_path})
+    assert said in str(caught.value)
+
+
+def test_a_floor_goes_with_robots_that_move():
+    fixed = PLAIN.replace('"moving"', '"ring"').replace("density = 2\n", "").replace("FLOOR", '"half"')
+    with pytest.raises(sc.InputError, match=r"world\.floor is of robots that move"):
+        sc.Study.parse(fixed)
+    with pytest.raises(sc.InputError, match=r"measure.truth = .*'nominal' or 'floor'"):
+        sc.Study.parse(PLAIN.replace("FLOOR", '"half"') + '[measure]\ntruth = "tiles"\n')
+
+
+def test_the_default_body_sees_all_but_a_rim():
+    """The reach of the docs: a share of the floor that no sensor gets to."""
+    setting = setting_of("tiles", density=1.0)
+    assert Floor() == setting.floor
+    assert Body().sensor == setting.body.sensor
+    reached = ground.reachable(setting.arena_side / 2, Body().radius, math.hypot(*Body().sensor), Body().tile)
+    assert reached.shape[1] == within_reach(setting).sum()
