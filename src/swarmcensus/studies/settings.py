@@ -357,6 +357,11 @@ class Setting:
         return self.brain.is_oracle or lossless
 
     @property
+    def graphs_vary(self) -> bool:
+        """Whether graphs differ from trial to trial."""
+        return self.topology.varies and not self.brain.is_oracle
+
+    @property
     def message_delay(self) -> int:
         """How old messages are when they are heard, in rounds, or in ticks of robots that move."""
         if self.brain.is_oracle:
