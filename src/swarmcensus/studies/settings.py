@@ -137,6 +137,16 @@ class World(Table):
         coordinate=Coordinate("number", "the probability that a message gets through", "link success {}", always=True),
     )] = Field(default=[1.0])  # fmt: skip
     """The probability that a message gets through."""
+    missing_links: Annotated[Shares, Key(
+        world="networks",
+        instead="bodies in between block the messages of robots that move, by world.body.line_of_sight",
+        page="the probability that two neighbours [never hear each other](#missing-links) in a trial",
+        coordinate=Coordinate(
+            "number", "the share of [links that are missing](study-file.md#missing-links); only if any are",
+            "{} of links missing", "share of links that are missing", "shares of missing links",
+        ),
+    )] = Field(default=[0.0])  # fmt: skip
+    """The probability that two neighbours on a fixed network never hear each other in a trial."""
     message_delay: Annotated[Delays, Key(
         world="networks",
         instead="how late robots that move hear each other is world.body.message_delay, in ticks",
@@ -265,6 +275,7 @@ class Setting:
     floor: Floor | None = None  # of robots that move; None: independent tiles
     members: tuple[Member, ...] = ()  # robots that differ from the others
     change: Change | None = None  # of the fill ratio, during a trial
+    missing_links: float = 0.0  # the share of links, drawn for each trial
     delay: int = 0  # rounds between sending and hearing a message, on fixed networks
 
     def __str__(self) -> str:
@@ -354,12 +365,12 @@ class Setting:
     def hears_all(self) -> bool:
         """Whether every message is heard by all neighbours."""
         lossless = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
-        return self.brain.is_oracle or lossless
+        return self.brain.is_oracle or (lossless and not self.missing_links)
 
     @property
     def graphs_vary(self) -> bool:
         """Whether graphs differ from trial to trial."""
-        return self.topology.varies and not self.brain.is_oracle
+        return (self.topology.varies or self.missing_links > 0.0) and not self.brain.is_oracle
 
     @property
     def message_delay(self) -> int:
