@@ -343,7 +343,7 @@ def seconds(setting: Setting, local: bool = False) -> float:
     if local:
         return setting.rounds * looks * setting.robots * 15e-9
     messages = 2.0 if setting.topology.edges is None else 2.0 * len(setting.topology.edges) / setting.robots
-    if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.additive):
+    if setting.topology.name == "full" and not (setting.additive and setting.hears_all):
         messages = float(setting.robots)
     return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6
 
