@@ -13,7 +13,7 @@ from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
-from swarmcensus.comparing.table_text import as_text
+from swarmcensus.comparing.showing import as_text
 from swarmcensus.comparing.verdicts import findings
 from swarmcensus.figures.kinds.pareto import draw_pareto, front
 from swarmcensus.figures.kinds.ranks import draw_ranks
@@ -153,7 +153,7 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
     assert main(["compare", str(two), "--limit", "4"]) == 0
     printed = [line.rstrip() for line in capsys.readouterr().out.splitlines()]
     monkeypatch.setenv("FORCE_COLOR", "1")  # as in a kernel of Jupyter
-    lines = as_text(sc.compare(two), width, limit=4).splitlines()
+    lines = as_text(sc.compare(two), width, limit=4).splitlines()[1:]
     assert all(len(line) <= width for line in lines)
     table = [*takewhile(lambda line: not line.startswith(("left out", "final error: ")), lines)]
     assert sum("minimalistic" in line or "legacy" in line for line in table) == (3 if width == 60 else 1) * 4

@@ -18,7 +18,7 @@ from swarmcensus.brains.fields import slots
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.deployment.messages import codec as codec_of
-from swarmcensus.deployment.micropython_files import BOARDS
+from swarmcensus.deployment.pieces import BOARDS
 from swarmcensus.robot import codec, runtime
 
 DOUBLE, SINGLE = 53, 24  # binary digits of 8-byte and 4-byte floats

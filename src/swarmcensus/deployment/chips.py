@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.deployment.pieces import piece
 
 STRICT = ("-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
 AVR = ("avr-gcc", "avr-size", "simavr")
@@ -24,20 +25,6 @@ CORTEX_FLAGS = (
     "-O2", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "--specs=rdimon.specs",
     "-Wl,--section-start=.vectors=0", "-Wl,-Ttext=0x400", "-Wl,-Tdata=0x20000000",
 )  # fmt: skip
-CORTEX_START = """\
-// Starts the C library of a Cortex-M4F: its stack, its reset, and its unit for floats.
-#include <stdint.h>
-
-extern void _start(void);
-void reset(void);
-
-__attribute__((section(".vectors"), used)) static const uintptr_t vectors[] = {0x20200000, (uintptr_t)reset};
-
-__attribute__((naked)) void reset(void) {
-    __asm__ volatile(
-        "ldr r0, =0xE000ED88\\n ldr r1, [r0]\\n orr r1, r1, #0xF00000\\n str r1, [r0]\\n dsb\\n isb\\n b _start");
-}
-"""
 
 
 class NoRoom(InputError):
@@ -110,7 +97,7 @@ def avr_size(program: Path) -> Size:
 def on_cortex(source: Path) -> str:
     """Compile a program for a Cortex-M4F, run it in QEMU, and return what it prints."""
     start, program = source.with_name("start.c"), source.with_suffix(".cortex.elf")
-    start.write_text(CORTEX_START)
+    start.write_text(piece("cortex.c"))
     _run("arm-none-eabi-gcc", "-std=c99", *CORTEX_FLAGS, *STRICT, "-o", str(program), str(start), str(source), "-lm")
     machine = ("-M", "mps2-an386", "-nographic", "-monitor", "none", "-serial", "none")
     simulator = ("qemu-system-arm", *machine, "-semihosting-config", "enable=on,target=native")

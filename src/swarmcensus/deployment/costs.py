@@ -14,6 +14,7 @@ from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.deployment import chips
 from swarmcensus.deployment.header import header
+from swarmcensus.deployment.pieces import filled, piece
 
 NUMBERS = Numbers(precision="single", message="ratio16")
 TICKS = 200
@@ -120,7 +121,7 @@ def cost(brain: Brain) -> Cost:
 
 def _cost_on(brain: Brain, chip: str) -> Cost:
     with tempfile.TemporaryDirectory() as folder:
-        programs = (header(brain), False), (EMPTY, True)
+        programs = (header(brain), False), (piece("no_brain.h"), True)
         (plain, coded), (nothing, nothing_coded) = (
             [_measure(text, brain, Path(folder), chip, coded=coded, empty=empty) for coded in (False, True)]
             for text, empty in programs
@@ -139,7 +140,8 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
     source = folder / "cost.c"
     lucky = brain.uses.luck and not empty
     source.write_text(
-        PROGRAM.format(
+        filled(
+            "cost.c",
             ticks=TICKS,
             start=", 1" if brain.uses.name and not empty else "",
             luck=f"cost_me.luck = ((number)(tick % {LUCKY}) + 0.5f) / {LUCKY}.0f;" if lucky else "",
@@ -158,26 +160,6 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
 
 
 PRESCALER = 8  # the timer counts every so many cycles
-EMPTY = """\
-#include <stdbool.h>
-#include <stdint.h>
-typedef float number;
-struct brain {
-    char nothing;
-};
-struct message {
-    char nothing;
-};
-#define BRAIN_MESSAGE_BYTES 1
-static inline void brain_start(struct brain *me, number b, number w) { (void)me, (void)b, (void)w; }
-static inline void observe(struct brain *me, number blacks, number looks) { (void)me, (void)blacks, (void)looks; }
-static inline bool broadcast(const struct brain *me, struct message *message) { return (void)me, (void)message, true; }
-static inline void receive(struct brain *me, const struct message *message) { (void)me, (void)message; }
-static inline void fuse(struct brain *me) { (void)me; }
-static inline number estimate(const struct brain *me) { return (void)me, 0.5f; }
-static inline bool brain_send(struct brain *me, uint8_t *out) { return (void)me, (void)out, true; }
-static inline void brain_hear(struct brain *me, const uint8_t *bytes) { (void)me, (void)bytes; }
-"""
 PLAIN = """\
         if (broadcast(&cost_me, &cost_said)) {
             receive(&cost_me, &cost_said);
@@ -188,82 +170,3 @@ CODED = """\
             brain_hear(&cost_me, cost_bytes);
             brain_hear(&cost_me, cost_bytes);
         }"""
-PROGRAM = """\
-#include "brain.h"
-#include <avr/interrupt.h>
-#include <avr/io.h>
-#include <avr/sleep.h>
-
-extern uint8_t __heap_start;
-static struct brain cost_me;
-struct message cost_said;
-uint8_t cost_bytes[BRAIN_MESSAGE_BYTES];
-volatile uint8_t cost_floor_seen;
-volatile float cost_believed;
-
-static void cost_put(char c) {{
-    while (!(UCSR0A & _BV(UDRE0))) {{
-    }}
-    UDR0 = (uint8_t)c;
-}}
-
-static void cost_put_number(uint32_t x) {{
-    char digits[10];
-    uint8_t n = 0;
-    do {{
-        digits[n++] = (char)('0' + x % 10);
-        x /= 10;
-    }} while (x > 0);
-    while (n > 0) {{
-        cost_put(digits[--n]);
-    }}
-    cost_put('\\n');
-}}
-
-static void __attribute__((noinline)) cost_live(uint16_t tick) {{
-        {luck}
-        cost_floor_seen = (uint8_t)((tick * 5 % 8) < 3);
-        observe(&cost_me, cost_floor_seen, 1);
-{talk}
-        fuse(&cost_me);
-        cost_believed = estimate(&cost_me);
-}}
-
-int main(void) {{
-    uint32_t total = 0;
-    uint32_t longest = 0;
-    uint8_t *free = &__heap_start;
-    UBRR0 = 0;
-    UCSR0B = _BV(TXEN0);
-    brain_start(&cost_me, 0.9f, 0.8f{start});
-    uint8_t *const top = (uint8_t *)SP - 2;
-    for (uint8_t *p = free; p < top; p++) {{
-        *p = 0xA5;  // to see how deep the stack goes
-    }}
-    TCCR1A = 0;
-    TCCR1B = _BV(CS11);
-    for (uint16_t tick = 0; tick < {ticks}; tick++) {{
-        TIFR1 = _BV(TOV1);
-        TCNT1 = 0;
-        cost_live(tick);
-        uint32_t counted = TCNT1;
-        if (TIFR1 & _BV(TOV1)) {{
-            counted += UINT32_C(65536);
-        }}
-        total += counted;
-        longest = counted > longest ? counted : longest;
-    }}
-    while (free < top && *free == 0xA5) {{
-        free++;
-    }}
-    cost_put_number(total);
-    cost_put_number((uint32_t)(top - free));
-    cost_put_number(longest);
-    while (!(UCSR0A & _BV(UDRE0))) {{
-    }}
-    cli();
-    sleep_enable();
-    sleep_cpu();
-    return 0;
-}}
-"""

@@ -31,9 +31,9 @@ class Deployed:
         return {
             "brain": brain.label, "target": order.name, "folder": self.folder, "files": self.files,
             "message": brain.numbers.message, "precision": brain.numbers.precision,
-            "message_bytes": brain.message_bytes,
-            "datagram_bytes": order.datagram_bytes, "memory_bytes": brain.memory_bytes,
-            "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes, "mark": order.mark,
+            "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes,
+            "memory_bytes": brain.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
+            "mark": order.mark,
         }  # fmt: skip
 
 

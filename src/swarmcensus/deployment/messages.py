@@ -12,6 +12,7 @@ from swarmcensus.brains.packing import BYTES, MOST, READ, STEPS, Part, bytes_of
 from swarmcensus.brains.single import in_single
 from swarmcensus.brains.syntax import functions_of
 from swarmcensus.deployment.comments import Comments
+from swarmcensus.deployment.pieces import functions
 from swarmcensus.deployment.unit import Record, Unit
 from swarmcensus.robot.codec import LARGEST_REAL
 from swarmcensus.robot.runtime import Messages
@@ -155,44 +156,12 @@ def _hear(unit: Unit, part: Part, one: str, other: str, at: int) -> list[str]:
     return [f"{one} = codec_{'half' if coding == 'float16' else 'log'}_value({code});"]
 
 
-BYTES_IN_C = {
-    "codec_put_16": """
-static inline void codec_put_16(uint8_t *out, uint16_t code) {
-    out[0] = (uint8_t)(code & 255);
-    out[1] = (uint8_t)(code >> 8);
-}""",
-    "codec_get_16": """
-static inline uint16_t codec_get_16(const uint8_t *bytes) { return (uint16_t)(bytes[0] | bytes[1] << 8); }""",
-    "codec_put_float": """
-static inline void codec_put_float(uint8_t *out, number x) {
-    union {
-        float value;
-        uint32_t bits;
-    } both;
-    both.value = CLAMPED;
-    for (uint8_t k = 0; k < 4; k++) {
-        out[k] = (uint8_t)(both.bits >> 8 * k & 255);
-    }
-}""",
-    "codec_get_float": """
-static inline number codec_get_float(const uint8_t *bytes) {
-    union {
-        float value;
-        uint32_t bits;
-    } both;
-    both.bits = 0;
-    for (uint8_t k = 0; k < 4; k++) {
-        both.bits |= (uint32_t)bytes[k] << 8 * k;
-    }
-    return both.value;
-}""",
-}
-
-
 def bytes_in_c(text: str, number: str) -> str:
     """The functions that put numbers into bytes, as far as `text` calls them."""
     largest = f"{LARGEST_REAL!r}{'f' if number == 'float' else ''}"
     clamped = f"x > {largest} ? {largest} : x < -{largest} ? -{largest} : {'' if number == 'float' else '(float)'}x"
     if number == "double":
         clamped = f"(float)(x > {largest} ? {largest} : x < -{largest} ? -{largest} : x)"
-    return "".join(code.replace("CLAMPED", clamped) for name, code in BYTES_IN_C.items() if f"{name}(" in text).strip()
+    return "".join(
+        code.replace("CLAMPED", clamped) for name, code in functions("bytes.h").items() if f"{name}(" in text
+    ).strip()

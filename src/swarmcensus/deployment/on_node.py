@@ -9,24 +9,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.deployment.pieces import piece
 
 PACKAGE = "@micropython/micropython-webassembly-pyscript"
 FOLDER = "MICROPYTHON_MODULES"  # the environment's variable that names the folder of Node's packages, or the one above
 HEAP = 64 * 1024 * 1024
 SECONDS = 600.0  # before a program is given up
 NEEDED = f"Node and MicroPython: npm install {PACKAGE} here, or ${FOLDER} naming a folder that has it"
-
-RUNNER = """
-import { readFileSync } from "node:fs";
-const [module, heap, files] = process.argv.slice(2);
-const { loadMicroPython } = await import(module);
-const board = await loadMicroPython({ heapsize: Number(heap), linebuffer: true, stdout: (line) => console.log(line) });
-const texts = JSON.parse(readFileSync(files, "utf8"));
-for (const [name, text] of Object.entries(texts)) board.FS.writeFile("/" + name, text);
-board.runPython("import sys\\nsys.path.append('/')\\nimport main\\nSTEPS = getattr(main, 'STEPS', 0)");
-const steps = board.globals.get("STEPS");
-for (let step = 0; step < steps; step++) board.runPython("main.step()"); // garbage is collected between them only
-"""
 
 
 def micropython() -> Path | None:
@@ -48,7 +37,7 @@ def on_board(folder: Path, files: Mapping[str, str], heap: int = HEAP, module: P
     if module is None:
         raise InputError(f"needs {NEEDED}")
     runner, texts = folder / "runner.mjs", folder / "files.json"
-    runner.write_text(RUNNER, encoding="utf-8")
+    runner.write_text(piece("node.mjs"), encoding="utf-8")
     texts.write_text(json.dumps({name: textwrap.dedent(text) for name, text in files.items()}), encoding="utf-8")
     command = ["node", str(runner), str(module), str(heap), str(texts)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
