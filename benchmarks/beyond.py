@@ -1,12 +1,10 @@
-"""Brains that share everything beside the paper's: `python benchmarks/beyond.py [FIGURE.png]`.
+"""Figures and tables of docs/beyond*.md: python benchmarks/beyond.py QUESTION [--figure FILE.png].
 
-Prints medians of the cells that docs/beyond.md begins with, the first rounds of swarms with poor sensors, and what the
-weights of unequal sensors cost; and draws how the error falls on a ring of 100, round by round, beside theory's bounds.
-Two minutes on two cores.
+Brains that go beyond the paper's beside it: where they share everything, where the floor changes, and where robots do
+not know their sensors.
 """
 
-import sys
-
+import harness
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
@@ -16,6 +14,23 @@ from swarmcensus import theory
 
 TRIALS = 100
 BRAINS = {"minimalistic": "#0072B2", "commons": "#D55E00", "swift": "#009E73"}
+ROUNDS, CHANGE = 1000, 301
+FORGETFUL = "studies/example/forgetful.py"
+CHANGE_BRAINS = {
+    "tracking": "tracking",
+    "commons": "commons",
+    "minimalistic": "minimalistic",
+    "forgetful, half = 30": {"file": FORGETFUL, "half": 30},
+    "changing-floor, detect = 1": {"file": "changing-floor", "detect": 1, "debiased": 1, "every": 1},
+    "bayes-cpf": {"file": "bayes-cpf", "drift": 0},
+}
+SHOWN = [300, 310, 320, 350, 400, 600, 1000]
+UNKNOWN_BRAINS = ["self-taught", "commons", "minimalistic", "asdf", "oracle"]
+TOLD = [0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85, 0.9, 0.95]
+FLOORS = [0.55, 0.75]
+
+
+# ---- shared evidence
 
 
 def ring(accuracy, topology="ring", rounds=1000):
@@ -84,7 +99,7 @@ def tell_weights():
         print(f"weights of k^2, f = {f}: {1.0 / variance / np.sum(theory.information(f, b)):.3f} of the information")
 
 
-def draw(results, path):
+def draw_sharing(results, path):
     """The median error of all robots and trials after each round, and what theory allows."""
     matplotlib.use("agg")
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
@@ -109,8 +124,9 @@ def draw(results, path):
     figure.savefig(path, dpi=160)
 
 
-def main():
-    """All cells, and the figure if a path is given."""
+@harness.question
+def sharing(figure=None):
+    """Brains that share everything: two minutes on two cores."""
     poor = sc.run(ring(0.525))
     tell("ring, 0.525", poor)
     tell("ring, 0.625", sc.run(ring(0.625)))
@@ -120,9 +136,110 @@ def main():
     tell("moving, D = 1, 0.525", sc.run(moving(0.525, 1)))
     tell_early()
     tell_weights()
-    if len(sys.argv) > 1:
-        draw(poor, sys.argv[1])
+    if figure:
+        draw_sharing(poor, figure)
+
+
+# ---- floors that change
+
+
+def after_each_round(floor):
+    """The median error of each brain after each round, (brain, round)."""
+    study = sc.Study(
+        trials=20,
+        seed=5,
+        swarm={"brain": list(CHANGE_BRAINS.values()), "robots": 50, "accuracy": 0.75},
+        world={"topology": "ring", "fill_ratio": floor},
+        schedule={"rounds": ROUNDS, "observations_per_round": 10},
+    )
+    results = sc.run(study)
+    truth = np.where(np.arange(1, ROUNDS + 1) < CHANGE, floor["from"], floor["to"])[:, np.newaxis]
+    found = []
+    for setting in range(len(CHANGE_BRAINS)):
+        lives = [
+            sc.replay(results, setting=setting, trial=trial, brain_file=[FORGETFUL])["estimate"].values[1:]
+            for trial in range(20)
+        ]
+        found.append(np.median(np.abs(np.stack(lives) - truth), axis=(0, 2)))
+    return np.array(found)
+
+
+@harness.question
+def changing(figure=None):
+    """A large change of the floor and a small one: the median error after some rounds. A minute on two cores."""
+    floors = {
+        "0.85 to 0.25": {"from": 0.85, "to": 0.25, "at": CHANGE},
+        "0.65 to 0.55": {"from": 0.65, "to": 0.55, "at": CHANGE},
+    }
+    found = {name: after_each_round(floor) for name, floor in floors.items()}
+    print("median error after round".ljust(42), *(f"{r:>6}" for r in SHOWN))
+    for name, errors in found.items():
+        for brain, row in zip(CHANGE_BRAINS, errors, strict=True):
+            print(f"{name}  {brain}".ljust(42), *(f"{row[r - 1]:.4f}" for r in SHOWN))
+    if figure:
+        draw_changing(found, figure)
+
+
+def draw_changing(found, path):
+    """Round by round, a panel a change."""
+    figure, axes = harness.panels(1, 2, 7.2, 3.9)
+    for one, (name, errors) in zip(axes, found.items(), strict=True):
+        handles = []
+        for brain, row, colour in zip(CHANGE_BRAINS, errors, harness.COLOURS, strict=True):
+            broken = (
+                {"ls": "--", "zorder": 5} if brain == "commons" else {}
+            )  # it covers others, and they are to be seen
+            handles += one.plot(np.arange(1, ROUNDS + 1), row, color=colour, lw=1.6, **broken)
+        one.axvline(CHANGE, color="0.6", lw=0.8, ls=":")
+        one.set_title(f"floor {name}", fontsize=10)
+        one.set(yscale="log", xlim=(1, ROUNDS), ylim=(0.001, 1.0), xlabel="round of communication")
+    axes[0].set_ylabel("median error |x - f|")
+    harness.save(figure, path, list(CHANGE_BRAINS), handles)
+
+
+# ---- sensors that are not known
+
+
+@harness.question
+def unknown(figure=None):
+    """Robots whose sensors are not what they assume: the median error by what they assume. A minute on two cores."""
+    study = sc.Study(
+        trials=40,
+        seed=3,
+        swarm={
+            "brain": [UNKNOWN_BRAINS[0], *UNKNOWN_BRAINS[1:3], {"file": "asdf", "every": 1000}, "oracle"],
+            "robots": 20,
+            "accuracy": 0.75,
+        },
+        members=[{"robots": 6, "assumed_accuracy": TOLD}],
+        world={"topology": "moving", "density": 10, "fill_ratio": FLOORS},
+        schedule={"ticks": 3000},
+    )
+    results = sc.run(study)
+    table = results[["brain", "fill_ratio"]].to_dataframe()
+    table["told"] = results["members"].to_series().str.split().str[-1].astype(float)
+    error = abs(results["final_estimate"] - results["true_fill_ratio"])
+    table["error"] = error.median(["trial", "robot"]).values
+    found = table.pivot_table("error", ["fill_ratio", "told"], "brain", sort=False)[UNKNOWN_BRAINS]
+    print(found.round(4).to_string())
+    if figure:
+        draw_unknown(found, figure)
+
+
+def draw_unknown(found, path):
+    """Against what the six were told, a panel a floor."""
+    figure, axes = harness.panels(1, 2, 7.2, 3.9)
+    for one, floor in zip(axes, FLOORS, strict=True):
+        handles = []
+        for brain, colour, marker in zip(UNKNOWN_BRAINS, harness.COLOURS, harness.MARKERS, strict=False):
+            row = np.maximum(found.loc[floor, brain], 1e-4)
+            handles += one.plot(row.index, row, color=colour, marker=marker, ms=4, lw=1.6)
+        one.axvline(0.75, color="0.6", lw=0.8, ls=":")
+        one.set_title(f"f = {floor}", fontsize=10)
+        one.set(yscale="log", ylim=(0.0005, 0.1), xlabel="accuracy that six of twenty are told")
+    axes[0].set_ylabel("median error |x - share of black|")
+    harness.save(figure, path, UNKNOWN_BRAINS, handles)
 
 
 if __name__ == "__main__":
-    main()
+    harness.answer(globals())

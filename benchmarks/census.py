@@ -1,4 +1,4 @@
-"""How near `census` is to the best brain in each kind of world: python benchmarks/census.py [--trials T] [--plot FILE].
+"""How near `census` is to the best brain in each kind of world: python benchmarks/census.py [--quick].
 
 The first table is of the worlds of studies/census.toml. Every line is a world: what `census` reaches, its rank among
 the brains that robots can run, the best of the others, and the ratio to that with its 95 % interval (trials are
@@ -9,14 +9,14 @@ the median of the mean error over all rounds.
 Then errors among liars, as ratios to that of a robot alone and to that of the best other brain, also among creepers of
 other steps, and among insiders, which know the source; with wrong accuracies; where robots fail or join late; where two
 needs meet; in large swarms; beside the oracle and the paper's brain; what leaving out a part costs; and K of flooding,
-the limit of any brain. FILE becomes a picture of K beside that limit. A quarter of an hour on two cores.
+the limit of any brain. `tables --figure FILE` draws K beside that limit. A quarter of an hour on two cores.
 """
 
-import argparse
 import tomllib
 import warnings
 from pathlib import Path
 
+import harness
 import matplotlib.pyplot as plt
 import networkx as nx
 import numba
@@ -412,8 +412,10 @@ def limit(trials):
     return limits
 
 
-def main(trials, plot):
-    """All tables."""
+@harness.question
+def tables(trials=100, figure=None, quick=False):
+    """All tables, of so many trials of each world (6 or more, so that ratios have intervals); the figure of K."""
+    trials = 6 if quick else trials
     print(f"{trials} trials in each world; seeds: {Study.load(STUDY).seed}, and 32 to 37 below the first table\n")
     found = worlds(sc.run(Study.load(STUDY).with_(trials=trials)))
     tell(found)
@@ -422,8 +424,8 @@ def main(trials, plot):
         part(trials)
     print("\nFlooding, the limit of any brain", flush=True)
     limits = limit(trials)
-    if plot:
-        draw(found, limits, plot)
+    if figure:
+        draw(found, limits, figure)
 
 
 def draw(found, limits, path):
@@ -479,12 +481,4 @@ def ablation(trials):
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--trials", type=int, default=100, help="of each world; 100 unless given")
-    parser.add_argument("--plot", type=Path, help="the picture of K beside the limit")
-    given = parser.parse_args()
-    if given.trials < 6:
-        parser.error(f"--trials = {given.trials}: should be 6 or more, so that ratios have intervals")
-    if given.plot and not given.plot.parent.is_dir():
-        parser.error(f"--plot = {given.plot}: there is no folder {given.plot.parent}")
-    main(given.trials, given.plot)
+    harness.answer(globals())

@@ -1,28 +1,70 @@
-"""What the engine costs: python benchmarks/engine.py [--quick].
+"""What the engine costs on fixed networks: python benchmarks/engine.py [QUESTION] [--quick].
 
-Prints ns per robot and round on one core for each topology and size, metrics included, beside the limit
-kernel in the same run; then what a step of a local estimate costs, thread scaling, and the peak memory of a million
-robots.
+Nanoseconds per robot and round on one core for each topology and size, metrics included, beside the limit kernel in the
+same run; a step of a local estimate; what a second thread gains; the time and the memory of a million robots.
 """
 
-import argparse
-import resource
-import subprocess
-import sys
-import time
+from functools import partial
+from pathlib import Path
 
+import harness
 import numpy as np
-from limit import limit
-from rich.console import Console
-from rich.table import Table
+from numba import njit
 
 from swarmcensus import Study, run
 from swarmcensus.engine.addresses import address
+from swarmcensus.engine.changes import renew, source_of
+from swarmcensus.engine.draws import pick
+from swarmcensus.engine.layout import Sensors
+from swarmcensus.engine.random import words
 from swarmcensus.simulation.trials import Metrics, run_batch
 
 SIZES = {10: (1000, 150), 100: (1000, 20), 10_000: (100, 2), 1_000_000: (100, 1)}  # robots: rounds, trials
 TOPOLOGIES = ("full", "ring", "line", "scale-free")
-GO = np.zeros(1, np.uint8)
+MOST = Metrics(0.01, 10, ())
+HERE = Path(__file__).parent
+
+
+@njit(nogil=True)
+def limit(robots, rounds, looks, b, w, fill_ratio, key, trials):
+    """The limit of any engine: a ring that draws, estimates and fuses, and does nothing else.
+
+    It has no records, brain file and metrics, and its constants are hoisted out of loops. Returns the last robot's
+    estimate so that nothing is optimised away.
+    """
+    steady = np.array([fill_ratio, fill_ratio, 1.0, 1.0])
+    source = source_of(Sensors(np.full(1, b), np.full(1, w), np.zeros((3, 0)), steady, looks, key, key))
+    renew(source, 1)
+    row = source.tables[0, 0]
+    bits = np.zeros(robots, np.uint64)
+    n, x_hat, alpha, x = np.zeros(robots), np.zeros(robots), np.zeros(robots), np.zeros(robots)
+    slope = b + w - 1.0
+    q = slope * slope
+    for trial in range(trials):
+        n[:] = 0.0
+        for k in range(1, rounds + 1):
+            words(key, trial, k, 0, 0, robots, bits)
+            t = float(k * looks)
+            low, high = (1.0 - w) * t, b * t
+            for i in range(robots):
+                n[i] += pick(row, bits[i])
+                m = n[i]
+                if m <= low:
+                    x_hat[i] = 0.0
+                    alpha[i] = q * (m / ((1.0 - w) * (1.0 - w)) + (t - m) / (w * w))
+                elif m >= high:
+                    x_hat[i] = 1.0
+                    alpha[i] = q * (m / (b * b) + (t - m) / ((1.0 - b) * (1.0 - b)))
+                else:
+                    x_hat[i] = (m / t + w - 1.0) / slope
+                    alpha[i] = q * t * t * t / (m * (t - m))
+            for i in range(robots):
+                left = i - 1 if i > 0 else robots - 1
+                right = i + 1 if i < robots - 1 else 0
+                beta = alpha[left] + alpha[right]
+                x_bar = (alpha[left] * x_hat[left] + alpha[right] * x_hat[right]) / beta
+                x[i] = (alpha[i] * x_hat[i] + beta * x_bar) / (alpha[i] + beta)
+    return x[robots - 1]
 
 
 def study(robots, rounds, trials, topology="ring", looks=10):
@@ -34,94 +76,63 @@ def study(robots, rounds, trials, topology="ring", looks=10):
     )
 
 
-def timed(function, repeats):
-    """The best of some repeats: on a shared machine the others measure the neighbours."""
-    best = float("inf")
-    for _ in range(repeats):
-        begun = time.perf_counter()
-        function()
-        best = min(best, time.perf_counter() - begun)
-    return best
-
-
-def topologies(console, quick):
-    table = Table(
-        "robots", *TOPOLOGIES, "limit", "ring / limit", "full / limit", title="ns per robot and round, one core"
+@harness.question
+def topologies(quick=False):
+    """Each topology and size, beside the limit."""
+    table = harness.table(
+        "ns per robot and round, one core", "robots", *TOPOLOGIES, "limit", "ring / limit", "full / limit"
     )
     key = address(1, "benchmark")
     for robots, (rounds, trials) in SIZES.items():
         if quick and robots > 10_000:
             continue
-        scale = 1e9 / (robots * rounds * trials)
-        repeats = 5 if robots < 1_000_000 else 2  # the first of a million pays for memory that nobody had before
-        cost = {}
+        batches = {t: study(robots, rounds, trials, t).settings()[0] for t in TOPOLOGIES}
         for topology in TOPOLOGIES:
-            setting = study(robots, rounds, trials, topology).settings()[0]
-            run_batch(study(10, 2, 1, topology).settings()[0], 1, 0, 1, Metrics(0.01, 10, ()), GO)
-            cost[topology] = scale * timed(
-                lambda s=setting, n=trials: run_batch(s, 1, 0, n, Metrics(0.01, 10, (10,)), GO), repeats
-            )
+            run_batch(study(10, 2, 1, topology).settings()[0], 1, 0, 1, MOST, harness.GO)
         limit(10, 2, 10, 0.675, 0.675, 0.55, key, 1)
-        bound = scale * timed(lambda n=robots, c=rounds, t=trials: limit(n, c, 10, 0.675, 0.675, 0.55, key, t), repeats)
-        table.add_row(
-            f"{robots:,}",
-            *(f"{cost[t]:.1f}" for t in TOPOLOGIES),
-            f"{bound:.1f}",
-            f"{cost['ring'] / bound:.2f}",
-            f"{cost['full'] / bound:.2f}",
-        )
-    console.print(table)
+        metrics = Metrics(0.01, 10, (10,))
+        runs = [partial(run_batch, one, 1, 0, trials, metrics, harness.GO) for one in batches.values()]
+        runs.append(partial(limit, robots, rounds, 10, 0.675, 0.675, 0.55, key, trials))
+        repeats = 5 if robots < 1_000_000 else 2  # the first of a million pays for memory that nobody had before
+        *costs, bound = harness.least(runs, repeats) * 1e9 / (robots * rounds * trials)
+        cost = dict(zip(TOPOLOGIES, costs, strict=True))
+        ratios = (cost["ring"] / bound, cost["full"] / bound)
+        table.add_row(f"{robots:,}", *(f"{x:.1f}" for x in (*costs, bound)), *(f"{x:.2f}" for x in ratios))
+    harness.show(table)
 
 
-def local_estimates(console):
+@harness.question
+def local_estimates():
+    """A step of a local estimate."""
     for looks, trials in ((1, 20), (10, 2)):
         setting = study(100, 1000, trials, looks=looks).settings()[0]
-        run_batch(study(10, 2, 1).settings()[0], 1, 0, 1, Metrics(0.01, 10, ()), GO, True)
-        cost = timed(lambda s=setting, n=trials: run_batch(s, 1, 0, n, Metrics(0.01, 10, ()), GO, True), 5)
-        console.print(f"local estimates, 100 robots, R = {looks}: {cost / (1e5 * trials * looks) * 1e9:.1f} ns a step")
+        run_batch(study(10, 2, 1).settings()[0], 1, 0, 1, MOST, harness.GO, True)
+        [cost] = harness.least([partial(run_batch, setting, 1, 0, trials, MOST, harness.GO, True)], 5)
+        harness.show(f"local estimates, 100 robots, R = {looks}: {cost / (1e5 * trials * looks) * 1e9:.1f} ns a step")
 
 
-def threads(console):
+@harness.question
+def threads():
+    """What a second thread gains."""
     paper = Study(
         trials=30,
         swarm={"robots": [10, 100], "accuracy": [0.525, 0.675, 0.825, 0.975, "U(0.525, 0.975)"]},
         world={"topology": list(TOPOLOGIES), "fill_ratio": [0.55, 0.95]},
     )
-    one = timed(lambda: run(paper, jobs=1), 2)
-    two = timed(lambda: run(paper, jobs=2), 2)
-    console.print(f"threads: {one:.2f} s with one, {two:.2f} s with two: {one / two:.2f} times as fast")
+    one, two = harness.least([partial(run, paper, jobs=1), partial(run, paper, jobs=2)], 2)
+    harness.show(f"threads: {one:.2f} s with one, {two:.2f} s with two: {one / two:.2f} times as fast")
 
 
-def memory(console):
+@harness.question
+def million(quick=False):
+    """Seconds and memory of a million robots, of 10,000 if `quick`."""
+    robots = 10_000 if quick else 1_000_000
     for topology in ("ring", "scale-free", "full"):
-        done = subprocess.run(
-            [sys.executable, __file__, "--million", topology], capture_output=True, text=True, check=True
-        )
-        console.print(done.stdout.strip())
-
-
-def million(topology):
-    begun = time.perf_counter()
-    run(study(1_000_000, 100, 1, topology), jobs=1)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    print(f"1,000,000 robots, {topology}, 100 rounds: {time.perf_counter() - begun:.1f} s, peak {peak:.2f} GiB")
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="no swarm above 10,000 robots")
-    parser.add_argument("--million", metavar="TOPOLOGY", help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    if options.million:
-        return million(options.million)
-    console = Console(width=110)
-    topologies(console, options.quick)
-    local_estimates(console)
-    threads(console)
-    if not options.quick:
-        memory(console)
-    return None
+        code = f"import engine; engine.run(engine.study({robots}, 100, 1, {topology!r}), jobs=1)"
+        spent = harness.process("-c", f"import sys; sys.path.insert(0, {str(HERE)!r}); {code}")
+        peak = spent.memory / 2**30
+        harness.show(f"{robots:,} robots, {topology}, 100 rounds: {spent.seconds:.1f} s, peak {peak:.2f} GiB")
 
 
 if __name__ == "__main__":
-    main()
+    harness.answer(globals())

@@ -1,17 +1,16 @@
-"""What liars cost: `python benchmarks/liars.py RESULTS.nc`, of studies/beyond/liars*.toml, `FIGURE.png` or `worst`.
+"""What liars cost, and where our own brains are worse than others: python benchmarks/liars.py QUESTION.
 
-Of results it prints tables by world and by kind: medians of the final errors over honest robots and trials, then means
-over settings. inf: estimates are no numbers any more, as those of commons where somebody shouts. A figure it makes of a
-small study of its own, which takes a minute on two cores, and prints what is drawn. `worst` runs the liars that beat
-steadfast on three networks, prints a table beside the paper's brain and a robot alone, and takes a minute too.
+Errors are medians of the final errors over honest robots and trials; inf: estimates are no numbers any more, as those
+of `commons` where somebody shouts.
 """
 
-import sys
+from pathlib import Path
 
-import drawing
+import harness
 import numpy as np
 
 import swarmcensus as sc
+from swarmcensus import brains
 
 BRAINS = ["steadfast", "commons", "minimalistic", "alone", "gated-mean"]
 KINDS = ["always-black", "opposite", "random", "shouter", "slow-liar", "forger"]
@@ -20,6 +19,18 @@ TRIALS = 20
 TOP = 1.0
 GEOMETRIC = {"networkx": "random_geometric_graph", "radius": 0.4}
 WORST_TRIALS = 200
+NEVER = 1e9
+VARIANTS = {
+    "as shipped": {},
+    "near = 1e9": {"near": NEVER},
+    "sure = 1e9": {"sure": NEVER},
+    "lean = 0": {"lean": 0.0},
+    "cap = 1e9": {"cap": NEVER},
+    "sure = 3": {"sure": 3.0},
+}
+FORGETFUL = {"file": str(Path(__file__).parents[1] / "studies" / "example" / "forgetful.py"), "half": 30}
+FULL, RING, LATE = {"topology": "full"}, {"topology": "ring"}, {"topology": "full", "message_delay": 10}
+CLUSTERS = {"topology": "moving", "side": 2.0, "floor": {"clusters": 0.4}}
 
 
 def errors(results):
@@ -31,9 +42,10 @@ def errors(results):
     return table
 
 
-def tell(results):
-    """Both tables."""
-    table = errors(results)
+@harness.question(unasked=False)
+def results(file):
+    """Of studies/beyond/liars*.toml: errors by world and by kind, then means over settings."""
+    table = errors(sc.load(file))
     table["world"] = table["topology"].str.split("(").str[0] + " " + table["robots"].astype(str)
     order = list(dict.fromkeys(table["brain"]))
     for rows in (["world", "share"], ["kind", "share"]):
@@ -41,8 +53,9 @@ def tell(results):
         print(part.pivot_table("error", rows, "brain", "mean", sort=False)[order].round(4).to_string())
 
 
-def draw(path):
-    """The final error against the share of liars, a line a brain and a panel a kind."""
+@harness.question
+def kinds(figure=None):
+    """The final error against the share of liars, a line a brain and a panel a kind: a minute on two cores."""
     study = sc.Study(
         trials=TRIALS,
         seed=13,
@@ -58,11 +71,13 @@ def draw(path):
     table = errors(sc.run(study))
     found = table.pivot_table("error", ["kind", "share"], "brain", "mean", sort=False)[BRAINS]
     print(found.round(4).to_string())
-    figure, axes = drawing.panels(2, 3, 7.2, 5.0)
+    if not figure:
+        return
+    drawn, axes = harness.panels(2, 3, 7.2, 5.0)
     none = table[table["liars"] == 0].groupby("brain")["error"].mean()
     for one, kind in zip(axes, KINDS, strict=True):
         handles = []
-        for brain, colour, marker in zip(BRAINS, drawing.COLOURS, drawing.MARKERS, strict=False):
+        for brain, colour, marker in zip(BRAINS, harness.COLOURS, harness.MARKERS, strict=False):
             values = [none[brain], *(found.loc[(kind, share), brain] for share in SHARES[1:])]
             shown = np.minimum(values, TOP)
             handles += one.plot(100 * np.array(SHARES), shown, color=colour, marker=marker, ms=4, lw=1.6, clip_on=False)
@@ -75,9 +90,10 @@ def draw(path):
         one.set_xlabel("liars, % of 20 robots")
     for one in axes[::3]:
         one.set_ylabel("median error |x - f|")
-    drawing.save(figure, path, BRAINS, handles)
+    harness.save(drawn, figure, BRAINS, handles)
 
 
+@harness.question
 def worst():
     """Median errors among creepers, and among many opposite liars."""
     study = sc.Study(
@@ -95,10 +111,99 @@ def worst():
     print(table.pivot_table("error", ["kind", "share", "network"], "brain", sort=False)[columns].round(4).to_string())
 
 
+@harness.question
+def parts():
+    """What each part of steadfast does, as shipped and without it or set otherwise. Half a minute on two cores."""
+    study = sc.Study(
+        trials=10,
+        seed=13,
+        swarm={
+            "robots": 20,
+            "accuracy": [0.625, "U(0.525, 0.975)"],
+            "brain": [{"file": "steadfast", **given} for given in VARIANTS.values()],
+        },
+        members=[{"robots": [0, 0.1, 0.3], "brain": KINDS, "honest": False}],
+        world={"topology": {"networkx": "random_geometric_graph", "radius": 0.4}, "fill_ratio": [0.12, 0.55]},
+        schedule={"rounds": 500, "observations_per_round": 10},
+    )
+    results = sc.run(study)
+    error = abs(results["final_estimate"] - results["fill_ratio"]).median(["trial", "robot"]).values
+    shares = (results["liars"] / results["robots"]).values.round(1)
+    shipped = {name: results[name].values for name in ("near", "sure", "lean", "cap")}
+    usual = {name: brains.load("steadfast").parameters[name] for name in shipped}
+    print("mean, worst".ljust(14), *(f"{100 * share:>12.0f} % liars" for share in (0, 0.1, 0.3)))
+    for name, given in VARIANTS.items():
+        mine = np.logical_and.reduce([values == given.get(key, usual[key]) for key, values in shipped.items()])
+        cells = [error[mine & (shares == share)] for share in (0.0, 0.1, 0.3)]
+        print(name.ljust(14), *(f"{one.mean():.4f}, {one.max():.4f}".rjust(20) for one in cells))
+
+
+def liars(brain, robots):
+    """Members that lie."""
+    return [{"robots": robots, "brain": brain, "honest": False}]
+
+
+WORLDS = {  # what it is: our brain, one more, accuracy, world, members
+    "2 of 20 say that all is black, full": ("commons", "steadfast", 0.625, FULL, liars("always-black", 2)),
+    "messages 10 rounds late, full": ("commons", "swift", 0.625, LATE, []),
+    "2 of 20 creep, full": ("steadfast", "commons", 0.625, FULL, liars("creeper", 2)),
+    "8 of 20 are opposite, full": ("steadfast", "commons", 0.625, FULL, liars("opposite", 8)),
+    "black in clusters, moving": ("steadfast", "commons", 0.7, CLUSTERS, []),
+    "6 of 20 told 0.55 for 0.75, full": (
+        "self-taught", "commons", 0.75, FULL, [{"robots": 6, "assumed_accuracy": 0.55}]
+    ),
+    "f from 0.8 to 0.2 in rounds 301 to 1000, ring": (
+        "tracking", FORGETFUL, 0.75, RING | {"fill_ratio": {"from": 0.8, "to": 0.2, "at": 301, "until": 1000}}, []
+    ),
+}  # fmt: skip
+
+
+def errors_of(brains, accuracy, world, members):
+    """The median error of each brain after the last round."""
+    moving = world["topology"] == "moving"
+    change = world.get("fill_ratio")
+    length = 1000 if change else 500
+    study = sc.Study(
+        trials=100,
+        seed=17,
+        swarm={"robots": 20, "accuracy": accuracy, "brain": brains},
+        members=members,
+        world={"fill_ratio": 0.55} | world,
+        schedule={"ticks": 3000} if moving else {"rounds": length, "observations_per_round": 10},
+        measure={"truth": "floor"} if moving else {},
+    )
+    results = sc.run(study)
+    truth = results["true_fill_ratio"] if moving else change["to"] if change else 0.55
+    return abs(results["final_estimate"] - truth).median(["trial", "robot"]).values
+
+
+def slow():
+    """The share of robots more than 0.05 off, 700 rounds after f fell from 0.75 to 0.35, with poor sensors."""
+    study = sc.Study(
+        trials=100,
+        seed=17,
+        swarm={"robots": 20, "accuracy": 0.55, "brain": ["tracking", FORGETFUL]},
+        world=RING | {"fill_ratio": {"from": 0.75, "to": 0.35, "at": 301}},
+        schedule={"rounds": 1000, "observations_per_round": 10},
+    )
+    off = abs(sc.run(study)["final_estimate"] - 0.35) > 0.05
+    ours, forgetful = off.mean(["trial", "robot"]).values
+    print("700 rounds after f fell from 0.75 to 0.35, ring, accuracy 0.55, robots more than 0.05 off:", end=" ")
+    print(f"tracking {ours:.0%}; forgetful, half = 30 {forgetful:.0%}")
+
+
+@harness.question
+def worse():
+    """Worlds in which our brains are worse than the paper's, than a robot alone or than another. A minute."""
+    np.seterr(invalid="ignore")
+    print(f"{'world':46}{'brain':12}{'error':>8}{'minimalistic':>14}{'alone':>8}  another")
+    for world, (ours, other, *rest) in WORLDS.items():
+        mine, paper, alone, more = errors_of([ours, "minimalistic", "alone", other], *rest)
+        name = other if isinstance(other, str) else "forgetful, half = 30"
+        found = " ".join(f"{x:{width}.4f}" for x, width in ((mine, 8), (paper, 13), (alone, 7)))
+        print(f"{world:46}{ours:12}{found}  {more:.4f} {name}".replace("nan", "inf"))
+    slow()
+
+
 if __name__ == "__main__":
-    if sys.argv[1].endswith(".nc"):
-        tell(sc.load(sys.argv[1]))
-    elif sys.argv[1] == "worst":
-        worst()
-    else:
-        draw(sys.argv[1])
+    harness.answer(globals())

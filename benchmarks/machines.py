@@ -1,20 +1,16 @@
-"""Every shipped brain on six machines: python benchmarks/machines.py [--write] [BRAIN ...].
+"""Every shipped brain on six machines: python benchmarks/machines.py [QUESTION] [--quick].
 
-The same six robots live the same 300 rounds in CPython, as machine code (Numba), on MicroPython, as C on this machine,
-on a simulated ATmega328P (17 rounds) and on a simulated Cortex-M4F. A first table tells where numbers differ from those
-of CPython, a second one what a brain costs on each. With --write they go into docs/six-machines.md. A machine whose
-tools are absent is not tried: tools/install-chips.sh installs those of chips, MICROPYTHON_MODULES names the folder of
-MicroPython's package. Four minutes on two cores.
+CPython, machine code (Numba), MicroPython, C on this machine, a simulated ATmega328P and a simulated Cortex-M4F.
 """
 
-import argparse
 import multiprocessing
+import sys
 import tempfile
 import time
 import types
 from pathlib import Path
 
-import micropython
+import harness
 import numba
 import numpy as np
 
@@ -24,15 +20,17 @@ from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.conformance.machine import blank_mind, exchange, machine_code
 from swarmcensus.deployment import chips, on_node, selftest
-from swarmcensus.deployment.costs import LUCKY, NUMBERS, TICKS, cost
+from swarmcensus.deployment.costs import COLUMNS, LUCKY, NUMBERS, TICKS, cost
 from swarmcensus.deployment.folders import write_texts
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.messages import codec
+from swarmcensus.deployment.micropython_files import micropython_files
+from swarmcensus.deployment.target import order_of
+from swarmcensus.deployment.targets import find
 from swarmcensus.deployment.targets.c import translated
 from swarmcensus.robot import codec as codec_file
 from swarmcensus.robot import history, runtime
 
-PAGE = Path(__file__).parents[1] / "docs" / "six-machines.md"
 BITS = ("machine code", "MicroPython", "C, `double`", "C, `float`", "ATmega328P", "Cortex-M4F")
 COSTS = (
     "memory, bytes", "message, bytes", "flash, bytes", "RAM, bytes", "MicroPython, bytes", "CPython, µs",
@@ -285,7 +283,7 @@ def costs(name):
     cells["CPython, µs"] = two_digits(in_cpython(brain))
     cells["machine code, µs"] = two_digits(as_machine_code(brain))
     if not absent["MicroPython"]:
-        cells["MicroPython, bytes"] = f"{micropython.measured(brain)[0]:,}"
+        cells["MicroPython, bytes"] = f"{measured(brain)[0]:,}"
     if not absent["C"]:
         cells["C, µs"] = two_digits(in_c(brain.with_numbers(Numbers("double", "float32"))))
     if not absent["ATmega328P"]:
@@ -302,34 +300,165 @@ def row(name):
     return both
 
 
-def table(columns, names, rows, align):
-    head = f"| brain | {' | '.join(columns)} |\n|---|{align * len(columns)}"
-    return "\n".join([head, *(f"| `{name}` | {' | '.join(one)} |" for name, one in zip(names, rows, strict=True))])
+@harness.question
+def machines(*brains, write=False, quick=False):
+    """The same six robots for 300 rounds on each: where numbers differ from CPython's, and what a brain costs.
 
-
-def page_with(text, what, new):
-    """The page with another table between the comments that name `what`."""
-    begin, end = f"<!-- {what}: python benchmarks/machines.py --write -->", f"<!-- end of {what} -->"
-    before, _, rest = text.partition(begin)
-    return f"{before}{begin}\n\n{new}\n\n{end}{rest.partition(end)[2]}"
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--write", action="store_true", help="put the tables into docs/six-machines.md")
-    parser.add_argument("brains", nargs="*", metavar="BRAIN", help="a name or a file (default: all shipped brains)")
-    options = parser.parse_args()
-    names = options.brains or shipped()
+    A machine without its tools is not tried: tools/install-chips.sh installs those of chips, MICROPYTHON_MODULES names
+    the folder of MicroPython's package. Four minutes on two cores.
+    """
+    names = brains or (["commons"] if quick else shipped())
     with multiprocessing.get_context("spawn").Pool(2) as pool:
-        rows = pool.map(row, names, chunksize=1)
-    same = table(BITS, names, [one for one, _ in rows], "---|")
-    spent = table(COSTS, names, [one for _, one in rows], "--:|")
+        found = pool.map(row, names, chunksize=1)
+    same, spent = (
+        harness.markdown(
+            ["brain", *heads], [[f"`{name}`", *both[k]] for name, both in zip(names, found, strict=True)], align
+        )
+        for k, (heads, align) in enumerate(((BITS, "---"), (COSTS, "--:")))
+    )
     absent = "".join(f"\n\nNot tried: {machine}, which needs {what}." for machine, what in needed().items() if what)
     print(f"{same}{absent}\n\n{spent}")
-    if options.write:
-        text = page_with(PAGE.read_text(encoding="utf-8"), "bits", same + absent)
-        PAGE.write_text(page_with(text, "costs", spent), encoding="utf-8")
+    if write:
+        harness.write(harness.DOCS / "six-machines.md", bits=same + absent, costs=spent)
+
+
+@harness.question(unasked=False)
+def avr(*brains, write=False, quick=False):
+    """Flash, RAM, stack and cycles a tick on an ATmega328P, as C in single precision, and whether a Kilobot has room.
+
+    It needs the packages of tools/install-chips.sh.
+    """
+    names = brains or (["commons"] if quick else shipped())
+    rows = []
+    for one in map(cost, map(load, names)):
+        name, *cells = (column.text(one) for column in COLUMNS)
+        larger = "\\*" if one.chip != chips.KILOBOT else ""
+        rows.append([f"`{name}`{larger}", *cells])
+    table = harness.markdown([column.name for column in COLUMNS], rows)
+    table = table.replace("--:|\n", "---|\n", 1)  # the last column is of words
+    print(table)
+    if write:
+        harness.write(harness.DOCS / "in-c.md", costs=table)
+
+
+# ---- MicroPython
+
+
+BRAIN = """
+import gc
+import time
+
+STEPS = 5
+sizes = []
+
+
+class Me:
+    pass
+
+
+def tick():
+    for name in LUCKY:
+        me.luck = 0.5
+    brain.observe(me, 1.0, 1.0)
+    said = brain.broadcast(me)
+    if said is not None:
+        brain.receive(me, said)
+        brain.receive(me, said)
+    brain.fuse(me)
+    brain.estimate(me)
+
+
+def step():
+    global brain, me
+    number = len(sizes)
+    sizes.append(gc.mem_alloc())  # garbage was collected before
+    if number == 1:
+        import brain
+    elif number == 2:
+        me = Me()
+        for fields in (brain.MEMORY, getattr(brain, "PARAMETERS", {})):
+            for name, value in fields.items():
+                setattr(me, name, list(value) if isinstance(value, tuple) else value + 0.0)
+        me.b, me.w, me.name, me.luck = 0.9, 0.8, 1.0, 0.5
+    elif number == 3:
+        tick()
+    elif number == 4:
+        begun = gc.mem_alloc()
+        tick()
+        garbage = gc.mem_alloc() - begun
+        begun = time.ticks_us()
+        for _ in range(300):
+            tick()
+        spent = time.ticks_diff(time.ticks_us(), begun) / 300
+        print(sizes[2] - sizes[1], sizes[3] - sizes[2], garbage, spent)
+    gc.collect()
+"""
+
+
+RUNTIME = """
+import gc
+
+STEPS = 5
+sizes = []
+
+
+def step():
+    number = len(sizes)
+    sizes.append(gc.mem_alloc())
+    if number == 1:
+        import codec
+    elif number == 2:
+        import runtime
+    elif number == 3:
+        import brain
+        import settings as s
+        from runtime import Messages, Robot
+
+        global robot
+        messages = Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED)
+        robot = Robot(brain, messages, None, None, lambda: 0, s.B, s.W, 1)
+    elif number == 4:
+        print(*[after - before for before, after in zip(sizes, sizes[1:])])
+    gc.collect()
+"""
+
+
+def run(files):
+    with tempfile.TemporaryDirectory() as folder:
+        return on_node.on_board(Path(folder), files).split()
+
+
+def measured(brain):
+    """The bytes of code and of a mind, the garbage of a tick, and its microseconds."""
+    source = BRAIN.replace("LUCKY", "(1,)" if brain.uses.luck else "()")
+    code, mind, garbage, spent = run({"brain.py": brain.source, "main.py": source})
+    return int(code), int(mind), int(garbage), float(spent)
+
+
+@harness.question(unasked=False)
+def micropython(*names, quick=False):
+    """On MicroPython: bytes of a brain's code and of a robot's memory, the garbage of a tick, and its microseconds.
+
+    On its WebAssembly package with Node, which has 4-byte pointers and 8-byte floats: bytes are about those of a 32-bit
+    board, times are this machine's. The last lines are of the runtime and the codec.
+    """
+    if on_node.micropython() is None:
+        sys.exit(f"needs {on_node.NEEDED}")
+    heads = ("brain", "code, bytes", "memory, bytes", "garbage a tick, bytes", "a tick, us")
+    table = harness.table(None, *heads)
+    for name in names or (["commons"] if quick else shipped()):
+        brain = load(name)
+        if brain.is_oracle:
+            continue
+        *sizes, spent = measured(brain)
+        table.add_row(name, *(f"{x:,}" for x in sizes), f"{spent:.0f}")
+    order = order_of(load("commons"), "udp", find("udp"), b=0.9, w=0.8, message="ratio16")
+    files = micropython_files(order)
+    _, codec, runtime, robot = run(files | {"main.py": RUNTIME})
+    for name, size in (("codec.py", codec), ("runtime.py", runtime), ("a robot of commons", robot)):
+        table.add_row(name, f"{int(size):,}")
+    harness.show(table)
 
 
 if __name__ == "__main__":
-    main()
+    harness.answer(globals())

@@ -1,17 +1,13 @@
-"""What robots that move cost: python benchmarks/moving.py [--quick].
+"""What robots that move cost: python benchmarks/moving.py [QUESTION] [--quick].
 
-Prints ns per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what a mind riding along adds,
-what a robot costs whose brain steers, body and mind together, how the cost per robot grows to 100,000 robots, and the
-1,320 moving trials of the paper. Beside them stands what a physics simulation (ARGoS) cost, measured once each on one
-core of such a machine.
+Nanoseconds per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what another brain adds that
+shares the walk, what a robot costs whose brain steers, how the cost grows to 100,000 robots, and the 1,320 moving
+trials of the paper; and what a physics simulation (ARGoS) cost, measured once on one core of such a machine.
 """
 
-import argparse
-import time
+from functools import partial
 
-import numpy as np
-from rich.console import Console
-from rich.table import Table
+import harness
 
 from swarmcensus import Study, run
 from swarmcensus.basics.files import shipped_study
@@ -25,23 +21,21 @@ from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 
 PHYSICS = {1: 394_000, 10: 630_000}  # ns per robot and tick
-GO = np.zeros(1, np.uint8)
 KEY = address(1, "walk")
 
 
-def best(function, repeats):
-    """The least of some repeats: on a shared machine the others measure the neighbours."""
-    times = []
-    for _ in range(repeats):
-        begun = time.perf_counter()
-        function()
-        times.append(time.perf_counter() - begun)
-    return min(times)
+def study(density, ticks, brain="minimalistic"):
+    return Study(
+        trials=1,
+        swarm={"robots": 25, "accuracy": 0.675, "brain": brain},
+        world={"topology": "moving", "density": density, "fill_ratio": 0.55},
+        schedule={"ticks": ticks},
+    )
 
 
 def walked(robots, density, ticks):
     body = Body()
-    return list(walk(robots, arena.side(robots, density, body), body, KEY, 0, ticks, GO))
+    return list(walk(robots, arena.side(robots, density, body), body, KEY, 0, ticks, harness.GO))
 
 
 def walk_cost(robots, density, ticks, repeats=5):
@@ -49,78 +43,71 @@ def walk_cost(robots, density, ticks, repeats=5):
     side = arena.side(robots, density, body)
 
     def go():
-        for _ in walk(robots, side, body, KEY, 0, ticks, GO):
+        for _ in walk(robots, side, body, KEY, 0, ticks, harness.GO):
             pass
 
     walked(robots, density, 2)
-    return 1e9 * best(go, repeats) / (robots * ticks)
+    return 1e9 * harness.least([go], repeats)[0] / (robots * ticks)
 
 
-def mind_cost(density, ticks, repeats=5):
-    study = Study(
-        trials=1,
-        swarm={"robots": 25, "accuracy": 0.675},
-        world={"topology": "moving", "density": density, "fill_ratio": 0.55},
-        schedule={"ticks": ticks},
-    )
-    (setting,) = study.settings()
+def brain_cost(density, ticks, repeats=5):
+    (setting,) = study(density, ticks).settings()
     ground = sampling.ground(setting, 0, 0)
     chunks = [(c, ground.colours(c.tiles)) for c in walked(25, density, ticks)]
 
     def ride():
         rider = Rider(setting, inputs_of(setting, 0, 0))
         for chunk, black in chunks:
-            rider.ride(chunk, black, GO)
+            rider.ride(chunk, black, harness.GO)
 
     ride()
-    return 1e9 * best(ride, repeats) / (25 * ticks)
+    return 1e9 * harness.least([ride], repeats)[0] / (25 * ticks)
 
 
-def steered_cost(density, ticks, repeats=5):
-    study = Study(
-        trials=1,
-        swarm={"robots": 25, "accuracy": 0.675, "brain": "leaver"},
-        world={"topology": "moving", "density": density, "fill_ratio": 0.55},
-        schedule={"ticks": ticks},
+@harness.question
+def bodies():
+    """A robot and tick, of its body and of its brain, beside a physics simulation."""
+    table = harness.table(
+        "25 robots, ns", "density", "bodies, radio, senses", "a brain", "physics simulation", "times as fast"
     )
-    (setting,) = study.settings()
-    metrics = metrics_of(study)
-    run_ride([setting], 0, 0, metrics, GO)
-    return 1e9 * best(lambda: run_ride([setting], 0, 0, metrics, GO), repeats) / (25 * ticks)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="no swarm above 1,000 robots, no paper")
-    options = parser.parse_args()
-    console = Console(width=100)
-    table = Table(
-        "density", "bodies, radio, senses", "a mind", "physics simulation", "times as fast", title="25 robots, ns"
-    )
-    for density in (1, 10):
-        body, mind = walk_cost(25, density, 10_000), mind_cost(density, 10_000)
+    for density, physics in PHYSICS.items():
+        body, brain = walk_cost(25, density, 10_000), brain_cost(density, 10_000)
         table.add_row(
-            str(density),
-            f"{body:.0f}",
-            f"{mind:.0f}",
-            f"{PHYSICS[density]:,}",
-            f"{PHYSICS[density] / (body + mind):,.0f}",
-        )
-    console.print(table)
-    console.print(f"25 robots that steer at D = 1, trials and their floors whole: {steered_cost(1, 10_000):.0f} ns")
+            str(density), f"{body:.0f}", f"{brain:.0f}", f"{physics:,}", f"{physics / (body + brain):,.0f}"
+        )  # fmt: skip
+    harness.show(table)
+
+
+@harness.question
+def steering():
+    """A robot whose brain steers, so that its walk is its own."""
+    steered = study(1, 10_000, "leaver")
+    metrics = metrics_of(steered)
+    ride = partial(run_ride, steered.settings(), 0, 0, metrics, harness.GO)
+    ride()
+    cost = 1e9 * harness.least([ride], 5)[0] / (25 * 10_000)
+    harness.show(f"25 robots that steer at D = 1, trials and their floors whole: {cost:.0f} ns")
+
+
+@harness.question
+def sizes(quick=False):
+    """How the cost of a robot grows with their number."""
     small = walk_cost(1000, 1, 1000, 2)
-    console.print(f"1,000 robots at D = 1: {small:.0f} ns per robot and tick")
-    if options.quick:
-        return
-    large = walk_cost(100_000, 1, 1000, 1)
-    console.print(f"100,000 robots at D = 1, 1,000 ticks: {large:.0f} ns, {large / small:.2f} times as much per robot")
-    begun = time.perf_counter()
-    results = run(Study.load(shipped_study("paper/moving.toml")), jobs=2)
-    trials = results.attrs["trials_done"]
-    console.print(
-        f"the paper's {trials:,} moving trials, all metrics, two threads: {time.perf_counter() - begun:.1f} s"
-    )
+    harness.show(f"1,000 robots at D = 1: {small:.0f} ns per robot and tick")
+    if not quick:
+        large = walk_cost(100_000, 1, 1000, 1)
+        harness.show(f"100,000 robots at D = 1: {large:.0f} ns, {large / small:.2f} times as much per robot")
+
+
+@harness.question
+def paper(quick=False):
+    """The paper's moving trials, one of each setting if `quick`."""
+    whole = Study.load(shipped_study("paper/moving.toml"))
+    results = []
+    [seconds] = harness.least([lambda: results.append(run(whole.with_(trials=1) if quick else whole, jobs=2))], 1)
+    trials = results[0].attrs["trials_done"]
+    harness.show(f"the paper's {trials:,} moving trials, all metrics, two threads: {seconds:.1f} s")
 
 
 if __name__ == "__main__":
-    main()
+    harness.answer(globals())

@@ -1,22 +1,12 @@
-"""A swarm of processes: python benchmarks/swarm.py [--runs 200] [--write] [--minds]. Needs SciPy, of the extra `test`.
+"""Swarms of processes, and their logs: python benchmarks/swarm.py [QUESTION] [--quick]. Needs SciPy."""
 
-A first table tells what processes cost and hear. A second one compares swarms over sockets with the simulator, in four
-worlds: 20 robots at 100 ticks a second, 200 rounds, the errors and the shares of right robots at the end, in trials of
-other seeds. Two-sample tests are Mann and Whitney's, and Kolmogorov and Smirnov's. With --write both go into
-docs/a-swarm-on-your-desk.md. Ten minutes on two cores, of which the first two are for the first table.
-
-With --minds it prints another table alone, in a good minute: whether the minds of 100 robots are lived again to the
-bit from their logs (minds.py).
-"""
-
-import argparse
 import itertools
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import minds
+import harness
 import numpy as np
 
 from swarmcensus.basics.bins import right_bin
@@ -30,8 +20,23 @@ try:
     from scipy.stats import ks_2samp, mannwhitneyu
 except ImportError:
     sys.exit("benchmarks/swarm.py needs SciPy: pip install 'swarmcensus[test]'")
+import random
+import shutil
+import struct
+import time
+from typing import NamedTuple
 
-PAGE = Path(__file__).parents[1] / "docs" / "a-swarm-on-your-desk.md"
+from swarmcensus import brains
+from swarmcensus.brains.packing import FORMATS, Numbers
+from swarmcensus.deployment import on_node
+from swarmcensus.deployment.messages import messages_of
+from swarmcensus.reliving.folders import read_day
+from swarmcensus.reliving.lives import relive_all
+from swarmcensus.robot.log import Log
+from swarmcensus.robot.runtime import Robot
+from swarmcensus.swarm.faults import faults_of
+
+PAGE = harness.DOCS / "a-swarm-on-your-desk.md"
 COSTS = (  # robots, Hz, rounds, topology, loss, delay in ms
     (20, 10.0, 300, "ring", 0.3, 0),
     (100, 10.0, 300, "ring", 0.3, 0),
@@ -68,10 +73,10 @@ def lived(plan, ages=False):
     return outcome, counts
 
 
-def costs():
+def costs(swarms):
     yield "| robots | ticks a second | network | loss | delay, ms | cores | memory, MB | heard | missed ticks |"
     yield "|---:|---:|---|---:|---:|---:|---:|---:|---:|"
-    for robots, hz, rounds, topology, loss, delay in COSTS:
+    for robots, hz, rounds, topology, loss, delay in swarms:
         plan = plan_of(study(robots, rounds, topology, loss), 0, 0, 0, Air(hz=hz, delay=delay))
         o, _ = lived(plan)
         yield (
@@ -124,36 +129,261 @@ def against(runs):
     )
 
 
-def put(name, lines, page):
-    begin, end = f"<!-- {name}: python benchmarks/swarm.py --write -->", f"<!-- end of {name} -->"
-    before, _, rest = page.partition(begin)
-    return before + begin + "\n\n" + "\n".join(lines) + "\n\n" + end + rest.partition(end)[2]
+# ---- states replayed from logs
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--runs", type=int, default=200, help="swarms over sockets, 0 for the first table alone")
-    parser.add_argument("--write", action="store_true", help="put the tables into the page")
-    parser.add_argument("--minds", action="store_true", help="only tell whether minds are lived again to the bit")
-    options = parser.parse_args()
-    if options.minds:
-        with tempfile.TemporaryDirectory() as folder:
-            for line in minds.table(Path(folder)):
-                print(line, flush=True)
-        return
+LIAR = {"honest": False}
+SWARMS = (
+    {"brain": "commons", "message": "ratio16", "topology": "ring", "delay": 30,
+     "members": [{"robots": 0.1, "brain": "shouter", **LIAR}]},
+    {"brain": "steadfast", "message": "ratio16", "precision": "single", "topology": "scale-free",
+     "members": [{"robots": 0.1, "brain": "slow-liar", **LIAR}]},
+    {"brain": "minimalistic", "message": "float32", "topology": "full", "delay": 10,
+     "members": [{"robots": 0.25, "brain": "legacy"}, {"robots": 0.1, "accuracy": 0.55}]},
+    {"brain": "tracking", "message": "float16", "precision": "single", "topology": "ring", "delay": 70, "members": []},
+    {"brain": "voter", "message": "ratio16", "topology": "full",
+     "members": [{"robots": 0.1, "brain": "forger", **LIAR}]},
+)  # fmt: skip
+STORM_HZ = 40.0
+FAULTS = (  # shares of the run, and robots of at least 8
+    (0.08, "start 3"), (0.1, "garbage 0-{last}"), (0.2, "stop 4"), (0.25, "partition 0-{half}"), (0.3, "continue 4"),
+    (0.35, "kill 2"), (0.4, "restart 2 blank"), (0.45, "kill 1"), (0.5, "heal"), (0.55, "restart 1"),
+    (0.6, "garbage 0-{last}"), (0.7, "kill 5"), (0.8, "kill 1"), (0.85, "restart 1"),
+)  # fmt: skip
+CUT = 0.5  # share of logs
+
+
+class Again(NamedTuple):
+    """What came of living the minds of a folder again."""
+
+    minds: int
+    to_the_bit: int
+    ticks: int  # whole ones in the logs
+    relived: int
+    starts: dict[str, int]  # blank, resumed, unknown
+    heard: int  # messages
+    differences: list[str]
+    seconds: float
+
+
+def stormed(given, folder, robots=20, rounds=400, seed=0):
+    """Run a swarm of SWARMS; its outcome."""
+    study = Study(
+        name="minds", trials=1,
+        swarm={"brain": given["brain"], "robots": robots, "accuracy": "U(0.6, 0.9)"}
+        | ({"precision": given["precision"]} if "precision" in given else {}),
+        world={"topology": given["topology"], "fill_ratio": 0.55, "link_success": 0.7, "message": given["message"]},
+        schedule={"rounds": rounds, "observations_per_round": 1}, members=given["members"],
+    )  # fmt: skip
+    air = Air(hz=STORM_HZ, delay=given.get("delay", 0), duplicate=0.1)
+    plan = plan_of(study, 0, seed, 0, air, 2 if on_node.micropython() else 0)
+    places = {"last": robots - 1, "half": robots // 2 - 1}
+    texts = [f"{at * plan.seconds:.2f}s {what.format(**places)}" for at, what in FAULTS]
+    return run(plan, faults_of(texts, robots, plan.period, plan.seconds), folder)
+
+
+def lived_again(folder):
+    """Live all minds of a folder again."""
+    begun = time.perf_counter()
+    lives = relive_all(day := read_day(folder))
+    seconds = time.perf_counter() - begun
+    starts = [start.kind for life in lives for start in life.starts]
+    return Again(
+        len(lives), sum(life.to_the_bit for life in lives), sum(life.ticks for life in lives),
+        sum(life.relived for life in lives), {kind: starts.count(kind) for kind in ("blank", "resumed", "unknown")},
+        sum(len(tick.heard) for member in day.members for tick in member.log.ticks),
+        [f"robot {life.number}, tick {one.tick}: {one.reason}" for life in lives for one in life.breaks], seconds,
+    )  # fmt: skip
+
+
+def cut(folder, chance):
+    """Cut some of the logs at a random byte behind their first block; how many."""
+    count = 0
+    for path in sorted(folder.glob("robot-*.log")):
+        data = path.read_bytes()
+        if chance.random() < CUT:
+            first = 7 + struct.unpack_from("<I", data, 1)[0]
+            path.write_bytes(data[: chance.randrange(first, len(data))])
+            count += 1
+    return count
+
+
+def rows(folder, swarms=SWARMS, robots=20, rounds=400):
+    """For each swarm: what it is, its outcome, and its minds lived again before and after the cuts."""
+    for k, given in enumerate(swarms):
+        outcome = stormed(given, folder / str(k), robots, rounds, k)
+        whole = lived_again(folder / str(k))
+        shutil.copytree(folder / str(k), folder / f"{k}-cut")
+        logs = cut(folder / f"{k}-cut", random.Random(k))
+        yield given, outcome, whole, logs, lived_again(folder / f"{k}-cut")
+
+
+def table(folder, swarms):
+    """The lines of a table."""
+    heads = ("brain", "message", "minds", "to the bit", "ticks", "lived again", "messages heard", "resumed", "blank",
+             "logs cut", "to the bit then", "ticks then", "lived again then", "seconds of both")  # fmt: skip
+    yield f"| {' | '.join(heads)} |"
+    yield "|---|---|" + "---:|" * (len(heads) - 2)
+    sums = [0] * 4
+    for given, outcome, whole, logs, then in rows(folder, swarms):
+        what = given["message"] + (", single" if "precision" in given else "")
+        numbers = (
+            whole.minds, whole.to_the_bit, whole.ticks, whole.relived, whole.heard, whole.starts["resumed"],
+            whole.starts["blank"], logs, then.to_the_bit, then.ticks, then.relived,
+        )  # fmt: skip
+        cells = [given["brain"], what, *(f"{n:,}" for n in numbers), f"{whole.seconds + then.seconds:.1f}"]
+        yield f"| {' | '.join(cells)} |"
+        sums = [a + b for a, b in zip(sums, (whole.to_the_bit, whole.minds, then.to_the_bit, then.minds), strict=True)]
+        for line in [*outcome.died.values(), *whole.differences, *then.differences]:
+            yield f"differs: {line}"
+    yield ""
+    yield f"{sums[0]} of {sums[1]} minds to the bit; {sums[2]} of {sums[3]} after the cuts."
+
+
+# ---- what logs cost
+
+
+BRAIN, OTHER, MESSAGE = "commons", "minimalistic", "ratio16"
+LOSS, BLACK, ACCURACY = 0.3, 0.55, 0.8
+BEGUN, PERIOD = 1_700_000_000_000, 100  # ms
+A_TICK = 5  # messages of an MCAP file: the reading, what was said, two heard, and the estimate
+
+
+class Body:
+    """A sensor that says black now and then, and a radio whose datagrams are put in by hand."""
+
+    def __init__(self, chance):
+        self.chance, self.sent, self.waiting = chance, None, []
+
+    def start(self):
+        pass
+
+    def read(self):
+        return self.chance.random() < BLACK * ACCURACY + (1.0 - BLACK) * (1.0 - ACCURACY)
+
+    def send(self, datagram):
+        self.sent = datagram
+
+    def receive(self):
+        return self.waiting.pop(0) if self.waiting else None
+
+
+def write_logs(folder, robots, ticks, loss=LOSS):
+    """Let robots on a ring live together; each tick they all speak, and then they all hear."""
+    folder.mkdir()
+    brain = brains.load(BRAIN).with_numbers(Numbers(message=MESSAGE))
+    chance, now = random.Random(1), 0
+    bodies = [Body(random.Random(number)) for number in range(robots)]
+    swarm = [
+        Robot(brain.functions, messages_of(brain), body, body, lambda: now % 2**30, ACCURACY, ACCURACY, number, PERIOD)
+        for number, body in enumerate(bodies)
+    ]
+    mark, form = bytes.fromhex(brain.sha256)[:8], FORMATS.index(MESSAGE)
+    for robot in swarm:
+        robot.record(Log(str(folder / f"robot-{robot.number}.log"), mark, form, BEGUN))
+    for _ in range(ticks):
+        now += PERIOD
+        for robot in swarm:
+            robot.speak()
+        for i, robot in enumerate(swarm):
+            for j in (i - 1, (i + 1) % robots):
+                if chance.random() >= loss:
+                    bodies[i].waiting.append(bodies[j].sent)
+            while robot._hear():
+                pass
+            robot.think()
+            robot.log.tick(robot, now % 2**30)
+    for robot in swarm:
+        robot.log.close()
+
+
+def megabytes(folder):
+    return sum(path.stat().st_size for path in folder.iterdir()) / 1e6
+
+
+def measured_as(says, *arguments):
+    """Run a command that says this; its seconds, its processor seconds, and MB of its process."""
+    spent = harness.program(*arguments)
+    if says not in spent.out:
+        sys.exit(f"swarmcensus {' '.join(map(str, arguments))} should say {says!r}: {spent.out}")
+    return spent.seconds, spent.processor, spent.memory / 1e6
+
+
+def log_rows(folder, robots, ticks):
+    day, few = folder / "day", max(3, robots // 5)
+    write_logs(day, robots, ticks)
+    size, count = f"{megabytes(day):,.1f} MB", robots * ticks
+    for what, *more in (("under their own brain",), (f"also under {OTHER}", "--brain", OTHER)):
+        seconds, used, memory = measured_as(f"{count:,} of {count:,} ticks", "relive", day, *more)
+        yield f"relive, {what}", f"{count:,} ticks in {size}", seconds, used, memory, f"{count / seconds:,.0f} ticks"
+    day, out = folder / "other", folder / "other.mcap"
+    each = round(ticks * 0.96)
+    write_logs(day, few, each, loss=0.0)
+    count, size = few * each * A_TICK, megabytes(day)
+    seconds, used, memory = measured_as(f"{count:,} messages", "export", day, "--format", "mcap", "--out", out)
+    size = f"{size:,.1f} MB to {out.stat().st_size / 1e6:,.1f} MB"
+    yield (
+        "export --format mcap",
+        f"{count:,} messages, {size}",
+        seconds,
+        used,
+        memory,
+        f"{count / seconds:,.0f} messages",
+    )
+
+
+@harness.question
+def sockets(runs=200, write=False, quick=False):
+    """What processes cost and hear; and swarms over sockets beside the simulator, in four worlds.
+
+    20 robots at 100 ticks a second, 200 rounds: errors and shares of right robots at the end, in trials of other seeds.
+    Two-sample tests are Mann and Whitney's, and Kolmogorov and Smirnov's. Ten minutes on two cores, of which the first
+    two are for the first table; `runs` = 0 for that alone.
+    """
     tables = {}
-    for name, lines in (("costs", costs()), ("simulator", against(options.runs) if options.runs else ())):
+    for name, lines in (
+        ("costs", costs(COSTS[:1] if quick else COSTS)),
+        ("simulator", against(runs) if runs and not quick else ()),
+    ):
         tables[name] = []
         for line in lines:
             tables[name].append(line)
             print(line, flush=True)
         print()
-    if options.write:
-        page = PAGE.read_text(encoding="utf-8")
-        for name, lines in tables.items():
-            page = put(name, lines, page) if lines else page
-        PAGE.write_text(page, encoding="utf-8")
+    if write:
+        harness.write(PAGE, **{name: "\n".join(lines) for name, lines in tables.items() if lines})
+
+
+@harness.question(unasked=False)
+def states(quick=False):
+    """Replays from logs of mixed swarms: each robot's state should be so to the bit, of a cut log up to the cut.
+
+    Five swarms of 20 processes each, with other brains, message formats, precisions, networks and liars. Of their
+    messages 30 % are lost, and some are late or doubled. Robots are killed and start again with and without memory,
+    start late, are stopped and cut off, and random datagrams come to all. Two robots of each swarm run MicroPython
+    where it is installed. Then half of the logs are cut at a random byte. A good minute.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        for line in table(Path(folder), SWARMS[:1] if quick else SWARMS):
+            print(line, flush=True)
+
+
+@harness.question(unasked=False)
+def logs(robots=100, ticks=5000, quick=False):
+    """What replaying and exporting logs costs: seconds, processor seconds, memory. Two minutes on two cores.
+
+    Robots with `commons` on a ring write their logs without sockets; of their messages 30 % are lost. `swarmcensus
+    relive` replays them, under their own brain and also under another. `swarmcensus export` writes 480,000 messages of
+    other logs as MCAP: of a fifth of the robots, without losses. Each command is a process.
+    """
+    robots, ticks = (10, 200) if quick else (robots, ticks)
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [
+            [what, size, f"{seconds:.1f}", f"{used:.1f}", f"{memory:,.0f}", rate]
+            for what, size, seconds, used, memory, rate in log_rows(Path(folder), robots, ticks)
+        ]
+    print(harness.markdown(["", "of", "seconds", "processor seconds", "memory, MB", "a second"], rows))
 
 
 if __name__ == "__main__":
-    main()
+    harness.answer(globals())

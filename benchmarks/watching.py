@@ -1,8 +1,8 @@
 """How smooth the live page is: seconds to a moving picture, pictures a second, and what memory does while it plays.
 
-python benchmarks/watching.py [MINUTES]: `swarmcensus watch` is started three times with a new cache of compiled code,
-of which the first compiles. Then a headless Chromium plays four swarms at 60 ticks a second, and the first for so many
-minutes (5). No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
+python benchmarks/watching.py [--quick]: `swarmcensus watch` is started three times with a new cache of compiled code,
+of which the first compiles. Then a headless Chromium plays four swarms at 60 ticks a second, and the first for five
+minutes. No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
 """
 
 import gc
@@ -15,6 +15,7 @@ import sys
 import tempfile
 import time
 
+import harness
 import psutil
 from playwright.sync_api import Page, sync_playwright
 
@@ -91,8 +92,10 @@ def long_play(page: Page, served: Served, minutes: float) -> None:
         time.sleep(30)
 
 
-def main() -> None:
-    minutes = float(sys.argv[1]) if len(sys.argv) > 1 else 5.0
+@harness.question
+def watching(minutes: float = 5.0, quick: bool = False) -> None:
+    """Seconds to a moving picture, pictures a second of four swarms, and memory over so many minutes of play."""
+    minutes = 0.2 if quick else minutes
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
     served = listen(offer_of(None))
     with serving(served), sync_playwright() as running:
@@ -113,4 +116,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    harness.answer(globals())

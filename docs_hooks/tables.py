@@ -1,18 +1,24 @@
-"""Tables of pages that are made from the code: coordinates, quantities, and the shipped metrics.
+"""Tables of pages that are made from the code: keys, coordinates, quantities, and the shipped metrics.
 
-    python docs_hooks/tables.py        # writes the tables of docs/data-format.md
+    python docs_hooks/tables.py        # writes the tables of docs/data-format.md and docs/study-file.md
 
-A table of that page stands between two comments, which name it. The table of metrics is put into docs/metrics.md when
+A table of these pages stands between two comments, which name it. The table of metrics is put into docs/metrics.md when
 the site is built, so that a new metric is a new file and nothing else.
 """
 
 from __future__ import annotations
 
+import functools
+import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from swarmcensus import metrics
 from swarmcensus.studies import coordinates
+from swarmcensus.studies.fields import LARGEST
+from swarmcensus.studies.keys import Key
+from swarmcensus.studies.schema import schema
+from swarmcensus.studies.settings import KEYS
 from swarmcensus.vocabulary import quantities
 
 if TYPE_CHECKING:  # the script needs no mkdocs
@@ -20,7 +26,7 @@ if TYPE_CHECKING:  # the script needs no mkdocs
     from mkdocs.structure.files import Files
     from mkdocs.structure.pages import Page
 
-PAGE = Path(__file__).parent.parent / "docs" / "data-format.md"
+PAGES = [Path(__file__).parent.parent / "docs" / name for name in ("data-format.md", "study-file.md")]
 METRICS = "<!-- the shipped metrics -->"
 
 
@@ -50,15 +56,29 @@ def of_metrics() -> str:
     return "\n".join(["| name | unit | better | meaning |", "|---|---|---|---|", *rows])
 
 
-TABLES = {"coordinates": of_coordinates, "numbers": of_numbers, "quantities": of_quantities}
+def of_keys(table: str) -> str:
+    """The keys of a table of study files."""
+    nodes = schema()["$defs"][table.title()]["properties"]
+    rows = [
+        f"| `{name}` | {KEYS[name].values or _values(node)}{', grid' * KEYS[name].spans} | {_default(KEYS[name])} | "
+        f"{KEYS[name].page or _meaning(KEYS[name])} |"
+        for name, node in nodes.items()
+    ]
+    return "\n".join(["| key | type | default | meaning |", "|---|---|---|---|", *rows])
+
+
+TABLES = {"coordinates": of_coordinates, "numbers": of_numbers, "quantities": of_quantities} | {
+    f"keys of {table}": functools.partial(of_keys, table) for table in ("swarm", "world", "schedule")
+}
 
 
 def filled(markdown: str) -> str:
-    """The text of docs/data-format.md with its tables as the code has them."""
+    """The text of a page with its tables as the code has them."""
     for name, table in TABLES.items():
         begin, end = f"<!-- {name}: python docs_hooks/tables.py -->", f"<!-- end of {name} -->"
-        before, _, rest = markdown.partition(begin)
-        markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
+        before, found, rest = markdown.partition(begin)
+        if found:
+            markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
     return markdown
 
 
@@ -75,9 +95,35 @@ def _elsewhere(one: coordinates.Coordinate) -> str:
     return f"; {blank} {'on fixed networks' if one.world == 'moving' else 'where robots move'}"
 
 
+def _values(node: dict[str, Any]) -> str:
+    """The values of a key, in words, from its schema."""
+    node = node["anyOf"][0] if "anyOf" in node else node  # one value, or a list of them
+    if names := [f"`{json.dumps(name)}`" for name in node.get("enum", ())]:
+        return f"{', '.join(names[:-1])} or {names[-1]}"
+    if node["type"] == "boolean":
+        return "`true` or `false`"
+    low, high = node["minimum"], node["maximum"]
+    if node["type"] == "number":
+        return "number above 0" if high > 1 else f"number in [{low:g}, {high:g}]"
+    return f"whole number from {low}" + (f" to {high}" if high < LARGEST else "")
+
+
+def _default(key: Key) -> str:
+    """What holds without a key."""
+    if key.is_required or key.default is None or key.without:
+        return key.without or "required"
+    return f"`{json.dumps(key.default)}`" if isinstance(key.default, str | bool) else str(key.default)
+
+
+def _meaning(key: Key) -> str:
+    """The meaning of a key, as a cell of a table."""
+    return key.meaning[0].lower() + key.meaning[1:].rstrip(".")
+
+
 def _cell(text: str) -> str:
     return text.replace("|", r"\|")
 
 
 if __name__ == "__main__":
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for path in PAGES:
+        path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")

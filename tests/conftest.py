@@ -1,6 +1,7 @@
 """What tests share."""
 
 import gc
+import importlib
 import os
 import signal
 import sys
@@ -17,6 +18,7 @@ from swarmcensus.basics.terminal import UNFOLDED
 from swarmcensus.simulation.living import Life
 from tests.support import interpreted
 from tests.support.long import Long
+from tests.support.places import ROOT
 from tests.support.small import SMALL
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
@@ -118,6 +120,13 @@ def no_ctrl_c():
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def benchmark(monkeypatch):
+    """A file of benchmarks/ as a module, by its name."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks")
+    return importlib.import_module
 
 
 @pytest.fixture(scope="session")

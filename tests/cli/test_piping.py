@@ -9,12 +9,14 @@ import subprocess
 import sys
 
 import pytest
+from swarmcensus.vocabulary.coordinates import NUMERIC
 
 import swarmcensus as sc
+from swarmcensus.basics.printed_tables import tsv
 from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli import program
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.output import answer, print_rows
+from swarmcensus.cli.output import answer
 from swarmcensus.studies.coordinates import NUMERIC
 
 STUDY = """
@@ -111,9 +113,9 @@ def test_names_of_files_are_messages_there(file, piped, tmp_path):
     assert f"{out}: 6 rows" in piped("compare", file, "--csv", str(out))[1]
 
 
-def test_rows_lack_nothing_of_others_and_hold_no_tabs(capsys):
-    print_rows([{"a": 1_000, "b": float("nan")}, {"b": True, "c": "x\ty\n", "d": {"k": [1, None]}}])
-    assert capsys.readouterr().out == "a\tb\tc\td\n1000\t\t\t\n\ttrue\tx y\tk=1,\n"
+def test_rows_lack_nothing_of_others_and_hold_no_tabs():
+    lines = tsv([{"a": 1_000, "b": float("nan")}, {"b": True, "c": "x\ty\n", "d": {"k": [1, None]}}])
+    assert [*lines] == ["a\tb\tc\td", "1000\t\t\t", "\ttrue\tx y\tk=1,"]
 
 
 @pytest.mark.parametrize("text", ["wide", "0", "-3", "9" * 30])

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import textwrap
 import threading
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.fork import in_background
 from swarmcensus.cli.commands import main
-from swarmcensus.engine import codegen, compiler
+from swarmcensus.engine import codegen, compiler, strict
 from swarmcensus.engine.constants import PHASES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.small import GO, SEED, settings_of
@@ -305,21 +306,21 @@ def test_where_no_cache_can_be_kept_nothing_is_compiled_beside(tmp_path):
         assert done.stdout.split() == [said], done.stderr
 
 
-def test_powers_are_looked_at_where_operands_can_be_repeated():
+def test_powers_raise_as_in_cpython_and_their_operands_are_worked_out_once():
     source = """STEP = 2.0 ** -20
-def plain(x):
-    return x ** 0.5
 def writes(me):
-    me.x = 1.0
+    me.x = me.x + 1.0
     return me.x
-def calls(me):
-    return writes(me)
 def fuse(me):
     me.x **= 2
-    return plain(me.x) ** 2 + calls(me) ** 2
+    return writes(me) ** 2 + writes(me) ** -1 + me.x ** 0.5
 """
-    lines = codegen.essence(source).splitlines()
-    assert "STEP = 2.0 ** (-20)" in lines
-    assert "    return raised(x, 0.5)" in lines
-    assert "    return power_of_cpython(plain(me.x) ** 2, plain(me.x), 2) + calls(me) ** 2" in lines
-    assert "    me.x **= 2" in lines
+    power = strict._power
+    space = {strict.POWER: power, strict.RAISED: lambda x, y: power(x**y, x, y)}
+    exec(codegen.essence(source), space)
+    me = SimpleNamespace(x=2.0)
+    assert space["fuse"](me) == 5.0**2 + 1.0 / 6.0 + 6.0**0.5
+    assert me.x == 6.0
+    me.x = np.float64(1e200)
+    with np.errstate(all="ignore"), pytest.raises(OverflowError):
+        space["fuse"](me)

@@ -19,7 +19,7 @@ from tests.support.long import in_two_sizes
 from tests.support.lying import RICH, worn
 from tests.support.opinions import QUICK, quick
 from tests.support.places import EXAMPLE
-from tests.support.second import brain
+from tests.support.second import ADDS, ALL, LUCKY, WALD, brain
 
 SHIPPED = brains.shipped()
 OF_EACH_FAMILY = [
@@ -129,6 +129,29 @@ def test_machine_code_lives_long_lives_of_cpython(name):
     for field in slow.data_vars:
         assert fast[field].values == pytest.approx(slow[field].values, rel=1e-9, abs=1e-9), field
     assert LIVES[name](slow)
+
+
+OWN = {"all": ALL, "adds": ADDS, "wald": WALD, "lucky": LUCKY}
+LINKS = {
+    "edges": [[0, 1], [1, 2], [3, 1]],
+    "messages": [[k, k % 4, (k + 1 + k % 2) % 4] for k in range(10)],
+    "nobody": None,
+}
+
+
+@pytest.mark.long(but=["all-edges", "lucky-messages", "wald-nobody"])
+@pytest.mark.parametrize("links", LINKS)
+@pytest.mark.parametrize("name", OWN)
+def test_machine_code_and_cpython_agree_on_recorded_data(name, links):
+    """Vectors, random draws and intervals too; some readings are missing."""
+    random = np.random.default_rng(3)
+    readings = random.integers(0, 2, (50, 4)).astype(float)
+    readings[random.random(readings.shape) < 0.2] = np.nan
+    slow, fast = (sc.infer(readings, LINKS[links], 0.8, 5, brain(OWN[name]), compiled=flag) for flag in (False, True))
+    assert set(slow.data_vars) == set(fast.data_vars) >= {"estimate", *brain(OWN[name]).memory}
+    for field in fast.data_vars:
+        assert fast[field].dims == slow[field].dims
+        assert (fast[field].values == slow[field].values).all(), field
 
 
 @pytest.mark.interpreted

@@ -1,6 +1,5 @@
 """The page of six machines has all brains and machines, and its command compares what it says."""
 
-import importlib
 import re
 
 import numba
@@ -17,9 +16,8 @@ PAGE = (ROOT / "docs" / "six-machines.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
-def machines(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "benchmarks")
-    return importlib.import_module("machines")
+def machines(benchmark):
+    return benchmark("machines")
 
 
 def rows(what):
@@ -31,7 +29,7 @@ def rows(what):
 
 def test_the_page_has_all_brains_and_machines(machines):
     for what, columns in (("bits", machines.BITS), ("costs", machines.COSTS)):
-        assert f"<!-- {what}: python benchmarks/machines.py --write -->" in PAGE
+        assert f"<!-- {what}: python benchmarks/machines.py machines --write -->" in PAGE
         head, cells = rows(what)
         assert head == list(columns)
         assert list(cells) == shipped()
@@ -61,9 +59,9 @@ def test_a_cell_tells_the_largest_difference(machines):
     assert machines.told("1 0 3f000000 00ff\n", "1 0 3f000000 01ff\n") == "messages differ"
 
 
-def test_tables_are_replaced(machines):
-    text = "a\n<!-- bits: python benchmarks/machines.py --write -->\nold\n<!-- end of bits -->\nb\n"
-    assert machines.page_with(text, "bits", "new") == text.replace("\nold\n", "\n\nnew\n\n")
+def test_tables_are_replaced(benchmark):
+    text = "a\n<!-- bits: python benchmarks/machines.py machines --write -->\nold\n<!-- end of bits -->\nb\n"
+    assert benchmark("harness").put(text, "bits", "new") == text.replace("\nold\n", "\n\nnew\n\n")
 
 
 @needs_micropython

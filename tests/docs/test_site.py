@@ -176,9 +176,10 @@ def test_every_page_and_figure_has_its_place():
     )
 
 
-def test_the_page_of_the_data_has_the_tables_that_the_code_makes():
+@pytest.mark.parametrize("page", ["data-format.md", "study-file.md"])
+def test_pages_have_the_tables_that_the_code_makes(page):
     """If not: `python docs_hooks/tables.py`."""
-    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     assert "<!-- end of " in text
     assert runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["filled"](text) == text
 

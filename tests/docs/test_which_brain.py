@@ -1,7 +1,6 @@
 """docs/which-brain.md says what docs/leaderboard.md says: every number of it, and what it puts into words."""
 
 import re
-import runpy
 import tomllib
 
 import pytest
@@ -102,12 +101,11 @@ def test_numbers_in_its_words_stand_in_its_tables_or_describe_the_worlds():
     assert set(re.findall(r"\d+\.\d+", words)) <= worlds
 
 
-def test_where_our_brains_are_worse_is_what_the_command_runs_and_they_are_worse():
+def test_where_our_brains_are_worse_is_what_the_command_runs_and_they_are_worse(benchmark):
     """The table itself is measured by the command; here, that its worlds are those, and that each row shows a loss."""
-    command = runpy.run_path(str(DOCS.parent / "benchmarks" / "worse.py"))
     [block] = re.findall(r"```text\n(.*?)```", PAGE, re.DOTALL)
     _, *lines = block.splitlines()
-    for line, (world, (ours, *_)) in zip(lines, command["WORLDS"].items(), strict=False):
+    for line, (world, (ours, *_)) in zip(lines, benchmark("liars").WORLDS.items(), strict=False):
         found = re.fullmatch(rf"{re.escape(world)} +{ours} +([\d.]+) +([\d.]+) +([\d.]+)  ([\d.]+) .*", line)
         assert found, line
         mine, *others = map(float, found.groups())
@@ -142,19 +140,19 @@ def test_what_the_brain_of_that_page_has_on_networks_is_what_a_run_gives():
     assert f"| honest | networks | 10 of 43 | {errors.mean().item():.4f} |" in page
 
 
-def test_the_command_that_takes_numbers_over_finds_each_cell_by_brain_and_column():
-    boards = runpy.run_path(str(DOCS.parent / "benchmarks" / "boards.py"))
+def test_the_command_that_takes_numbers_over_finds_each_cell_by_brain_and_column(benchmark):
+    pages = benchmark("pages")
     page = "".join(
         f"## {title}\n\n|  | brain | {column} |\n|---|---|---|\n| 1 | **a b=1** | **{k}** |\n| 2 | c | {k + 5} |\n\n"
         for k, (title, column) in enumerate(zip(PARTS, ("moving", "moving", "memory"), strict=True))
     )
-    values = boards["values_of"](page)
+    values = pages.values_of(page)
     columns = ("error: moving", "right %: moving", "memory")
     assert values == {
         (name, c): str(k + more) for name, more in (("a b=1", 0), ("c", 5)) for k, c in enumerate(columns)
     }
     old = "| brain | memory | error: moving |\n|---|---:|---:|\n| c | 1 | 2 |\n| a b=1 | 3 | 4 |\n"
     new = "| brain | memory | error: moving |\n|---|---:|---:|\n| c | 7 | 5 |\n| a b=1 | 2 | 0 |\n"
-    assert boards["renewed"](old, values) == new
+    assert pages.renewed(old, values) == new
     with pytest.raises(SystemExit, match="'d' has no 'memory' on the leaderboard"):
-        boards["renewed"](old.replace("| c |", "| d |"), values)
+        pages.renewed(old.replace("| c |", "| d |"), values)

@@ -14,7 +14,8 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import queues
 from swarmcensus.runs.running import run
 from tests.real.one_node import Slurm, free_ports, missing, until
-from tests.support.clusters import LONG, Once, same, study
+from tests.support.clusters import LONG, Once, study
+from tests.support.results import same
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=f"no {', '.join(missing())} here: see tests/real/install.sh")
 CLUSTER = """

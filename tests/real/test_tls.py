@@ -15,7 +15,8 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters
 from tests.real.one_node import until
-from tests.support.clusters import LONG, same, study
+from tests.support.clusters import LONG, study
+from tests.support.results import same
 
 SHORT = LONG.replace("trials = 200", "trials = 20")
 

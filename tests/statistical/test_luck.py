@@ -134,7 +134,7 @@ def test_all_purposes_are_independent():
     (setting,) = fixed(brain(LUCKY))
     keys, used = addresses.luck_keys(setting, SEED), setting.brain
     purposes = (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE)
-    words = {p: np.array([own_luck(used, keys, 0, tick, p, 8) for tick in range(1, 1001)]) for p in purposes}
+    words = {p: np.array([own_luck(keys, 0, tick, p, 8) for tick in range(1, 1001)]) for p in purposes}
     values = {p: (found >> np.uint64(12)) / 2.0**52 for p, found in words.items()}
     for p in purposes:
         assert uniform(values[p]) > P

@@ -26,11 +26,6 @@ def study(text):
     return sc.Study.parse(text, context={"base": Path.cwd()})
 
 
-def same(one, other):
-    """Equal to the last bit, but for what says when and by whom it was run."""
-    return one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
-
-
 class Once:
     """A progress callback that does something once, when some trials are done and others are not."""
 

@@ -1,22 +1,22 @@
 """Tables on standard output: as wide as the terminal, and in a file or pipe as wide as their content."""
 
+import io
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
-from rich.table import Table
+from rich.table import Table as RichTable
 from rich.text import Text
 
 from swarmcensus.basics.printable import printable
+from swarmcensus.basics.printed_tables import INTERVALS, Column, Table
 from swarmcensus.basics.readers import MOST, asked_columns
 
 UNFOLDED = MOST  # columns: a file or a pipe has no width
-INTERVAL = "[95 %]"  # the head of a column of intervals
-INTERVALS = "intervals"  # their name among what is left out
-FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out before anything else, and of numbers
+WIDTH = 120  # columns of a table as text
 
 
 class _Console(Console):
@@ -38,55 +38,68 @@ def console(**options: Any) -> Console:
     return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)
 
 
-def table(columns: Iterable[tuple[str, bool]], rows: Iterable[Iterable[str]]) -> Table:
-    """A table without borders; `columns` are pairs of a name and whether the column holds numbers."""
-    out = Table(box=None, pad_edge=False, header_style="bold")
-    for name, number in columns:
-        out.add_column(name, justify="right" if number else "left", no_wrap=number, overflow="fold")
-    for row in rows:
-        out.add_row(*(Text(printable(cell)) for cell in row))
-    return out
+def show(table: Table, out: Console | None = None, where: str = "--json has all") -> None:
+    """Print a table with its title and notes; `where` says where columns are that do not fit."""
+    out, table = out or console(), table.plain()
+    if table.title:
+        out.print(table.title)
+    for line in table.above:
+        out.print(line, style="dim")
+    pages, lacking = _pages(table, out)
+    for page in pages:
+        out.print(page)
+    if lacking:
+        out.print(f"left out, as they do not fit into {out.width} columns: {', '.join(lacking)}; {where}", style="dim")
+    for line in table.notes(lacking):
+        out.print(line, style="dim")
+    if table.more:
+        out.print(table.more, soft_wrap=True)  # to be copied
 
 
-class Column(NamedTuple):
-    """A column of a table: its head, its cells, whether they are numbers, and how soon it is left out.
-
-    On a narrow terminal columns with the largest `spare` are left out first, and those with 0 never: NUMBER and above
-    for numbers, below for what says which row it is.
-    """
-
-    head: str
-    cells: Sequence[str]
-    number: bool = True
-    spare: int = 0
+def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
+    """What is printed on a console, as text of so many columns, for the `repr` of an object."""
+    text = io.StringIO()
+    print_on(console(file=text, width=width, force_jupyter=False, force_terminal=False))  # a kernel claims to be both
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def fitted(columns: Sequence[Column], out: Console) -> tuple[Table, list[str]]:
+def fitted(columns: Sequence[Column], out: Console) -> tuple[RichTable, list[str]]:
     """A table with a line for each row, and the names of what is left out so that it fits.
 
     Heads are put into two lines before anything is left out.
     """
     for most, narrow in product(sorted({column.spare for column in columns} | {0}, reverse=True), (False, True)):
         kept = [column for column in columns if column.spare <= most]
-        heads = [_in_lines(column.head) if narrow else column.head for column in kept]
-        rows = table(
-            zip(heads, (column.number for column in kept), strict=True),
-            zip(*(column.cells for column in kept), strict=True),
-        )
-        if fits(rows, out):
+        rows = _grid(kept, [_in_lines(column.head) if narrow else column.head for column in kept])
+        if _fits(rows, out):
             break
     heads = [column.head for column in columns if column.spare > most]
     return rows, [INTERVALS] * any(map(_of_interval, heads)) + [head for head in heads if not _of_interval(head)]
 
 
-def left_out(names: Sequence[str], out: Console, where: str = "--json has all") -> list[str]:
-    """A sentence on columns that `fitted` left out, and where they are; none if it left out none."""
-    if not names:
-        return []
-    return [f"left out, as they do not fit into {out.width} columns: {', '.join(names)}; {where}"]
+def _pages(table: Table, out: Console) -> tuple[list[RichTable], list[str]]:
+    """All columns together, or a table for each group if they do not fit; and the names of what is left out."""
+    if table.folds:
+        return [_grid(table.every, [column.head for column in table.every])], []
+    together, lacking = fitted(table.every, out)
+    if not table.groups or (_fits(together, out) and {*lacking} <= {INTERVALS}):
+        return [together], lacking
+    pages = [fitted([*table.columns, *group], out) for group in table.groups]
+    return [page for page, _ in pages], list(dict.fromkeys(name for _, names in pages for name in names))
 
 
-def fits(rows: Table, out: Console) -> bool:
+def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:
+    """A table without borders."""
+    out = RichTable(box=None, pad_edge=False, header_style="bold")
+    for column, head in zip(columns, heads, strict=True):
+        justify = "right" if column.number else "left"
+        out.add_column(head, justify=justify, no_wrap=column.number, overflow="fold")  # type: ignore[arg-type]
+    for row in zip(*(column.cells for column in columns), strict=True):
+        out.add_row(*(Text(printable(cell)) for cell in row))
+    return out
+
+
+def _fits(rows: RichTable, out: Console) -> bool:
     """Whether no line of a table is folded."""
     return rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width
 

@@ -5,13 +5,15 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics import terminal
 from swarmcensus.basics.formatting import counted, grouped
-from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, Column, console, fits, fitted, left_out
-from swarmcensus.comparing.cells import MARKS, PAIR_HEADS, legend, pair_rows
+from swarmcensus.basics.printed_tables import Column, Table
+from swarmcensus.comparing.cells import MARKS, legend
 from swarmcensus.comparing.comparison import Comparison
 from swarmcensus.comparing.groups import gap_name
+from swarmcensus.comparing.pair_tests import test_count
+from swarmcensus.comparing.showing import fitting, pairs_table, print_verdict, worlds_table
 from swarmcensus.comparing.standings import AGAINST, RANKED
-from swarmcensus.comparing.table_text import fitting, print_verdict, print_worlds
 
 
 def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
@@ -19,18 +21,14 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
 
     `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
-    out = console()
-    out.print(title)
-    print_worlds(comparison, out, limit, "--json has all", f"show all: {again} --limit 0")
+    out = terminal.console()
+    terminal.show(worlds_table(comparison, limit, f"show all: {again} --limit 0", title), out)
     if with_pairs:
         out.print()
-        page, lacking = fitted(_pairs(comparison, fitting(comparison, limit)), out)
-        out.print(page)
-        for line in [*left_out(lacking, out), *PAIRS]:
-            out.print(line, style="dim")
+        terminal.show(pairs_table(comparison, fitting(comparison, limit)), out)
     print_verdict(comparison, out)
     if not with_pairs:
-        count = sum(int((~np.isnan(contest.corrected)).sum()) for contest in comparison.contests)
+        count = test_count(comparison.contests)
         out.print(
             f"to show all {count:,} differences with effects and p-values: {again} --pairs, or --csv FILE"
             if count > 1
@@ -39,51 +37,26 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         )
 
 
-PAIRS = (
-    "one - other: median over trials of the difference (mean for shares and for messages and bytes); [95 %]: bootstrap "
-    "over trials, for each pair separately",
-    "effect: matched rank-biserial correlation, from -1 to 1, above 0 if the first is better",
-    "p: paired signed-rank test, exact up to 64 trials; corrected: by Holm's method over all tests in single worlds",
-)
-
-
-def _pairs(comparison: Comparison, worlds: int) -> list[Column]:
-    texts = ("measure", "one", "other", INTERVAL, "one is better in", "told apart")
-    rows: Sequence[tuple[str, ...]] = pair_rows(comparison, worlds)
-    spare = {INTERVAL: FIRST_OUT} | {name: k for k, name in enumerate(("p", "effect", "one is better in"), start=1)}
-    return [
-        Column(name, [row[k] for row in rows], name not in texts, spare.get(name, 0))
-        for k, name in enumerate(PAIR_HEADS)
-        if name != "world" or comparison.grid.worlds[0]
-    ]
-
-
 def show_groups(comparison: Comparison, title: str, again: str, axes: Sequence[str], limit: int) -> None:
     """Print one row per combination of values and contender, at most `limit` (0: all), then the verdict.
 
     `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
-    out = console()
     everything = comparison.by(*axes)
     rows = everything.head(limit or len(everything))
     left = [Column(name, _once(rows, axes[: k + 1]), number=False) for k, name in enumerate(axes)]
     left += [Column(name, rows[name].map(str).tolist(), name == "worlds") for name in ("contender", "worlds")]
-    parts = [_columns(comparison, k, rows) for k in range(len(comparison.measures))]
-    together, _ = fitted([*left, *(column for part in parts for column in part)], out)
-    pages = [together] if fits(together, out) else [fitted([*left, *part], out)[0] for part in parts]
-    out.print(title)
-    for page in pages:
-        out.print(page)
-    out.print(f"number of worlds: {legend(comparison)}", style="dim")
+    notes = [f"number of worlds: {legend(comparison)}"]
     if comparison.against is not None:
         reference = comparison.contenders[comparison.against]
-        out.print(
+        notes.append(
             f"ratio: its value divided by that of {reference}, median over worlds, and the worst "
-            "(for shares: difference in percentage points)",
-            style="dim",
+            "(for shares: difference in percentage points)"
         )
-    if len(rows) < len(everything):
-        out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0", soft_wrap=True)
+    more = f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0"
+    parts = [_columns(comparison, k, rows) for k in range(len(comparison.measures))]
+    out = terminal.console()
+    terminal.show(Table(left, parts, title, notes=lambda _: notes, more=more * (len(rows) < len(everything))), out)
     print_verdict(comparison, out)
 
 

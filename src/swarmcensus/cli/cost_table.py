@@ -30,16 +30,17 @@ def _as_dict(one: "Cost") -> dict[str, Any]:
 
 
 def _show(costs: "Sequence[Cost]") -> None:
-    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.basics.printed_tables import Table
+    from swarmcensus.basics.terminal import show
     from swarmcensus.deployment.chips import CLOCK, KILOBOT
     from swarmcensus.deployment.costs import COLUMNS
 
     columns = [column for column in COLUMNS if column.short]
-    heads = [(column.short, column not in (columns[0], columns[-1])) for column in columns]
+    heads = {column.short: column not in (columns[0], columns[-1]) for column in columns}
     rows = [[column.text(one) for column in columns] for one in costs]
     for row, one in zip(rows, costs, strict=True):
         row[0] += "*" * (one.chip != KILOBOT)
-    console().print(table(heads, rows))
+    show(Table.of_rows(heads, rows))
     print()
     print("flash, RAM, stack and message: bytes of an ATmega328P, in single precision, with messages in ratio16")
     print(f"cycles: of a tick, on average; longest: of the longest tick; ms: of a tick, at {CLOCK / 1e6:g} MHz")

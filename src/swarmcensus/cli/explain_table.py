@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from swarmcensus.basics import terminal
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.terminal import FIRST_OUT, NUMBER, Column, console, fitted, left_out
+from swarmcensus.basics.printed_tables import NUMBER, Column, Table
 from swarmcensus.cli.tables import NOTHING, coordinate_columns, varied_and_same
 
 if TYPE_CHECKING:
@@ -30,29 +31,17 @@ def show(agreement: "Agreement", data: xr.Dataset, title: str, again: str, limit
     """
     shown = agreement.settings[: limit or None]
     varied, same = varied_and_same(data.sel(setting=[row.setting for row in agreement.settings]))
-    reasons = reasons_of(agreement)
-    left = [Column("setting", [str(row.setting) for row in shown])]
-    left += coordinate_columns(varied, len(shown))
-    columns = _columns(shown, [*reasons], agreement.exact > 0)
-    out = console()
-    out.print(title)
-    for line in coverage(agreement):
-        out.print(line)
-    for line in same:
-        out.print(line, style="dim")
-    rows, lacking = fitted([*left, *columns], out)
-    out.print(rows)
-    known = {column.head for column in columns} - {*lacking}
-    meanings = [f"{name}: {meaning}" for name, meaning in MEANS.items() if name in known]
-    for line in [*left_out(lacking, out), *meanings]:
-        out.print(line, style="dim")
-    if len(shown) < len(agreement.settings):
-        out.print(
-            f"{len(shown):,} of {counted(len(agreement.settings), 'setting')}; show all: {again} --limit 0",
-            soft_wrap=True,
-        )
+    left = [Column("setting", [str(row.setting) for row in shown]), *coordinate_columns(varied, len(shown))]
+    columns = _columns(shown, [*reasons_of(agreement)], agreement.exact > 0)
+    known = [head for column in columns for head in (column.head, column.interval_head)]
+    more = f"{len(shown):,} of {counted(len(agreement.settings), 'setting')}; show all: {again} --limit 0"
+    terminal.show(Table(
+        [*left, *columns], title="\n".join([title, *coverage(agreement)]), above=same,
+        notes=lambda left_out: [f"{k}: {means}" for k, means in MEANS.items() if k in {*known} - {*left_out}],
+        more=more * (len(shown) < len(agreement.settings)),
+    ))  # fmt: skip
     if agreement.exact:
-        out.print(verdict_of(agreement))
+        terminal.console().print(verdict_of(agreement))
 
 
 def reasons_of(agreement: "Agreement") -> dict[str, int]:
@@ -90,8 +79,13 @@ def _columns(shown: "list[SettingAgreement]", reasons: list[str], exact: bool) -
     columns = [
         Column("measured", [_number(row.measured) for row in shown]),
         Column("theory", [_number(row.expected) for row in shown], spare=NUMBER + 1),
-        Column("ratio", [_ratio(row.ratio[0]) for row in shown], spare=0 if exact else NUMBER + 2),
-        Column("[99.9 %]", [_ends(row.ratio) for row in shown], spare=FIRST_OUT),
+        Column(
+            "ratio",
+            [_ratio(row.ratio[0]) for row in shown],
+            spare=0 if exact else NUMBER + 2,
+            intervals=[_ends(row.ratio) for row in shown],
+            interval_head="[99.9 %]",
+        ),
         Column("efficiency", [_share(row.efficiency[0]) for row in shown], spare=NUMBER),
         Column("limit", [row.limit or NOTHING for row in shown], number=False),
     ]

@@ -13,10 +13,10 @@ import logging
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.printable import printable
+from swarmcensus.basics.printed_tables import tsv
 from swarmcensus.basics.readers import is_terminal
 
 if TYPE_CHECKING:
@@ -100,34 +100,10 @@ def present(
     elif is_terminal():
         show()
     else:
-        print_rows(rows())
+        for line in tsv(rows()):
+            print(line)
         for note in notes():
             say(note)
-
-
-def print_rows(rows: Iterable[Mapping[str, Any]]) -> None:
-    """Print rows as tab-separated columns: a line of names, those of all rows in order, then a line for each row.
-
-    Numbers have all digits and no commas; what a row lacks, and NaN, is an empty field.
-    """
-    listed = list(rows)
-    names = dict.fromkeys(chain.from_iterable(listed))
-    for line in (names, *([row.get(name) for name in names] for row in listed)):
-        print(*map(_field, line), sep="\t")
-
-
-def _field(value: Any) -> str:
-    if hasattr(value, "item"):  # a number of NumPy
-        value = value.item()
-    if isinstance(value, Mapping):
-        value = [f"{name}={_field(each)}" for name, each in value.items()]
-    if isinstance(value, list | tuple):
-        value = ", ".join(map(_field, value))
-    if value is None or value != value:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    return " ".join(str(value).split())
 
 
 @contextlib.contextmanager

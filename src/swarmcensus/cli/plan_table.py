@@ -1,9 +1,11 @@
 """The table of `plan`: the mission, one row per brain, world and size, and what the columns mean."""
 
 import math
+from dataclasses import replace
 
 from swarmcensus.basics import terminal
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.printed_tables import NUMBER, Table
 from swarmcensus.planning.mission import Mission
 from swarmcensus.planning.plans import Plan, Row
 
@@ -17,19 +19,14 @@ OF_THEORY = [("theory: all", True), ("mixed", True), ("alone", True)]
 
 
 def show(plan: Plan) -> None:
-    """Print a plan; on a narrow terminal without the columns of theory."""
-    out, mission = terminal.console(), plan.mission
-    out.print(f"{mission.name}: {HEADS[plan.question]}; {_world(plan)}")
-    out.print(f"wanted: {100 * mission.wanted.confidence:g} % of robots {mission.goal}")
-    out.print()
-    heads = [*_heads(mission), *OF_THEORY]
-    cells = [_cells(plan, row) for row in plan.rows]
-    rows = terminal.table(heads, cells)
-    narrow = rows.__rich_measure__(out, out.options.update(max_width=terminal.UNFOLDED)).maximum > out.width
-    if narrow:  # the columns of theory are in the file of --out
-        rows = terminal.table(heads[:-3], [row[:-3] for row in cells])
-    out.print(rows)
-    out.print(_meaning(plan, theory=not narrow), style="dim")
+    """Print a plan; on a narrow terminal the columns of theory are left out."""
+    mission = plan.mission
+    wanted = f"{100 * mission.wanted.confidence:g} % of robots {mission.goal}"
+    title = f"{mission.name}: {HEADS[plan.question]}; {_world(plan)}\nwanted: {wanted}\n"
+    table = Table.of_rows(dict([*_heads(mission), *OF_THEORY]), [_cells(plan, row) for row in plan.rows])
+    theory = dict(OF_THEORY)
+    columns = [replace(one, spare=NUMBER) if one.head in theory else one for one in table.columns]
+    terminal.show(Table(columns, title=title, notes=lambda left_out: _meaning(plan, "mixed" not in left_out)))
 
 
 def _world(plan: Plan) -> str:
@@ -132,7 +129,7 @@ def _digits(value: float) -> str:
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
 
 
-def _meaning(plan: Plan, theory: bool) -> str:
+def _meaning(plan: Plan, theory: bool) -> list[str]:
     """What the columns and answers mean."""
     mission, trials = plan.mission, max(row.trials for row in plan.rows)
     fewer = min((row.trials for row in plan.rows if row.trials), default=trials)
@@ -155,4 +152,4 @@ def _meaning(plan: Plan, theory: bool) -> str:
         lines.append("side: of the square that results from the density and the number of robots")
     if any(not row.trials for row in plan.rows):
         lines.append("theory alone: a simulation would take hours")
-    return "\n".join(lines)
+    return lines

@@ -24,17 +24,7 @@ EVENTS = 3  # that are shown in a terminal
 COLUMNS = (
     "robot", "", "tick", "estimate", "decision", "heard", "lost", "stale", "refused", "missed", "undone",
 )  # fmt: skip
-GIVEN_UP = (
-    "undone",
-    "stale",
-    "missed",
-    "refused",
-    "decision",
-    "lost",
-    "heard",
-    "tick",
-)  # in this order where it is narrow
-GAP = 2  # between columns
+GIVEN_UP = ("undone", "stale", "missed", "refused", "decision", "lost", "heard", "tick")  # in this order where narrow
 
 
 @contextlib.contextmanager
@@ -120,17 +110,16 @@ def _filled(parts: list[str], width: int) -> list[str]:
 
 def _robots(swarm: "Swarm", shown: int, width: int) -> "Table":
     """A row for each of the first robots, with the columns for which there is room."""
-    from swarmcensus.basics.terminal import table
+    from swarmcensus.basics.printed_tables import Column
+    from swarmcensus.basics.terminal import console, fitted
 
     rows = [_row(number, known) for number, known in enumerate(swarm.robots[:shown])]
-    wide = {name: max(map(len, [name, *cells])) for name, *cells in zip(COLUMNS, *rows, strict=True)}
-    idle = {name for name, *cells in zip(COLUMNS, *rows, strict=True) if not set(cells) - {"", "0"}}
-    for name in sorted(GIVEN_UP, key=lambda name: name not in idle):  # first those in which nothing has happened
-        if sum(wide.values()) + GAP * (len(wide) - 1) > width:
-            del wide[name]
-    kept = [place for place, name in enumerate(COLUMNS) if name in wide]
-    heads = [(COLUMNS[place], COLUMNS[place] != "") for place in kept]
-    return table(heads, ([row[place] for place in kept] for row in rows))
+    columns = []
+    for name, *cells in zip(COLUMNS, *rows, strict=True):
+        idle = not set(cells) - {"", "0"}  # columns in which nothing has happened are left out first
+        late = GIVEN_UP[::-1].index(name) + 1 + len(GIVEN_UP) * idle if name in GIVEN_UP else 0
+        columns.append(Column(name, cells, name != "", late))
+    return fitted(columns, console(width=width))[0]
 
 
 def _row(number: int, known: "Known") -> list[str]:

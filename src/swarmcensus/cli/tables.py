@@ -13,7 +13,8 @@ import xarray as xr
 
 from swarmcensus.basics.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
 from swarmcensus.basics.options import command
-from swarmcensus.basics.terminal import FIRST_OUT, INTERVAL, INTERVALS, NUMBER, Column, console, fitted, left_out, table
+from swarmcensus.basics.printed_tables import INTERVALS, NUMBER, Column, Table
+from swarmcensus.basics.terminal import show
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.labels import labels_in
@@ -63,23 +64,15 @@ def settings(
     """
     frame = table_of(data.isel(setting=slice(limit or None)), checkpoint)
     varied, same = varied_and_same(data)
-    out = console()
-    left = [Column("setting", frame["setting"].astype(str).tolist())]
-    left += coordinate_columns(varied, len(frame))
-    rows, lacking = fitted([*left, *_numbers(data, frame)], out)
-    if title:
-        out.print(title)
-    for line in same:
-        out.print(line, style="dim")
-    out.print(rows)
-    for line in [*left_out(lacking, out), *_legend(data, frame, INTERVALS not in lacking)]:
-        out.print(line, style="dim")
-    if len(frame) < data.sizes["setting"]:
-        out.print(
-            f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; show all: "
-            f"{again or command('swarmcensus', 'show', path)} --limit 0",
-            soft_wrap=True,  # to be copied
-        )
+    columns = [Column("setting", frame["setting"].astype(str).tolist())]
+    columns += [*coordinate_columns(varied, len(frame)), *_numbers(data, frame)]
+    one_sided = Table(columns).has_one_sided
+    all_of_them = again or command("swarmcensus", "show", path)
+    more = f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; show all: {all_of_them} --limit 0"
+    show(Table(
+        columns, title=title, above=same, more=more * (len(frame) < data.sizes["setting"]),
+        notes=lambda left_out: _legend(data, frame, INTERVALS not in left_out, one_sided),
+    ))  # fmt: skip
 
 
 def as_rows(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:
@@ -133,13 +126,12 @@ def _parameter(values: np.ndarray) -> np.ndarray:
 
 
 def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
-    """The columns of numbers of a summary, each followed by its intervals."""
+    """The columns of numbers of a summary."""
     trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
     sure = {name: column for name, column in SURE.items() if column in frame}
     columns = [
-        column
+        _values(frame, name, stored, spare=SPARE.get(name, NUMBER))
         for name, stored in {**SHORT, **sure, **watched}.items()
-        for column in _values(frame, name, stored, spare=SPARE.get(name, NUMBER))
     ]
     for name, head in (("consensus_right", "exit %"), ("done", "done %")):
         if name in frame:
@@ -156,8 +148,8 @@ def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
     return columns
 
 
-def _values(frame: Any, name: str, column: str, spare: int) -> list[Column]:
-    """A column of values, and one of their intervals if any is known."""
+def _values(frame: Any, name: str, column: str, spare: int) -> Column:
+    """A column of values with their intervals."""
     times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
     ends = [times * frame[column + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
@@ -175,11 +167,10 @@ def _values(frame: Any, name: str, column: str, spare: int) -> list[Column]:
             texts.append(rounded(value, low, high, max(usual, finest), 100.0 if times > 1.0 else np.inf))
     values, intervals = map(list, zip(*texts, strict=True))
     head = f"{name} %" if times > 1.0 else name
-    columns = [Column(head, values, spare=spare), Column(INTERVAL, intervals, spare=FIRST_OUT)]
-    return columns if any(intervals) else columns[:1]
+    return Column(head, values, spare=spare, intervals=intervals)
 
 
-def _legend(data: xr.Dataset, frame: Any, intervals: bool) -> list[str]:
+def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> list[str]:
     checkpoints = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
     when = f"after {unit} {checkpoints.pop():,}" if len(checkpoints) == 1 else "at the last checkpoint"
@@ -190,7 +181,7 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool) -> list[str]:
         f"(medians, {pooled_in_rows(data)}){floor}",
         f"right: robots in the correct bin {when}"
         + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
-        *([f"[>= x]: {ONE_SIDED}"] if intervals and _one_sided(frame) else []),
+        *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
             if "coverage" in frame
@@ -226,12 +217,6 @@ def pooled_in_rows(data: xr.Dataset) -> str:
         )
     ]
     return f"pooled over {' of '.join(spans)}"
-
-
-def _one_sided(frame: Any) -> bool:
-    """Whether a share is 1 in all trials of a setting, and has an interval."""
-    shares = [COLUMNS[name].name for name, times in TIMES.items() if times > 1.0 and COLUMNS[name].name in frame]
-    return any(((frame[name] == 1.0) & frame[f"{name}_low"].notna()).any() for name in shares)
 
 
 def _clipped(data: xr.Dataset) -> list[str]:
@@ -290,19 +275,15 @@ def rounds(trace: xr.Dataset, options: argparse.Namespace) -> None:
     ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
     names = ("round", "lowest", "median", "highest")
     rows = [dict(zip(names, values, strict=True)) for values in ends]
-
-    def show() -> None:
-        whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
-        console().print(f"{trace.attrs['title']}: {whose} estimates")
-        heads = [(name, True) for name in names]
-        console().print(table(heads, [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]))
-
+    whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
+    texts = [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]
+    shown = Table.of_rows(dict.fromkeys(names, True), texts, title=f"{trace.attrs['title']}: {whose} estimates")
     present(
         options,
         "trace",
         lambda: {"title": trace.attrs["title"], "robots": int(honest.sum()), "rounds": rows},
         lambda: rows,
-        show,
+        lambda: show(shown),
     )
 
 

@@ -1,11 +1,10 @@
 """A comparison as text, cell by cell, so that terminal and LaTeX tables show the same digits."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.formatting import decimals_for, rounded
+from swarmcensus.basics.printed_tables import INTERVAL, Column
 from swarmcensus.comparing.pair_tests import pairs_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.measures import Measure
@@ -19,18 +18,10 @@ LEAST_P = 0.001  # smaller p-values are shown as "< 0.001"
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
 COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads
 PAIR_HEADS = (
-    *("measure", "world", "one", "other", "one - other", "[95 %]", "one is better in"),
+    *("measure", "world", "one", "other", "one - other", INTERVAL, "one is better in"),
     *("effect", "p", "p, corrected", "told apart"),
 )
 Floats = NDArray[np.float64]
-
-
-class Cell(NamedTuple):
-    """A value, its interval and its standing as text, each empty if there is none."""
-
-    value: str
-    interval: str = ""
-    standing: str = ""
 
 
 def column_head(measure: Measure) -> str:
@@ -44,18 +35,28 @@ def rows_of(standings: Standings, worlds: int) -> tuple[NDArray[np.intp], NDArra
     return world, contender
 
 
-def columns(standings: Standings, worlds: int) -> dict[str, list[Cell]]:
-    """The columns of a table by their heads, with a cell for each row of `rows_of`: measures, then costs."""
-    at, cells = rows_of(standings, worlds), {}
+def columns(standings: Standings, worlds: int) -> list[Column]:
+    """The columns of measures, with a cell for each row of `rows_of`; the best, or better, values are strong."""
+    at, found = rows_of(standings, worlds), []
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
         low, high = (ends[at] for ends in contest.value_ends)
-        standing = standings.standing(contest)[at]
         texts = numbers(contest.values[at], low, high, contest.trials[at], measure)
-        cells[column_head(measure)] = [Cell(*text, str(way)) for text, way in zip(texts, standing, strict=True)]
-    for name, values in (standings.costs | standings.sizes).items():
-        if name in COSTS and name not in [measure.name for measure in standings.measures]:
-            cells[COSTS[name]] = [Cell(amount(value)) for value in values[at]]
-    return cells
+        ways = standings.standing(contest)[at].tolist()
+        found.append(Column(
+            column_head(measure), [value for value, _ in texts], intervals=[interval for _, interval in texts],
+            marks=[MARKS.get(way, "") for way in ways], strong=[way in ("best", "better") for way in ways],
+        ))  # fmt: skip
+    return found
+
+
+def cost_columns(standings: Standings, worlds: int) -> list[Column]:
+    """The columns of costs that are no measures of the comparison, with a cell for each row of `rows_of`."""
+    at, measured = rows_of(standings, worlds), [measure.name for measure in standings.measures]
+    return [
+        Column(COSTS[name], [amount(value) for value in values[at]])
+        for name, values in (standings.costs | standings.sizes).items()
+        if name in COSTS and name not in measured
+    ]
 
 
 def numbers(
@@ -103,15 +104,6 @@ def range_text(values: Floats) -> str:
         return ""
     low, high = amount(known.min()), amount(known.max())
     return low if low == high else f"{low} to {high}"
-
-
-def one_sided(standings: Standings, worlds: int) -> bool:
-    """Whether a share is 1 in all trials of a contender in the first `worlds` worlds, and has an interval."""
-    return any(
-        ((contest.values == 1.0) & ~np.isnan(contest.value_ends[0]))[:worlds].any()
-        for measure, contest in zip(standings.measures, standings.contests, strict=True)
-        if measure.share
-    )
 
 
 def legend(standings: Standings) -> str:

@@ -1,4 +1,4 @@
-"""A comparison as pandas tables, as CSV, and as a LaTeX table (package booktabs)."""
+"""A comparison as pandas tables, and as CSV."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -6,10 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from swarmcensus.basics.files import atomic_write
-from swarmcensus.comparing.cells import MARKS, Cell, columns, legend, rows_of
 from swarmcensus.comparing.pair_tests import pairs_of, world_ranks
 from swarmcensus.comparing.standings import AGAINST, RANKED, Standings
-from swarmcensus.results.summaries import is_idle
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -122,61 +120,3 @@ def write_csv(standings: Standings, path: str | Path) -> int:
 def _coordinates(standings: Standings, worlds: Any) -> dict[str, Any]:
     names = dict.fromkeys(name for world in standings.grid.worlds for name in world)
     return {name: [standings.grid.worlds[world].get(name) for world in worlds.tolist()] for name in names}
-
-
-ESCAPED = {
-    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
-    ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},
-}  # fmt: skip
-
-
-def escaped(text: str) -> str:
-    """Text with LaTeX's special characters escaped."""
-    return "".join(ESCAPED.get(letter, letter) for letter in " ".join(text.split()))
-
-
-def latex(standings: Standings, worlds: int | None = None) -> str:
-    """The table of the first `worlds` worlds, by default of all: a row for each world and contender.
-
-    Marks are those of the terminal; the best, or better, values are bold. A comment explains them, for the caption.
-    """
-    worlds = len(standings.grid.worlds) if worlds is None else worlds
-    world, contender = rows_of(standings, worlds)
-    names = list(standings.grid.worlds[0])
-    cells = columns(standings, worlds)
-    heads = [*map(escaped, (*names, "contender")), *(escaped(head).replace(r"\%", r"(\%)") for head in cells)]
-    lines = [
-        f"% {len(standings.grid.worlds):,} worlds, {len(standings.contenders):,} contenders: "
-        f"{' '.join(standings.title.split())}",
-        f"% {' '.join(legend(standings).split())}",
-        rf"\begin{{tabular}}{{{'l' * (len(names) + 1)}{'r' * len(cells)}}}", r"\toprule",
-        " & ".join(heads) + r" \\", r"\midrule",
-    ]  # fmt: skip
-    before = None
-    for row, (w, c) in enumerate(zip(world.tolist(), contender.tolist(), strict=True)):
-        if before not in (None, w):
-            lines.append(r"\addlinespace")
-        texts = ("--" if is_idle(value) else escaped(str(value)) for value in map(standings.grid.worlds[w].get, names))
-        shown = [text if w != before else "" for text in texts]
-        lines.append(
-            " & ".join([*shown, escaped(standings.contenders[c]), *(_cell(column[row]) for column in cells.values())])
-            + r" \\"
-        )
-        before = w
-    lines += [r"\bottomrule", r"\end{tabular}"]
-    return "\n".join(lines) + "\n"
-
-
-def write_latex(standings: Standings, path: str | Path) -> None:
-    """Write the table of all worlds, whole or not at all. Raises InputError."""
-    with atomic_write(path) as temporary:
-        temporary.write_text(latex(standings), encoding="utf-8")
-
-
-def _cell(cell: Cell) -> str:
-    value = escaped(cell.value).replace("-", "$-$") if cell.value != "-" else "--"
-    strong = rf"\textbf{{{value}}}" if cell.standing in ("best", "better") else value
-    value = rf"{strong}$^{{{MARKS[cell.standing]}}}$" if cell.standing in MARKS else value
-    lacks = cell.interval in ("", "-")
-    interval = escaped(cell.interval).replace("-", "$-$").replace(escaped(">="), r"$\geq$")
-    return value if lacks else f"{value} {{\\footnotesize {interval}}}"

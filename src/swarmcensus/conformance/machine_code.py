@@ -96,7 +96,7 @@ def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
 
 def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
     """Compare how the minds of a trace (round, robot) steer in CPython and in machine code. Raises Fault."""
-    luck = oracle.own_luck(brain, LUCK, 0, 1, LUCK_STEER, len(b))
+    luck = oracle.own_luck(LUCK, 0, 1, LUCK_STEER, len(b))
     for k in range(trace.sizes["round"]):
         minds = np.zeros(len(b), compiler.array_layout(brain).record)
         wishes = []
@@ -166,4 +166,4 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     attributes = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
     robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **attributes)
     links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
-    return lambda: oracle.follow(robots, b, w, readings, 1, EVERY, True, links, LUCK)
+    return lambda: oracle.follow(robots, b, w, readings, EVERY, True, links, LUCK)

@@ -1,4 +1,4 @@
-"""How wrong the shipped brains are after a day in each message format, as `python benchmarks/formats.py` found it."""
+"""How wrong shipped brains are after a day in each message format: `python benchmarks/pages.py formats` finds it."""
 
 import csv
 import functools

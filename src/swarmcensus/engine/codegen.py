@@ -11,7 +11,7 @@ from swarmcensus.brains.single import ROUND
 from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID, SILENT
 from swarmcensus.metrics import Metric
 
-BEFORE = "base_of_power"
+SIGNS = str.maketrans({"-": "minus_", "+": "plus_", "~": "not_"})
 CLIPPED, OWED = "_clipped", "_owed_{}"  # of a mind, where its messages have a format
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
@@ -146,8 +146,9 @@ def essence(source: str, strict: bool = True) -> str:
             body = [one for one in node.body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
             node.body = body or [ast.Pass()]
     try:
-        powers = _Powers(tree)
+        powers = _Powers()
         tree.body = [powers.visit(node) if strict and isinstance(node, ast.FunctionDef) else node for node in tree.body]
+        tree.body += powers.functions()
         return ast.unparse(ast.fix_missing_locations(tree))
     except RecursionError:  # an expression of hundreds of terms
         return source
@@ -156,49 +157,42 @@ def essence(source: str, strict: bool = True) -> str:
 class _Powers(ast.NodeTransformer):
     """Has the result of each `a ** b` looked at: machine code goes on with infinity or NaN where CPython raises.
 
-    Whole exponents stay in the operation, because Numba multiplies there. So the base is repeated, and has no effects:
-    such powers of what helpers return that write to a record or a vector are left alone.
+    Numba multiplies where an exponent is a whole number that it knows: so each of these has a function of its own.
     """
 
-    def __init__(self, tree: ast.Module) -> None:
-        helpers = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
-        self.writing = {name for name, node in helpers.items() if any(map(_writes, ast.walk(node)))}
-        for _ in helpers:  # and those that call them
-            self.writing |= {name for name, node in helpers.items() if _names_in(node) & self.writing}
+    def __init__(self) -> None:
+        self.whole: dict[str, ast.expr] = {}  # by the function's name
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        used = _names_in(node)
         self.generic_visit(node)
         if not isinstance(node.op, ast.Pow):
             return node
         if not _is_whole(node.right):
             return ast.Call(ast.Name(RAISED, ast.Load()), [node.left, node.right], [])
-        if used & self.writing:
-            return node
-        return ast.Call(ast.Name(POWER, ast.Load()), [node, node.left, node.right], [])
+        name = f"{RAISED}_to_{ast.unparse(node.right).translate(SIGNS)}"
+        self.whole[name] = node.right
+        return ast.Call(ast.Name(name, ast.Load()), [node.left], [])
 
-    def visit_AugAssign(self, node: ast.AugAssign) -> Any:
-        used = _names_in(node)
+    def visit_AugAssign(self, node: ast.AugAssign) -> ast.AugAssign | ast.Assign:
+        """An index that calls a function is worked out once: such powers are left alone."""
         self.generic_visit(node)
-        if not isinstance(node.op, ast.Pow) or used & self.writing:
+        if not isinstance(node.op, ast.Pow) or any(isinstance(part, ast.Call) for part in ast.walk(node.target)):
             return node
-        target = ast.parse(ast.unparse(node.target), mode="eval").body
-        before = [ast.Name(BEFORE + end, ast.Store()) for end in ("", "_exponent")]
-        kept = [ast.Assign([name], value) for name, value in zip(before, (target, node.value), strict=True)]
-        return [*kept, node, ast.Expr(ast.Call(ast.Name(POWER, ast.Load()), [target, *before], []))]
+        before = ast.parse(ast.unparse(node.target), mode="eval").body
+        return ast.Assign([node.target], self.visit_BinOp(ast.BinOp(before, node.op, node.value)))
+
+    def functions(self) -> list[ast.stmt]:
+        """The functions for whole exponents."""
+        sources = (
+            f"def {name}(base):\n    return {POWER}(base ** {(n := ast.unparse(exponent))}, base, {n})"
+            for name, exponent in self.whole.items()
+        )
+        return [node for source in sources for node in ast.parse(source).body]
 
 
 def _is_whole(node: ast.expr) -> bool:
     number = node.operand if isinstance(node, ast.UnaryOp) else node
     return isinstance(number, ast.Constant) and isinstance(number.value, int)
-
-
-def _writes(node: ast.AST) -> bool:
-    return isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store)
-
-
-def _names_in(tree: ast.AST) -> set[str]:
-    return {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
 
 
 def _is_declaration(node: ast.stmt, read: set[str]) -> bool:

@@ -50,4 +50,4 @@ COVERAGE, WIDTH = range(2)
 LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE = range(5)
 
 # what checks powers, in the source of a compiled brain: the result of one, and one as a whole
-POWER, RAISED = "power_of_cpython", "raised"
+POWER, RAISED = "power_of_cpython", "raised_as_in_cpython"

@@ -21,7 +21,7 @@ from swarmcensus.engine.constants import (
     SENSE,
     VERDICTS,
 )
-from swarmcensus.engine.layout import Intervals, Minds, Sensors, Tally
+from swarmcensus.engine.layout import Intervals, Minds, Tally
 from swarmcensus.engine.random import word_of, words
 
 from .minds import (
@@ -38,23 +38,22 @@ from .minds import (
     judge_blank,
     measure_intervals,
     next_checkpoint,
+    sensors_of,
     settle,
 )
 from .rounds import Work, advance, advance_alone, count_heard, graph_of, most_arrivals
 
-sensors_of, tally_of, intervals_of = map(loop(inline="always"), (Sensors.of_trial, Tally.of_trial, Intervals.of_trial))
+tally_of, intervals_of = map(loop(inline="always"), (Tally.of_trial, Intervals.of_trial))
 
 
 @entry
 def simulate(
-    swarm, minds, segments, sensors, beliefs, radio, links, stops, measures, tally, intervals,
-    first_trial, rounds, local, first_step, last_step, stop,
+    swarm, given, minds, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
-    The groups are those of `layout.py`; `beliefs` are the accuracies that robots assume, two arrays (trial, robot or
-    1). `stops` (trial, part, robot) is of `failures.py`. With `local`, robots hear nobody and `rounds` counts single
-    observations. Messages are counted only where `count_known` and `heard_is_known` do not know them beforehand.
+    `given` are their inputs; all groups are those of `layout.py`. With `local`, robots hear nobody and `rounds` counts
+    single observations. Messages are counted only where `count_known` and `count_heard` do not know them beforehand.
 
     Estimates are kept for a segment of rounds, as many as minds.rows. Where the convergence rule must look further
     back, the segment before is run again, to the same bits, from a snapshot of the minds: 2 segments - 1 steps. The
@@ -63,6 +62,7 @@ def simulate(
     minds.rows then hold the estimates of the step.
     """
     memory, outbox, signals, rows = minds
+    sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
     checkpoints = intervals.checkpoints
     robots = memory.shape[0]
     segment = rows.shape[0]
@@ -78,8 +78,8 @@ def simulate(
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
-        number = first_trial + trial
-        failures = stops[trial]
+        number = given.first + trial
+        failures = given.stops[trial]
         graph = graph_of(links, trial if links.starts.size > 2 else 0, robots)
         most = most_arrivals(graph, robots)
         if most > arrivals.shape[1]:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.engine.constants import BLOCK
+from swarmcensus.engine.constants import BLOCK, LISTED
 
 
 class Swarm(NamedTuple):
@@ -73,6 +73,38 @@ class Links(NamedTuple):
     starts: np.ndarray  # one graph for all trials, or one for each
     receivers: np.ndarray
     senders: np.ndarray
+
+
+NO_LINKS = Links(LISTED, np.zeros(2, np.int64), np.zeros(0, np.uint32), np.zeros(0, np.uint32))
+
+
+class Inputs(NamedTuple):
+    """All that chance decides for trials first to first + trials - 1 before they run."""
+
+    first: int
+    sensors: Sensors
+    beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
+    radio: Radio
+    links: Links  # who hears whom; NO_LINKS where robots move
+    stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `failures.py`
+    luck: np.ndarray  # two keys; empty where no brain uses luck
+    walk: np.ndarray  # key of the random walk
+    speeds: np.ndarray  # (trial, robot): metres that a robot goes in a tick; no rows on fixed networks
+    group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is only one
+    honest: np.ndarray  # (trial, robot): whom metrics count; no rows where they count all
+
+    def of(self, k: int) -> "Inputs":
+        """The inputs of the k-th of these trials alone, as a batch of one."""
+        one = slice(k, k + 1)
+        sensors, links = self.sensors, self.links
+        if links.starts.size > 2:
+            links = links._replace(starts=links.starts[k : k + 2])
+        return self._replace(
+            first=self.first + k,
+            sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
+            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
+            speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
+        )  # fmt: skip
 
 
 class Segments(NamedTuple):

@@ -5,16 +5,17 @@ import numpy as np
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.constants import BLOCK, HEARD, SENT, TALKING
+from swarmcensus.engine.layout import Minds
 
 from .failures import works
-from .minds import ZERO, believe_all, blank_minds, copy_all, forget_verdicts, heard_by, judge_blank
+from .minds import ZERO, believe_all, blank_minds, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
 from .rounds import Work, advance, count_heard, graph_of, most_arrivals
 
 
 @entry
-def start_minds(swarm, minds, beliefs, tally):
-    """Blank minds that assume accuracies (b, w), and in minds.rows their estimates before any observation."""
-    blank_minds(swarm, minds.memory, beliefs[0], beliefs[1])
+def start_minds(swarm, given, minds, tally):
+    """Blank minds of one trial, and in minds.rows their estimates before any observation."""
+    blank_minds(swarm, minds.memory, given.beliefs[0][0], given.beliefs[1][0])
     believe_all(swarm, minds.memory, minds.rows, ZERO)
     forget_verdicts(tally.verdicts, tally.agreed)
     if tally.verdicts.shape[0] > 0:
@@ -22,30 +23,31 @@ def start_minds(swarm, minds, beliefs, tally):
 
 
 @entry
-def live(swarm, minds, sensors, radio, links, stops, tally, trial, first, history, said, signals, messages, stop):
-    """Run the rounds of one trial from `first` on, as many as minds.rows, which get the estimates.
+def live(swarm, given, minds, tally, first, history, said, signals, messages, stop):
+    """Run the rounds of a trial, the only one `given`, from `first` on, as many as minds.rows, which get the estimates.
 
     After each round its minds go to `history` (round, robot, byte), the messages that were heard to `said` (round,
     robot, byte) and `signals` (round, robot), and the totals of messages sent and heard so far to `messages` (round,
-    what). `tally` counts on from the round before `first`. The other groups are those of one trial (`layout.py`).
+    what). `tally` counts on from the round before `first`.
     """
     memory, outbox, rows = minds.memory, minds.outbox, minds.rows
-    counts, delay = tally.counts, radio.delay
+    trial, radio, stops, counts, delay = given.first, given.radio, given.stops[0], tally.counts, given.radio.delay
     robots = memory.shape[0]
     blacks = np.zeros(min(robots, BLOCK))
     bits = np.zeros(blacks.size, np.uint64)
-    graph = graph_of(links, 0, robots)
+    graph = graph_of(given.links, 0, robots)
     most = most_arrivals(graph, robots)
     arrivals = np.zeros((2, most), np.uint32)
     luck = np.zeros((3, max(robots, most if swarm.luck.size > 0 else 0)), np.uint64)
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
     work = Work(blacks, bits, np.zeros(0), luck, beside, arrivals)
-    source = source_of(sensors)
+    source = source_of(sensors_of(given.sensors, 0))
     for r in range(rows.shape[0]):
         k = first + r
         renew(source, k)
         advance(
-            swarm, minds._replace(rows=rows[r:]), work, source, graph, radio, tally, stops, trial, k, k + 1, stop
+            swarm, Minds(memory, outbox, minds.signals, rows[r:]), work, source, graph, radio, tally, stops, trial,
+            k, k + 1, stop,
         )  # fmt: skip
         if stop[0] != 0:
             return

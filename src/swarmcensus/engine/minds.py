@@ -29,6 +29,7 @@ from swarmcensus.engine.constants import (
     WIDTH,
     WRONG,
 )
+from swarmcensus.engine.layout import Sensors
 from swarmcensus.engine.random import word_of
 
 from .failures import works
@@ -36,6 +37,8 @@ from .failures import works
 ZERO = np.uint64(0)
 ONE = np.uint64(1)
 TILE = 256  # robots whose curves are looked at together: their extremes fit in the processor's first-level cache
+
+sensors_of = loop(inline="always")(Sensors.of_trial)
 
 
 @loop()

@@ -48,6 +48,7 @@ from .minds import (
     judge_blank,
     measure_intervals,
     next_checkpoint,
+    sensors_of,
     settle,
     silence_failed,
 )
@@ -82,11 +83,11 @@ def buffers_of(robots, messages, size):
 
 
 @entry
-def start_minds(swarm, minds, start, beliefs, tally, stops):
-    """Blank minds that assume accuracies (b, w), their first messages, and their estimates `start` (1, robot)."""
+def start_minds(swarm, given, minds, start, tally):
+    """Blank minds of one trial, their first messages, and their estimates `start` (1, robot)."""
     memory = minds.memory
-    count_known(swarm, tally.counts, stops, minds.rows.shape[0])
-    blank_minds(swarm, memory, beliefs[0], beliefs[1])
+    count_known(swarm, tally.counts, given.stops[0], minds.rows.shape[0])
+    blank_minds(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
     no_readings = np.full(memory.shape[0], -1.0)
     luck = np.zeros(memory.shape[0], np.uint64)
     for run in range(swarm.runs.shape[0]):
@@ -137,13 +138,16 @@ def hear_each(swarm, minds, buffers, radio, counts, stops, trial, tick, said, he
 
 
 @entry
-def ride(swarm, minds, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
-    """`live_on` for CPython."""
+def ride(swarm, given, minds, tally, intervals, chunk, black, recorded, stop):
+    """`live_on` for CPython, in the only trial `given`."""
     n, most = minds.memory.shape[0], 0
     for k in range(chunk.looked.shape[0]):
         most = max(most, chunk.heard[(k + 1) * n] - chunk.heard[k * n])
     buffers = buffers_of(n, most, minds.outbox.shape[1])
-    live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop)
+    live_on(
+        swarm, minds, buffers, sensors_of(given.sensors, 0), given.radio, given.stops[0], tally, intervals, chunk,
+        black, recorded, given.first, stop,
+    )  # fmt: skip
 
 
 @loop()

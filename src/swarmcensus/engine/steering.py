@@ -9,19 +9,23 @@ from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.constants import PACE
 from swarmcensus.engine.layout import Chunk, Recorded
 
+from .minds import sensors_of
 from .riding import buffers_of, live_on, steer_all
 from .walk import walk
 
 
 @entry
 def live(
-    swarm, minds, sensors, radio, stops, tally, intervals, bodies, neighbours, floor, turns, messages, trial, stop
+    swarm, given, minds, tally, intervals, bodies, neighbours, floor, turns, messages, stop
 ):  # fmt: skip
-    """Run a trial of as many ticks as minds.rows; a tile's colour is that of `floor` (row, column), 1 for black.
+    """Run the only trial `given` for as many ticks as minds.rows.
+
+    A tile's colour is that of `floor` (row, column), 1 for black.
 
     `turns` (row, column) is the tick from which a tile has the other colour; no rows if no tile changes. At most
     `messages` are heard in a tick.
     """
+    sensors, radio, stops, trial = sensors_of(given.sensors, 0), given.radio, given.stops[0], given.first
     n = minds.memory.shape[0]
     black = np.zeros((1, n), np.bool_)
     looked, tiles, heard = np.zeros((1, n), np.bool_), np.zeros((1, n, 2), np.int32), np.zeros(n + 1, np.int64)

@@ -207,7 +207,7 @@ def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: i
 
 def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
     """The mixing matrices of the first trials, as many as `MOST_WORK` allows; one if all trials have the same."""
-    same_graph = not setting.topology.varies or setting.brain.is_oracle
+    same_graph = not setting.graphs_vary
     most = max(
         1,
         int(MOST_WORK / (setting.robots**3 if not setting.message_delay else setting.robots**2 * setting.rounds * 10)),

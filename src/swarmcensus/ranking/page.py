@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.printed_tables import Column, Table, markdown
 from swarmcensus.basics.version import __version__
 from swarmcensus.comparing.cells import p_value
 from swarmcensus.ranking.losses import FEW, Behind, Losses
@@ -71,52 +72,46 @@ def _table(scores: Scores, score: Score, marked: set[str]) -> str:
         known = np.array(rivals)[~np.isnan(rivals)]
         if known.size:
             best[k] = known.min() if low else known.max()
-    rows = [["", "brain", "rank", *(column.name for column in columns)]]
-    place = 0
-    for k in order:
-        cells = [cell(v, low, v == best[c]) for c, v in enumerate(score.values[k])]
-        name = scores.contenders[k]
-        place += name not in scores.bounds
-        rows.append(
-            [
-                str(place) if name not in scores.bounds else "",
-                f"**{name}**" if name in marked else name,
-                f"{score.ranks[k]:.1f}",
-                *cells,
-            ]
-        )
-    return _markdown(rows, left=2)
+    places = np.cumsum([scores.contenders[k] not in scores.bounds for k in order]).tolist()
+    names = [scores.contenders[k] for k in order]
+    return markdown(Table([
+        Column("", ["" if n in scores.bounds else str(p) for n, p in zip(names, places, strict=True)], number=False),
+        Column("brain", names, number=False, strong=[name in marked for name in names]),
+        Column("rank", [f"{score.ranks[k]:.1f}" for k in order]),
+        *(
+            Column(column.name, [cell(score.values[k, c], low) for k in order],
+                   strong=[score.values[k, c] == best[c] for k in order])
+            for c, column in enumerate(columns)
+        ),
+    ]))  # fmt: skip
 
 
-def cell(value: float, low: bool, best: bool = False) -> str:
+def cell(value: float, low: bool) -> str:
     """A value as text: an error in three digits, a share in percent."""
-    if np.isnan(value):
-        return "–"
-    text = f"{value:.4f}" if low else f"{100 * value:.1f}"
-    return f"**{text}**" if best else text
+    return "–" if np.isnan(value) else f"{value:.4f}" if low else f"{100 * value:.1f}"
 
 
 def _costs(scores: Scores) -> str:
     rounds = float(np.mean([world["rounds"] for world in scores.worlds]))
-    rows = [["brain", "memory", "message", "messages a round"]]
+    rows = []
     for k in np.argsort(scores.costs["memory_bytes"], kind="stable"):
         memory, message, sent = (scores.costs[n][k] for n in ("memory_bytes", "message_bytes", "messages_sent"))
         rows.append([scores.contenders[k], f"{memory:.0f}", f"{message:.0f}", f"{sent / rounds:.3g}"])
-    return _markdown(rows, left=1)
+    heads = {"brain": False} | dict.fromkeys(("memory", "message", "messages a round"), True)
+    return markdown(Table.of_rows(heads, rows))
 
 
 def _losses(name: str, losses: Sequence[Losses], boards: Sequence[Scores]) -> str:
     """Where a brain loses: all kinds of worlds, then single worlds and rivals by board."""
     lines = [f"## Where {name} loses", "Kinds of worlds, the largest loss of each board first:"]
-    rows = [["board", "kind of world", "place", "its own", "best other's", "best other"]]
-    for loss in losses:
-        rows += [[loss.board, b.column, *_behind(b, loss.low)] for b in loss.columns]
-    lines.append(_markdown(rows, left=2))
+    values = dict.fromkeys(("place", "its own", "best other's", "best other"), True)
+    rows = [[loss.board, b.column, *_behind(b, loss.low)] for loss in losses for b in loss.columns]
+    lines.append(markdown(Table.of_rows({"board": False, "kind of world": False} | values, rows)))
     for brain, scores in zip(losses, boards, strict=True):
         lines.append(f"### {scores.division.title}: {name}")
         lines.append(f"{name} is number {brain.place} of {brain.of}. Single worlds with the largest losses:")
-        rows = [["world", "place", "its own", "best other's", "best other"]]
-        lines.append(_markdown(rows + [[text, *_behind(b, brain.low)] for text, b in brain.worlds], left=1))
+        rows = [[text, *_behind(b, brain.low)] for text, b in brain.worlds]
+        lines.append(markdown(Table.of_rows({"world": False} | values, rows)))
         ahead = "; ".join(
             f"{rival.name} (better in {rival.better:.0%}, worse in {rival.worse:.0%} of trials, p {p_value(rival.p)})"
             for rival in brain.rivals[:FEW]
@@ -133,9 +128,3 @@ def _behind(behind: Behind, low: bool) -> list[str]:
     """Place, own value, and value and name of the best other brain, as cells."""
     place = f"{behind.place} of {behind.of}"
     return [place, cell(behind.value, low), cell(behind.best_value, low), behind.best]
-
-
-def _markdown(rows: Sequence[Sequence[str]], left: int) -> str:
-    head, *body = rows
-    rule = [":--" if k < left else "--:" for k in range(len(head))]
-    return "\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *body))

@@ -1,18 +1,16 @@
 """A board as rows and as text: its brains, best first, and where brains of your own are."""
 
-import io
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rich.console import Console
 
+from swarmcensus.basics import terminal
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.terminal import NUMBER, Column, console, fitted, left_out
+from swarmcensus.basics.printed_tables import NUMBER, Column, Table
 from swarmcensus.ranking.losses import Losses
 from swarmcensus.ranking.page import cell
 from swarmcensus.ranking.scores import Scores
-
-WIDTH = 120
 
 
 def rows(scores: Scores) -> list[dict[str, Any]]:
@@ -39,10 +37,7 @@ def flat(row: dict[str, Any]) -> dict[str, Any]:
 
 def as_text(name: str, scores: Scores, losses: Sequence[Losses]) -> str:
     """The board as text of 120 columns."""
-    text = io.StringIO()
-    out = console(file=text, width=WIDTH, force_jupyter=False, force_terminal=False)  # a kernel claims to be both
-    print_board(name, scores, losses, out, "the property `table` has all")
-    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+    return terminal.as_text(lambda out: print_board(name, scores, losses, out, "the property `table` has all"))
 
 
 def print_board(
@@ -55,38 +50,32 @@ def print_board(
     names = [column.name for column in scores.division.columns]
     shown = [names.index(name) for name in scores.division.shown]
     error, right = (score.by_world.mean(axis=0) for score in (scores.error, scores.side))
-    cells = []
-    for place, k in _placed(scores):
-        ranked = k in scores.error.order
-        cells.append([
-            "" if place is None else f"{place}",
-            scores.contenders[k],
-            f"{scores.error.ranks[k]:.1f}" if ranked else "",
-            *(cell(value, True) for value in (error[k], *scores.error.values[k, shown])),
-            cell(right[k], False),
-            *(f"{scores.costs[name][k]:.0f}" for name in ("memory_bytes", "message_bytes")),
-        ])  # fmt: skip
-    kinds = (names[k].replace(" liars", "\nliars") for k in shown)  # in two lines, so that long names fit beside them
-    heads = ("", "brain", "rank", "error", *kinds, "right\n%", "memory", "message")
-    spare = {"message": NUMBER + 2, "memory": NUMBER + 1, "rank": NUMBER}
+    placed = list(_placed(scores))
+    order = [k for _, k in placed]
+    kinds = [(names[c].replace(" liars", "\nliars"), scores.error.values[:, c]) for c in shown]  # to fit beside names
     columns = [
-        Column(head, [row[k] for row in cells], head != "brain", spare.get(head, 0)) for k, head in enumerate(heads)
+        Column("", ["" if place is None else f"{place}" for place, _ in placed]),
+        Column("brain", [scores.contenders[k] for k in order], number=False),
+        Column("rank", [f"{scores.error.ranks[k]:.1f}" * (k in scores.error.order) for k in order], spare=NUMBER),
+        *(Column(head, [cell(values[k], True) for k in order]) for head, values in [("error", error), *kinds]),
+        Column("right\n%", [cell(right[k], False) for k in order]),
+        *(
+            Column(head, [f"{scores.costs[f'{head}_bytes'][k]:.0f}" for k in order], spare=NUMBER + soon)
+            for head, soon in (("memory", 1), ("message", 2))
+        ),
     ]
-    page, lacking = fitted(columns, out)
-    out.print(page)
-    for line in left_out(lacking, out, all_columns):
-        out.print(line)
     parts = f", and by kind: {' and '.join(scores.division.shown)}" if shown else ""
-    out.print(
+    notes = [
         f"board {name}: {scores.division.meaning}; error: |x - f| after the last round, mean over its "
         f"{counted(len(scores.worlds), 'world')}{parts}; "
         "right: estimates on the same side of one half as f; memory, message: bytes"
-    )
+    ]
     if bounds := [name for name in scores.contenders if name in scores.bounds]:
-        out.print(
+        notes.append(
             f"not ranked, as bounds that no robot can reach: {', '.join(bounds)}; "
             "alone is ranked, as a robot can run it"
         )
+    terminal.show(Table(columns, notes=lambda _: notes), out, all_columns)
     for sentence in sentences(losses):
         out.print(sentence)
 

@@ -5,8 +5,7 @@ import numpy as np
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.syntax import INTERVAL
 from swarmcensus.engine.constants import WRONG, WRONG_IN
-from swarmcensus.engine.layout import Intervals
-from swarmcensus.simulation.inputs import Inputs
+from swarmcensus.engine.layout import Inputs, Intervals
 from swarmcensus.studies.settings import Setting
 
 NO_ESTIMATE = "a number in [0, 1] is right"

@@ -1,15 +1,15 @@
 """Finds the line at which a brain fails by running its trial again in CPython, as machine code reports no line."""
 
+import functools
+from collections import deque
 from collections.abc import Container, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import line_of
-from swarmcensus.engine.constants import FULL, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER, PAIRS, SENSING, TALKING
-from swarmcensus.engine.random import chance, word_of, words
+from swarmcensus.engine.constants import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation import oracle, sampling
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import inputs_of
@@ -44,70 +44,53 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
     alone = tuple(replace(member, brain=None) for member in setting.members)
     known = replace(setting, brain=brains.load("minimalistic"), members=alone)
     given = inputs_of(setting, seed, trial)
-    stops = given.stops[0]
+    stops, radio, moves = given.stops[0], given.radio, setting.body is not None
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-    brain = [setting.brains[one] for one in group]
+    crew = [setting.brains[one] for one in group]
     b, w = (side[0] for side in given.beliefs)
-    minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
-    for me in minds:
+    minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(crew)]
+    for one, me in zip(crew, minds, strict=True):
         for name, value in schedule_of(setting).items():
             setattr(me, name, value)
-    for one, me in zip(brain, minds, strict=True):
         one.functions.estimate(me)
-    delay = setting.message_delay
-    first_heard = delay + (setting.body is None)  # moving robots also hear messages from before the first tick
-    looks, threshold, key = setting.observations_per_round, given.radio.threshold, given.radio.key
+    now = 0
 
-    def luck(tick: int, part: int) -> np.ndarray:
-        words_ = np.zeros(setting.robots, np.uint64)
-        if given.luck.size:
-            words(given.luck, trial, tick, part, 0, setting.robots, words_)
-        return words_
-
-    def say() -> list[Any]:
-        return [oracle.said_by(one, me) for one, me in zip(brain, minds, strict=True)]
-
-    def noise() -> list[bool]:
-        return [one.jams and bool(one.functions.jam(me)) for one, me in zip(brain, minds, strict=True)]
-
-    said, loud = [say()], [noise()]
-    for tick, (blacks, pairs) in enumerate(_readings_and_links(known, seed, trial), start=1):
-        seen, fused, steered = (luck(tick, part) for part in (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER))
-        for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
-            if not np.isnan(blacks[i]) and works(stops, SENSING, i, tick) and not oracle.is_done(one, me):
-                oracle.give(one, me, seen, i)
-                one.functions.observe(me, float(blacks[i]), float(looks))
-        said.append(say())
-        loud.append(noise())
+    def arriving(pairs: np.ndarray, said: oracle.Said) -> Iterator[oracle.Heard]:
         for message in said[-1] if setting.additive else ():  # a message is added as it is sent
-            if message is not None:
+            if oracle.speaks(message):
                 setting.brain.functions.receive(setting.brain.robot(0.0, 0.0), message)
-        if tick < first_heard:
-            pairs = pairs[:0]
-        news, noises = said[max(tick - delay, 0) - tick - 1], loud[max(tick - delay, 0) - tick - 1]
-        talking = [works(stops, TALKING, i, tick - delay) for i in range(setting.robots)]
-        drowned = {int(to) for to, by in pairs if noises[by] and talking[by]} if any(noises) else set()
+        if now < radio.delay + (not moves):  # moving robots also hear messages from before the first tick
+            return
+        news, at = said[0], now - radio.delay
+        talking = [works(stops, TALKING, i, at) for i in range(setting.robots)]
+        drowned = {int(to) for to, by in pairs if news[by] is oracle.JAMS and talking[by]}
         for receiver, sender in pairs:
-            if int(receiver) in drowned:
-                continue
-            message = news[sender]
-            lost = threshold > 0 and not heard_by(key, trial, tick, receiver, sender, threshold)
-            if not lost and talking[sender] and message is not None:
-                if brain[receiver].uses.luck:
-                    word = word_of(given.luck[2], given.luck[3], trial, tick, receiver, sender)
-                    minds[receiver].luck = chance(np.uint64(word))
-                brain[receiver].functions.receive(minds[receiver], message)
-        del said[: -1 - delay], loud[: -1 - delay]
-        for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
-            oracle.give(one, me, fused, i)
-            one.functions.fuse(me)
-            one.functions.estimate(me)
-            for name in ("decide", "done", *(["interval"] if tick in checkpoints else [])):
-                if name in one.contents.functions:
-                    getattr(one.functions, name)(me)
-            if one.steers and setting.body:
-                oracle.give(one, me, steered, i)
-                one.functions.steer(me)
+            gets_through = not radio.threshold or heard_by(radio.key, trial, now, receiver, sender, radio.threshold)
+            speaks = talking[sender] and oracle.speaks(news[sender])
+            if gets_through and speaks and int(receiver) not in drowned:
+                yield receiver, news[sender], (trial, now, receiver, sender)
+
+    def steps() -> Iterator[oracle.Step]:
+        nonlocal now
+        for now, (blacks, pairs) in enumerate(_readings_and_links(known, seed, trial), start=1):
+            sees = [works(stops, SENSING, i, now) for i in range(setting.robots)]
+            heard = functools.partial(arriving, pairs)
+            yield oracle.Step(np.where(sees, blacks, np.nan), float(setting.observations_per_round), heard)
+
+    def after(i: int, steered: np.ndarray) -> None:
+        one, me = crew[i], minds[i]
+        one.functions.estimate(me)
+        for name in ("decide", "done", *(["interval"] if now in checkpoints else [])):
+            if name in one.contents.functions:
+                getattr(one.functions, name)(me)
+        if one.steers and moves:
+            oracle.give(one, me, steered, i)
+            one.functions.steer(me)
+
+    said: oracle.Said = deque(maxlen=radio.delay + 1)
+    if moves:
+        said.append([oracle.said_by(one, me) for one, me in zip(crew, minds, strict=True)])
+    oracle.live(crew, minds, steps(), given.luck, trial, said, after)
 
 
 def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:

@@ -104,7 +104,7 @@ def infer(
             raise InputError(f"brain {used.name!r} fails: {type(error).__name__}: {error}") from error
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
-        fields, estimates = oracle.follow(used, b, w, readings, 1, int(every), periodic, steps, luck)
+        fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, luck)
     warn_of_estimates(used.name, estimates)
     trace = trace_of(fields, estimates, used)
     trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}

@@ -1,11 +1,9 @@
 """All that chance decides for some trials of a setting before they run: accuracies, failures, links, keys of draws."""
 
-from typing import NamedTuple, Self
-
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine.layout import Links, Radio, Sensors
+from swarmcensus.engine.layout import Inputs, Radio, Sensors
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
@@ -14,40 +12,6 @@ NO_GROUPS = np.zeros((0, 0), np.int64)
 ALL_HONEST = np.zeros((0, 0), np.bool_)
 NO_SPEEDS = np.zeros((0, 0))
 NO_KEY = np.zeros(2, np.uint64)  # where nothing is drawn
-
-
-class Inputs(NamedTuple):
-    """The inputs of trials first to first + trials - 1."""
-
-    first: int
-    sensors: Sensors
-    beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
-    radio: Radio
-    links: Links | None  # who hears whom; None where robots move
-    stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `engine.failures`
-    luck: np.ndarray  # two keys; empty where no brain uses luck
-    walk: np.ndarray  # key of the random walk
-    speeds: np.ndarray  # (trial, robot): metres that a robot goes in a tick; no rows on fixed networks
-    group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is only one
-    honest: np.ndarray  # (trial, robot): whom metrics count; no rows where they count all
-
-    def of(self, k: int) -> Self:
-        """The inputs of the k-th of these trials alone, as a batch of one."""
-        one = slice(k, k + 1)
-        sensors, links = self.sensors, self.links
-        if links is not None and links.starts.size > 2:
-            links = links._replace(starts=links.starts[k : k + 2])
-        return self._replace(
-            first=self.first + k,
-            sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
-            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
-            speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
-        )  # fmt: skip
-
-    @property
-    def first_beliefs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The accuracies that robots assume in the first trial."""
-        return self.beliefs[0][0], self.beliefs[1][0]
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:

@@ -14,11 +14,11 @@ import numpy as np
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.layout import Chunk, Minds, Recorded, Swarm, Tally
+from swarmcensus.engine.layout import Chunk, Inputs, Minds, Recorded, Swarm, Tally
 from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
-from swarmcensus.simulation.inputs import Inputs, inputs_of
+from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, wishes_of
 from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming
@@ -126,7 +126,6 @@ class Life:
 
 class _Network:
     def __init__(self, setting: Setting, seed: int, given: Inputs) -> None:
-        assert given.links is not None
         self.setting, self.given = setting, given
         self.kernel = compiler.compile_world("living")
         robots = setting.robots
@@ -134,7 +133,7 @@ class _Network:
             self.swarm = swarm_of(setting, given, "network")
             self.minds = minds_of(setting, self.swarm, given.radio.delay + 2, np.empty((1, robots)))
             self.tally = tally_of(setting, 1).of_trial(0)
-            self.kernel.start_minds(self.swarm, self.minds, given.first_beliefs, self.tally)
+            self.kernel.start_minds(self.swarm, given, self.minds, self.tally)
         memory, outbox, signals, start = self.minds
         self.arrays = [memory, outbox, signals, *self.tally]
         no_messages, none_done = np.zeros((1, 2)), np.zeros(robots, np.bool_)
@@ -143,16 +142,14 @@ class _Network:
         )
 
     def on(self, first: int, rounds: int) -> Stretch:
-        setting, given, links = self.setting, self.given, self.given.links
-        assert links is not None
+        setting = self.setting
         done = _done(self.tally, setting.robots)
         history, said, signals = room_for(self.minds, rounds)
         estimates, messages = np.empty((rounds, setting.robots)), np.zeros((rounds, 2), np.int64)
-        with blaming(setting, given.first):
+        with blaming(setting, self.given.first):
             self.kernel.live(
-                self.swarm, self.minds._replace(rows=estimates), given.sensors.of_trial(0), given.radio, links,
-                given.stops[0], self.tally, given.first, first, history, said, signals, messages,
-                np.zeros(1, np.uint8),
+                self.swarm, self.given, self.minds._replace(rows=estimates), self.tally, first, history, said, signals,
+                messages, np.zeros(1, np.uint8),
             )  # fmt: skip
         return _standing(first, history, said, signals, estimates, messages, done)
 
@@ -236,7 +233,7 @@ class _Moving:
                 if signals.size:
                     does[row] = signals[heard : heard + robots]
                 else:
-                    counts[SENT] += [works(rider.stops, TALKING, i, first + row) for i in range(robots)]
+                    counts[SENT] += [works(self.given.stops[0], TALKING, i, first + row) for i in range(robots)]
                 messages[row] = counts[SENT].sum(), counts[HEARD].sum()
             done = part.stop
         estimates = rows[first - 1 : first - 1 + rounds].copy()

@@ -1,23 +1,72 @@
 """The reference implementation: CPython runs the brain file itself, robot by robot and step by step."""
 
-from collections.abc import Iterable
-from typing import Any
+import functools
+import itertools
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE
+from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
 from swarmcensus.engine.random import chance, word_of, words
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, free
+
+JAMS = "jams"  # what a robot says that drowns other messages
+Said = deque[list[Any]]  # the messages of the last steps, by robot; None of one that sends none, JAMS of one that jams
+Heard = tuple[int, Any, tuple[int, ...]]  # a receiver, a message, and the address of the random word of hearing it
+
+
+class Step(NamedTuple):
+    """What happens to robots in a round, in a tick, or in a step of recorded data."""
+
+    blacks: np.ndarray  # (robot): how many of its readings are black; NaN where a robot makes none
+    looks: float  # how many readings a robot makes
+    heard: Callable[[Said], Iterable[Heard]]  # which messages arrive, given what robots have said
+    begins: bool = True  # whether a round begins
+    ends: bool = True  # whether a round ends
+
+
+def live(
+    brains: Sequence[Brain], minds: Sequence[Any], steps: Iterable[Step], luck: np.ndarray, trial: int,
+    said: Said, after: Callable[[int, np.ndarray], object],
+) -> None:  # fmt: skip
+    """Run minds through steps, in the order of calls of every simulation: observe, broadcast, receive, fuse.
+
+    `luck` are the two keys of it. What robots say is added to `said`, of which as many steps are kept as it has room
+    for. `after` is called with each robot that has fused, and the random words of its calls of `steer`.
+    """
+    robots = list(zip(brains, minds, strict=True))
+    done: list[bool] = []  # robots that make no reading in this round
+    for number, step in enumerate(steps, start=1):
+        seen, fused, steered = (
+            own_luck(luck, trial, number, part, len(minds)) for part in (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER)
+        )
+        if step.begins:
+            done = [is_done(brain, me) for brain, me in robots]
+        for i, (brain, me) in enumerate(robots):
+            if not np.isnan(step.blacks[i]) and not done[i]:
+                give(brain, me, seen, i)
+                brain.functions.observe(me, float(step.blacks[i]), step.looks)
+        said.append([said_by(brain, me) for brain, me in robots])
+        for receiver, message, place in step.heard(said):
+            brain, me = robots[receiver]
+            if brain.uses.luck:
+                me.luck = chance(np.uint64(word_of(luck[2], luck[3], *place)))
+            brain.functions.receive(me, message)
+        for i, (brain, me) in enumerate(robots if step.ends else ()):
+            give(brain, me, fused, i)
+            brain.functions.fuse(me)
+            after(i, steered)
 
 
 def follow(
     brain: Brain,
     b: np.ndarray,
     w: np.ndarray,
-    blacks: np.ndarray,
-    looks: int,
+    readings: np.ndarray,
     every: int,
     periodic: bool,
     messages: Iterable[np.ndarray],
@@ -25,50 +74,34 @@ def follow(
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Run minds on recorded observations and messages.
 
-    `blacks` (step, robot) counts the black ones of `looks` readings, NaN where a robot made none. A round ends
-    every `every` steps and at the last. `messages` has (receiver, sender) rows for each step; with `periodic`
-    they are heard at the end of whole rounds only. `luck` are the two keys of it. Returns each field of the memory,
-    what is decided and intervals, and the estimates, as arrays (round, robot), index 0 before any observation.
+    `readings` (step, robot) are 1 for black, 0 for white, NaN where a robot made none. A round ends every `every` steps
+    and at the last. `messages` has (receiver, sender) rows for each step; with `periodic` they are heard at the end of
+    whole rounds only. `luck` are the two keys of it. Returns each field of the memory, what is decided and intervals,
+    and the estimates, as arrays (round, robot), index 0 before any observation.
     """
-    functions = brain.functions
-    minds = [brain.robot(float(b[i]), float(w[i]), float(i)) for i in range(blacks.shape[1])]
-    memories: list[list[dict[str, Any]]] = []
-    estimates: list[list[float]] = []
+    minds = [brain.robot(float(b[i]), float(w[i]), float(i)) for i in range(readings.shape[1])]
+    kept = [[(kept_of(brain, me, False), brain.functions.estimate(me)) for me in minds]]
+    number = itertools.count()  # of the message among all messages
 
-    def keep() -> None:
-        memories.append([kept_of(brain, me, bool(memories)) for me in minds])
-        estimates.append([functions.estimate(me) for me in minds])
+    def arriving(step: int, pairs: np.ndarray, said: Said) -> Iterator[Heard]:
+        for (receiver, sender), k in zip(pairs, itertools.count() if periodic else number, strict=False):
+            if speaks(message := said[-1][sender]):
+                yield receiver, message, (0, step, 0, k)
 
-    keep()
-    number = 0  # of the message among all messages
-    ended: list[bool] = []  # robots that make no reading in this round
-    for step, pairs in zip(range(len(blacks)), messages, strict=True):
-        whole = (step + 1) % every == 0
-        seen, fused = (own_luck(brain, luck, 0, step + 1, part, len(minds)) for part in (LUCK_OBSERVE, LUCK_FUSE))
-        if step % every == 0:
-            ended = [is_done(brain, me) for me in minds]
-        for i, (me, count) in enumerate(zip(minds, blacks[step], strict=True)):
-            if not np.isnan(count) and not ended[i]:
-                give(brain, me, seen, i)
-                functions.observe(me, float(count), float(looks))
-        said = [said_by(brain, me) for me in minds]
-        if periodic:
-            number = 0
-        if whole or not periodic:
-            for receiver, sender in pairs:
-                if said[sender] is not None:
-                    if brain.uses.luck:
-                        word = word_of(luck[2], luck[3], 0, step + 1, 0, number)
-                        minds[receiver].luck = chance(np.uint64(word))
-                    functions.receive(minds[receiver], said[sender])
-                number += 1
-        if whole or step == len(blacks) - 1:
-            for i, me in enumerate(minds):
-                give(brain, me, fused, i)
-                functions.fuse(me)
-            keep()
-    names = memories[0][0]
-    return {name: np.array([[m[name] for m in row] for row in memories]) for name in names}, np.array(estimates)
+    def steps() -> Iterator[Step]:
+        for step, (row, pairs) in enumerate(zip(readings, messages, strict=True), start=1):
+            whole = step % every == 0
+            heard = functools.partial(arriving, step, pairs if whole or not periodic else pairs[:0])
+            yield Step(row, 1.0, heard, (step - 1) % every == 0, whole or step == len(readings))
+
+    def after(i: int, _: np.ndarray) -> None:
+        if i == 0:
+            kept.append([])
+        kept[-1].append((kept_of(brain, minds[i], True), brain.functions.estimate(minds[i])))
+
+    live([brain] * len(minds), minds, steps(), luck, 0, deque(maxlen=1), after)
+    fields = {name: np.array([[fields[name] for fields, _ in row] for row in kept]) for name in kept[0][0][0]}
+    return fields, np.array([[estimate for _, estimate in row] for row in kept])
 
 
 def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
@@ -90,8 +123,13 @@ def is_done(brain: Brain, me: Any) -> bool:
 
 
 def said_by(brain: Brain, me: Any) -> Any:
-    """The message of a robot; None if it sends none or jams."""
-    return None if brain.jams and brain.functions.jam(me) else fixed(brain.functions.broadcast(me))
+    """The message of a robot; None if it sends none, JAMS if it jams."""
+    return JAMS if brain.jams and brain.functions.jam(me) else fixed(brain.functions.broadcast(me))
+
+
+def speaks(said: Any) -> bool:
+    """Whether what a robot says is a message."""
+    return said is not None and said is not JAMS
 
 
 def fixed(message: Any) -> Any:
@@ -101,9 +139,9 @@ def fixed(message: Any) -> Any:
     return tuple(tuple(part) if isinstance(part, list) else part for part in message)
 
 
-def own_luck(brain: Brain, luck: np.ndarray, trial: int, tick: int, part: int, robots: int) -> np.ndarray:
-    """A random word for each robot's call of `observe`, `fuse` or `steer`; empty if the brain uses none."""
-    out = np.zeros(robots if brain.uses.luck else 0, np.uint64)
+def own_luck(luck: np.ndarray, trial: int, tick: int, part: int, robots: int) -> np.ndarray:
+    """A random word for each robot's call of `observe`, `fuse` or `steer`; empty where no brain uses any."""
+    out = np.zeros(robots if luck.size else 0, np.uint64)
     if out.size:
         words(luck, trial, tick, part, 0, robots, out)
     return out

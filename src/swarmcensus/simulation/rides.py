@@ -7,11 +7,11 @@ import numpy as np
 
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine import compiler
-from swarmcensus.engine.layout import Chunk, Recorded
+from swarmcensus.engine.layout import Chunk, Inputs, Recorded
 from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.answers import check_estimates, check_intervals, check_verdicts, check_wishes
-from swarmcensus.simulation.inputs import Inputs, inputs_of
+from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import (
     consensus_of,
@@ -45,24 +45,21 @@ class Rider:
         self.setting, self.trial, self.given = setting, given.first, given
         self.kernel = compiler.compile_world("riding")
         self.start = np.empty((1, setting.robots))
-        self.stops = given.stops[0]
         rounds = np.array(checkpoints, np.int64)
         self.intervals = no_intervals() if truths is None else intervals_of(setting, rounds, truths(rounds), 1)
-        self.sensors = given.sensors.of_trial(0)
         self.tally = tally_of(setting, 1).of_trial(0)
         rows = np.empty((setting.rounds, setting.robots))
         with blaming(setting, self.trial):
             self.swarm = swarm_of(setting, given, setting.use)
             self.minds = minds_of(setting, self.swarm, given.radio.delay + 1, rows)
             self.kernel.start_minds(
-                self.swarm, self.minds, self.start, given.first_beliefs, self.tally, self.stops
+                self.swarm, given, self.minds, self.start, self.tally
             )  # fmt: skip
 
     def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOTHING) -> None:
         """Live through a chunk on tiles `black` (tick, robot)."""
         self.kernel.ride(
-            self.swarm, self.minds, self.sensors, self.given.radio, self.stops, self.tally, self.intervals.of_trial(0),
-            chunk, black, recorded, self.trial, stop,
+            self.swarm, self.given, self.minds, self.tally, self.intervals.of_trial(0), chunk, black, recorded, stop
         )  # fmt: skip
 
     def steer(self, wishes: np.ndarray, tick: int) -> None:
@@ -159,9 +156,8 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     with blaming(setting, trial):
         try:
             compiler.compile_world("steering").live(
-                rider.swarm, rider.minds, rider.sensors, given.radio, rider.stops, rider.tally,
-                rider.intervals.of_trial(0), bodies, neighbours, ground.all_tiles(), ground.turns(),
-                2 * neighbours.ears.size, trial, stop,
+                rider.swarm, given, rider.minds, rider.tally, rider.intervals.of_trial(0), bodies, neighbours,
+                ground.all_tiles(), ground.turns(), 2 * neighbours.ears.size, stop,
             )  # fmt: skip
         except ValueError:
             check_wishes(setting, given, bodies.wishes)

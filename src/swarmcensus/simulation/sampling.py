@@ -9,16 +9,19 @@ import numpy as np
 
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine.constants import LISTED
 from swarmcensus.engine.layout import Links
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds import faults
+from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.changing_ground import ChangingGround
 from swarmcensus.worlds.ground import Ground
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 
+MOST_LISTED = 2000  # robots of a full network with a list of links
 Sides = tuple[np.ndarray, ...]
 Where = tuple[int, int, int, int]  # seed, first trial, trials, robots
 
@@ -45,7 +48,30 @@ def groups(setting: Setting, seed: int, first: int, trials: int) -> np.ndarray:
 def links(setting: Setting, seed: int, first: int, trials: int) -> Links:
     """The links of these trials: who hears whom. Raises ValueError if no graph can be made."""
     topology = Topology("full") if setting.brain.is_oracle else setting.topology
-    return topology.links(setting.robots, seed, first, trials, setting.hears_all, setting.additive)
+    found = topology.links(setting.robots, seed, first, trials, setting.hears_all, setting.additive)
+    is_whole = setting.missing_links == 0.0 or setting.brain.is_oracle
+    return found if is_whole else _without_missing(setting, found, seed, first, trials)
+
+
+def _without_missing(setting: Setting, whole: Links, seed: int, first: int, trials: int) -> Links:
+    """The links that are not missing. A pair of neighbours has one draw, so a larger share lacks all of a smaller."""
+    robots = setting.robots
+    if whole.mode != LISTED:
+        if robots > MOST_LISTED:
+            raise ValueError(f"{robots:,} robots: with missing_links a full network has {MOST_LISTED:,} at the most")
+        everyone = (ends.astype(np.uint32) for ends in np.nonzero(~np.eye(robots, dtype=np.bool_)))
+        whole = Links(LISTED, np.array([0, robots * (robots - 1)]), *everyone)
+    key = address(seed, "missing links", topology=setting.topology.content, robots=robots)
+    kept, starts = [], [0]
+    for k in range(trials):
+        graph = slice(*(whole.starts if whole.starts.size == 2 else whole.starts[k : k + 2]))
+        ends = np.stack([whole.receivers[graph], whole.senders[graph]]).astype(np.int64)
+        pairs, which = np.unique(ends.min(axis=0) * robots + ends.max(axis=0), return_inverse=True)
+        there = Chance(key, first + k).uniform(len(pairs))[which] >= setting.missing_links
+        kept.append(np.flatnonzero(there) + graph.start)
+        starts.append(starts[-1] + len(kept[-1]))
+    chosen = np.concatenate(kept)
+    return Links(LISTED, np.array(starts), whole.receivers[chosen], whole.senders[chosen])
 
 
 def stops(setting: Setting, seed: int, trial: int) -> np.ndarray:

@@ -9,9 +9,8 @@ import numpy as np
 from swarmcensus.brains import Brain
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import VERDICTS
-from swarmcensus.engine.layout import Minds, Swarm, Tally, runs_of
+from swarmcensus.engine.layout import Inputs, Minds, Swarm, Tally, runs_of
 from swarmcensus.simulation.informing import schedule_of
-from swarmcensus.simulation.inputs import Inputs
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies.settings import Setting
 

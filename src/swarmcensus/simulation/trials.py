@@ -15,11 +15,11 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import command
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import PART, VERDICTS
-from swarmcensus.engine.layout import Intervals, Measures, Minds, Segments, Swarm, Tally
+from swarmcensus.engine.layout import Inputs, Measures, Minds, Segments, Swarm, Tally
 from swarmcensus.engine.threads import interruptible
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
-from swarmcensus.simulation.inputs import Inputs, inputs_of
+from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import (
     consensus_of,
@@ -122,7 +122,9 @@ def _live(
     first = given.first
     looks = setting.observations_per_round
     rounds = setting.rounds * (looks if local else 1)
-    delay = 0 if local else given.radio.delay
+    if local:  # nobody hears anything
+        given = given._replace(radio=given.radio._replace(delay=0))
+    delay = given.radio.delay
     honest = given.honest[0] if given.honest.size else None
     with blaming(setting, first, trials):
         swarm = swarm_of(setting, given, "alone" if local else setting.use)
@@ -144,8 +146,8 @@ def _live(
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         with blaming(setting, first, trials):
-            groups = swarm, minds, room, measures, tally, intervals
-            finished = _simulate(setting, given, *groups, local, begin, end, stop)
+            groups = swarm, given, minds, room, measures, tally, intervals
+            finished = compiler.compile_world("kernel").simulate(*groups, rounds, local, begin, end, stop)
         if not finished:
             return None
         check_estimates(setting, given, measures.wrong, local)  # before a metric fails because of them
@@ -195,31 +197,6 @@ def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
         np.full((count if metrics.estimates else 0, *shape), np.nan),
         np.full((trials, 3), -1.0),
     )
-
-
-def _simulate(
-    setting: Setting,
-    given: Inputs,
-    swarm: Swarm,
-    minds: Minds,
-    room: Segments,
-    measures: Measures,
-    tally: Tally,
-    intervals: Intervals,
-    local: bool,
-    begin: int,
-    end: int,
-    stop: np.ndarray,
-) -> bool:
-    """Run steps begin ... end - 1 of a batch, see `kernel.simulate`; False if `stop` was set meanwhile."""
-    assert given.links is not None
-    rounds = setting.rounds * (setting.observations_per_round if local else 1)
-    radio = given.radio._replace(delay=0) if local else given.radio
-    finished: bool = compiler.compile_world("kernel").simulate(
-        swarm, minds, room, given.sensors, given.beliefs, radio, given.links, given.stops, measures, tally, intervals,
-        given.first, rounds, local, begin, end, stop,
-    )  # fmt: skip
-    return finished
 
 
 def _joined(batches: Sequence[Batch]) -> Batch:
@@ -322,7 +299,8 @@ def _rerun(
     measures = measures_of(setting, 1, Metrics(delta=1.0, bins=1, checkpoints=()))
     tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
     end, stop = -(-setting.rounds // len(minds.rows)), np.zeros(1, np.uint8)
-    _simulate(setting, given, swarm, minds, room, measures, tally, no_intervals(), False, 0, end, stop)
+    groups = swarm, given, minds, room, measures, tally, no_intervals()
+    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop)
     estimates: np.ndarray = room.extremes[2]
     return estimates
 
@@ -343,7 +321,7 @@ def seconds(setting: Setting, local: bool = False) -> float:
     if local:
         return setting.rounds * looks * setting.robots * 15e-9
     messages = 2.0 if setting.topology.edges is None else 2.0 * len(setting.topology.edges) / setting.robots
-    if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.additive):
+    if setting.topology.name == "full" and not (setting.additive and setting.hears_all):
         messages = float(setting.robots)
     return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6
 

@@ -28,9 +28,9 @@ class Coordinate:
     type: Literal["text", "number", "whole number"]
     page: str  # what docs/data-format.md says
     caption: str = ""
-    idle: str = ""
     title: str = ""
     plural: str = ""
+    idle: str = ""
     counts: bool = False
     blank: int | str | None = None
     always: bool = False
@@ -41,7 +41,7 @@ class Coordinate:
 
 @dataclass(frozen=True, kw_only=True)
 class Key:
-    """A key of a study file. The last four fields are filled in by `keys_of`."""
+    """A key of a study file. The last five fields are filled in by `keys_of`."""
 
     coordinate: Coordinate | None = None
     world: World = "any"  # where it has an effect
@@ -49,10 +49,14 @@ class Key:
     spans: bool = True  # takes several values, which span the grid
     field: str = ""  # of a setting, if that has another name
     draws: tuple[str, ...] = ()  # the purposes of random numbers that depend on it
+    values: str = ""  # its values and its meaning as docs/study-file.md says them, where that differs from the schema
+    page: str = ""
+    without: str = ""  # what holds without it, if it has no default
     name: str = ""
     table: str = ""
-    default: Any = None  # one value; None also if a value is required
+    default: Any = None
     meaning: str = ""
+    is_required: bool = False
 
     @property
     def is_new(self) -> bool:
@@ -78,5 +82,6 @@ def keys_of(tables: Mapping[str, type[BaseModel]], first: tuple[str, ...]) -> di
                 field=key.field or name,
                 default=default[0] if isinstance(default, list) else default,
                 meaning=field.description or "",
+                is_required=field.is_required(),
             )
     return {name: found[name] for name in dict.fromkeys([*first, *found])}

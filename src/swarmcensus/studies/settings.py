@@ -48,80 +48,57 @@ HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks say
 class Swarm(Table):
     """The robots: their brains, their number, their sensors, and what they assume about these."""
 
-    brain: Annotated[
-        Brains,
-        Key(
-            coordinate=Coordinate(
-                "text",
-                "name or path, as in the study file",
-                caption="{}",
-                plural="brains",
-                always=True,
-                of=lambda setting: setting.brain.name,
-            ),
+    brain: Annotated[Brains, Key(
+        values="text or table",
+        page="a shipped brain's name, the path of a [brain file](brain-contract.md), or a table with "
+        "[parameters](#parameters)",
+        coordinate=Coordinate(
+            "text", "name or path, as in the study file", "{}", plural="brains", always=True,
+            of=lambda setting: setting.brain.name,
         ),
-    ] = Field(default=["minimalistic"], validate_default=True)
+    )] = Field(default=["minimalistic"], validate_default=True)  # fmt: skip
     """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
-    robots: Annotated[
-        Wholes,
-        Key(
-            draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
-            coordinate=Coordinate(
-                "whole number",
-                "*N*",
-                caption="N = {:,.0f}",
-                title="robots $N$",
-                plural="numbers of robots",
-                counts=True,
-                always=True,
-            ),
+    robots: Annotated[Wholes, Key(
+        page="*N*",
+        draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
+        coordinate=Coordinate(
+            "whole number", "*N*", "N = {:,.0f}", "robots $N$", "numbers of robots", counts=True, always=True
         ),
-    ]
+    )]  # fmt: skip
     """N, how many."""
-    accuracy: Annotated[
-        Accuracies,
-        Key(
-            draws=("readings",),
-            coordinate=Coordinate(
-                "text",
-                "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `beta(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 "
-                "drift=-1e-05 least=0.6`",
-                caption="accuracy {}",
-                title="sensor accuracy",
-                plural="accuracies",
-                always=True,
-                of=lambda setting: str(setting.accuracy),
-            ),
+    accuracy: Annotated[Accuracies, Key(
+        values="[accuracy](#accuracies)",
+        page="the true *b* and *w*: the probabilities of reading black and white correctly; they may "
+        "[drift](#sensors-that-drift)",
+        draws=("readings",),
+        coordinate=Coordinate(
+            "text",
+            "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `beta(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 drift=-1e-05 "
+            "least=0.6`",
+            "accuracy {}", "sensor accuracy", "accuracies", always=True, of=lambda setting: str(setting.accuracy),
         ),
-    ]
+    )]  # fmt: skip
     """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
-    assumed_accuracy: Annotated[
-        Beliefs | None,
-        Key(
-            coordinate=Coordinate(
-                "text",
-                "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their "
-                "sensors",
-                caption="assumed accuracy {}",
-                plural="assumed accuracies",
-                always=True,
-                of=lambda setting: str(setting.assumed_accuracy or setting.accuracy.start),
-            ),
+    assumed_accuracy: Annotated[Beliefs | None, Key(
+        values="[accuracy](#accuracies) or error",
+        without="the true ones, robot by robot",
+        page="the *b* and *w* that robots believe in",
+        coordinate=Coordinate(
+            "text",
+            "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their "
+            "sensors",
+            "assumed accuracy {}", plural="assumed accuracies", always=True,
+            of=lambda setting: str(setting.assumed_accuracy or setting.accuracy.start),
         ),
-    ] = None
+    )] = None  # fmt: skip
     """The b and w that robots assume; by default the true ones."""
-    precision: Annotated[
-        Precisions,
-        Key(
-            coordinate=Coordinate(
-                "text",
-                "`single` or `double` [precision](study-file.md#numbers-of-robots); only if single in any setting",
-                caption="{} precision",
-                title="precision",
-                plural="precisions",
-            ),
+    precision: Annotated[Precisions, Key(
+        page="[precision](#numbers-of-robots) of the robots' arithmetic",
+        coordinate=Coordinate(
+            "text", "`single` or `double` [precision](study-file.md#numbers-of-robots); only if single in any setting",
+            "{} precision", "precision", "precisions",
         ),
-    ] = Field(default=["double"])
+    )] = Field(default=["double"])  # fmt: skip
     """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
 
 
@@ -132,176 +109,141 @@ class World(Table):
     for fixed networks.
     """
 
-    topology: Annotated[
-        Topologies,
-        Key(
-            draws=("losses", "luck"),
-            coordinate=Coordinate(
-                "text",
-                "name, with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a networkx "
-                "function with its arguments",
-                caption="{}",
-                plural="topologies",
-                always=True,
-                of=lambda setting: str(setting.topology),
-            ),
+    topology: Annotated[Topologies, Key(
+        values="[topology](#topologies)",
+        page="who hears whom",
+        draws=("losses", "luck"),
+        coordinate=Coordinate(
+            "text",
+            "name, with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a networkx "
+            "function with its arguments",
+            "{}", plural="topologies", always=True, of=lambda setting: str(setting.topology),
         ),
-    ]
+    )]  # fmt: skip
     """Who hears whom: a network, or "moving" for robots that walk in an arena."""
-    fill_ratio: Annotated[
-        FillRatios,
-        Key(
-            draws=("readings", "floor"),
-            coordinate=Coordinate(
-                "number",
-                "*f*; where it changes, that of the last round",
-                caption="f = {}",
-                title="fill ratio $f$",
-                plural="fill ratios",
-                always=True,
-            ),
+    fill_ratio: Annotated[FillRatios, Key(
+        values="number in [0, 1] or [change](#floors-that-change)",
+        page="*f*, the fraction of tiles that are black",
+        draws=("readings", "floor"),
+        coordinate=Coordinate(
+            "number", "*f*; where it changes, that of the last round", "f = {}", "fill ratio $f$", "fill ratios",
+            always=True,
         ),
-    ]
+    )]  # fmt: skip
     """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
-    link_success: Annotated[
-        Shares,
-        Key(
-            draws=("losses",),
-            coordinate=Coordinate(
-                "number",
-                "the probability that a message gets through",
-                caption="link success {}",
-                always=True,
-            ),
-        ),
-    ] = Field(default=[1.0])
+    link_success: Annotated[Shares, Key(
+        page="the probability that a message arrives, for each link, direction and round",
+        draws=("losses",),
+        coordinate=Coordinate("number", "the probability that a message gets through", "link success {}", always=True),
+    )] = Field(default=[1.0])  # fmt: skip
     """The probability that a message gets through."""
-    message_delay: Annotated[
-        Delays,
-        Key(
-            world="networks",
-            field="delay",
-            instead="how late robots that move hear each other is world.body.message_delay, in ticks",
-            coordinate=Coordinate(
-                "whole number",
-                "[delay](study-file.md#late-messages) in rounds; only if above 0 in any setting",
-                caption="delay {:,.0f}",
-                title="message delay (rounds)",
-                plural="message delays",
-            ),
+    missing_links: Annotated[Shares, Key(
+        world="networks",
+        instead="bodies in between block the messages of robots that move, by world.body.line_of_sight",
+        page="the probability that two neighbours [never hear each other](#missing-links) in a trial",
+        coordinate=Coordinate(
+            "number", "the share of [links that are missing](study-file.md#missing-links); only if any are",
+            "{} of links missing", "share of links that are missing", "shares of missing links",
         ),
-    ] = Field(default=[0])
+    )] = Field(default=[0.0])  # fmt: skip
+    """The probability that two neighbours on a fixed network never hear each other in a trial."""
+    message_delay: Annotated[Delays, Key(
+        world="networks",
+        instead="how late robots that move hear each other is world.body.message_delay, in ticks",
+        field="delay",
+        page="[delay](#late-messages) in rounds on fixed networks",
+        coordinate=Coordinate(
+            "whole number", "[delay](study-file.md#late-messages) in rounds; only if above 0 in any setting",
+            "delay {:,.0f}", "message delay (rounds)", "message delays",
+        ),
+    )] = Field(default=[0])  # fmt: skip
     """How many rounds late messages are on fixed networks."""
-    message: Annotated[
-        Formats,
-        Key(
-            coordinate=Coordinate(
-                "text",
-                "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`; only if "
-                "any setting has one",
-                caption="messages as {}",
-                title="message format",
-                plural="message formats",
-            ),
+    message: Annotated[Formats, Key(
+        page="[format](#numbers-of-robots) of the numbers in a message",
+        coordinate=Coordinate(
+            "text",
+            "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`; only if any "
+            "setting has one",
+            "messages as {}", "message format", "message formats",
         ),
-    ] = Field(default=["double"])
+    )] = Field(default=["double"])  # fmt: skip
     """How the numbers of a message are sent: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
     feedback: Annotated[bool, Field(strict=True), Key(spans=False)] = True
     """Whether what rounding takes of a message is added to the next one."""
-    density: Annotated[
-        Positives | None,
-        Key(
-            world="moving",
-            draws=("readings", "losses", "luck", "luck alone", "floor", "walk"),
-            coordinate=Coordinate(
-                "number",
-                "*D* of robots",
-                caption="D = {}",
-                title="density $D$",
-                plural="densities",
-                counts=True,
-                always=True,
-            ),
+    density: Annotated[Positives | None, Key(
+        world="moving",
+        without='this or `side` for `"moving"`',
+        page="*D* = *N* π *r*² / *L*², with the radio range *r* and the arena's side *L*",
+        draws=("readings", "losses", "luck", "floor", "walk"),
+        coordinate=Coordinate(
+            "number", "*D* of robots", "D = {}", "density $D$", "densities", counts=True, always=True
         ),
-    ] = None
+    )] = None  # fmt: skip
     """D = N π r² / L² of robots that move."""
-    side: Annotated[
-        Positives | None,
-        Key(
-            world="moving",
-            coordinate=Coordinate(
-                "number",
-                "*L* in metres, to twelve digits",
-                caption="L = {} m",
-                title="side of the arena $L$ (m)",
-                plural="sides of the arena",
-                counts=True,
-                always=True,
-            ),
+    side: Annotated[Positives | None, Key(
+        world="moving",
+        without='this or `density` for `"moving"`',
+        page="*L*, the inner side of the arena in metres",
+        coordinate=Coordinate(
+            "number", "*L* in metres, to twelve digits", "L = {} m", "side of the arena $L$ (m)", "sides of the arena",
+            counts=True, always=True,
         ),
-    ] = None
+    )] = None  # fmt: skip
     """The side L of the arena in metres, in place of a density."""
-    floor: Annotated[
-        Floors | None,
-        Key(
-            world="moving",
-            draws=("floor",),
-            coordinate=Coordinate(
-                "text",
-                "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, "
-                "`hills(0.3)`",
-                caption="floor {}",
-                plural="floors",
-                always=True,
-                of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
-            ),
+    floor: Annotated[Floors | None, Key(
+        world="moving",
+        values="[floor](#floors)",
+        without='`"tiles"`',
+        page="the floor under robots that move",
+        draws=("floor",),
+        coordinate=Coordinate(
+            "text",
+            "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, `hills(0.3)`",
+            "floor {}", plural="floors", always=True,
+            of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
         ),
-    ] = None
+    )] = None  # fmt: skip
     """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
-    body: Annotated[Body, Key(world="moving", spans=False)] = Body()
+    body: Annotated[Body, Key(
+        world="moving",
+        spans=False,
+        values="table",
+        without="a Khepera IV",
+        page="[the body](#worldbody) of robots that move",
+    )] = Body()  # fmt: skip
     """The body of robots that move."""
 
 
 class Schedule(Table):
     """How long: communication rounds (C), and observations in each (R); ticks for robots that move."""
 
-    rounds: Annotated[
-        Wholes,
-        Key(
-            world="networks",
-            instead=HOW_LONG,
-            coordinate=Coordinate(
-                "whole number",
-                "*C*, or ticks where robots move",
-                caption="C = {:,.0f}",
-                title="rounds $C$",
-                plural="numbers of rounds",
-                counts=True,
-                always=True,
-                world="any",
-            ),
+    rounds: Annotated[Wholes, Key(
+        world="networks",
+        instead=HOW_LONG,
+        page="*C*, communication rounds on fixed networks",
+        coordinate=Coordinate(
+            "whole number", "*C*, or ticks where robots move", "C = {:,.0f}", "rounds $C$", "numbers of rounds",
+            counts=True, always=True, world="any",
         ),
-    ] = Field(default=[1000])
+    )] = Field(default=[1000])  # fmt: skip
     """C, communication rounds on fixed networks."""
-    observations_per_round: Annotated[
-        Wholes,
-        Key(
-            world="networks",
-            instead=HOW_LONG,
-            draws=("readings",),
-            coordinate=Coordinate(
-                "whole number",
-                "*R*, 1 where robots move",
-                caption="R = {:,.0f}",
-                title="observations per round $R$",
-                counts=True,
-                always=True,
-                world="any",
-            ),
+    observations_per_round: Annotated[Wholes, Key(
+        world="networks",
+        instead=HOW_LONG,
+        page="*R*, observations of each robot in each round on fixed networks",
+        draws=("readings",),
+        coordinate=Coordinate(
+            "whole number", "*R*, 1 where robots move", "R = {:,.0f}", "observations per round $R$", counts=True,
+            always=True, world="any",
         ),
-    ] = Field(default=[10])
+    )] = Field(default=[10])  # fmt: skip
     """R, observations of each robot before each exchange."""
-    ticks: Annotated[Times, Key(world="moving", field="rounds")] = Field(default=[10_000])
+    ticks: Annotated[Times, Key(
+        world="moving",
+        field="rounds",
+        values="whole number from 1, or [time](#times)",
+        page="length of a trial of robots that move; a tick is a round with at most one observation",
+    )] = Field(default=[10_000])  # fmt: skip
     """How long robots move: a number of ticks, or a time such as "17 min"."""
 
 
@@ -333,6 +275,7 @@ class Setting:
     floor: Floor | None = None  # of robots that move; None: independent tiles
     members: tuple[Member, ...] = ()  # robots that differ from the others
     change: Change | None = None  # of the fill ratio, during a trial
+    missing_links: float = 0.0  # the share of links, drawn for each trial
     delay: int = 0  # rounds between sending and hearing a message, on fixed networks
 
     def __str__(self) -> str:
@@ -422,7 +365,12 @@ class Setting:
     def hears_all(self) -> bool:
         """Whether every message is heard by all neighbours."""
         lossless = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
-        return self.brain.is_oracle or lossless
+        return self.brain.is_oracle or (lossless and not self.missing_links)
+
+    @property
+    def graphs_vary(self) -> bool:
+        """Whether graphs differ from trial to trial."""
+        return (self.topology.varies or self.missing_links > 0.0) and not self.brain.is_oracle
 
     @property
     def message_delay(self) -> int:

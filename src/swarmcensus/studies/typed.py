@@ -107,6 +107,8 @@ class WorldTable(TypedDict, total=False):
     """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
     link_success: Several[Real]
     """The probability that a message gets through. Default: 1.0."""
+    missing_links: Several[Real]
+    """The probability that two neighbours on a fixed network never hear each other in a trial. Default: 0.0."""
     message_delay: Several[Whole]
     """How many rounds late messages are on fixed networks. Default: 0."""
     message: Several[Literal["double", "float32", "float16", "ratio16", "ratio8"]]
@@ -156,6 +158,8 @@ class CaseTable(TypedDict, total=False):
     """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
     link_success: Several[Real]
     """The probability that a message gets through."""
+    missing_links: Several[Real]
+    """The probability that two neighbours on a fixed network never hear each other in a trial."""
     message_delay: Several[Whole]
     """How many rounds late messages are on fixed networks."""
     message: Several[Literal["double", "float32", "float16", "ratio16", "ratio8"]]

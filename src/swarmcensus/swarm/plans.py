@@ -15,6 +15,7 @@ from swarmcensus.conformance.quick import caution
 from swarmcensus.deployment import on_node
 from swarmcensus.deployment.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.engine.constants import LISTED
+from swarmcensus.engine.layout import Inputs
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies.settings import Setting
@@ -200,7 +201,6 @@ def _names(setting: Setting, group: np.ndarray, honest: np.ndarray) -> list[str]
 
 def _links(given: Inputs, robots: int) -> tuple[tuple[int, int], ...]:
     """Who hears whom, receiver and sender."""
-    assert given.links is not None
     if given.links.mode == LISTED:
         pairs = zip(given.links.receivers.tolist(), given.links.senders.tolist(), strict=True)
         return tuple((int(i), int(j)) for i, j in pairs)

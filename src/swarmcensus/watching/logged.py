@@ -10,11 +10,11 @@ from swarmcensus.basics.documents import json_value
 from swarmcensus.brains.fields import slots
 from swarmcensus.deployment.messages import messages_of
 from swarmcensus.engine import compiler
+from swarmcensus.engine.layout import Inputs
 from swarmcensus.reliving.clocks import Clock
 from swarmcensus.reliving.folders import Day
 from swarmcensus.reliving.logs import Block, Tick
 from swarmcensus.reliving.others import OtherDay
-from swarmcensus.simulation.inputs import Inputs
 from swarmcensus.simulation.living import STRETCH_BYTES, Stretch
 from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming
@@ -49,7 +49,7 @@ class Logged:
             self.swarm = swarm_of(setting, given, "network")
             minds = minds_of(setting, self.swarm, 1, np.empty((1, setting.robots)))
             tally = tally_of(setting, 1).of_trial(0)
-            compiler.compile_world("living").start_minds(self.swarm, minds, given.first_beliefs, tally)
+            compiler.compile_world("living").start_minds(self.swarm, given, minds, tally)
         self.blank = minds.memory
         self.rounds = 0
         self.version = 0  # counts changes

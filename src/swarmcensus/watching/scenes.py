@@ -66,7 +66,6 @@ def places_of(show: Show) -> np.ndarray:
         columns = _columns(robots)
         return np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1) / columns
     links = show.life.given.links
-    assert links is not None
     degrees = np.bincount(links.receivers, minlength=robots) if links.mode == LISTED else np.full(robots, robots - 1)
     name = show.setting.topology.name
     if name == "ring" or degrees.min(initial=robots) == robots - 1:

@@ -250,7 +250,6 @@ def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray
 def edges_of(show: Show) -> np.ndarray:
     """The links that a page draws as receiver and sender (link, 2); none if there are too many."""
     links, robots = show.life.given.links, show.setting.robots
-    assert links is not None
     if links.mode == LISTED:
         pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
     elif robots * (robots - 1) <= MOST_LINKS:

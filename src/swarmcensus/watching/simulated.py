@@ -85,7 +85,7 @@ class Simulated(Life):
         """The robots that a robot can hear in a round, in order."""
         everyone = np.delete(np.arange(self.setting.robots), robot)
         links = self.given.links
-        if links is not None:
+        if self.setting.body is None:
             return np.sort(links.senders[links.receivers == robot]) if links.mode == LISTED else everyone
         if self.setting.brain.is_oracle:
             return everyone

@@ -253,11 +253,7 @@ def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
     [
         ("always-black", MEANS.replace('("x",)', '("words",)'), "none is known to be one of estimate, opinion"),
         ("always-black", MEANS.replace('("x",)', '("alpha",)'), "name a role in ROLES"),
-        (
-            "random",
-            MEANS.replace('"t": 0.0', '"t": 0.0, "luck": 0.0'),
-            "me.luck, and the brain has a field of this name",
-        ),
+        ("random", MEANS.replace('"t": 0.0', '"t": 0.0, "luck": 0.0'), "me.luck"),
     ],
 )
 def test_what_does_not_go_together_is_told(lies, source, said):

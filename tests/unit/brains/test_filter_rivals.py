@@ -162,12 +162,7 @@ class TestConsensusInnovations:
     @pytest.mark.parametrize("pull", [0.25, 0.9])
     def test_every_round_is_as_the_equation_says(self, topology, pull):
         fields, _, blacks, b, w = lived(
-            INNOVATIONS.with_parameters({"pull": pull}),
-            robots=6,
-            accuracy=MIXED,
-            rounds=30,
-            looks=3,
-            topology=topology,
+            INNOVATIONS.with_parameters({"pull": pull}), robots=6, accuracy=MIXED, rounds=30, looks=3, topology=topology
         )
         hears = adjacency(topology, 6)
         many = hears.sum(axis=1)

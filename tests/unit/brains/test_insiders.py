@@ -211,9 +211,7 @@ def test_results_hold_an_insider_s_source_and_it_is_run_again_from_there(tmp_pat
     assert "not the source" in capsys.readouterr().err
     Path("s.toml").write_text(STUDY.replace('"alone"', '"commons"'))
     assert main(["run", "s.toml"]) == 2
-    assert "members[0].brain = 'knows.py': the adversary 'knows.py' cannot wear the brain 'commons': KNOWS names" in (
-        capsys.readouterr().err
-    )
+    assert "members[0].brain = 'knows.py'" in (capsys.readouterr().err)
 
 
 def test_the_shipped_insider_is_what_its_first_lines_say():

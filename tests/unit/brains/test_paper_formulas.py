@@ -242,10 +242,7 @@ class TestContract:
             (("MEMORY = {", "X = {({},): 1.0}\nMEMORY = {"), "keys of a dict should be numbers or texts"),
             (("def estimate(me):", "def estimate(me):\n    estimate(me)"), "line 89: estimate calls itself"),
             (
-                (
-                    "def fuse(me):",
-                    "def far(me):\n    near(me)\n\n\ndef near(me):\n    far(me)\n\n\ndef fuse(me):",
-                ),
+                ("def fuse(me):", "def far(me):\n    near(me)\n\n\ndef near(me):\n    far(me)\n\n\ndef fuse(me):"),
                 r"line \d+: (far calls near, which calls far|near calls far, which calls near): functions of a brain",
             ),
         ],

@@ -11,9 +11,10 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import metrics
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.printed_tables import escaped
 from swarmcensus.comparing import showing
 from swarmcensus.comparing.contenders import grid_of
-from swarmcensus.comparing.tables import escaped, latex
+from swarmcensus.comparing.showing import latex
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import centres, intervals
 from swarmcensus.statistics.intervals import estimate

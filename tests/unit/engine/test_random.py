@@ -21,10 +21,7 @@ def draw(seed, size, trial=0, tick=1, part=0):
 
 @pytest.mark.parametrize(
     ("word", "expected"),
-    [
-        (ZERO, (0xF167B032C3B480BD, 0xE91F9FEE4B7A6FB5)),
-        (ONES, (0xCCDEC5C917A874B1, 0x4DF53ABCA26CEB01)),
-    ],
+    [(ZERO, (0xF167B032C3B480BD, 0xE91F9FEE4B7A6FB5)), (ONES, (0xCCDEC5C917A874B1, 0x4DF53ABCA26CEB01))],
 )
 def test_threefry_known_answers(word, expected):
     """The published vectors of Threefry-2x64 with 13 rounds."""

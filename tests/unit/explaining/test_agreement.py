@@ -164,10 +164,7 @@ LONG = pytest.mark.long, pytest.mark.interpreted
         ("alone", {"trials": 20}, "fewer than 50 trials"),
         ("alone", {"accuracy": 1.0, "world": {"topology": "ring", "fill_ratio": 1.0}}, "readings are certain"),
         pytest.param(
-            "commons",
-            {"members": [{"robots": 2, "brain": "opposite", "honest": False}]},
-            "some robots lie",
-            marks=LONG,
+            "commons", {"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, "some robots lie", marks=LONG
         ),
     ],
 )

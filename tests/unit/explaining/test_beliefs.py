@@ -73,11 +73,7 @@ def test_the_asymptote_is_where_the_expected_likelihood_is_highest(seed):
 
 def test_the_asymptote_is_where_a_brain_goes_that_sees_just_what_is_expected():
     """Ten thousand readings, of which the very share that is expected says black, in the brain itself."""
-    cases = [
-        (0.8, 0.6, 0.7, 0.75, 0.5),
-        (0.7, 0.7, 0.6, 0.6, 0.9),
-        (0.9, 0.9, 0.3, 0.3, 0.4),
-    ]
+    cases = [(0.8, 0.6, 0.7, 0.75, 0.5), (0.7, 0.7, 0.6, 0.6, 0.9), (0.9, 0.9, 0.3, 0.3, 0.4)]
     for b, w, assumed_b, assumed_w, f in cases:
         black = round(10_000 * (b * f + (1 - w) * (1 - f)))
         readings = (np.arange(10_000) < black).astype(float)[:, np.newaxis]

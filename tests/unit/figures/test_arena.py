@@ -478,10 +478,7 @@ def test_arena_and_film_from_the_command_line(file, tmp_path, monkeypatch, capsy
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (
-            ["--kind", "arena", "--setting", "0"],
-            "setting 0 is a fixed network, without an arena; those of",
-        ),
+        (["--kind", "arena", "--setting", "0"], "setting 0 is a fixed network, without an arena; those of"),
         (["--kind", "arena", "--where", "topology == 'ring'"], "no robots move in these results"),
         (["--kind", "arena", "--setting", "99"], "setting 99: these results hold setting"),
         (["--kind", "arena", "--trial", "7"], "trial 7: these results hold trial"),

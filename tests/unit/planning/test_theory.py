@@ -22,12 +22,7 @@ from swarmcensus.worlds.ground import reachable
 
 
 def mission(**tables):
-    given = {
-        "area": {"side": 3},
-        "known": {"accuracy": 0.7},
-        "wanted": {"half_width": 0.05},
-        "free": {"robots": 10},
-    }
+    given = {"area": {"side": 3}, "known": {"accuracy": 0.7}, "wanted": {"half_width": 0.05}, "free": {"robots": 10}}
     return mission_of(given | tables)
 
 

@@ -231,13 +231,7 @@ def test_what_is_changed_in_the_file_itself(files, quick, tmp_path):
                 without_effect.add(key)
             else:
                 assert key == "coordinates" or noticed(changed) or unheld(f"attribute {key}: "), (name, key, other)
-    assert without_effect <= {
-        "_NCProperties",
-        "_Netcdf4Dimid",
-        "_Netcdf4Coordinates",
-        "_FillValue",
-        "NAME",
-    }
+    assert without_effect <= {"_NCProperties", "_Netcdf4Dimid", "_Netcdf4Coordinates", "_FillValue", "NAME"}
 
 
 def test_what_no_reader_meets_is_verified(small_file, tmp_path, capsys):

@@ -3,7 +3,6 @@
 import contextlib
 import json
 import os
-import runpy
 import shutil
 import signal
 import subprocess
@@ -22,8 +21,9 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
 from swarmcensus.studies import addresses
-from tests.support.clusters import LONG, Once, same, study
+from tests.support.clusters import LONG, Once, study
 from tests.support.places import EXAMPLE
+from tests.support.results import same
 from tests.support.small import FAILS
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
@@ -533,8 +533,8 @@ def test_bundles_grow_with_the_work_and_with_the_crowd(here):
 
 
 @pytest.mark.long
-def test_the_simulated_scheduler_against_closed_forms():
-    makespan = runpy.run_path(str(EXAMPLE.parents[1] / "benchmarks" / "scaling.py"))["makespan"]
+def test_the_simulated_scheduler_against_closed_forms(benchmark):
+    makespan = benchmark("shell").makespan
     assert makespan([2.0] * 12, 4) == 6.0  # equal bundles, no overhead: perfect
     assert makespan([2.0] * 13, 4) == 8.0  # the last wave
     assert makespan([2.0] * 12, 1) == 24.0

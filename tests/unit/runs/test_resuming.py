@@ -30,6 +30,7 @@ from swarmcensus.runs.status import status
 from swarmcensus.simulation import answers
 from swarmcensus.simulation.inputs import inputs_of
 from tests.support.long import in_two_sizes
+from tests.support.results import same
 from tests.support.resuming import STUDY, Cut, cut_off, study
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
@@ -39,11 +40,6 @@ LONG = (
     .replace("rounds = 60", "rounds = 2000")
     .replace("ticks  = 200", "ticks = 2000")
 )
-
-
-def same(one, other):
-    """Equal to the last bit, but for what says when and by whom it was run."""
-    return one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
 
 
 @pytest.fixture(scope="module")
@@ -523,10 +519,7 @@ def test_links_to_one_output_lock_each_other(here):
     Path("real").mkdir()
     Path("a.nc").symlink_to("real/b.nc")
     assert shards.folder_of(Path("a.nc")) == here / "real/b.nc.parts"
-    with (
-        hold_output(Path("a.nc"), study(), [], [], False, print),
-        pytest.raises(InputError, match="another run"),
-    ):
+    with hold_output(Path("a.nc"), study(), [], [], False, print), pytest.raises(InputError, match="another run"):
         run(study(), out="real/b.nc")
 
 

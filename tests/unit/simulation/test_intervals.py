@@ -146,17 +146,6 @@ def test_held_against_the_truth_of_the_moment(world, truth, steers, here):
     assert 0.0 < np.mean(held) < 1.0
 
 
-def test_cpython_and_machine_code_agree_to_the_bit():
-    readings = np.random.default_rng(1).integers(0, 2, (50, 3)).astype(float)
-    slow, fast = (sc.infer(readings, None, 0.8, 5, brain(WALD), compiled=which) for which in (False, True))
-    for name in ("interval_low", "interval_high"):
-        assert slow[name].dims == ("round", "robot")
-        assert (slow[name].values == fast[name].values).all()
-    assert slow["interval_low"].values[0].tolist() == [0.0] * 3
-    assert slow["interval_high"].values[0].tolist() == [1.0] * 3
-    assert (slow["interval_high"] - slow["interval_low"]).values[-1].max() < 0.7
-
-
 @pytest.mark.long
 def test_a_field_of_the_memory_may_be_called_so():
     source = changed(('"n": 0.0', '"n": 0.0, "interval_low": 0.25'), source=WALD)

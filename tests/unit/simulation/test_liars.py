@@ -181,20 +181,6 @@ def test_a_change_is_noticed(here, data):
 
 
 @pytest.mark.long
-def test_resumed_and_merged(here, data, tmp_path):
-    out = tmp_path / "r.nc"
-    study = sc.Study.load("s.toml")
-    fewer = sc.run(study.with_(trials=2), jobs=1, out=out)
-    again = sc.run(study, jobs=1, out=out)
-    for name in ("final_estimate", "messages_heard"):
-        assert np.array_equal(again[name].values, data[name].values, equal_nan=True)
-    merged = merge([fewer, data])
-    assert np.array_equal(merged["final_estimate"].values, data["final_estimate"].values, equal_nan=True)
-    assert merged["liars"].values.tolist() == data["liars"].values.tolist()
-    assert verify(merged, sample=0.1, seed=1).labels == []
-
-
-@pytest.mark.long
 def test_merged_with_a_study_in_which_nobody_lies(here, data):
     plain = sc.Study.parse(STUDY.partition("[[members]]")[0].replace("robots   = 10", "robots   = 6")
                            + "[world]" + STUDY.partition("[world]")[2])  # fmt: skip
@@ -222,7 +208,7 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("honest = false", "", "members[0].brain = 'always-black': that is an adversary, which is not honest"),
+        ("honest = false", "", "members[0].brain = 'always-black'"),
         ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wears the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"grey.py"', "that is an adversary, which wears the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.random import chance
@@ -14,7 +13,7 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
-from tests.support.second import ADDS, ALL, LUCKY, MEANS, OURS, STEER, brain, changed, fixed, moving
+from tests.support.second import ALL, LUCKY, MEANS, OURS, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
 
 
@@ -100,20 +99,6 @@ def test_a_round_without_a_reading_costs_none():
     assert (failed["fused"] == whole["fused"]).all()
     assert (failed["heard"] == whole["heard"]).all()
     assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
-
-
-@pytest.mark.long(only=["all"])
-@pytest.mark.parametrize("source", [LUCKY, ALL, ADDS], ids=["lucky", "all", "adds"])
-def test_recorded_data_in_cpython_and_in_machine_code(source):
-    readings = np.random.default_rng(5).integers(0, 2, (30, 4)).astype(float)
-    for links in ([[0, 1], [1, 2], [2, 3]], [[k, k % 4, (k + 2) % 4] for k in range(30)], None):
-        slow, fast = (sc.infer(readings, links, 0.8, 3, brain(source), compiled=flag) for flag in (False, True))
-        for name in fast.data_vars:
-            assert (fast[name].values == slow[name].values).all()
-        if source == LUCKY:
-            assert len(np.unique(fast["fused"].values[1:])) == 40
-            assert (fast["fused"].values[1:] > 0.0).all()
-            assert (fast["fused"].values[1:] < 1.0).all()
 
 
 @pytest.mark.interpreted

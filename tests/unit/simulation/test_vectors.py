@@ -15,7 +15,7 @@ from swarmcensus.conformance import suite
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.places import EXAMPLE
-from tests.support.second import ADDS, ALL, brain, changed, fixed
+from tests.support.second import ALL, brain, changed, fixed
 from tests.support.small import GO, SEED
 
 MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
@@ -77,21 +77,6 @@ def test_what_they_cost_is_counted_number_by_number():
     assert brain(COUNTS).memory_bytes == 4 * (2 + 2 + 2 + 2)
     assert brain(COUNTS).message_bytes == 8
     assert brain(ALL).memory_bytes == 4 * (7 + 3 + 2)
-
-
-@pytest.mark.long(only=["edges-counts", "messages-counts", "edges-all", "messages-adds"])
-@pytest.mark.parametrize("source", [COUNTS, ALL, ADDS], ids=["counts", "all", "adds"])
-@pytest.mark.parametrize("talk", ["edges", "messages"])
-def test_recorded_data_in_cpython_and_in_machine_code(source, talk):
-    random = np.random.default_rng(3)
-    readings = random.integers(0, 2, (40, 4)).astype(float)
-    readings[random.random(readings.shape) < 0.2] = np.nan
-    links = [[0, 1], [1, 2], [3, 1]] if talk == "edges" else [[k, k % 4, (k + 1) % 4] for k in range(40)]
-    slow, fast = (sc.infer(readings, links, 0.8, 5, brain(source), compiled=flag) for flag in (False, True))
-    assert set(slow.data_vars) == set(fast.data_vars) >= {"estimate", *brain(source).memory}
-    for name in fast.data_vars:
-        assert fast[name].dims == slow[name].dims
-        assert (fast[name].values == slow[name].values).all()
 
 
 @pytest.mark.interpreted

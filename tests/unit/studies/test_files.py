@@ -73,10 +73,7 @@ def test_changing_seed_and_trials():
         (("[10, 60]", "[10, 61]"), "measure.checkpoints = 61 comes after the last round, 60"),
         (("[measure]", "[measure]\ndelta = 0"), "measure.delta = 0: should be greater than 0"),
         (("[measure]", "[measure]\nlocal = 1"), "measure.local = 1: should be true or false"),
-        (
-            ("[swarm]", '[swarm]\nbrain = "nobody"'),
-            "swarm.brain = \"nobody\": brain 'nobody': neither a shipped brain",
-        ),
+        (("[swarm]", '[swarm]\nbrain = "nobody"'), "swarm.brain = \"nobody\": brain 'nobody': neither a shipped brain"),
         (('"ring"', '{name = "far", edges = [[0, 11]]}'), "edge (0, 11) of topology 'far' leads to a robot"),
         (('"ring"', '"full"'), "two entries of world.topology have one name"),
         (("trials = 4", "trials = ["), "not TOML"),

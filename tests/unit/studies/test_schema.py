@@ -14,11 +14,7 @@ from swarmcensus.planning import mission as of_missions
 from swarmcensus.studies.schema import schema
 from tests.support.pages import PAGES, blocks
 
-PLAIN = {
-    "trials": 1,
-    "swarm": {"robots": 5, "accuracy": 0.7},
-    "world": {"topology": "ring", "fill_ratio": 0.5},
-}
+PLAIN = {"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": {"topology": "ring", "fill_ratio": 0.5}}
 
 
 @pytest.fixture(scope="module")

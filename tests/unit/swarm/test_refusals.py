@@ -69,7 +69,7 @@ def test_a_delay_as_long_as_the_run_is_refused(tmp_path, capsys):
     words = ["swarm", "commons", "--hz", "20", "--rounds", "40", "--out", str(tmp_path / "out"), "--delay"]
     assert main([*words, "2s"]) == 2
     error = capsys.readouterr().err
-    assert "--delay 2s: the run takes 2 s, so that no message would arrive: should be shorter than the run" in error
+    assert "--delay 2s" in error
     assert not (tmp_path / "out").exists()
     air = plans.Air(hz=20.0, delay=99)
     assert plan_of(small(), 0, 0, 0, air).air is air  # a run of 100 ms

@@ -105,10 +105,7 @@ def test_what_does_not_go_together_is_told_in_a_sentence(tmp_path, monkeypatch, 
         for arguments, says in (
             (["--port", "8000"], "--port is for the live page: it goes with --watch"),
             (["--no-browser"], "--no-browser is for the live page: it goes with --watch"),
-            (
-                ["--watch", "--port", port],
-                f"port {port}: Address already in use; without --port any free one is taken",
-            ),
+            (["--watch", "--port", port], f"port {port}: Address already in use; without --port any free one is taken"),
             (["--watch", "--port", "70000"], "should be a port, from 1 to 65535, or 0 for a free one"),
         ):
             try:

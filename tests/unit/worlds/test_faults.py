@@ -116,19 +116,16 @@ def test_who_fails_differs_between_trials_and_faults():
 @pytest.mark.parametrize(
     ("fault", "said"),
     [
-        ('{at = 0, robots = 3, stop = "sensing"}', "faults[0].at = 0: should be greater"),
-        ('{at = 5, robots = 9, stop = "sensing"}', "faults[0].robots = 9: there are 8 robots"),
-        (
-            '{at = 5, robots = 1.5, stop = "sensing"}',
-            "a whole number of robots, or a fraction of the swarm in [0, 1]",
-        ),
-        ('{at = 5, robots = true, stop = "sensing"}', "faults[0].robots = true: should be a whole number of robots"),
-        ('{at = 5, robots = "3", stop = "sensing"}', 'faults[0].robots = "3": should be a whole number of robots'),
-        ('{at = 5, robots = 3, stop = "smiling"}', "faults[0].stop = \"smiling\": should be 'moving', 'sensing' or"),
+        ('{at = 0, robots = 3, stop = "sensing"}', "faults[0].at = 0"),
+        ('{at = 5, robots = 9, stop = "sensing"}', "faults[0].robots = 9"),
+        ('{at = 5, robots = 1.5, stop = "sensing"}', "a whole number of robots, or a fraction of the swarm in [0, 1]"),
+        ('{at = 5, robots = true, stop = "sensing"}', "faults[0].robots = true"),
+        ('{at = 5, robots = "3", stop = "sensing"}', 'faults[0].robots = "3"'),
+        ('{at = 5, robots = 3, stop = "smiling"}', 'faults[0].stop = "smiling"'),
         ("{at = 5, robots = 3, stop = []}", "faults[0].stop = []"),
-        ('{at = 5, robots = 3, stop = "sensing", until = 5}', "faults[0].until = 5: should come after at = 5"),
-        ('{at = 5, robots = 3, stop = "sensing", until = 0}', "faults[0].until = 0: should be greater"),
-        ('{at = 5, robots = 3, stop = "sensing", until = 7.5}', "faults[0].until = 7.5: should be a valid integer"),
+        ('{at = 5, robots = 3, stop = "sensing", until = 5}', "faults[0].until = 5"),
+        ('{at = 5, robots = 3, stop = "sensing", until = 0}', "faults[0].until = 0"),
+        ('{at = 5, robots = 3, stop = "sensing", until = 7.5}', "faults[0].until = 7.5"),
         ('{at = 5, robots = 3, stop = "moving"}', "these robots never move"),
         ('{at = 5, robots = 3, stops = "sensing"}', "unknown key faults[0].stops"),
     ],
@@ -227,5 +224,5 @@ def test_ends_are_times_where_robots_move():
     )
     (fault,) = sc.Study.parse(text).faults
     assert (fault.at, fault.until) == (10, 20)
-    with pytest.raises(sc.InputError, match=r"faults\[0\]\.until = 10: should come after at = 10"):
+    with pytest.raises(sc.InputError, match=r"faults\[0\]\.until = 10"):
         sc.Study.parse(text.replace("2 s", "1 s"))

@@ -195,7 +195,7 @@ def test_graphs_whose_edges_have_weights_are_refused(tmp_path):
         parse({"name": "x", "edges": [[0, 1, 0.5]]}, tmp_path)
     graph.name = "office"
     swarm = {"robots": 3, "accuracy": 0.7}
-    with pytest.raises(sc.InputError, match=r"world.topology\[1\] = graph 'office': the graph's edges have numbers"):
+    with pytest.raises(sc.InputError, match=r"world.topology\[1\] = graph"):
         sc.Study(trials=1, swarm=swarm, world={"topology": ["ring", graph], "fill_ratio": 0.5})
 
 
@@ -203,7 +203,7 @@ def test_numbers_of_any_name_on_edges_are_refused(tmp_path):
     graph = nx.Graph([(0, 1, {"label": "x", "near": True}), (1, 2)])
     assert parse(graph, tmp_path).edges == ((0, 1), (1, 2))
     graph[0][1]["distance"] = np.float32(2)
-    with pytest.raises(ValueError, match=r"distance = 2.0: links have no weights"):
+    with pytest.raises(ValueError, match=r"distance = 2\.0"):
         parse(graph, tmp_path)
 
 

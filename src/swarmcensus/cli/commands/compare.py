@@ -50,7 +50,8 @@ def compare(options: argparse.Namespace) -> int:
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.cli.tables import head
     from swarmcensus.comparing.comparison import compare as compare_results
-    from swarmcensus.comparing.tables import write_csv, write_latex
+    from swarmcensus.comparing.showing import write_latex
+    from swarmcensus.comparing.tables import write_csv
 
     if options.by and options.pairs:
         raise OptionError("--by counts worlds, --pairs shows single worlds: give one of them", key="by")

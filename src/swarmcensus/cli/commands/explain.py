@@ -11,7 +11,7 @@ from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
-    from swarmcensus.basics.terminal import Column
+    from swarmcensus.basics.printed_tables import Column
     from swarmcensus.explaining.one_setting import Explanation, Interval
 
 NAMES = {
@@ -89,21 +89,16 @@ def _all(options: argparse.Namespace) -> int:
 
 def show(explanation: "Explanation", path: str) -> None:
     """Print what one setting measured and what theory expects, then what its error consists of."""
-    from swarmcensus.basics.terminal import console, fitted, left_out
+    from swarmcensus.basics import terminal
+    from swarmcensus.basics.printed_tables import Table
 
-    out = console()
-    out.print(f"{path}, setting {explanation.setting}: {explanation.what}; {counted(explanation.trials, 'trial')}")
-    rows, lacking = fitted(_columns(explanation), out)
-    out.print(rows)
-    for line in left_out(lacking, out):
-        out.print(line, style="dim")
-    out.print(
-        f"error: the median of |x - f|; error, sd, bias: after {explanation.rounds:,} {explanation.unit}", style="dim"
-    )
-    for name in (name for name in NAMES if name in explanation.theory):
-        out.print(f"{NAMES[name]}: {MEANS[name]}", style="dim")
+    title = f"{path}, setting {explanation.setting}: {explanation.what}; {counted(explanation.trials, 'trial')}"
+    when = f"after {explanation.rounds:,} {explanation.unit}"
+    notes = [f"error: the median of |x - f|; error, sd, bias: {when}"]
+    notes += [f"{NAMES[name]}: {MEANS[name]}" for name in NAMES if name in explanation.theory]
+    terminal.show(Table(_columns(explanation), title=title, notes=lambda _: notes))
     for sentence in sentences(explanation):
-        out.print(sentence)
+        terminal.console().print(sentence)
 
 
 def sentences(explanation: "Explanation") -> "Iterator[str]":
@@ -143,7 +138,7 @@ def records(explanation: "Explanation") -> "list[dict[str, Any]]":
 
 def _columns(explanation: "Explanation") -> "list[Column]":
     """The columns of the table; on a narrow terminal the checkpoints between the first and the last go first."""
-    from swarmcensus.basics.terminal import Column
+    from swarmcensus.basics.printed_tables import Column
 
     last = len(explanation.checkpoints) - 1
     few = min(last, MOST_CHECKPOINTS - 1)

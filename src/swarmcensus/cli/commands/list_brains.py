@@ -152,7 +152,8 @@ def show_all(brains: list[Row], adversaries: list[Row]) -> None:
 
 def show_brains(rows: list[Row]) -> None:
     """Print brains, grouped by what they estimate."""
-    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.basics.printed_tables import Table
+    from swarmcensus.basics.terminal import show
 
     groups: dict[str, list[tuple[str, ...]]] = {group: [] for group in GROUPS.values()}
     for row in rows:
@@ -164,8 +165,8 @@ def show_brains(rows: list[Row]) -> None:
     widest = max(len(row["name"]) for row in rows)
     for group, cells in groups.items():
         if cells:
-            heads = [("brain".ljust(widest), False), *((head, True) for head in COLUMNS), (group, False)]
-            console().print(table(heads, cells))
+            heads = {"brain".ljust(widest): False} | dict.fromkeys(COLUMNS, True) | {group: False}
+            show(Table.of_rows(heads, cells))
             print()
     print("memory and message: in bytes, 4 per number; not anonymous: uses the name of its robot")
     print("single: readings after which single precision differs from double by more than 0.01; any: none found\n")
@@ -173,13 +174,14 @@ def show_brains(rows: list[Row]) -> None:
 
 def show_adversaries(rows: list[Row]) -> None:
     """Print adversaries with their parameters."""
-    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.basics.printed_tables import Table
+    from swarmcensus.basics.terminal import show
 
     cells = []
     for row in rows:
         texts = [f"{k} {v:,.10g}" if isinstance(v, float) else k for k, v in row.get("parameters", {}).items()]
         cells.append((row["name"], "-" if row["fault"] else ", ".join(texts), row["fault"] or row["what"]))
-    console().print(table([("adversary", False), ("parameters", False), ("what it does", False)], cells))
+    show(Table.of_rows(dict.fromkeys(("adversary", "parameters", "what it does"), False), cells))
 
 
 def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collection[str] = ()) -> None:
@@ -224,15 +226,16 @@ def choices(options: argparse.Namespace) -> int:
 
 def _show_choices(kinds: Collection[str]) -> None:
     """Print a table for each kind."""
-    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.basics.printed_tables import Table
+    from swarmcensus.basics.terminal import show
 
     for k, kind in enumerate(kinds):
         rows = list(_rows(kind))
         plugins = {row[-1] for row in rows} != {"swarmcensus"}  # else the last column would say the same in every row
-        heads = [(kind, False), ("keys", False), ("what it is", False), *[("from", False)] * plugins]
+        heads = dict.fromkeys((kind, "keys", "what it is", *["from"] * plugins), False)
         if k:
             print()
-        console().print(table(heads, [row[: len(heads)] for row in rows]))
+        show(Table.of_rows(heads, [row[: len(heads)] for row in rows]))
 
 
 def _as_dict(row: tuple[str, str, str, str]) -> dict[str, object]:

@@ -172,7 +172,8 @@ def _ends(day: "Day", lived: "OtherDay") -> dict[str, float | None]:
 
 def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> None:
     from swarmcensus.basics.formatting import counted
-    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.basics.printed_tables import Table
+    from swarmcensus.basics.terminal import show
     from swarmcensus.reliving.folders import summary_of
     from swarmcensus.reliving.others import TOLD, UNKNOWN
 
@@ -192,7 +193,6 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
         for life in lives for s in life.starts if life.relived and (s.boot or s.kind != "blank")
     ])  # fmt: skip
     names = ("mean estimate", "mean error", "right", "sent", "heard", "unknown")
-    columns = [("brain", False), *((name, True) for name in names)]
     rows = []
     for k, one in enumerate(lived):
         ends = _ends(day, one)
@@ -202,7 +202,7 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
             f"{sum(one.heard.values()):,}", f"{one.unknown:,}" if k else "-",
         ))  # fmt: skip
     print()
-    console().print(table(columns, rows))
+    show(Table.of_rows({"brain": False} | dict.fromkeys(names, True), rows))
     for one in lived[1:]:
         for kinds, title in ((UNKNOWN, "unknown under {}:"), (TOLD, "known under {}, and not as in the logs:")):
             lines = [f"  {one.counts[name]:,} {what}" for name, what in kinds.items() if one.counts[name]]

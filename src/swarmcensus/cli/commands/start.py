@@ -74,13 +74,12 @@ def studies(options: argparse.Namespace) -> int:
     if options.name is None:
         if options.out:
             raise OptionError(f"--out {options.out} needs the name of a study to copy", key="out", value=options.out)
-        from swarmcensus.basics.terminal import console, table
 
         rows = [(name, _first_words(path)) for name, path in known.items()]
         if options.json:
             answer("studies", {"studies": [{"name": name, "what": what} for name, what in rows]})
             return 0
-        console().print(table([("study", False), ("what it is", False)], rows))
+        show(Table.of_rows({"study": False, "what it is": False}, rows))
         return 0
     if options.json:
         raise OptionError(f"--json goes with the list of studies only, not with {options.name}", key="json")
@@ -182,9 +181,10 @@ def doctor(options: argparse.Namespace) -> int:
     if options.json:
         answer("installation", installation.as_dict | {"faults": installation.faults})
     else:
-        from swarmcensus.basics.terminal import console, table
+        from swarmcensus.basics.printed_tables import Table
+        from swarmcensus.basics.terminal import show
 
-        console().print(table([("part", False), ("found", False)], [(k, str(v)) for k, v in installation.lines()]))
+        show(Table.of_rows({"part": False, "found": False}, [(k, str(v)) for k, v in installation.lines()]))
         for fault in installation.faults:
             print(f"\n{fault}")
     return 2 if installation.faults else 0

@@ -1,24 +1,25 @@
-"""What number formats cost every shipped brain: python benchmarks/formats.py [RESULTS] [--write].
+"""Take numbers over to the pages that quote them: python benchmarks/pages.py QUESTION."""
 
-RESULTS is what `swarmcensus run studies/formats.toml --out formats.nc` writes. Without it the study is run. With
---write the tables go into docs/formats.md, all rows into src/swarmcensus/deployment/formats.csv, which `swarmcensus
-deploy` reads, and the figure into docs/images/formats.png.
-"""
-
-import argparse
+import contextlib
 import csv
+import io
+import os
+import re
+import shutil
+import sys
 from pathlib import Path
 
+import harness
 import numpy as np
 from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.cli.commands import main
 from swarmcensus.statistics.intervals import estimate
 from swarmcensus.studies.study import Study
 
-ROOT = Path(__file__).parents[1]
-PAGE, PICTURE = ROOT / "docs" / "formats.md", ROOT / "docs" / "images" / "formats.png"
+ROOT, DOCS = harness.ROOT, harness.DOCS
 ROWS = ROOT / "src" / "swarmcensus" / "deployment" / "formats.csv"
 READINGS = (1_000, 10_000, 864_000)
 TRUTH = 0.55
@@ -29,6 +30,11 @@ FORMATS = {  # precision and message format, as columns call them
 }  # fmt: skip
 COLOURS = {"double": "black", "single": "#0072b2", "float16": "#d55e00", "ratio16": "#009e73", "ratio8": "#cc79a7"}
 MARKS = {"double": "|", "single": "o", "float16": "X", "ratio16": "s", "ratio8": "D"}
+PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
+TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
+
+
+# ---- number formats
 
 
 def errors_of(data, name, format_):
@@ -109,21 +115,95 @@ def write_rows(data):
                     rows.writerow((name, format_, readings, *ends))
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", nargs="?", metavar="RESULTS")
-    parser.add_argument("--write", action="store_true", help="put the tables and the figure into the docs")
-    options = parser.parse_args()
-    data = sc.load(options.results) if options.results else sc.run(Study.load(ROOT / "studies" / "formats.toml"))
+@harness.question(unasked=False)
+def formats(results=None, write=False):
+    """What number formats cost every shipped brain: the tables of docs/formats.md.
+
+    RESULTS is what `swarmcensus run studies/formats.toml --out formats.nc` writes. Without it the study is run. With
+    `write`, tables go into the page, all rows into src/swarmcensus/deployment/formats.csv, which `swarmcensus deploy`
+    reads, and the figure into docs/images/formats.png.
+    """
+    data = sc.load(results) if results else sc.run(Study.load(ROOT / "studies" / "formats.toml"))
     text, names = tables_of(data)
     print(text)
-    if options.write:
-        begin, end = "<!-- formats: python benchmarks/formats.py --write -->", "<!-- end of formats -->"
-        before, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
-        PAGE.write_text(f"{before}{begin}\n\n{text}\n\n{end}{rest.partition(end)[2]}", encoding="utf-8")
+    if write:
+        harness.write(DOCS / "formats.md", formats=text)
         write_rows(data)
-        draw(data, names).savefig(PICTURE, dpi=130)
+        draw(data, names).savefig(DOCS / "images" / "formats.png", dpi=130)
+
+
+# ---- the leaderboard
+
+
+def cells(line):
+    """The cells of a row of a table, without marks."""
+    return [cell.strip(" *`") for cell in line.split("|")[1:-1]]
+
+
+def values_of(page):
+    """The value of each brain in each column of the page's boards, as it is printed; ranks are left out."""
+    found = {}
+    for title, prefix in PARTS.items():
+        part = page.partition(f"## {title}\n")[2].partition("\n## ")[0]
+        for table in TABLE.findall(part + "\n"):
+            head, _, *body = table.splitlines()
+            at = cells(head).index("brain")
+            for row in map(cells, body):
+                named = zip(cells(head)[at + 1 :], row[at + 1 :], strict=True)
+                found |= {(row[at], prefix + name): value for name, value in named if name != "rank"}
+    return found
+
+
+def renewed(table, board):
+    """A table of which each cell is the leaderboard's."""
+    head, rule, *body = table.splitlines()
+    columns = cells(head)[1:]
+    for brain, *_ in map(cells, body):
+        if (brain, columns[0]) not in board:
+            sys.exit(f"docs/which-brain.md: {brain!r} has no {columns[0]!r} on the leaderboard")
+    rows = [(brain, *(board[brain, column] for column in columns)) for brain, *_ in map(cells, body)]
+    return "\n".join([head, rule, *(f"| {' | '.join(row)} |" for row in rows)]) + "\n"
+
+
+def shown(printed):
+    """The lines of the shell's board that the page shows."""
+    lines = [line.rstrip() for line in printed.splitlines()]
+    mine = next(k for k, line in enumerate(lines) if " my_brain.py " in line)
+    gap = ["..."] if mine > 6 else []
+    return "\n".join([*lines[:6], *gap, lines[mine], "...", lines[-2], "leaderboard/leaderboard.md"]) + "\n"
+
+
+@harness.question(unasked=False)
+def boards(folder):
+    """The leaderboard's numbers, in all pages that quote them.
+
+    FOLDER is where `swarmcensus leaderboard --out FOLDER` writes, if it has not. Its page becomes docs/leaderboard.md,
+    cells of tables in docs/which-brain.md are replaced by those of the same brain and column, and the example's brain
+    joins in FOLDER for docs/your-brain-on-the-leaderboard.md. The words of the pages stay:
+    tests/docs/test_which_brain.py says which of them are no longer right.
+    """
+    folder = Path(folder).resolve()
+    with contextlib.redirect_stdout(io.StringIO()):  # its page may have a brain of somebody beside the shipped ones
+        assert main(["leaderboard", "--out", str(folder)]) == 0
+    for name in ("leaderboard.md", "leaderboard.png"):
+        shutil.copy(folder / name, DOCS / name)
+    board = values_of((DOCS / "leaderboard.md").read_text(encoding="utf-8"))
+    advice = DOCS / "which-brain.md"
+    text = advice.read_text(encoding="utf-8")
+    advice.write_text(TABLE.sub(lambda found: renewed(found[0], board), text), encoding="utf-8")
+
+    os.chdir(ROOT / "studies" / "example")
+    os.environ["SWARMCENSUS_TERMINAL"] = "100"  # a table for people
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        assert main(["leaderboard", "my_brain.py", "--out", str(folder)]) == 0
+    own = DOCS / "your-brain-on-the-leaderboard.md"
+    text = own.read_text(encoding="utf-8")
+    command = "$ swarmcensus leaderboard my_brain.py\n"
+    before, _, after = text.partition(command)
+    text = before + command + shown(printed.getvalue()) + "```" + after.partition("```")[2]
+    losses = TABLE.search((folder / "leaderboard.md").read_text(encoding="utf-8"))
+    own.write_text(TABLE.sub(lambda _: losses[0], text), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    harness.answer(globals())

@@ -1,0 +1,179 @@
+"""What all benchmarks share: questions from the shell, timing in turn, processes, tables, tables in pages, and figures.
+
+A benchmark is a file of functions that are marked as a `question`. `python benchmarks/FILE.py QUESTION` answers one,
+and without a name it answers all that do not say otherwise. Parameters of the function are its options; where it takes
+`quick`, `--quick` asks for an answer in seconds, whose last digits count for less.
+"""
+
+import argparse
+import inspect
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from rich.console import Console
+from rich.table import Column, Table
+
+from swarmcensus.statistics.intervals import estimate
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+GO = np.zeros(1, np.uint8)  # nobody stops the engine
+COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # of Okabe and Ito
+MARKERS = "os^Dvx"
+
+# ---- questions
+
+
+def question(function=None, *, unasked=True):
+    """Mark a function as a question; one that is not answered `unasked` has to be named."""
+    if function is None:
+        return lambda it: question(it, unasked=unasked)
+    function.unasked = unasked
+    return function
+
+
+def answer(module):
+    """Answer what the command line asks of a benchmark, given its names."""
+    questions = {name: it for name, it in module.items() if hasattr(it, "unasked")}
+    parser = argparse.ArgumentParser(description=module["__doc__"], formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="answers in seconds")
+    below = parser.add_subparsers(dest="question", metavar="QUESTION")
+    for name, it in questions.items():
+        about = inspect.getdoc(it) or ""
+        one = below.add_parser(name, help=about.partition("\n")[0], description=about)
+        for key, given in inspect.signature(it).parameters.items():
+            if given.kind is given.VAR_POSITIONAL:
+                one.add_argument(key, nargs="*", metavar=key.upper())
+            elif given.default is given.empty:
+                one.add_argument(key, metavar=key.upper())
+            elif given.default is False:
+                one.add_argument(f"--{key}", action="store_true", default=argparse.SUPPRESS)
+            else:
+                kind = str if given.default is None else type(given.default)
+                one.add_argument(f"--{key}", type=kind, default=argparse.SUPPRESS, metavar=key.upper())
+    options = vars(parser.parse_args())
+    name, quick = options.pop("question"), options.pop("quick", False)
+    for it in [questions[name]] if name else [it for it in questions.values() if it.unasked]:
+        takes = inspect.signature(it).parameters
+        given = {key: value for key, value in options.items() if takes[key].kind is not takes[key].VAR_POSITIONAL}
+        more = [word for key, value in options.items() if key not in given for word in value]
+        it(*more, **given | ({"quick": True} if quick and "quick" in takes else {}))
+
+
+# ---- timing
+
+
+def in_turn(functions, repeats, clock=time.perf_counter):
+    """Seconds of each call (repeat, function): one after the other, as the speed of a machine varies with time."""
+    spent = np.empty((repeats, len(functions)))
+    for row in spent:
+        for k, function in enumerate(functions):
+            begun = clock()
+            function()
+            row[k] = clock() - begun
+    return spent
+
+
+def least(functions, repeats, clock=time.perf_counter):
+    """The least seconds of each: on a shared machine the others measure the neighbours."""
+    return in_turn(functions, repeats, clock).min(axis=0)
+
+
+def ratio(one, other, repeats, clock=time.perf_counter):
+    """The seconds of one as a multiple of another's: the median of the repeats' ratios, and its 95 % interval."""
+    spent = in_turn([other, one], repeats + 1, clock)[1:]  # the first compiles
+    return estimate((spent[:, 1] / spent[:, 0])[:, np.newaxis], "median")
+
+
+class Spent(NamedTuple):
+    """What a process took, and what it printed."""
+
+    seconds: float
+    processor: float  # seconds
+    memory: float  # bytes at the peak
+    out: str
+
+
+def process(*words, code=0, cache=None):
+    """Run Python with these words in a process; `cache` is where compiled code is kept."""
+    environment = os.environ | ({"SWARMCENSUS_CACHE": str(cache)} if cache else {})
+    begun = time.perf_counter()
+    command = [sys.executable, *map(str, words)]
+    running = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=environment, text=True)
+    out = running.stdout.read()
+    _, status, used = os.wait4(running.pid, 0)
+    seconds = time.perf_counter() - begun
+    running.returncode = os.waitstatus_to_exitcode(status)
+    if running.returncode != code:
+        sys.exit(f"{' '.join(command)} ended with {running.returncode}: {out}")
+    unit = 1 if sys.platform == "darwin" else 1024
+    return Spent(seconds, used.ru_utime + used.ru_stime, used.ru_maxrss * unit, out)
+
+
+def program(*words, **more):
+    """The same with `swarmcensus`."""
+    return process("-m", "swarmcensus", *words, **more)
+
+
+# ---- tables
+
+
+def table(title, *heads):
+    """A table whose columns after the first hold numbers."""
+    return Table(*heads[:1], *(Column(head, justify="right") for head in heads[1:]), title=title, title_justify="left")
+
+
+def show(what, width=110):
+    """Print a table or a line."""
+    Console(width=width, highlight=False).print(what)
+
+
+def markdown(heads, rows, align="--:"):
+    """Lines of a table for a page; `align` is that of the columns after the first."""
+    rule = "|".join(["---", *[align] * (len(heads) - 1)])
+    return "\n".join([f"| {' | '.join(heads)} |", f"|{rule}|", *(f"| {' | '.join(row)} |" for row in rows)])
+
+
+def put(page, name, text):
+    """A page's text with another part between the comments that begin and end `name`."""
+    before, begin, rest = page.partition(f"<!-- {name}: ")
+    comment, _, rest = rest.partition("-->")
+    return (
+        f"{before}{begin}{comment}-->\n\n{text}\n\n<!-- end of {name} -->"
+        + rest.partition(f"<!-- end of {name} -->")[2]
+    )
+
+
+def write(page, **parts):
+    """Put parts into the file of a page."""
+    text = page.read_text(encoding="utf-8")
+    for name, part in parts.items():
+        text = put(text, name, part)
+    page.write_text(text, encoding="utf-8")
+
+
+# ---- figures
+
+
+def panels(rows, columns, width, height):
+    """A figure without frames, and its axes one after the other."""
+    matplotlib.use("agg")
+    figure, axes = plt.subplots(
+        rows, columns, figsize=(width, height), layout="constrained", sharex=True, sharey=True, squeeze=False
+    )
+    for one in axes.flat:
+        one.spines[["top", "right"]].set_visible(False)
+    return figure, axes.flat
+
+
+def save(figure, path, names, handles):
+    """With one key below all panels."""
+    figure.legend(handles, names, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
+    figure.savefig(path, dpi=160)

@@ -1,0 +1,485 @@
+"""Whether comparing, planning and tuning are right: python benchmarks/methods.py [QUESTION] [--quick].
+
+Comparing: how often equal contenders are told apart, which should be at most 5 %, how often those that differ are,
+beside the power of the paired t-test, and how often intervals hold the truth. Planning: plans that are run again.
+Tuning: how far from the best values a search ends. Seeds are fixed; the error of shares is stated.
+"""
+
+import math
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import harness
+import numpy as np
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.brains import parse
+from swarmcensus.comparing.pair_tests import ContestInput, contests
+from swarmcensus.planning.mission import mission_of
+from swarmcensus.planning.simulating import Case, curves, study_of
+from swarmcensus.statistics.bootstrap import intervals
+from swarmcensus.statistics.intervals import share_interval
+from swarmcensus.statistics.significance import signed_ranks
+from swarmcensus.tuning import generations
+from swarmcensus.tuning.logs import Log
+from swarmcensus.tuning.plans import budget_of, plan_of
+from swarmcensus.tuning.training import COMPANIONS, Training
+
+# ---- comparing
+
+
+TRIALS = (6, 10, 30)
+KINDS = {"continuous": "median", "tied": "mean", "heavy tails, some infinite": "median"}
+TABLES = ((2, 1, 1), (2, 3, 3), (5, 1, 1), (5, 3, 3))  # contenders, worlds, measures
+ROWS = 20_000  # of power and coverage
+
+
+def numbers(random, kind, measures, worlds, contenders, trials):
+    """Of contenders that are alike: measures and worlds of a trial are correlated, those of one contender too."""
+    shape = measures, worlds, contenders, trials
+    own = random.normal(size=(1, 1, contenders, trials)) + random.normal(size=shape)
+    shared = random.normal(size=(measures, worlds, 1, trials)) + 2 * random.normal(size=trials)
+    if kind == "continuous":
+        return np.exp((own + shared) / 2)
+    if kind == "tied":
+        return np.clip(np.rint(3 * (own + shared)) / 3 + 1, 0, 3)
+    heavy = own / np.abs(random.normal(size=shape)) + shared
+    return np.where(heavy > 4, math.inf, heavy)
+
+
+@harness.question
+def alarms(tables=1000, seed=1, quick=False):
+    """Tables in which anything is told apart where nothing differs."""
+    tables = 20 if quick else tables
+    out = harness.table("false alarms, in %", "contenders, worlds, measures", "tests", *(f"{n} trials" for n in TRIALS))
+    for kind, statistic in KINDS.items():
+        for contenders, worlds, measures in TABLES:
+            cells = []
+            for trials in TRIALS:
+                random, hits = np.random.default_rng([seed, trials]), 0
+                for _ in range(tables):
+                    drawn = numbers(random, kind, measures, worlds, contenders, trials)
+                    found = contests([ContestInput(one, statistic) for one in drawn], with_intervals=False)
+                    hits += any(one.apart.any() or one.duels_apart.any() for one in found)
+                share, low, high = share_interval(hits, tables)
+                cells.append(f"{100 * share:.1f} [{100 * low:.1f}, {100 * high:.1f}]")
+            pairs = contenders * (contenders - 1) // 2
+            tests = measures * pairs * (worlds + (worlds > 1))
+            out.add_row(f"{kind}: {contenders}, {worlds}, {measures}", str(tests), *cells)
+    harness.show(out)
+
+
+@harness.question
+def power(seed=1):
+    """One test of two contenders: how often it tells them apart that differ by so many standard deviations."""
+    out = harness.table("told apart, in % (paired t-test)", "difference", *(f"{n} trials" for n in TRIALS))
+    for off in (0.0, 0.25, 0.5, 1.0):
+        cells = []
+        for trials in TRIALS:
+            drawn = np.random.default_rng([seed, trials]).normal(off, 1, (ROWS, trials))
+            beyond, freedom = stats.t.ppf(0.975, trials - 1), trials - 1
+            centre = off * math.sqrt(trials)
+            theory = stats.nct.sf(beyond, freedom, centre) + stats.nct.cdf(-beyond, freedom, centre)
+            cells.append(f"{100 * (signed_ranks(drawn).p <= 0.05).mean():.1f} ({100 * theory:.1f})")
+        out.add_row(f"{off:g}", *cells)
+    harness.show(out)
+
+
+@harness.question
+def unlike(seed=1):
+    """Contenders whose medians are equal, and whose distributions are not."""
+    out = harness.table("told apart though medians are equal, in %", "trials are", *(f"{n} trials" for n in TRIALS))
+    drawn = {
+        "normal, one spread threefold": lambda r, shape: (r.normal(size=shape), 3 * r.normal(size=shape)),
+        "one normal, one exponential": lambda r, shape: (
+            r.normal(size=shape), r.exponential(size=shape) - math.log(2)
+        ),
+    }  # fmt: skip
+    for name, draw in drawn.items():
+        cells = []
+        for trials in TRIALS:
+            one, other = draw(np.random.default_rng([seed, trials]), (ROWS, trials))
+            cells.append(f"{100 * (signed_ranks(one - other).p <= 0.05).mean():.1f}")
+        out.add_row(name, *cells)
+    harness.show(out)
+
+
+@harness.question
+def coverage(seed=1):
+    """How often the intervals of a median and a mean hold the true one."""
+    kinds = {
+        "normal": (lambda r, shape: r.normal(size=shape), 0.0, 0.0),
+        "exponential": (lambda r, shape: r.exponential(size=shape), math.log(2), 1.0),
+        "Student's t of 3": (lambda r, shape: r.standard_t(3, size=shape), 0.0, 0.0),
+        "a share of 20 robots, 0.95": (lambda r, shape: r.binomial(20, 0.95, shape) / 20, None, 0.95),
+    }
+    out = harness.table(
+        "intervals hold, in %", "trials are", *(f"{s}, {n}" for s in ("median", "mean") for n in TRIALS)
+    )
+    for name, (draw, *truths) in kinds.items():
+        cells = []
+        for statistic, truth in zip(("median", "mean"), truths, strict=True):
+            for trials in TRIALS:
+                if truth is None:
+                    cells.append("")
+                    continue
+                low, high = intervals(draw(np.random.default_rng([seed, trials]), (ROWS // 4, trials)), statistic)
+                known = ~np.isnan(low)
+                cells.append(f"{100 * ((low <= truth) & (truth <= high))[known].mean():.1f}")
+        out.add_row(name, *cells)
+    harness.show(out)
+
+
+@harness.question
+def speed(seed=1):
+    """4,000 worlds of 5 contenders, 30 trials, three measures: errors, rounds and shares."""
+    random = np.random.default_rng(seed)
+    shape = 4000, 5, 30
+    drawn = [
+        ContestInput(random.normal(size=shape), "median"),
+        ContestInput(np.rint(np.exp(random.normal(5, 0.5, shape)) * 2) / 2, "median"),
+        ContestInput(random.binomial(100, 0.95, shape) / 100, "mean", False, True),
+    ]
+    begun = time.perf_counter()
+    found = contests(drawn)
+    tests = sum(one.corrected.size + one.duels_corrected.size for one in found)
+    harness.show(f"20,000 settings of 30 trials, 3 measures, {tests:,} tests: {time.perf_counter() - begun:.1f} s")
+
+
+# ---- planning
+
+
+AGAIN = 2000  # trials
+OTHER = 1_000_003  # from a mission's seed to that of the trials which run it again
+SKEWED = {"black": 0.9, "white": 0.6}
+SMALL_WORLD = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.2}
+
+
+def on(topology, brain="commons", robots=10, confidence=0.95, *, accuracy=0.7, f=0.55, near=0.05, minutes=None, **more):
+    """The tables of a mission: robots that make a reading a round on a network, or that move."""
+    known = {"accuracy": accuracy, "fill_ratio": f} | {k: more.pop(k) for k in ("lying", "lie", "failing") if k in more}
+    wanted = {"confidence": confidence, "right": more.pop("right", None), "margin": more.pop("margin", None)}
+    wanted["half_width"] = None if wanted["right"] else near
+    free = {"topology": topology, "brain": brain, "robots": robots, "minutes": minutes, **more}
+    if topology != "moving":
+        free["observations_per_round"] = 1
+    area = {"side": free.pop("side", None)}
+    tables = {"area": area, "known": known, "wanted": wanted, "free": free}
+    return {name: {k: v for k, v in table.items() if v is not None} for name, table in tables.items()}
+
+
+MISSIONS = {
+    "networks": [
+        on("ring"),
+        on("ring", "minimalistic", confidence=0.9),
+        on("ring", robots=30, confidence=0.8, f=[0.2, 0.8]),
+        on("ring", accuracy=SKEWED, f=[0.1, 0.9]),
+        on("ring", "minimalistic", accuracy=SKEWED, f=[0.1, 0.9]),
+        on("full", robots=20),
+        on("full", robots=20, confidence=0.9, accuracy=SKEWED),
+        on("full", "minimalistic", robots=12, confidence=0.975),
+        on("full", robots=8, confidence=0.99, near=0.1),
+        on("full", robots=15, right="majority", margin=0.1, f=[0, 1]),
+        on("line", robots=8, confidence=0.9),
+        on("line", accuracy=SKEWED, f=0.3),
+        on("scale-free", robots=20, confidence=0.9),
+        on("scale-free", accuracy="U(0.6,0.9)", confidence=0.975),
+        on(SMALL_WORLD, robots=16),
+        on(SMALL_WORLD, "minimalistic", robots=16, accuracy=0.8, right=10, margin=0.03, f=[0.2, 0.6]),
+    ],
+    "moving": [
+        on("moving", side=1.5, robots=4),
+        on("moving", side=1.5, robots=6, confidence=0.9, accuracy=SKEWED),
+        on("moving", "minimalistic", side=2, robots=8, near=0.08),
+        on("moving", side=2, robots=8, accuracy=0.8, f=[0.3, 0.7]),
+        on("moving", density=5, robots=6, confidence=0.8),
+        on("moving", density=10, robots=10, near=0.08, confidence=0.975),
+        on("moving", side=2, robots=6, accuracy=SKEWED, near=0.08),
+        on("moving", side=2, robots=5, failing=0.2, near=0.1, confidence=0.9),
+    ],
+    "smallest swarm": [
+        on("full", robots=None, minutes=0.2),
+        on("full", robots=None, minutes=0.1, confidence=0.9),
+        on("full", robots=None, minutes=0.2, accuracy=SKEWED, f=[0.1, 0.9]),
+        on("full", robots=None, minutes=0.1, accuracy=0.8, confidence=0.975),
+        on("ring", robots=None, minutes=0.3, confidence=0.9),
+        on("ring", robots=None, minutes=0.2, confidence=0.8),
+        on("moving", robots=[2, 80], minutes=0.2, side=2, accuracy=0.8, near=0.08),
+        on("moving", robots=[2, 80], minutes=0.3, side=2, accuracy=SKEWED, confidence=0.9),
+    ],
+    "liars": [
+        on("full", "steadfast", lying=0.1, lie="opposite"),
+        on("full", "steadfast", lying=0.1, lie="shouter", robots=20, confidence=0.9),
+        on("full", "steadfast", lying=0.2, lie="opposite", accuracy=SKEWED, near=0.08),
+        on("full", "steadfast", lying=0.2, lie="jammer", accuracy=0.8, confidence=0.9),
+        on("ring", "steadfast", lying=0.1, lie="opposite", accuracy=0.8, near=0.08),
+        on("scale-free", "steadfast", lying=0.1, lie="shouter", robots=16, near=0.08),
+        on("moving", "steadfast", lying=0.1, lie="opposite", robots=8, side=2, near=0.1),
+        on("full", "steadfast", lying=0.1, lie="opposite", robots=[4, 90], minutes=0.2, near=0.08, confidence=0.9),
+    ],
+}  # fmt: skip
+
+
+class Again(NamedTuple):
+    """An answer run again: shares of right robots, (value, low, high), and at the ends of the plan's interval."""
+
+    at: tuple[float, float, float]
+    below: float  # at the lower end, where the promise should not be kept yet
+    above: float | None  # at the upper end, where there is one
+    fewer: float | None  # with a robot less than the smallest swarm
+
+
+def again(mission, row, trials, jobs):
+    """Run it again."""
+    brain = next(one for one in mission.brains if one.label == row.brain)
+    lie = next((one for one in mission.lies if one.label == row.lie), None)
+    case = Case(row.fill_ratio, lie)
+
+    def shares(robots, minutes):
+        times = [max(1, round(one / mission.round_minutes)) for one in minutes]
+        study = study_of(mission, robots, [brain], [case], sorted(set(times)), trials, mission.seed + OTHER)
+        [curve] = curves(mission, study, jobs, lambda _: None)
+        return [curve.at(curve.rounds.index(one)) for one in times]
+
+    if row.robots_low is None:
+        ends = [row.minutes_low, row.minutes] + ([row.minutes_high] if row.minutes_high else [])
+        below, at, *above = shares(row.robots, ends)
+        return Again(tuple(at), below.value, above[0].value if above else None, None)
+    [at] = shares(row.robots, [row.minutes])
+    below, above, fewer = (
+        shares(robots, [row.minutes])[0].value if robots else None
+        for robots in (row.robots_low - 1, row.robots_high, row.robots - 1)
+    )
+    if mission.free.robots and row.robots_low == mission.free.robots[0]:
+        below = 0.0  # no smaller one was allowed
+    return Again(tuple(at), below or 0.0, above, fewer)
+
+
+def told(tables):
+    """A mission in a few words."""
+    free, known, wanted = tables["free"], tables["known"], tables["wanted"]
+    topology = free["topology"] if isinstance(free["topology"], str) else "small world"
+    asked = f"{free['robots']} robots" if isinstance(free.get("robots"), int) else f"{free['minutes']} min"
+    accuracy = "skewed" if known["accuracy"] == SKEWED else known["accuracy"]
+    lie = f", {100 * known['lying']:g} % {known['lie']}" if "lying" in known else ""
+    goal = wanted.get("half_width") or wanted["right"]
+    return f"{topology}, {free['brain']}, {asked}, {accuracy}, {goal}{lie}"
+
+
+def percent(shares):
+    """A share with its interval."""
+    value, low, high = (100 * one for one in shares)
+    return f"{value:.1f} [{low:.1f}, {high:.1f}]"
+
+
+@harness.question
+def planning(seed=1, trials=200, jobs=1, quick=False):
+    """Plans of small missions run again in 2,000 trials of another seed, of which no planner knew.
+
+    Prints what was promised, what the plan said, and the share of robots that are right in the new trials; then by kind
+    of mission the mean difference from the promise with its standard error, and how many intervals hold what was
+    measured. Some minutes on one core. The numbers depend on the seed alone.
+    """
+    table = harness.table(
+        None,
+        *(
+            "mission",
+            "promised",
+            "answer",
+            "plan: right %",
+            "new: right %",
+            "share inside",
+            "answer inside",
+            "one robot fewer",
+        ),
+    )
+    sums = harness.table(
+        None, *("", "plans", "new - promised", "standard error", "new - plan", "share inside", "answer inside")
+    )
+    found = {}
+    for kind, missions in MISSIONS.items():
+        for number, tables in enumerate(missions[:1] if quick else missions):
+            tables = {"trials": trials, "seed": 100 * seed + number} | tables
+            mission = mission_of(tables)
+            [row] = sc.plan(tables, jobs, lambda _: None).rows
+            new, promised = again(mission, row, 100 if quick else AGAIN, jobs), mission.wanted.confidence
+            holds = row.share.low <= new.at[0] <= row.share.high
+            within = new.below <= promised and (new.above is None or new.above >= promised)
+            fewer = np.nan if new.fewer is None else new.fewer
+            figures = (new.at[0] - promised, new.at[0] - row.share.value, fewer - promised, holds, within)
+            found.setdefault(kind, []).append(figures)
+            answer = f"{row.minutes:.3g} min" if row.robots_low is None else f"{row.robots} robots"
+            table.add_row(
+                told(tables), f"{100 * promised:g}", answer, percent(row.share), percent(new.at),
+                "yes" if holds else "NO", "yes" if within else "NO",
+                "" if new.fewer is None else f"{100 * new.fewer:.1f}",
+            )  # fmt: skip
+    harness.show(table, 170)
+    found["all"] = [one for kind in found.values() for one in kind]
+    for kind, each in found.items():
+        short, told_short, fewer, holds, within = np.array(each, float).T
+        error = short.std(ddof=1) / np.sqrt(len(each))
+        sums.add_row(
+            kind, f"{len(each)}", f"{100 * short.mean():+.2f}", f"{100 * error:.2f}", f"{100 * told_short.mean():+.2f}",
+            f"{holds.sum():.0f}", f"{within.sum():.0f}",
+        )  # fmt: skip
+    harness.show(sums)
+    harness.show(
+        f"smallest swarms with one robot fewer: new - promised {100 * np.nanmean(fewer):+.2f}\n"
+        "new: share of robots that are right in new trials; "
+        "one robot fewer: the same with one robot fewer than planned\n"
+        "share inside: the plan's interval of right % holds the new share\n"
+        "answer inside: the plan's interval of the time or size holds the one at which new trials keep the promise"
+    )
+
+
+# ---- tuning
+
+
+BEST = (0.6, 0.4)
+REPEATS = 5
+BRAIN = f"""
+PARAMETERS = {{"a": 0.3, "c": 0.7}}
+MEMORY = {{"z": 0.0}}
+MESSAGE = ("z",)
+
+
+def observe(me, blacks, looks):
+    me.z = me.luck - 0.5
+
+
+def broadcast(me):
+    return (me.z,)
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    off = (me.a - {BEST[0]}) * (me.a - {BEST[0]}) + (me.c - {BEST[1]}) * (me.c - {BEST[1]})
+    return 0.5 + 0.5 * off + 0.1 * me.z
+"""
+SWARM = {"robots": 20, "accuracy": 0.9}
+VOTERS = """
+trials = 100
+[swarm]
+brain = {file = "voter", explore = 500, listen = 900}
+robots = 20
+accuracy = 0.9
+[world]
+topology = "full"
+fill_ratio = 0.8
+[schedule]
+rounds = 300
+observations_per_round = 1
+"""
+
+
+def known(seed, robots=5, rounds=1):
+    """A study of a brain whose best values are known."""
+    return sc.Study(
+        seed=seed,
+        trials=10,
+        swarm={"brain": parse(BRAIN, "known.py", Path("known.py")), "robots": robots, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": 0.5},
+        schedule={"rounds": rounds},
+    )
+
+
+def search(study, budget=200, trials=10, jobs=1):
+    plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
+    with Log(None, {}, ["a", "c"]) as log, Training(study, plan.worlds, plan.measures, trials, jobs) as training:
+        return generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
+
+
+@harness.question
+def worth(studies=40, quick=False):
+    """How far from the best values searches end."""
+    studies = 3 if quick else studies
+    seed_for = generations.seed_for
+    out = harness.table("how far from the best values", "training trials", "winner", "median distance", "90 %")
+    for fresh in (True, False):
+        if not fresh:
+            generations.seed_for = lambda seed, purpose, number=0: seed_for(seed, purpose)
+        ended = [search(known(seed)) for seed in range(studies)]
+        winners = {
+            "the middle of the last": [one.values for one in ended],
+            "the luckiest": [min(one.evaluations, key=lambda e: e.loss).values for one in ended],
+        }
+        generations.seed_for = seed_for
+        for winner, values in winners.items():
+            far = np.hypot(*(np.array(values) - BEST).T)
+            kind = "fresh in each generation" if fresh else "the same in all"
+            out.add_row(kind, winner, f"{np.median(far):.3f}", f"{np.quantile(far, 0.9):.3f}")
+    harness.show(out)
+
+
+@harness.question
+def flat(studies=20, quick=False):
+    """How good the winners are of searches that begin where no swarm ever agrees."""
+    studies = 2 if quick else studies
+    out = harness.table(
+        f"consensus_right of {studies} winners, from explore = 500, listen = 900: 0 %",
+        "evaluations",
+        "ties",
+        "mean share of right trials",
+        "winners that are never right",
+    )
+    study = sc.Study.parse(VOTERS)
+    kept = dict(COMPANIONS)
+    for budget in (60, 200):
+        for companion in (True, False):
+            COMPANIONS.clear()
+            COMPANIONS.update(kept if companion else {})
+            right = []
+            for seed in range(studies):
+                asked = ["explore=1:1000", "listen=1:1000"]
+                plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget_of(budget), 10)
+                with (
+                    Log(None, {}, asked, plan.losses) as log,
+                    Training(plan.study, plan.worlds, plan.measures, 10, 1) as training,
+                ):
+                    ended = generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
+                data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.candidate(ended.values)}), jobs=1)
+                right.append(float(data["consensus_right"].mean()))
+            ties = "decided_right" if companion else "not broken"
+            out.add_row(f"{budget}", ties, f"{np.mean(right):.0%}", f"{np.sum(np.array(right) == 0)}")
+    COMPANIONS.update(kept)
+    harness.show(out)
+
+
+@harness.question
+def evaluations(quick=False):
+    """What an evaluation takes beside its trials."""
+    out = harness.table(
+        f"microseconds, on one thread, the least of {REPEATS}",
+        "robots, rounds",
+        "trials",
+        "a trial in one go",
+        "in a search",
+    )
+    for robots, length in ((5, 1),) if quick else ((5, 1), (20, 100), (100, 1000)):
+        study, trials = known(0, robots, length), 10
+        sc.run(study)
+        count = min(2000, 100_000_000 // (robots * length * 100) * 10)
+        whole = study.with_(trials=max(count, 200))
+        alone, searched = [], []
+        for _ in range(REPEATS):
+            begun = time.perf_counter()
+            sc.run(whole, jobs=1)
+            alone.append((time.perf_counter() - begun) / whole.trials)
+            ended = search(study, 97, trials)
+            searched.append(ended.evaluations[-1].seconds / (len(ended.evaluations) * trials))
+        out.add_row(f"{robots}, {length}", str(trials), f"{min(alone) * 1e6:,.0f}", f"{min(searched) * 1e6:,.0f}")
+    harness.show(out)
+
+
+if __name__ == "__main__":
+    harness.answer(globals())
