@@ -9,7 +9,6 @@ import subprocess
 import sys
 
 import pytest
-from swarmcensus.vocabulary.coordinates import NUMERIC
 
 import swarmcensus as sc
 from swarmcensus.basics.printed_tables import tsv

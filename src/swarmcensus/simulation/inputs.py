@@ -3,7 +3,7 @@
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine.layout import Inputs, Radio, Sensors
+from swarmcensus.engine.layout import NO_LINKS, Inputs, Radio, Sensors
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
@@ -18,7 +18,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     """Prepare trials; `order` if single readings are needed. Raises InputError if no graph can be made."""
     moves = setting.body is not None
     try:
-        links = None if moves else sampling.links(setting, seed, first, trials)
+        links = NO_LINKS if moves else sampling.links(setting, seed, first, trials)
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     b, w, assumed_b, assumed_w = sampling.accuracies(setting, seed, first, trials)

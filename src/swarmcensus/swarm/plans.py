@@ -16,7 +16,7 @@ from swarmcensus.deployment import on_node
 from swarmcensus.deployment.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.engine.layout import Inputs
-from swarmcensus.simulation.inputs import Inputs, inputs_of
+from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study

@@ -74,6 +74,8 @@ def studies(options: argparse.Namespace) -> int:
     if options.name is None:
         if options.out:
             raise OptionError(f"--out {options.out} needs the name of a study to copy", key="out", value=options.out)
+        from swarmcensus.basics.printed_tables import Table
+        from swarmcensus.basics.terminal import show
 
         rows = [(name, _first_words(path)) for name, path in known.items()]
         if options.json:
