@@ -1,7 +1,6 @@
 """The commands to start with: `new`, `studies` and `doctor`. Imports wait until a command needs them."""
 
 import argparse
-import filecmp
 import importlib.util
 import itertools
 import os
@@ -153,6 +152,8 @@ def _free(path: Path, like: Path | None = None) -> Path:
 def _usable(path: Path, like: Path | None) -> bool:
     if not path.exists() and not path.is_symlink():
         return True
+    import filecmp
+
     return like is not None and path.is_file() and filecmp.cmp(path, like, shallow=False)
 
 
