@@ -21,7 +21,7 @@ from tests.support.places import ROOT
 from tests.support.second import changed, fixed
 from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, moving_of, settings_of
 
-COMMONS = ROOT / "support" / "commons.py"
+COMMONS = ROOT / "tests" / "support" / "commons.py"
 BRAINS = ["minimalistic", "commons", "swift", "voter"]
 WORLDS = {
     "ring": {"topology": "ring"},
