@@ -633,7 +633,7 @@ def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(packag
     )  # fmt: skip
     rows = [line.split() for line in done.stdout.splitlines() if line]
     assert [row[0] for row in rows if row[1:3] == ["keys", "what"]] == [
-        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures",
+        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets",
     ]  # fmt: skip
     by = {row[0]: row for row in rows}
     assert by["lowest"][1:] == ["The", "lowest", "estimate", "that", "a", "robot", "ever", "holds.", "meadow"]

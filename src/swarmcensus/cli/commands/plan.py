@@ -75,7 +75,7 @@ def add_plan_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--brain",
         action="append",
-        metavar="NAME",
+        metavar="BRAIN",
         help="a brain; may be repeated (default: commons, minimalistic; with liars: steadfast, minimalistic)",
     )
     sub.add_argument(

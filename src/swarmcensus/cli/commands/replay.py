@@ -97,7 +97,12 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--observations-per-round", type=positive, metavar="R", help="steps per round (default: 10; with messages 1)"
     )
-    sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
+    sub.add_argument(
+        "--brain",
+        default="minimalistic",
+        metavar="BRAIN",
+        help="a shipped brain or a brain file (default: %(default)s)",
+    )
     sub.add_argument(
         "--out",
         type=Path,
