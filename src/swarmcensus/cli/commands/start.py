@@ -107,9 +107,9 @@ def _schema(options: argparse.Namespace) -> int:
 
 def _copy(study: Path, out: Path) -> None:
     """Copy a study and the files that it uses to one folder, and adapt their names in the study."""
-    if out.suffix != ".toml":
-        raise wrong_option("out", out, "a study is a .toml file")
-    from swarmcensus.basics.files import atomic_write
+    from swarmcensus.basics.files import atomic_write, check_output
+
+    check_output("out", out, (".toml",))
 
     text = study.read_text(encoding="utf-8")
     _not_there(out)

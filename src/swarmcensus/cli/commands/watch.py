@@ -54,6 +54,7 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C, or write it with one trial."""
+    from swarmcensus.basics.files import check_output
     from swarmcensus.watching.offers import first_view, offer_of
 
     asked, is_results = _query(options), options.of is not None and options.of.suffix == ".nc"
@@ -65,8 +66,7 @@ def watch(options: argparse.Namespace) -> int:
         options.brain, options.of = [options.of, *options.brain], None
     if options.brain and (options.of is None or not options.of.is_dir()):
         asked.setdefault("brain", str(options.brain[0]))
-    if options.out is not None and options.out.suffix != ".html":
-        raise wrong_option("out", options.out, "a page is written as .html")
+    check_output("out", options.out, (".html",), *([options.of] if options.of else []))
     offer = offer_of(options.of, tuple(options.brain_file if is_results else options.brain))
     if offer.logged:
         _tell_day(offer.logged)
@@ -120,11 +120,9 @@ def open_browser(address: str) -> None:
 def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from rich.progress import Progress
 
-    from swarmcensus.basics.files import check_writable
     from swarmcensus.basics.terminal import console
     from swarmcensus.watching.exporting import export
 
-    check_writable(options.out, *([options.of] if options.of else []))
     silent = options.quiet or not sys.stderr.isatty()
     with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
         task = bar.add_task("recording", total=1.0)
