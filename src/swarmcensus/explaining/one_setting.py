@@ -64,7 +64,7 @@ def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
     selected = data.sel(setting=[setting])
     ran = done(selected)[0]
     if not ran.any():
-        raise InputError(f"setting {setting}: none of its trials has been run")
+        raise InputError(f"setting {setting}: none of its trials has been run", key="setting", value=setting)
     rounds, robots = int(selected["rounds"].values[0]), int(robots_in(selected).values[0])
     reached = selected["checkpoint"].values <= rounds
     checkpoints = selected["checkpoint"].values[reached].tolist()

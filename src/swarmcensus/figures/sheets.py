@@ -17,7 +17,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullForm
 from matplotlib.transforms import ScaledTranslation
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.page import KEY_BELOW, RENDERING, SHEET, caption_letters, letters, page, scale, title_letters
 from swarmcensus.figures.panels import MOST_PANELS
@@ -78,7 +78,7 @@ def layout(
         columns, wide, right = next((fit for fit in fits if fit[1] >= times * LEAST), fits[-1])
         if wide < times * NARROWEST:
             needed = width + times * NARROWEST - wide
-            raise InputError(f"{option('width', width)}: this figure needs {needed + 0.05:.1f} inches at least")
+            raise wrong_option("width", width, f"this figure needs {needed + 0.05:.1f} inches at least")
         below = key and right < times * KEY
         high = size[1] if size else wide * usual[1] / usual[0]
     if page().high is not None:
@@ -164,7 +164,7 @@ def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
     """The caller's axes as a list. Raises InputError if there is not one for each panel."""
     own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
     if strange := next((type(each).__name__ for each in own if not hasattr(each, "get_figure")), None):
-        raise InputError(f"ax = {strange}: should be matplotlib Axes, or a list of them")
+        raise InputError.at("ax", strange, "should be matplotlib Axes, or a list of them")
     if len(own) != panels and panels == 1:
         raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them")
     if len(own) != panels:

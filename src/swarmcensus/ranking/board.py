@@ -211,9 +211,9 @@ def named(files: list[Path]) -> dict[str, Path]:
     names: dict[str, Path] = {}
     for file in files:
         if str(file) in brains.shipped():
-            raise InputError(f"{file}: a shipped brain is on the leaderboard anyway: give a file of your own")
+            raise InputError.of(file, "a shipped brain is on the leaderboard anyway: give a file of your own")
         if file.stem == OFFICIAL:
-            raise InputError(f"{file}: this name is reserved for the results of the shipped brains: rename the file")
+            raise InputError.of(file, "this name is reserved for the results of the shipped brains: rename the file")
         if names.setdefault(file.stem, file).resolve() != file.resolve():
             raise InputError(f"{names[file.stem]} and {file}: results of both would be named {file.stem}: rename one")
     return names

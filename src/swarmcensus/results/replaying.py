@@ -125,7 +125,9 @@ def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, h
     if ran and not np.allclose(stored, last, rtol=0.0, atol=1e-9):
         raise InputError(
             f"setting {setting}, trial {trial}: the replay ends with other estimates than the run: these results come "
-            "from another study than they name, or from another version"
+            "from another study than they name, or from another version",
+            key="setting",
+            value=setting,
         )
 
 
