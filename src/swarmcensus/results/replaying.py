@@ -10,8 +10,9 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.conformance.quick import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
+from swarmcensus.results.selecting import check_held
 from swarmcensus.results.source_study import setting_of
-from swarmcensus.results.store import load
+from swarmcensus.results.store import loaded
 from swarmcensus.simulation.inferring import trace_of, warn_of_estimates
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.swarming import ended, free
@@ -70,7 +71,7 @@ def _labelled(
         says = {"long_name": "black share of the floor, as it changes"}
         trace[free("fill_ratio", trace)] = ("round", chosen.fill_ratios(trace["round"].values), says)
     honest = _name_members(trace, chosen, study.seed, trial) if chosen.members else np.ones(chosen.robots, np.bool_)
-    data = results if isinstance(results, xr.Dataset) else load(results)
+    data = loaded(results)
     _check_same(data, setting, trial, trace, honest)
     warn_of_estimates(chosen.brain.name, np.where(honest, trace["estimate"].values, 0.5))
     name = data.attrs["title"] if isinstance(results, xr.Dataset) else Path(results).stem
@@ -212,10 +213,8 @@ def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
 def _find(
     results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None
 ) -> tuple[Study, Setting]:
-    data = results if isinstance(results, xr.Dataset) else load(results)
-    known = data["trial"].values
-    if trial not in known:
-        raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
+    data = loaded(results)
+    check_held(data, trial=trial)
     study, chosen = setting_of(data, setting, brain)
     caution(chosen.brains)
     return study, chosen
