@@ -32,8 +32,9 @@ def reproduce(options: argparse.Namespace) -> int:
     from swarmcensus.paper import report, reproducing
     from swarmcensus.statistics.intervals import FEWEST
 
+    folder = "reproduction" if options.of == "paper" else f"reproduction-{options.of}"
     done = reproducing.reproduce(
-        options.out,
+        options.out or Path(folder),
         of=options.of,
         trials=options.trials,
         seed=options.seed,
