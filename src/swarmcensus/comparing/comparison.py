@@ -29,7 +29,7 @@ from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import settled_at_start
 from swarmcensus.results.labels import labels_in, renamed
 from swarmcensus.results.measures import COSTS, SIZES, Measure
-from swarmcensus.results.store import load
+from swarmcensus.results.store import loaded
 from swarmcensus.results.summaries import asked_anew, cells, done, failed_trials
 from swarmcensus.statistics.bootstrap import centres
 
@@ -115,7 +115,7 @@ def compare(
     contender, or of a brain with one contender only, all others are compared with it alone, which takes fewer tests.
     Raises InputError, for example if there is nothing to compare.
     """
-    return compare_dataset(load(results) if isinstance(results, str | Path) else results, metric, where, against, {})
+    return compare_dataset(loaded(results), metric, where, against, {})
 
 
 def compare_dataset(

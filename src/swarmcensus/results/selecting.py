@@ -53,6 +53,14 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
             raise InputError(f"this dataset has no variable {name!r}{hint}")
 
 
+def check_held(data: xr.Dataset, **numbers: int) -> None:
+    """Raise InputError unless `data` has these numbers, such as setting=3 and trial=0."""
+    for name, number in numbers.items():
+        known = data[name].values
+        if number not in known:
+            raise InputError(f"{name} {number}: these results hold {name} {known.min()} to {known.max()}")
+
+
 def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
     """Select the settings for which an expression over their coordinates is true; None selects all.
 

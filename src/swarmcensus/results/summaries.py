@@ -16,7 +16,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import wrong_option
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import warn_of
-from swarmcensus.results.store import load
+from swarmcensus.results.store import loaded
 from swarmcensus.results.values import INTERVALS, bounds_in, is_missing, metrics_in, robots_in
 from swarmcensus.statistics.bootstrap import centres
 from swarmcensus.statistics.intervals import LEVEL, estimate
@@ -50,7 +50,7 @@ def summary(
     `swarmcensus show`. The coordinates that vary come first, and values, each before its interval, last: pandas shows
     the first and last columns of a wide table. Warns as `run` does. Raises InputError.
     """
-    data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    data = selecting.where(loaded(results), where)
     warn_of(data)
     return table_of(data, checkpoint)
 
