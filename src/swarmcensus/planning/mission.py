@@ -25,6 +25,7 @@ from swarmcensus.studies.fields import (
     Whole,
 )
 from swarmcensus.studies.schema import schema_of
+from swarmcensus.studies.settings import KEYS, as_declared
 from swarmcensus.studies.tables import study_error
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.worlds import arena
@@ -87,12 +88,9 @@ class Known(Table):
     """The sensor accuracy: 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}; or a list, whose worst is used."""
     fill_ratio: Shares = (0.0, 1.0)
     """The possible fill ratios, a number or a range, whose worst is used."""
-    link_success: Share = 1.0
-    """The share of messages that are received."""
-    precision: Precision = "double"
-    """The precision of the robots' arithmetic, "double" or "single"."""
-    message: Format = "double"
-    """The format of the numbers in a message: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
+    link_success: Share = as_declared("link_success")
+    precision: Precision = as_declared("precision")
+    message: Format = as_declared("message")
     failing: SomeButNotAll = 0.0
     """The share of robots that may fail before the mission begins."""
     lying: SomeButNotAll = 0.0
@@ -231,7 +229,7 @@ class Mission(Table):
     @property
     def readings_per_round(self) -> int:
         """The readings per round."""
-        return 1 if self.moves else self.free.observations_per_round or 10
+        return 1 if self.moves else self.free.observations_per_round or KEYS["observations_per_round"].default
 
     @property
     def on_floor(self) -> bool:

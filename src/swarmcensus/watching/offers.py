@@ -22,6 +22,7 @@ from swarmcensus.brains import Adversary, adversary
 from swarmcensus.conformance.quick import caution
 from swarmcensus.studies import addresses
 from swarmcensus.studies.members import Member, Members, check
+from swarmcensus.studies.settings import KEYS as DECLARED
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.watching.brain_files import BrainFiles
@@ -251,11 +252,12 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
     if "topology" in request:
         values["topology"] = _one_of(offer.topologies, "topology", request["topology"])
     moves = values.get("topology", setting.topology).moves
+    if moves != (setting.body is not None):
+        values |= {key.field: key.default for key in DECLARED.values() if key.spans and key.world != "any"}
+        values |= {"body": None, "rounds": DECLARED["rounds"].default}
     if moves and setting.body is None:
-        values |= {"body": Body(), "density": 1.0, "floor": Floor(), "rounds": 10_000, "observations_per_round": 1}
-        values["delay"] = 0
-    if not moves and setting.body is not None:
-        values |= {"body": None, "density": None, "floor": None, "rounds": 1000, "observations_per_round": 10}
+        values |= {"body": Body(), "density": 1.0, "floor": Floor(), "observations_per_round": 1}
+        values["rounds"] = DECLARED["ticks"].default
     values["robots"] = _whole(request, "robots", setting.robots, 1, MOST_ROBOTS)
     values["rounds"] = _whole(request, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
     if "accuracy" in request:

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from swarmcensus.swarm.plans import Air, Plan
     from swarmcensus.swarm.running import Swarm
 
-OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults
-    "robots": 20, "topology": "ring", "link_success": 1.0, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
-    "message": "float32", "precision": "double",
+OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults if a study's are others
+    "robots": 20, "topology": "ring", "link_success": None, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
+    "message": "float32", "precision": None,
 }  # fmt: skip
 TIME = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s)")
 

@@ -8,8 +8,7 @@ from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
-from tests.small import GO, SEED, settings_of
-from tests.test_study_checks import MOVING, RING, study
+from tests.support.small import GO, MOVING, RING, SEED, settings_of
 
 WHOLE = {
     "ring": "ring",
@@ -124,7 +123,7 @@ def test_results_say_how_many_links_are_missing(tmp_path):
 )
 def test_wrong_values_are_refused(world, said):
     with pytest.raises(sc.InputError, match=said):
-        study(world)
+        sc.Study(trials=1, swarm={"robots": 5, "accuracy": 0.7}, world=world)
 
 
 def test_a_full_network_that_is_too_large_is_refused():
