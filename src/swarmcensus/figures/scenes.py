@@ -10,9 +10,9 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.times import in_ticks, parse_time
 from swarmcensus.results import replaying
-from swarmcensus.results.selecting import require
+from swarmcensus.results.selecting import check_held, require
 from swarmcensus.results.source_study import setting_of
-from swarmcensus.results.store import load
+from swarmcensus.results.store import loaded
 from swarmcensus.simulation import sampling
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
@@ -65,7 +65,7 @@ def scene_of(
     has the other colour. A floor that has too many tiles for a picture is left out. Arguments are those of `replay`;
     `setting` is by default the first with moving robots. Raises InputError, also if the setting's robots do not move.
     """
-    data = results if isinstance(results, xr.Dataset) else load(results)
+    data = loaded(results)
     setting, chosen = find_moving(data, setting, trial, brain_file)
     assert chosen.body is not None
     trace = replaying.replay(data, setting, trial, brain_file, links=True)
@@ -127,7 +127,5 @@ def find_moving(
         several = ", ".join(map(str, moving[:8])) + (", ..." if moving.size > 8 else "")
         raise InputError(f"setting {number} is a fixed network, without an arena; those of moving robots: {several}")
     _, chosen = setting_of(data, number, brain_file)
-    trials = data["trial"].values
-    if trial not in trials:
-        raise InputError(f"trial {trial}: these results hold trial {trials.min()} to {trials.max()}")
+    check_held(data, trial=trial)
     return number, chosen

@@ -47,10 +47,10 @@ def reproduce(
 ) -> Reproduction:
     """Run an evaluation and check its claims; datasets, figures, claims.json and index.html go to the folder `out`.
 
-    `of` is "paper", or "rivals" for published results on other algorithms; by default `out` is "reproduction" or
-    "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
-    "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `progress`
-    is as for `run`, and of all studies together; `say` gets one line per stage.
+    Without `out` nothing is written, and no figure is drawn. `of` is "paper", or "rivals" for published results on
+    other algorithms. `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
+    "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `progress` is as
+    for `run`, and of all studies together; `say` gets one line per stage.
 
     Raises InputError for unknown names and, before anything is run, for a folder that cannot be written. Ctrl-C
     raises Interrupted; finished work is kept in `out`, and the same call continues from there, unless `fresh`.

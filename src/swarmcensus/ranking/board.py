@@ -76,11 +76,11 @@ def leaderboard(
 ) -> Board:
     """Run all shipped brains and those of `files` in the worlds of the leaderboard, and score them.
 
-    The page has all boards of `DIVISIONS`; the outcome has the scores of one `board`.
-    Results in `out` are kept, unless `fresh` or a brain's file has changed. `trials` and `seed` replace those of
-    studies/leaderboard.toml. `progress` is as for `run`; `say` gets messages. Raises InputError before anything is run
-    if a file is not a brain, or the folder cannot be written. Ctrl-C raises Interrupted, and the same call continues
-    from there.
+    The outcome has the scores of one `board` of `DIVISIONS`. Page, figure and results of all boards are written to the
+    folder `out`; without it nothing is written. Results in `out` are kept, unless `fresh` or a brain's file has
+    changed. `trials` and `seed` replace those of studies/leaderboard.toml. `progress` is as for `run`; `say` gets
+    messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot be written. Ctrl-C
+    raises Interrupted, and the same call continues from there.
     """
     own_files = named([Path(file) for file in files])
     own_studies = {name: of_file(file) for name, file in own_files.items()}  # first: errors show soon
@@ -94,8 +94,8 @@ def leaderboard(
             check_writable(path)
     parts = {}
     for k, name in enumerate(sorted(studies, key=lambda name: name == OFFICIAL)):  # own first: failures show soon
-        study, path = studies[name], data_path(out, name)
-        restart = fresh or (name != OFFICIAL and _changed(path, study, say))
+        study, path = studies[name], paths[name]
+        restart = fresh or (name != OFFICIAL and path is not None and _changed(path, study, say))
         with showing(progress, f"leaderboard, {name}") as report:
             part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
             parts[name] = run(

@@ -10,8 +10,9 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.conformance.quick import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
+from swarmcensus.results.selecting import check_held
 from swarmcensus.results.source_study import setting_of
-from swarmcensus.results.store import load, loaded
+from swarmcensus.results.store import loaded
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inferring import trace_of, warn_of_estimates
 from swarmcensus.simulation.rides import record_ride
@@ -219,10 +220,8 @@ def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
 def _find(
     results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None
 ) -> tuple[Study, Setting]:
-    data = results if isinstance(results, xr.Dataset) else load(results)
-    known = data["trial"].values
-    if trial not in known:
-        raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
+    data = loaded(results)
+    check_held(data, trial=trial)
     study, chosen = setting_of(data, setting, brain_file)
     caution(chosen.brains)
     return study, chosen

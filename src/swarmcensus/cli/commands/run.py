@@ -33,9 +33,10 @@ def reproduce(options: argparse.Namespace) -> int:
     from swarmcensus.paper import report, reproducing
     from swarmcensus.statistics.intervals import FEWEST
 
+    folder = "reproduction" if options.of == "paper" else f"reproduction-{options.of}"
     with reporting("reproduce") as progress:
         done = reproducing.reproduce(
-            options.out, of=options.of, trials=options.trials, seed=options.seed, jobs=options.jobs,
+            options.out or Path(folder), of=options.of, trials=options.trials, seed=options.seed, jobs=options.jobs,
             only=options.only, fresh=options.fresh, pdf=options.pdf, progress=progress, say=wrote,
         )  # fmt: skip
     if options.json:

@@ -125,6 +125,7 @@ def _tell(options: argparse.Namespace, plan: "Plan", folder: Path, outcome: "Out
 
 def _study(options: argparse.Namespace) -> "Study":
     """The study that is given, or the one that options describe."""
+    from swarmcensus.studies.settings import KEYS
     from swarmcensus.studies.study import Study
 
     given = {name: getattr(options, name) for name in OF_STUDIES if getattr(options, name) is not None}
@@ -138,20 +139,12 @@ def _study(options: argparse.Namespace) -> "Study":
     values = OF_STUDIES | given
     if values["topology"] == "moving":
         raise wrong_option("topology", "moving", "robots that move have no fixed neighbours: ring, full or a file")
-    return Study(
-        name="swarm",
-        seed=options.seed or 0,
-        trials=(options.trial or 0) + 1,
-        swarm={
-            "brain": options.what, "robots": values["robots"], "accuracy": _accuracy(values["accuracy"]),
-            "precision": values["precision"],
-        },
-        world={
-            "topology": values["topology"], "fill_ratio": values["fill_ratio"],
-            "link_success": values["link_success"], "message": values["message"],
-        },
-        schedule={"rounds": values["rounds"], "observations_per_round": 1},
-    )  # fmt: skip
+    values |= {"brain": options.what, "accuracy": _accuracy(values["accuracy"]), "observations_per_round": 1}
+    tables: dict[str, Any] = {"name": "swarm", "seed": options.seed or 0, "trials": (options.trial or 0) + 1}
+    for key, value in values.items():
+        if value is not None:
+            tables.setdefault(KEYS[key].table, {})[key] = value
+    return Study(**tables)
 
 
 def _accuracy(text: str) -> Any:
