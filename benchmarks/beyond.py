@@ -36,7 +36,7 @@ FLOORS = [0.55, 0.75]
 def ring(accuracy, topology="ring", rounds=1000):
     """A study of 100 robots that hold still."""
     return sc.Study(
-        trials=TRIALS,
+        trials=harness.trials(TRIALS),
         seed=13,
         swarm={"brain": list(BRAINS), "robots": 100, "accuracy": accuracy},
         world={"topology": topology, "fill_ratio": 0.55},
@@ -47,7 +47,7 @@ def ring(accuracy, topology="ring", rounds=1000):
 def moving(accuracy, density):
     """A study of 100 robots that move for 1,000 s."""
     return sc.Study(
-        trials=TRIALS,
+        trials=harness.trials(TRIALS),
         seed=13,
         swarm={"brain": list(BRAINS), "robots": 100, "accuracy": accuracy},
         world={"topology": "moving", "density": density, "fill_ratio": 0.55},
@@ -66,7 +66,7 @@ def tell(name, results):
 def tell_early():
     """In how many cells the mean error at round 10 is above the paper's, and which."""
     study = sc.Study(
-        trials=60,
+        trials=harness.trials(60),
         seed=13,
         swarm={"brain": list(BRAINS), "robots": 100, "accuracy": [0.525, 0.575]},
         world={
@@ -105,7 +105,10 @@ def draw_sharing(results, path):
     figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
     rounds = np.arange(1, 1001)
     for setting, (brain, colour) in enumerate(BRAINS.items()):
-        lives = [sc.replay(results, setting=setting, trial=trial)["estimate"].values[1:] for trial in range(TRIALS)]
+        lives = [
+            sc.replay(results, setting=setting, trial=trial)["estimate"].values[1:]
+            for trial in range(results.sizes["trial"])
+        ]
         errors = np.median(np.abs(np.stack(lives) - 0.55), axis=(0, 2))
         axes.plot(rounds, errors, color=colour, lw=2.0, label=brain)
     accuracy = 0.525
@@ -146,7 +149,7 @@ def sharing(figure=None):
 def after_each_round(floor):
     """The median error of each brain after each round, (brain, round)."""
     study = sc.Study(
-        trials=20,
+        trials=harness.trials(20),
         seed=5,
         swarm={"brain": list(CHANGE_BRAINS.values()), "robots": 50, "accuracy": 0.75},
         world={"topology": "ring", "fill_ratio": floor},
@@ -158,7 +161,7 @@ def after_each_round(floor):
     for setting in range(len(CHANGE_BRAINS)):
         lives = [
             sc.replay(results, setting=setting, trial=trial, brain_file=[FORGETFUL])["estimate"].values[1:]
-            for trial in range(20)
+            for trial in range(results.sizes["trial"])
         ]
         found.append(np.median(np.abs(np.stack(lives) - truth), axis=(0, 2)))
     return np.array(found)
@@ -204,7 +207,7 @@ def draw_changing(found, path):
 def unknown(figure=None):
     """Robots whose sensors are not what they assume: the median error by what they assume. A minute on two cores."""
     study = sc.Study(
-        trials=40,
+        trials=harness.trials(40),
         seed=3,
         swarm={
             "brain": [UNKNOWN_BRAINS[0], *UNKNOWN_BRAINS[1:3], {"file": "asdf", "every": 1000}, "oracle"],

@@ -1,8 +1,8 @@
 """What all benchmarks share: questions from the shell, timing in turn, processes, tables, tables in pages, and figures.
 
 A benchmark is a file of functions that are marked as a `question`. `python benchmarks/FILE.py QUESTION` answers one,
-and without a name it answers all that do not say otherwise. Parameters of the function are its options; where it takes
-`quick`, `--quick` asks for an answer in seconds, whose last digits count for less.
+and without a name it answers all that do not say otherwise. Parameters of the function are its options. `--quick` asks
+for an answer in seconds, whose last digits count for less: of few `trials`, and of less where a function takes `quick`.
 """
 
 import argparse
@@ -25,6 +25,7 @@ from swarmcensus.statistics.intervals import estimate
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 GO = np.zeros(1, np.uint8)  # nobody stops the engine
+IS_QUICK = False
 COLOURS = ("#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")  # of Okabe and Ito
 MARKERS = "os^Dvx"
 
@@ -39,8 +40,14 @@ def question(function=None, *, unasked=True):
     return function
 
 
+def trials(number):
+    """So many trials, or few with `--quick`."""
+    return min(number, 6) if IS_QUICK else number
+
+
 def answer(module):
     """Answer what the command line asks of a benchmark, given its names."""
+    global IS_QUICK
     questions = {name: it for name, it in module.items() if hasattr(it, "unasked")}
     parser = argparse.ArgumentParser(description=module["__doc__"], formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="answers in seconds")
@@ -59,12 +66,12 @@ def answer(module):
                 kind = str if given.default is None else type(given.default)
                 one.add_argument(f"--{key}", type=kind, default=argparse.SUPPRESS, metavar=key.upper())
     options = vars(parser.parse_args())
-    name, quick = options.pop("question"), options.pop("quick", False)
+    name, IS_QUICK = options.pop("question"), options.pop("quick")
     for it in [questions[name]] if name else [it for it in questions.values() if it.unasked]:
         takes = inspect.signature(it).parameters
         given = {key: value for key, value in options.items() if takes[key].kind is not takes[key].VAR_POSITIONAL}
         more = [word for key, value in options.items() if key not in given for word in value]
-        it(*more, **given | ({"quick": True} if quick and "quick" in takes else {}))
+        it(*more, **given | ({"quick": True} if IS_QUICK and "quick" in takes else {}))
 
 
 # ---- timing

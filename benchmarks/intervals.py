@@ -223,7 +223,7 @@ def sure():
     """Shares of robots whose interval holds f, cell by cell and at each checkpoint."""
     brain = {"file": "sure", "within": 1e-9, "alpha": [0.05, 0.2]}
     study = sc.Study(
-        trials=400,
+        trials=harness.trials(400),
         seed=13,
         swarm={"brain": brain, "robots": [10, 40], "accuracy": SENSORS},
         world={"topology": ["full", "ring", "scale-free"], "fill_ratio": [0.55, 0.95], "link_success": [1.0, 0.3]},
@@ -250,7 +250,7 @@ def stops():
     """Shares of robots that stop on a wrong answer, and when they do, beside who knew all readings."""
     alpha, within, rounds = 0.05, 0.05, 1016
     tables = tomllib.loads(WORLDS.read_text(encoding="utf-8"))
-    tables["trials"] = 50
+    tables["trials"] = harness.trials(50)
     tables["swarm"]["brain"] = {"file": "sure", "within": within, "alpha": alpha}
     tables["schedule"]["rounds"] = rounds
     tables["measure"]["checkpoints"] = [rounds]
@@ -289,7 +289,7 @@ def patches():
 def walk(robots, density, trials=400, seed=401, brain="sure"):
     """A line a floor and accuracy, all on the same walks."""
     study = sc.Study(
-        trials=trials,
+        trials=harness.trials(trials),
         seed=seed,
         swarm={"brain": {"file": brain, "within": [0.05, 1e-9]}, "robots": robots, "accuracy": [0.7, 0.875, 0.95]},
         world={
@@ -308,7 +308,7 @@ def walk(robots, density, trials=400, seed=401, brain="sure"):
         said, at = results["done_estimate"].values[stops], results["done_round"].values[stops]
         done = np.isfinite(said)
         wrong = (done & (np.abs(said - results["true_fill_ratio"].values[stops][:, None]) > 0.05)).mean(axis=1)
-        error = 196 * wrong.std(ddof=1) / trials**0.5
+        error = 196 * wrong.std(ddof=1) / len(wrong) ** 0.5
         when = np.median(np.where(done, at, np.inf))
         cover = " ".join(f"{100 * share:5.1f}" for share in results["coverage"].values[none].mean(axis=1))
         print(
@@ -324,7 +324,7 @@ def seen():
     for robots in (1, 2, 5, 10, 20, 50):
         for density in (1, 10):
             study = sc.Study(
-                trials=30,
+                trials=harness.trials(30),
                 seed=301,
                 swarm={"brain": "commons", "robots": robots, "accuracy": 1.0},
                 world={

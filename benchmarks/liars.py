@@ -57,7 +57,7 @@ def results(file):
 def kinds(figure=None):
     """The final error against the share of liars, a line a brain and a panel a kind: a minute on two cores."""
     study = sc.Study(
-        trials=TRIALS,
+        trials=harness.trials(TRIALS),
         seed=13,
         swarm={
             "robots": 20,
@@ -97,7 +97,7 @@ def kinds(figure=None):
 def worst():
     """Median errors among creepers, and among many opposite liars."""
     study = sc.Study(
-        trials=WORST_TRIALS,
+        trials=harness.trials(WORST_TRIALS),
         seed=13,
         swarm={"robots": 20, "accuracy": 0.625, "brain": ["steadfast", "minimalistic", "alone"]},
         members=[{"robots": [0, 0.1, 0.2, 0.4], "brain": ["creeper", "opposite"], "honest": False}],
@@ -115,7 +115,7 @@ def worst():
 def parts():
     """What each part of steadfast does, as shipped and without it or set otherwise. Half a minute on two cores."""
     study = sc.Study(
-        trials=10,
+        trials=harness.trials(10),
         seed=13,
         swarm={
             "robots": 20,
@@ -164,7 +164,7 @@ def errors_of(brains, accuracy, world, members):
     change = world.get("fill_ratio")
     length = 1000 if change else 500
     study = sc.Study(
-        trials=100,
+        trials=harness.trials(100),
         seed=17,
         swarm={"robots": 20, "accuracy": accuracy, "brain": brains},
         members=members,
@@ -180,7 +180,7 @@ def errors_of(brains, accuracy, world, members):
 def slow():
     """The share of robots more than 0.05 off, 700 rounds after f fell from 0.75 to 0.35, with poor sensors."""
     study = sc.Study(
-        trials=100,
+        trials=harness.trials(100),
         seed=17,
         swarm={"robots": 20, "accuracy": 0.55, "brain": ["tracking", FORGETFUL]},
         world=RING | {"fill_ratio": {"from": 0.75, "to": 0.35, "at": 301}},

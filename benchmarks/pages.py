@@ -123,7 +123,11 @@ def formats(results=None, write=False):
     `write`, tables go into the page, all rows into src/swarmcensus/deployment/formats.csv, which `swarmcensus deploy`
     reads, and the figure into docs/images/formats.png.
     """
-    data = sc.load(results) if results else sc.run(Study.load(ROOT / "studies" / "formats.toml"))
+    data = (
+        sc.load(results)
+        if results
+        else sc.run(Study.load(ROOT / "studies" / "formats.toml").with_(trials=harness.trials(30)))
+    )
     text, names = tables_of(data)
     print(text)
     if write:

@@ -85,7 +85,7 @@ def test_what_cannot_be_written_stays_as_it_is(kind, small_file, tmp_path, capsy
     assert sorted(os.listdir(tmp_path)) == before
 
 
-def test_figures_of_results_with_points_in_their_names_are_written_next_to_them(small_file, tmp_path, capsys):
+def test_figures_of_files_with_dots_in_their_names(small_file, tmp_path, capsys):
     results = tmp_path / "a.v2.nc"
     results.write_bytes(small_file.read_bytes())
     assert main(["plot", str(results), "--kind", "decisions"]) == 0

@@ -158,7 +158,7 @@ def test_bad_studies(change, said, here, capsys):
     [
         (["run", "none.toml"], "study file none.toml: cannot be read"),
         (["run", "hello.toml", "--out", "hello.toml/x.nc"], "cannot write hello.toml/x.nc"),
-        (["run", "hello.toml", "--out", "x.csv"], "results are written as .nc"),
+        (["run", "hello.toml", "--out", "x.csv"], "written as .nc"),
         (["run", "hello.toml", "--out", "folder.nc"], "cannot write folder.nc: it is a folder"),
         (["run", "hello.toml", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
         (["verify", "good.nc", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
@@ -266,7 +266,7 @@ def test_a_folder_without_permission(here, capsys, monkeypatch):
 
 @pytest.mark.long(but=["a user without a home"])
 @pytest.mark.parametrize("known", [True, False], ids=["a home that is a file", "a user without a home"])
-def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_behind(here, known):
+def test_run_without_a_cache_folder_warns_once(here, known):
     """Interpreted, so that it is quick: where brains go is settled before they are compiled."""
     (here / "hello.toml").write_text(HELLO.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "legacy"]'))
     (here / "scratch").mkdir()
@@ -362,7 +362,7 @@ def test_one_is_singular_and_thousands_have_commas(here, capsys):
         assert line in capsys.readouterr().out
 
 
-def test_a_run_in_the_background_goes_on_when_another_program_is_stopped(no_ctrl_c, small_study, small_results):
+def test_ctrl_c_elsewhere_does_not_stop_a_background_run(no_ctrl_c, small_study, small_results):
     """A shell sends Ctrl-C to all that it began, and has what is in the background ignore it."""
     data = sc.run(small_study, jobs=1, progress=lambda _: signal.raise_signal(signal.SIGINT))
     assert data.drop_attrs(deep=False).identical(small_results.drop_attrs(deep=False))

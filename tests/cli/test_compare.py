@@ -82,7 +82,7 @@ def test_pairs_are_printed_written_and_the_same(two, tmp_path, capsys):
     assert "a.csv: 4 rows" in out
 
 
-def test_some_worlds_are_shown_and_the_command_for_all_is_named(two, capsys):
+def test_only_some_worlds_are_shown(two, capsys):
     where = "robots == 10"
     assert main(["compare", str(two), "--limit", "4", "--where", where, "--metric", "correct"]) == 0
     out = capsys.readouterr().out
@@ -117,7 +117,7 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 
 
-def test_counts_of_worlds_are_printed_and_the_command_for_all_is_named(two, capsys):
+def test_number_of_worlds_is_printed(two, capsys):
     words = ["compare", str(two), "--against", "legacy", "--by", "topology", "--by", "accuracy", "--limit", "3"]
     assert main(words) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -168,8 +168,8 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
         (["--metric", "corect"], "--metric corect"),
         (["--csv", "a.txt"], "--csv a.txt"),
         (["--latex", "a.csv"], "--latex a.csv"),
-        (["--out", "a.gif"], "a-ranks.gif: figures are written as .png, .svg or .pdf"),
-        (["--csv", "no/file/../"], "this table is written as .csv"),
+        (["--plot", "a.gif"], "a-ranks.gif: figures are written as .png, .svg or .pdf"),
+        (["--csv", "no/file/../"], "it is written as .csv"),
         (["--where", "brain == 'legacy'"], "there is nothing to compare: all settings are of legacy"),
         (["--where", "brain == 'lgacy'"], "no setting is so"),
         (["--by", "topolgy"], "--by topolgy"),
@@ -178,7 +178,7 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
         (["--out", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
     ],
 )
-def test_what_cannot_be_done_is_said_in_a_line_and_nothing_is_written(two, words, said, tmp_path, capsys, monkeypatch):
+def test_refusals_write_nothing(two, words, said, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["compare", str(two), *words]) == 2
     told = capsys.readouterr()
@@ -220,7 +220,7 @@ def texts_of(figure):
     return [text.get_text() for text in figure.findobj(mpl.text.Text)]
 
 
-def test_ranks_stand_where_they_are_and_bars_join_what_is_not_told_apart():
+def test_ranks_figure():
     found = sc.compare(made_up(gap=0.15), "final_error")
     figure = sc.plot.ranks(made_up(gap=0.15), metric="final_error")
     [axes] = figure.axes
@@ -286,7 +286,7 @@ def test_pareto_draws_each_world_with_its_front_and_intervals():
         sc.plot.pareto(data, cost="money")
 
 
-def test_pareto_marks_what_never_came_and_refuses_more_worlds_than_fit():
+def test_pareto_marks_missing_events():
     data = made_up()
     data["consensus_round"][0] = np.inf
     assert texts_of(sc.plot.pareto(data, metric="consensus_round"))
@@ -295,7 +295,7 @@ def test_pareto_marks_what_never_came_and_refuses_more_worlds_than_fit():
         draw_pareto(many)
 
 
-def test_one_world_has_no_column_of_worlds_and_a_verdict_of_its_own(capsys):
+def test_comparison_in_one_world(capsys):
     found = sc.compare(made_up(worlds=("ring",), gap=0.6))
     compare_tables.show(found, "title", "swarmcensus compare x.nc", 40, True)
     out = capsys.readouterr().out

@@ -105,7 +105,7 @@ def test_run_and_show_tell_the_same_summary(both):
         ]
 
 
-def test_the_final_error_is_the_median_of_all_robots_in_all_trials(results, both):
+def test_final_error_is_a_pooled_median(results, both):
     data = sc.load(results / "two.nc")
     rows = both("show two.nc")[0]["settings"]
     for k, row in enumerate(rows):
@@ -256,7 +256,7 @@ def test_a_command_leaves_no_voice_behind(said):
 
 @pytest.mark.long
 @pytest.mark.interpreted
-def test_a_summary_tells_who_was_done_and_what_was_done_to_robots(said, results):
+def test_summary_of_done_robots_and_faults(said, results):
     study = STUDY.replace('"commons"]', '"sure"]').replace("[6, 9]", "9").replace("rounds = 30", "rounds = 60")
     study += 'faults = [{at = 5, robots = 0.1, stop = "sensing", until = 9}, {at = 7, robots = 1, stop = "talking"}]\n'
     Path(results, "done.toml").write_text(study + 'members = [{robots = 1, brain = "shouter", honest = false}]\n')

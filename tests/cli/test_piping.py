@@ -57,7 +57,7 @@ def same(row, records):
         assert row[name] == ("" if value != value else str(value)), name
 
 
-def test_show_has_all_digits_of_all_settings_in_columns_that_do_not_depend_on_what_varies(file, piped):
+def test_show_in_a_pipe_has_fixed_columns_and_all_digits(file, piped):
     rows, error = piped("show", file)
     for row, record in zip(rows, sc.summary(file).drop(columns=[*NUMERIC]).to_dict("records"), strict=True):
         same(row, record)
@@ -124,7 +124,7 @@ def test_a_terminal_that_is_asked_for_has_columns(text, file, monkeypatch, capsy
     assert capsys.readouterr().err == f"swarmcensus: {AS_TERMINAL}={text}: should be a number of columns, such as 100\n"
 
 
-def test_letters_that_an_encoding_lacks_are_escaped_as_json_escapes_them(tmp_path):
+def test_letters_missing_from_an_encoding_are_escaped(tmp_path):
     codecs.register_error("swarmcensus", program._escaped)
     assert json.loads('"é 𝄞"'.encode("ascii", "swarmcensus")) == "é 𝄞"
     environment = os.environ | {"PYTHONIOENCODING": "cp1252"}

@@ -22,7 +22,7 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_it_prints_a_row_a_brain_and_writes_a_plan_and_a_figure(here, capsys):
+def test_plan_prints_and_writes(here, capsys):
     assert main(["plan", "m.toml", "--out", "p.json", "--plot", "p.svg", "--robots", "5:20"]) == 0
     told = capsys.readouterr()
     assert "95 % of robots within 0.05 of the truth" in told.out
@@ -138,7 +138,7 @@ ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
         (("[known]", "body = 3\n[known]"), ["--body", "speed=1"], "mission file m.toml: body = 3: should be a table"),
     ],
 )
-def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options, said, here, capsys):
+def test_mistakes_write_nothing(change, options, said, here, capsys):
     if change:
         assert change[0] in RING
         Path("m.toml").write_text("trials = 40\n" + RING.replace(*change))
@@ -202,7 +202,7 @@ NO_PAIRS = "swarmcensus: mission: the goal cannot be reached, because free.topol
         ('{networkx="gnp_random_graph", p=0.0}', [], NO_PAIRS + "500 robots is not connected: it has 500 parts"),
     ],
 )  # fmt: skip
-def test_networks_that_there_are_not_of_every_size_are_told_by_their_key(topology, options, said, here, capsys):
+def test_networks_of_impossible_sizes(topology, options, said, here, capsys):
     Path("pairs.csv").write_text("i,j\n0,1\n1,2\n2,3\n")
     wishes = ["--accuracy", "0.9", "--half-width", "0.1", "--fill-ratio", "0.5", "--brain", "commons", "--trials", "40"]
     assert main(["plan", *wishes, "--minutes", "1", "--topology", topology, *options]) == 2

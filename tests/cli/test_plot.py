@@ -74,7 +74,7 @@ def test_advice_for_too_many_panels_is_a_shell_s(small_file, here, capsys, monke
     assert main(["plot", str(small_file), "--kind", "heatmap", "--where", said.split("'")[1], "--out", "y.png"]) == 0
 
 
-def test_what_can_be_told_at_once_is_told_before_a_trial_is_run_again(small_file, here, capsys, monkeypatch):
+def test_cheap_checks_come_first(small_file, here, capsys, monkeypatch):
     def replay(*_, **__):
         raise AssertionError("run again")
 
@@ -105,7 +105,7 @@ def test_a_recording_that_cannot_be_leaves_nothing(here, capsys):
 
 
 @pytest.mark.long
-def test_a_film_s_faults_are_told_before_what_the_machine_lacks(here, capsys, monkeypatch):
+def test_faults_of_film_options_come_first(here, capsys, monkeypatch):
     (here / "m.toml").write_text(MOVING)
     assert main(["run", "m.toml"]) == 0
     capsys.readouterr()

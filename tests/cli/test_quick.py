@@ -53,7 +53,7 @@ def test_the_program_leaves_with_its_code_and_says_all(words, code, tmp_path):
     assert done.stdout + done.stderr
 
 
-def test_the_program_runs_what_was_registered_for_its_end_and_waits_for_threads():
+def test_program_runs_exit_handlers_and_joins_threads():
     code = """
         import atexit, sys, threading, time
         from swarmcensus.cli import commands, program
@@ -110,7 +110,7 @@ def test_brains_that_differ_otherwise_do_not(other):
     assert compiler._brain_files(brain_of(other)) != compiler._brain_files(brain_of(SOURCE))
 
 
-def test_what_memory_begins_with_is_no_part_of_machine_code_but_of_results(tmp_path):
+def test_initial_memory_is_not_compiled_in(tmp_path):
     (tmp_path / "mine.py").write_text(SOURCE.replace('"x": 0.5', '"x": 0.25'))
     readings = np.full((1, 2), np.nan)
     for name, first in (("minimalistic", 0.5), (str(tmp_path / "mine.py"), 0.25)):
@@ -153,7 +153,7 @@ FAILS_IN = {
 
 
 @pytest.mark.parametrize("function", FAILS_IN)
-def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(function, tmp_path):
+def test_error_inside_a_call_names_the_brain(function, tmp_path):
     """It reaches Python as what it was, and the next run is sound. One machine code for all: a parameter says where."""
     lines = SOURCE.replace("SUMS = ", 'PARAMETERS = {"fails_in": -1.0}\nNOTHING = ').split("\n")
     for k, (name, does) in enumerate(FAILS_IN.items()):
@@ -221,7 +221,7 @@ def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, tmp
 # ---- work in a copy of the process
 
 
-def test_work_is_done_beside_and_its_result_or_error_comes_back():
+def test_background_work_returns_its_result():
     code = """
         import os
         from swarmcensus.basics.fork import in_background
@@ -285,7 +285,7 @@ def test_closed_streams_change_no_exit_code(closed, small_file, tmp_path):
     assert (tmp_path / "t.csv").stat().st_size > 1000
 
 
-def test_an_expression_too_deep_to_be_written_anew_is_taken_as_it_is():
+def test_deeply_nested_expression():
     deep = SOURCE.replace("    return me.x\n", "    return me.x + " + " + ".join(["0.0"] * 600) + "\n")
     assert codegen.essence(deep) == deep
 

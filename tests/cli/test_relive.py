@@ -94,7 +94,7 @@ def test_results_and_traces_are_those_that_other_commands_take(day, tmp_path, ca
     assert len(rows) == 1 + 31 * 4
 
 
-def test_what_was_recorded_of_a_trace_is_that_of_the_simulation(day):
+def test_recorded_trace_equals_the_simulation(day):
     from swarmcensus.reliving.clocks import Clock
     from swarmcensus.reliving.traces import as_logged, as_trace
 

@@ -44,7 +44,7 @@ def test_what_a_new_study_has_in_comments_is_right_too(here):
     assert all(setting.members and setting.faults for setting in found.settings())
 
 
-def test_the_first_studies_of_readme_page_and_tutorial_have_different_names(here):
+def test_first_studies_have_different_names(here):
     """They fit into one folder."""
     root = ROOT
     readme, page, tutorial = (
@@ -173,7 +173,7 @@ def test_it_imports_nothing_that_takes_long():
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
 
 
-def test_who_begins_a_brain_and_copies_studies_in_one_folder_loses_nothing(here, capsys):
+def test_new_files_overwrite_nothing(here, capsys):
     """The example's brain and a new one would have one name; two examples have the very same brain."""
     for words in ("new brain", "studies example/compare", "studies example/ranking", "new brain", "studies ring"):
         assert main(words.split()) == 0

@@ -167,7 +167,7 @@ def test_a_log_of_another_search_is_refused(change, said, here, capsys):
 
 
 @pytest.mark.long
-def test_another_version_s_log_is_refused_and_two_searches_do_not_share_one(here, capsys, monkeypatch):
+def test_log_of_another_version_is_refused(here, capsys, monkeypatch):
     assert main([*TUNE, "--budget", "13"]) == 0
     monkeypatch.setattr("swarmcensus.tuning.plans.__version__", "9.9")
     assert main([*TUNE, "--budget", "13"]) == 2
@@ -240,7 +240,7 @@ def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long):
 
 
 @pytest.mark.parametrize("where", ["tuning.new_search", "training.Training.compile"])
-def test_ctrl_c_before_the_first_evaluation_keeps_nothing_and_says_so(where, here, capsys, monkeypatch):
+def test_ctrl_c_before_the_first_evaluation(where, here, capsys, monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt
 
@@ -250,7 +250,7 @@ def test_ctrl_c_before_the_first_evaluation_keeps_nothing_and_says_so(where, her
     assert sorted(os.listdir()) == ["s.toml", "tunable.py"]
 
 
-def test_as_json_it_is_one_document_that_holds_what_the_sentences_say(here, capsys):
+def test_explanation_as_json(here, capsys):
     assert main([*TUNE, "--budget", "13", "--json"]) == 0
     told = capsys.readouterr()
     found = json.loads(told.out, parse_constant=pytest.fail)

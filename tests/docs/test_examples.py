@@ -111,7 +111,7 @@ def untimed(text):
 
 
 @pytest.mark.long
-def test_brains_prints_what_the_contract_page_shows_in_a_narrow_terminal(monkeypatch, capsys):
+def test_brains_in_a_narrow_terminal(monkeypatch, capsys):
     monkeypatch.setenv("SWARMCENSUS_TERMINAL", "80")
     assert main(["brains"]) == 0
     printed = untimed(capsys.readouterr().out)

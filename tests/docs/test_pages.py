@@ -36,7 +36,7 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
     assert {language for language, _ in BLOCK.findall(text)} <= RUN | SHOWN
 
 
-def test_what_follows_from_wrong_beliefs_is_what_its_tables_say():
+def test_text_on_wrong_beliefs_has_the_tables_numbers():
     """Medians to three digits; those tables are held against what their code prints, above."""
     page = ROOT / "docs" / "wrong-beliefs.md"
     fixed, moving, alone = {}, {}, {}
@@ -64,7 +64,7 @@ def test_what_follows_from_wrong_beliefs_is_what_its_tables_say():
 
 
 @pytest.mark.long
-def test_the_steering_page_shows_what_the_paired_comparison_prints(tmp_path, monkeypatch, capsys):
+def test_steering_page_shows_the_paired_comparison(tmp_path, monkeypatch, capsys):
     """The line of good sensors on independent tiles: all eight would cost many times as much."""
     study = tomllib.loads((ROOT / "studies" / "steering.toml").read_text(encoding="utf-8"))
     study["world"] |= {"floor": "tiles", "fill_ratio": 0.95}
@@ -129,7 +129,7 @@ def test_the_data_page_lists_all_that_a_dataset_holds():
     assert structure.FORMAT in text
 
 
-def test_the_brain_page_shows_the_shipped_example_and_every_check():
+def test_contract_page_is_complete():
     page = ROOT / "docs" / "brain-contract.md"
     assert (EXAMPLE / "my_brain.py").read_text(encoding="utf-8") in blocks(page, "python")
     [study] = (t for t in blocks(page, "toml") if "my_brain.py" in t)
@@ -143,7 +143,7 @@ def test_benchmarks_find_what_they_measure(name, benchmark):
     benchmark(name)
 
 
-def test_the_page_shows_every_shipped_metric_and_the_example_is_its_file():
+def test_metrics_page_is_complete():
     page = ROOT / "docs" / "metrics.md"
     hook = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["on_page_markdown"]
     built = hook(page.read_text(encoding="utf-8"), page=None, config=None, files=None)
@@ -154,7 +154,7 @@ def test_the_page_shows_every_shipped_metric_and_the_example_is_its_file():
     assert example in list(blocks(page, "python"))
 
 
-def test_the_architecture_page_shows_the_rooms_in_the_order_that_is_held():
+def test_architecture_page_lists_packages_in_order():
     rooms = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     assert re.findall(r"│ (\w+) ", page) == rooms
@@ -188,7 +188,7 @@ def options_of(command):
     return {option for option in given if option.startswith("--")} - {"--help", "--quiet", "--verbose", "--json"}
 
 
-def test_the_comparing_page_lists_every_measure_and_which_way_is_better():
+def test_comparing_page_lists_every_measure():
     text = page_named("comparing").read_text(encoding="utf-8")
     listed = {}
     for names, better in re.findall(r"^\| (`\w+`(?:, `\w+`)*) \| [^|]* \| (\w+) \|", text, re.MULTILINE):

@@ -62,7 +62,7 @@ def tables():
         yield {title: rest for title, *rest in cells}
 
 
-def test_both_files_are_of_all_claims_and_of_the_studies_own_seed():
+def test_claim_files_are_complete():
     for found, name, trials in ((FOUND, "paper-claims.json", 30), (MORE, "paper-claims-120.json", 120)):
         about = json.loads((DOCS / name).read_text(encoding="utf-8"))
         assert list(found) == [claim.id for claim in PAPER.claims]
@@ -79,7 +79,7 @@ def test_the_tables_are_what_the_command_prints():
     assert {title for title in found if title.startswith("Moving")} == set(moving)
 
 
-def test_the_table_of_more_trials_has_all_that_does_not_hold_with_one_number_of_them_or_the_other():
+def test_table_of_more_trials_lists_claims_that_do_not_hold():
     *_, more = tables()
     found = {
         c["title"]: [measured(worst(c)), counts(c), verdict(c), settings(c, NO), settings(c, OPEN)]
@@ -119,7 +119,7 @@ def test_where_we_agree_names_the_numbers_of_its_settings():
     assert same.startswith("-1.0")
 
 
-def test_every_figure_in_the_prose_is_one_that_the_command_prints():
+def test_numbers_in_the_prose():
     """Intervals, decimals and shares; but for the names of settings, and for what the page itself defines."""
     prose = " ".join(line for line in TEXT.splitlines() if line[:1] not in ("|", ">", "!"))
     prose = re.sub(r"\]\([^)]*\)|U\(0\.525, 0\.975\)|\*?\b[fbw]\*? (= \*w\* )?= \*?[\d.]+(, [\d.]+)*", "", prose)
@@ -167,7 +167,7 @@ def test_the_engine_gives_the_numbers_of_the_page(claims_again):
 
 @pytest.mark.long
 @pytest.mark.skipif(not OUR_C_LIBRARY, reason="a walk goes another way where a sine differs in its last bit")
-def test_settings_of_one_walk_are_correlated_as_the_page_on_moving_robots_says(moving):
+def test_settings_of_one_walk_are_correlated(moving):
     of = {a: (moving.accuracy == a).values & (moving.fill_ratio == 0.55).values for a in ("0.925", "0.975")}
     one, other = (moving.final_estimate.values[k][0][:, :25].mean(axis=1) for k in of.values())
     page = " ".join((DOCS / "moving-robots.md").read_text(encoding="utf-8").split())

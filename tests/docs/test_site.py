@@ -94,7 +94,7 @@ def test_no_row_of_a_table_is_shown_as_text(site):
 
 
 @pytest.mark.long
-def test_pages_that_explain_a_word_are_found_before_those_that_use_it(site):
+def test_search_prefers_explaining_pages(site):
     boosts = runpy.run_path(str(ROOT / "docs_hooks" / "boosts.py"))["BOOSTS"]
     entries = json.loads((site / "search" / "search_index.json").read_text(encoding="utf-8"))["docs"]
     found = {entry["location"].partition("#")[0]: entry["boost"] for entry in entries if "boost" in entry}

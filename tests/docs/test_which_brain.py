@@ -82,7 +82,7 @@ def test_what_it_advises_is_what_the_leaderboard_orders(board):
     assert order("memory", max)[0].startswith("changing-floor")
 
 
-def test_each_board_is_led_by_the_brain_that_the_page_advises_there():
+def test_advised_brains_lead_the_boards():
     """By errors, of the brains that a robot can run: honest robots, liars, a floor that changes."""
     errors = BOARD.partition("## Errors of estimates\n")[2].partition("\n## ")[0]
     leaders = [[row[1] for row in body if row[0]][:4] for _, body in rows(errors)]
@@ -92,7 +92,7 @@ def test_each_board_is_led_by_the_brain_that_the_page_advises_there():
     assert change[0] == "tracking"
 
 
-def test_numbers_in_its_words_stand_in_its_tables_or_describe_the_worlds():
+def test_numbers_in_the_text_are_in_the_tables():
     words = re.sub(r"^```text\n(?s:.*?)^```|(?:^\|.*\n)+|\]\([^)]*\)", "", PAGE, flags=re.MULTILINE)
     study = tomllib.loads((DOCS.parent / "studies" / "leaderboard.toml").read_text(encoding="utf-8"))
     changes = [case["fill_ratio"] for case in study["case"] if isinstance(case.get("fill_ratio"), dict)]
@@ -101,7 +101,7 @@ def test_numbers_in_its_words_stand_in_its_tables_or_describe_the_worlds():
     assert set(re.findall(r"\d+\.\d+", words)) <= worlds
 
 
-def test_where_our_brains_are_worse_is_what_the_command_runs_and_they_are_worse(benchmark):
+def test_worlds_in_which_our_brains_are_worse(benchmark):
     """The table itself is measured by the command; here, that its worlds are those, and that each row shows a loss."""
     [block] = re.findall(r"```text\n(.*?)```", PAGE, re.DOTALL)
     _, *lines = block.splitlines()
@@ -129,7 +129,7 @@ def test_the_page_of_ones_own_brain_shows_the_same_board(board):
         assert float(value) == min(others)
 
 
-def test_what_the_brain_of_that_page_has_on_networks_is_what_a_run_gives():
+def test_own_brain_on_networks():
     page = (DOCS / "your-brain-on-the-leaderboard.md").read_text(encoding="utf-8")
     tables = tomllib.loads((DOCS.parent / "studies" / "leaderboard.toml").read_text(encoding="utf-8"))
     tables["swarm"]["brain"] = str(DOCS.parent / "studies" / "example" / "my_brain.py")
@@ -140,7 +140,7 @@ def test_what_the_brain_of_that_page_has_on_networks_is_what_a_run_gives():
     assert f"| honest | networks | 10 of 43 | {errors.mean().item():.4f} |" in page
 
 
-def test_the_command_that_takes_numbers_over_finds_each_cell_by_brain_and_column(benchmark):
+def test_boards_command_finds_cells_by_brain_and_column(benchmark):
     pages = benchmark("pages")
     page = "".join(
         f"## {title}\n\n|  | brain | {column} |\n|---|---|---|\n| 1 | **a b=1** | **{k}** |\n| 2 | c | {k + 5} |\n\n"

@@ -76,7 +76,7 @@ def test_the_page_has_the_costs_of_all_brains():
     assert rows["bayes-bots"][-1].startswith("no: RAM")
 
 
-def test_the_advice_names_the_brains_for_which_a_kilobot_has_room():
+def test_brains_that_fit_a_kilobot():
     page = (DOCS / "which-brain.md").read_text(encoding="utf-8")
     named = page.partition("these brains fit:\n\n")[2].partition("\n\n")[0]
     fit = [name for name, cells in page_of_costs().items() if cells[-1] == "yes" and not load(name).is_oracle]

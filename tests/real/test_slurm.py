@@ -96,7 +96,7 @@ def test_a_node_that_crashes_and_comes_back_costs_nothing(slurm, threads):
     assert same(data, threads)
 
 
-def test_a_node_daemon_that_is_killed_and_started_again_costs_nothing(slurm, threads):
+def test_restarted_node_daemon(slurm, threads):
     def killed():
         slurm.end("slurmd", signal.SIGKILL)
         slurm.daemon("slurmd", "-D")

@@ -83,7 +83,7 @@ def ended(process):
 
 
 @pytest.mark.long
-def test_a_scheduler_with_certificates_gives_the_bits_of_threads(scheduler, right, tmp_path, monkeypatch):
+def test_scheduler_with_certificates(scheduler, right, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("short.toml").write_text(SHORT)
     assert scheduler.startswith("tls://")
@@ -121,16 +121,14 @@ REFUSED = "no Dask scheduler answers at {}: "
     ("known", "protocol", "said"),
     [(of_another_authority, "tls", REFUSED + "TLS certificate does not match"), (None, "tcp", REFUSED)],
 )
-def test_whose_certificate_the_scheduler_does_not_take_is_told_in_one_sentence(
-    scheduler, tmp_path, monkeypatch, capsys, known, protocol, said
-):
+def test_refused_certificate_is_one_clear_error(scheduler, tmp_path, monkeypatch, capsys, known, protocol, said):
     assert_told(tmp_path, monkeypatch, capsys, known, scheduler.replace("tls", protocol), said)
 
 
 @pytest.mark.parametrize(
     ("known", "said"), [(lost, REFUSED + "[Errno 2] No such file or directory"), (half, NEEDS), (None, NEEDS)]
 )
-def test_who_has_no_certificate_is_told_before_any_scheduler_is_asked(tmp_path, monkeypatch, capsys, known, said):
+def test_missing_certificate_is_found_first(tmp_path, monkeypatch, capsys, known, said):
     assert_told(tmp_path, monkeypatch, capsys, known, "tls://127.0.0.1:1", said)
 
 

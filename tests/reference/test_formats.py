@@ -53,15 +53,16 @@ def lives_as_the_reference(settings):
         assert np.abs(estimates - np.array(minds.estimates)).max() <= loose, str(setting)
 
 
-def test_machine_code_has_the_bits_of_single_precision_and_of_ratios():
+def test_machine_code_of_number_formats():
     lives_as_the_reference(
         settings_of(brain="self-taught", rounds=40, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(EVERY[1]))
     )
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @pytest.mark.parametrize("numbers", EVERY, ids=str)
-def test_swarms_with_number_formats_live_the_life_of_the_reference(numbers):
+def test_number_formats_against_the_reference(numbers):
     every = [name for name in brains.shipped() if name not in ("oracle", "leaver")]
     lives_as_the_reference(
         settings_of(robots=4, brain=every, rounds=10, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(numbers))
@@ -70,7 +71,7 @@ def test_swarms_with_number_formats_live_the_life_of_the_reference(numbers):
 
 @pytest.mark.long
 @pytest.mark.parametrize("which", range(5), ids=lambda which: str(EVERY[which]))
-def test_all_brains_have_the_bits_of_the_reference_as_machine_code(which):
+def test_compiled_number_formats_against_the_reference(which):
     numbers, every = EVERY[which], [name for name in brains.shipped() if name not in ("oracle", "leaver")]
     if which != 1:  # in CPython all are tried: as machine code, all in one combination, and a fourth in each other one
         every = every[which - (which > 1) :: 4]
@@ -80,7 +81,7 @@ def test_all_brains_have_the_bits_of_the_reference_as_machine_code(which):
 
 
 @pytest.mark.interpreted
-def test_late_messages_and_failing_robots_are_rounded_as_in_the_reference():
+def test_formats_with_late_messages_and_faults():
     world = {"link_success": 0.8, "message_delay": [0, 2], **keys_of(EVERY[1])}
     lives_as_the_reference(settings_of(robots=6, brain=["commons", "sure"], rounds=12, faults=FAULTS, **world))
 
@@ -180,7 +181,7 @@ def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
 
 
 @pytest.mark.interpreted
-def test_the_live_page_shows_what_robots_assume_and_hear_in_their_numbers():
+def test_live_page_shows_assumed_accuracies_and_formats():
     setting = settings_of(robots=4, brain="minimalistic", accuracy=0.7, rounds=5, **keys_of(EVERY[1]))[0]
     show = Show(Simulated(setting, SEED, 0), Measure())
     told = robot_of(show, 3, 1)
@@ -191,7 +192,7 @@ def test_the_live_page_shows_what_robots_assume_and_hear_in_their_numbers():
 
 
 @pytest.mark.interpreted
-def test_numbers_that_a_format_cannot_hold_are_counted_and_sent_as_the_largest(tmp_path, capsys):
+def test_overflowing_numbers_are_counted_and_clipped(tmp_path, capsys):
     path = tmp_path / "large.py"
     path.write_text(
         "MEMORY = {'x': 0.5, 'n': 0.0, 'heard': 0.0}\nMESSAGE = ('n',)\n"
@@ -240,7 +241,7 @@ def test_every_part_of_a_message_is_coded_once():
             assert brain.with_numbers(Numbers(message=format)).message_bytes == sum(BYTES[part.coding] for part in made)
 
 
-def test_the_page_has_the_errors_of_all_brains_that_hear_neighbours():
+def test_formats_page_lists_all_brains():
     page = (DOCS / "formats.md").read_text()
     tables = page.partition("<!-- formats: python benchmarks/pages.py formats --write -->")[2].partition("<!-- end")[0]
     rows = [line.split(" | ") for line in tables.splitlines() if line.startswith("| `")]

@@ -42,7 +42,7 @@ CASES = [
 
 
 @pytest.mark.parametrize("case", CASES, ids=range(len(CASES)))
-def test_swarms_on_fixed_networks_live_the_life_of_the_reference(case):
+def test_fixed_networks_against_the_reference(case):
     """Bit for bit, but to rounding where everyone hears everyone: sums are added in another order there."""
     for setting in settings_of(**case):
         for trial in (0, 2):
@@ -57,7 +57,7 @@ def test_swarms_on_fixed_networks_live_the_life_of_the_reference(case):
 
 
 @pytest.mark.parametrize("looks", [1, 3, 17])
-def test_single_readings_make_up_their_rounds_in_an_order_of_their_own(looks):
+def test_rounds_are_sums_of_single_readings(looks):
     (setting,) = settings_of(robots=3, looks=looks, rounds=3, accuracy="U(0.6, 0.9)")
     for trial in (0, 2):
         blacks = record_trial(setting, SEED, trial)[2]
@@ -166,7 +166,7 @@ def test_a_brain_that_fails_is_named_with_its_trials(monkeypatch):
         run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (2,)), GO)
 
 
-def test_segments_are_whole_rounds_and_no_longer_than_the_trial():
+def test_length_of_segments():
     """Few robots' estimates are all kept; of many, what is kept grows with the square root of the rounds."""
     assert trials.segment_length(10, 50, 96, 1) == 50
     assert trials.segment_length(100_000, 5000, 96, 1) == 244  # the root of 5000 96 / 8

@@ -112,7 +112,7 @@ def test_room_is_kept_for_as_many_neighbours_as_fit(radius):
 
 
 @pytest.mark.parametrize(("forth", "strayed"), [(0.49, False), (0.5, True)])
-def test_lists_are_made_anew_once_any_robot_has_gone_half_the_skin(forth, strayed):
+def test_neighbour_lists_are_renewed_in_time(forth, strayed):
     """Either way, wherever it was, and be it the last one."""
     for at in ((0.0, 0.0), (3.0, -0.1), (-0.1, 3.0), (-0.2, -0.2)):
         for way in (1, -1, 1j, -1j):
@@ -191,6 +191,7 @@ def folder(tmp_path_factory):
     return path
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("want", "body"),
     [(want, {}) for want in ("NEVER", "ABSURD", "CIRCLE", "STRAIGHT", "SEEN")]

@@ -49,7 +49,7 @@ CASES = [(SWITCH, WEARS), (SLOW, WEARS), (SWITCH, WARMS), (SLOW, WARMS)]
 
 
 @pytest.mark.parametrize(("change", "accuracy"), CASES, ids=["switch wears", "drift wears", "switch warms", "all warm"])
-def test_readings_on_networks_are_black_as_often_as_floor_and_sensors_say(change, accuracy):
+def test_share_of_black_readings_on_networks(change, accuracy):
     """Each round's black readings of 4000 robots, by a two-sided normal p-value; error rate 0.1 % for all rounds.
 
     A robot's ten readings share its accuracy: their sum varies as those of coins do, and by what accuracies differ.

@@ -59,7 +59,7 @@ def judged(numbers, statistic="median"):
     ],
     ids=str,
 )
-def test_equal_contenders_are_told_apart_in_at_most_5_percent_of_tables(kind, shape):
+def test_false_alarms_of_equal_contenders(kind, shape):
     random = np.random.default_rng(7)
     alarms = uncorrected = 0
     for _ in range(TABLES):
@@ -72,7 +72,7 @@ def test_equal_contenders_are_told_apart_in_at_most_5_percent_of_tables(kind, sh
 
 
 @pytest.mark.long
-def test_those_that_are_alike_are_not_told_apart_where_another_one_is():
+def test_equal_contenders_beside_a_different_one():
     random, alarms, seen = np.random.default_rng(8), 0, 0
     for _ in range(TABLES):
         numbers = table(random, "continuous", (1, 2, 4, 12))
@@ -104,13 +104,13 @@ def within(share, expected, tries=20_000):
 
 
 @pytest.mark.parametrize("off", [0.5, 1.0, 1.5])
-def test_six_trials_tell_apart_as_often_as_all_differences_have_one_sign(off):
+def test_power_of_six_trials(off):
     side = stats.norm.cdf(off)
     assert within(power(off, 6), side**6 + (1 - side) ** 6)
 
 
 @pytest.mark.parametrize(("off", "trials"), [(0.5, 30), (0.9, 15)])
-def test_more_trials_have_the_power_of_the_paired_t_test_but_for_the_ranks(off, trials):
+def test_power_is_near_that_of_the_paired_t_test(off, trials):
     """Ranks are worth 3 / pi of normal trials, for many of them; 3 percent points are left for 15 or 30 being few."""
     freedom = trials - 1
     beyond = stats.t.ppf(0.975, freedom)

@@ -140,7 +140,7 @@ def fixed_point(wrong, quiet):
 
 
 @pytest.mark.long
-def test_cross_inhibition_stays_decided_though_messages_are_wrong():
+def test_cross_inhibition_with_wrong_messages():
     """15 of 100 messages are of the other opinion: within 4 standard errors and what a finite swarm loses, 0.02 %."""
     quiet = 2.0
     given = TIMES | {"miscommunication": 0.15, "weighted": 0.0, "disseminate": 4.0, "explore": 4.0}

@@ -63,7 +63,7 @@ def test_consensus_and_innovations_scatter_as_computed():
 
 
 @pytest.mark.long
-def test_consensus_and_innovations_end_at_the_centralised_estimate():
+def test_consensus_innovations_reaches_the_central_estimate():
     """The network's mean is normal about the truth, with the variance of all readings pooled: KS, error rate 0.1 %."""
     found, _ = finals(brains.load("consensus-innovations"), trials=400, rounds=60, looks=20)
     deviation = np.sqrt(0.44 * 0.56 / (10 * 60 * 20 * 0.6**2))
@@ -73,7 +73,7 @@ def test_consensus_and_innovations_end_at_the_centralised_estimate():
 
 @pytest.mark.long
 @pytest.mark.parametrize("f", [0.1, 0.5])
-def test_the_information_filter_has_the_variance_of_all_informations(f):
+def test_variance_of_the_information_filter(f):
     """Sensors of all kinds, a full network: the error times the root of all informations is normal, with variance 1.
 
     KS, and chi-square of the sum of squares, two-sided: 0.2 % for each fill ratio.

@@ -51,7 +51,7 @@ def test_the_study_is_the_published_experiment():
 
 
 @pytest.mark.long
-def test_two_liars_cost_linear_consensus_much_and_w_msr_hardly_anything(results):
+def test_two_liars_among_linear_consensus_and_w_msr(results):
     error = abs(results["final_estimate"] - results["true_fill_ratio"]).mean("robot")
     of = {
         (brain, liars): error.isel(setting=k).values
@@ -67,7 +67,7 @@ def test_two_liars_cost_linear_consensus_much_and_w_msr_hardly_anything(results)
 
 @pytest.mark.long
 @pytest.mark.interpreted
-def test_the_figure_draws_the_mean_of_the_final_errors_by_the_number_of_liars(few):
+def test_figure_of_errors_by_number_of_liars(few):
     figure = sc.plot.lines(few, y="final_error", x="liars", color="brain", panels=["topology"], statistic="mean")
     (ax,) = figure.axes
     error = abs(few["final_estimate"] - few["true_fill_ratio"]).mean(["trial", "robot"]).values
@@ -80,7 +80,7 @@ def test_the_figure_draws_the_mean_of_the_final_errors_by_the_number_of_liars(fe
 
 @pytest.mark.long
 @pytest.mark.interpreted
-def test_measures_of_robots_are_those_that_trials_are_summed_up_by(few):
+def test_measures_by_trial(few):
     found = measures.with_measure(few, "final_error")
     with np.errstate(all="ignore"):
         median = found["final_error"].median("robot").transpose("setting", "trial").values

@@ -110,7 +110,7 @@ def test_a_full_network_holds_the_pooled_estimate():
         assert trace["estimate"].values[1:] == pytest.approx(np.repeat(pooled[:, np.newaxis], 50, axis=1), rel=1e-12)
 
 
-def test_long_runs_find_the_truth_at_the_rate_of_the_fisher_information():
+def test_long_runs_converge_at_the_fisher_rate():
     """A lone robot's error over its Fisher standard error is N(0, 1): KS against it, error rate 0.1 %."""
     lonely = study(
         trials=40, swarm={"accuracy": 0.8}, world={"topology": {"name": "nobody", "edges": []}},

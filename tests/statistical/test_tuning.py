@@ -24,7 +24,7 @@ def called_better(folder, seeds):
 
 
 @in_two_sizes("studies", 10, 100)
-def test_what_does_nothing_is_called_better_in_at_most_5_percent(tmp_path, studies):
+def test_false_alarms_of_tuning(tmp_path, studies):
     """More studies than the bound are so with a chance of 0.1 % if 5 % are, and far less if 2.5 % are."""
     assert called_better(tmp_path, studies) <= stats.binom.ppf(0.999, studies, 0.05)  # 4 or 13
 

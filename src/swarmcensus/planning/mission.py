@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, WrapValidator, model_validator
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.forms import Form, Number, Schema, Share, Table, says
 from swarmcensus.brains import Adversary, Brain, adversary, load
 from swarmcensus.brains.packing import Format, Precision
@@ -27,7 +26,7 @@ from swarmcensus.studies.fields import (
 )
 from swarmcensus.studies.schema import schema_of
 from swarmcensus.studies.settings import KEYS, as_declared
-from swarmcensus.studies.tables import explain
+from swarmcensus.studies.tables import study_error
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body, Positive
@@ -265,7 +264,7 @@ def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | N
     try:
         return Mission.model_validate(given, context={"base": base or Path()})
     except ValidationError as error:
-        raise InputError(explain(error, where, Mission, given)) from None
+        raise study_error(error, where, Mission, given) from None
 
 
 def load_mission(path: str | Path) -> dict[str, Any]:

@@ -124,7 +124,7 @@ def _readings(observations: Any) -> np.ndarray:
     try:
         readings = np.ascontiguousarray(_unmasked(observations), np.float64)
     except (TypeError, ValueError):
-        raise InputError("observations: should be an array of 0, 1 and NaN") from None
+        raise InputError("observations: should be an array of 0, 1 and NaN", key="observations") from None
     if readings.ndim != 2 or 0 in readings.shape:
         raise InputError(f"observations of shape {readings.shape}: should be (step, robot), one of each at least")
     wrong = ~(np.isnan(readings) | (readings == 0.0) | (readings == 1.0))
@@ -185,7 +185,7 @@ def _rows(links: Any) -> np.ndarray:
         if rows.size and (rows.dtype == bool or not (whole == rows).all()):
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise InputError("links: should be an array of whole numbers") from None
+        raise InputError("links: should be an array of whole numbers", key="links") from None
     if not whole.size:
         return np.zeros((0, 2), np.int64)
     if whole.ndim != 2 or whole.shape[1] not in (2, 3):

@@ -203,6 +203,22 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
 
 
+def first_view(offer: Offer, asked: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
+    """What a page begins with, and how it is seen; next to a recording stands the first of the brains that were given.
+
+    All that the page will ask for is tried, so that errors are raised here, and not in the browser. Raises InputError.
+    """
+    query = {key: value for key, value in asked.items() if key not in PLAYED}
+    play = {key: value for key, value in asked.items() if key in PLAYED}
+    if offer.logged and offer.logged.brains:
+        query.setdefault("beside", next(iter(offer.logged.brains)))
+    trial = wanted(offer, query)
+    check_moment(trial, play)
+    for setting in trial.settings if offer.logged else ():
+        offer.logged.under(setting.brain)  # type: ignore[union-attr]
+    return query, play
+
+
 def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
     """Raise InputError for a request that would change what robots have lived."""
     for key, value in request.items():

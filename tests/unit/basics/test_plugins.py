@@ -260,7 +260,7 @@ def done(package, tmp_path_factory):
 
 
 @pytest.mark.long
-def test_the_dataset_names_additions_with_the_keys_that_are_not_as_usual(done):
+def test_dataset_names_plugins_with_their_keys(done):
     fixed, moving = sc.load(done / "fixed.nc"), sc.load(done / "moving.nc")
     assert list(dict.fromkeys(fixed["topology"].values)) == [
         "torus", "torus(columns=5)", "pairs(share=0.5)", "chain(steps=[1,3])", "ring",
@@ -293,7 +293,7 @@ def test_who_hears_whom_is_what_the_file_says(installed):
     assert set(pairs[0].edges) != set(pairs[1].edges) == set(pairs[2].edges)
 
 
-def test_a_floor_is_as_black_as_was_asked_for_and_looks_as_its_file_says(installed, done):
+def test_shipped_floors(installed, done):
     study = sc.Study.load(done / "moving.toml")
     by = {str(s.floor): s for s in study.settings()}
     for name in ("hills", "hills(0.25)", "photo(leaf,false)"):
@@ -338,7 +338,7 @@ def test_trials_are_replayed_bit_for_bit(installed, done, step):
 
 
 @pytest.mark.long
-def test_a_run_goes_on_and_gives_what_it_would_have_given_at_once(installed, done, tmp_path, capsys):
+def test_resumed_run_is_the_same(installed, done, tmp_path, capsys):
     for name in ("fixed", "moving"):
         shutil.copy(done / f"{name}.nc", tmp_path / "x.nc")
         more = ("run", str(done / f"{name}.toml"), "--trials", "3", "--out")
@@ -349,7 +349,7 @@ def test_a_run_goes_on_and_gives_what_it_would_have_given_at_once(installed, don
 
 
 @pytest.mark.long
-def test_results_of_a_file_that_was_changed_are_not_mixed_with_others(package, done, tmp_path):
+def test_changed_file_is_not_mixed(package, done, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for name, kind, file in (("fixed", "topology", "torus"), ("moving", "floor", "hills"), ("fixed", "spread", "beta")):
         path = tmp_path / "site" / "meadow" / f"{file}.py"
@@ -366,7 +366,7 @@ def test_results_of_a_file_that_was_changed_are_not_mixed_with_others(package, d
         path.write_text(before)
 
 
-def test_results_without_the_package_can_be_looked_at_but_not_replayed(done, monkeypatch, tmp_path, capsys):
+def test_results_of_a_missing_package_are_readable(done, monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["show", str(done / "moving.nc")]) == 0
     capsys.readouterr()
@@ -377,7 +377,7 @@ def test_results_without_the_package_can_be_looked_at_but_not_replayed(done, mon
     assert said.count("\n") == 1
 
 
-def test_what_is_drawn_depends_on_names_and_keys_and_the_fingerprint_on_the_file_too(installed):
+def test_draws_depend_on_names_and_fingerprints_on_files(installed):
     settings = {str(s.topology): s for s in sc.Study.parse(FIXED).settings()}
     assert len({addresses.fingerprint(s, 5) for s in settings.values()}) == len(settings)
     assert len({tuple(addresses.losses_key(s, 5)) for s in settings.values()}) == len(settings)
@@ -479,7 +479,7 @@ def test_what_is_wrong_is_told_in_a_line(key, value, said, installed, tmp_path, 
     assert not (tmp_path / "s.nc").exists()
 
 
-def test_a_graph_that_is_not_made_in_one_trial_fails_that_trial_alone(installed, capsys):
+def test_graph_that_fails_in_one_trial(installed, capsys):
     Path("s.toml").write_text(LINES.format(accuracy="0.7", topology='["late", "ring"]', more="", length="rounds"))
     assert main(["run", "s.toml", "--out", "s.nc"]) == 2
     assert "topology 'late' of 12 robots: no graph this time" in capsys.readouterr().err
@@ -530,7 +530,7 @@ def test_a_brain_and_a_metric_do_what_their_files_say(installed, done):
 
 
 @pytest.mark.long
-def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, done, tmp_path):
+def test_changed_brain_and_metric_are_not_mixed(package, done, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for file, said_of_run, said_of_verify in (
         (
@@ -602,7 +602,7 @@ def test_a_name_that_is_misspelled_is_told(before, after, said, installed, capsy
 
 
 @pytest.mark.long
-def test_an_adversary_of_another_package_lies_and_is_remembered(installed, tmp_path):
+def test_plugin_adversary(installed, tmp_path):
     study = sc.Study(
         trials=2, swarm={"robots": 6, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.55},
         schedule={"rounds": 5}, members=[{"robots": 2, "brain": "grey", "honest": False}],
@@ -625,7 +625,7 @@ def test_an_adversary_of_another_package_lies_and_is_remembered(installed, tmp_p
 # ---- every kind of plugin
 
 
-def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(package):
+def test_plugins_are_listed_without_being_run(package):
     done = subprocess.run(
         [sys.executable, "-m", "swarmcensus", "list"],
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(package), *sys.path]), "COLUMNS": "200"},
@@ -633,7 +633,7 @@ def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(packag
     )  # fmt: skip
     rows = [line.split() for line in done.stdout.splitlines() if line]
     assert [row[0] for row in rows if row[1:3] == ["keys", "what"]] == [
-        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures",
+        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets",
     ]  # fmt: skip
     by = {row[0]: row for row in rows}
     assert by["lowest"][1:] == ["The", "lowest", "estimate", "that", "a", "robot", "ever", "holds.", "meadow"]
@@ -647,7 +647,7 @@ def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(packag
     assert done.stderr == ""
 
 
-def test_a_name_of_ours_is_found_without_a_look_at_other_packages(monkeypatch):
+def test_shipped_names_need_no_package_search(monkeypatch):
     forget()
     monkeypatch.setattr(plugins, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
     world = {"topology": ["full", "ring", "line", "scale-free", "moving"], "density": 2, "fill_ratio": 0.5,
@@ -655,7 +655,7 @@ def test_a_name_of_ours_is_found_without_a_look_at_other_packages(monkeypatch):
     sc.Study(trials=1, swarm={"robots": 5, "accuracy": ["U(0.5, 0.9)", "N(0.7, 0.1)", 0.7]}, world=world)
 
 
-def test_ours_come_first_and_two_packages_with_one_name_are_told_apart(tmp_path, monkeypatch):
+def test_name_clashes_of_packages(tmp_path, monkeypatch):
     for name in ("one", "other"):
         points = {"swarmcensus.topologies": {"ring": f"{name}.mine", "torus": f"{name}.mine"}}
         install(tmp_path, name, {"mine": "def edges(robots): return []"}, points)

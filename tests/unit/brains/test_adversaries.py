@@ -77,7 +77,7 @@ def test_a_slow_liar_goes_one_pace_a_round():
     )
 
 
-def test_a_creeper_is_a_step_from_what_it_believes_in_every_round():
+def test_creeper_is_a_step_away():
     used, me = worn("creeper", step=0.02), robot(worn("creeper", step=0.02), 7, 10)
     honest, other = brains.load("minimalistic"), robot(brains.load("minimalistic"), 7, 10)
     for _ in range(3):
@@ -103,7 +103,7 @@ def test_a_coin_is_tossed_each_round():
     assert said == [pytest.approx(x), *(own(u) for u in luck)]
 
 
-def test_a_mirror_says_the_mean_of_what_it_heard_until_it_hears_again():
+def test_mirror_repeats_the_mean_it_heard():
     used = worn("noisy-mirror", noise=0.1)
     me = robot(used, 7, 10)
     for x in (0.2, 0.3, 0.7):
@@ -554,7 +554,7 @@ def test_on_the_move(name, rich):
     assert batch.counts[0, HEARD].sum() > 0
 
 
-def test_a_brain_that_is_not_there_is_no_fault_of_the_adversary(capsys):
+def test_missing_brain_of_an_adversary(capsys):
     assert main(["brains", "--check", "always-black", "--wearing", "legcy"]) == 2
     shown = capsys.readouterr()
     assert shown.out == ""

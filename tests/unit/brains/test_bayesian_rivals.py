@@ -144,7 +144,7 @@ class TestBayesBots:
     @pytest.mark.long(but=["bayes-bots-2.5", "changing-floor-1.5", "changing-floor-3.2"])
     @pytest.mark.parametrize("every", [1.0, 1.5, 2.0, 2.5, 3.2])
     @pytest.mark.parametrize("brain", ["bayes-bots", "changing-floor"])
-    def test_no_observation_counts_twice_whatever_the_time_between_two(self, brain, every):
+    def test_observations_count_once(self, brain, every):
         """Among eight that all hear each other: what a robot has counted is what all have told."""
         given = {"file": brain, "every": every, "threshold": 1.0} | ({"limit": 2.0} if brain != "bayes-bots" else {})
         study = sc.Study(

@@ -140,7 +140,8 @@ class TestPatches:
             known.append(me.alike)
         assert np.mean(known[5000:]) == pytest.approx(0.7, abs=0.05)
 
-    def test_liars_cannot_make_readings_alike_where_the_floor_is_white(self):
+    @pytest.mark.long
+    def test_liars_on_a_white_floor(self):
         study = sc.Study(
             trials=15, seed=9, swarm={"robots": 20, "accuracy": 0.99, "brain": "census"},
             members=[{"robots": 4, "brain": "creeper", "honest": False}],
@@ -188,7 +189,7 @@ class TestChange:
             round_of(swarm, [(2.0, 4.0)] * 2, [[1], [0]], random.random(2))
         return swarm
 
-    def test_a_robot_begins_anew_and_then_ignores_sums_of_those_that_have_not(self):
+    def test_restarted_robot_ignores_old_sums(self):
         first, other = self.settled()
         assert first.anew == other.anew == 0.0
         for _ in range(60):
@@ -213,7 +214,7 @@ class TestChange:
         assert first.anew == 0.0
         assert first.v > 31.0
 
-    def test_a_neighbour_that_has_begun_anew_is_believed_only_if_own_sums_agree(self):
+    def test_restarted_neighbour_needs_agreement(self):
         for off, begins in ((0.02, 0.0), (2.5, 1.0)):
             first, other = self.settled()
             other.anew = 1.0
@@ -271,7 +272,7 @@ class TestLiars:
             round_of(swarm, readings, heard)
         return swarm
 
-    def test_r_is_the_mean_of_own_readings_weighted_by_them_up_to_the_own_ones(self):
+    def test_r_is_a_capped_weighted_mean(self):
         """By hand: k = 0.6, so v = 0.36 a reading and o / p = (black share - 0.2) / 0.6."""
         first, second, _ = self.met([(5.0, 10.0), (12.0, 20.0), (6.0, 10.0)])
         f = [(share - 0.2) / 0.6 for share in (0.5, 0.6, 0.6)]
@@ -317,7 +318,7 @@ class TestLiars:
     @pytest.mark.parametrize(
         ("off", "told"), [(1.7, 1.7), (-1.9, -1.75 * 0.6 / 0.75), (2.2, 1.75 * 0.3 / 0.75), (2.6, 0.0), (4.0, 0.0)]
     )
-    def test_the_estimate_is_drawn_to_what_the_robots_near_have_read(self, off, told):
+    def test_estimate_is_drawn_to_nearby_readings(self, off, told):
         (me,) = self.met([(50.0, 100.0)], rounds=10)
         me.x = me.near + off * me.error
         DO.cut(me)
@@ -342,7 +343,7 @@ class TestLiars:
             DO.fuse(me)
         assert me.guard == 0.0
 
-    def test_readings_of_others_that_are_off_count_as_if_they_were_less_so(self):
+    def test_far_readings_are_clipped(self):
         """Of two robots with v = 36: 0.6 standard errors of a reading and r, and none from 2.5 on."""
         for blacks, counted in ((50.0, None), (54.0, 0.6), (80.0, 0.0)):
             (me,) = self.met([(50.0, 100.0)], rounds=10)
@@ -423,7 +424,7 @@ class TestLiars:
         assert me.v > before
 
     @pytest.mark.parametrize(("own_trial", "heard"), [(0.0, 1.0), (4.0, 0.0)])
-    def test_old_readings_of_one_that_tries_a_change_are_excused_only_by_others(self, own_trial, heard):
+    def test_old_readings_need_confirmation_by_others(self, own_trial, heard):
         me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
         other.own_s, other.trial = 0.9 * other.own_v, 4.0
         me.trial = own_trial
@@ -431,6 +432,7 @@ class TestLiars:
         DO.receive(me, DO.broadcast(other))
         assert me.voices == heard
 
+    @pytest.mark.long(only=["slow-liar"])
     @pytest.mark.parametrize("liar", ["always-black", "slow-liar"])
     def test_a_swarm_that_hears_liars_all_over_follows_a_change(self, liar):
         study = sc.Study(
@@ -442,7 +444,7 @@ class TestLiars:
         errors = np.nanmedian(abs(sc.run(study)["final_estimate"] - 0.55), axis=(0, 2))
         assert (errors > 0.02).sum() <= 3  # in 15 trials; 8 and 11 if the old readings of liars are excused
 
-    def test_a_robot_without_readings_hears_those_that_have_confirmed_a_change(self):
+    def test_robot_without_readings_follows_confirmed_changes(self):
         me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
         other.own_s = 0.9 * other.own_v
         for trial, heard in ((0.0, 0.0), (4.0, 1.0)):
@@ -475,6 +477,7 @@ class TestLiars:
             assert (me.own_s / me.own_v == pytest.approx(0.2)) == changed
             assert (me.guard > 0.0) != changed
 
+    @pytest.mark.long(but=["shouter", "creeper"])
     @pytest.mark.parametrize(
         "liar",
         [

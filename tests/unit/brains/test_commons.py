@@ -64,7 +64,7 @@ def test_commons_is_a_matrix_of_means_that_mixes_both_sums():
         np.testing.assert_allclose(found, np.clip((s + prior / 2) / (v + prior), 0.0, 1.0), rtol=1e-12)
 
 
-def test_a_robot_that_hears_nobody_keeps_the_paper_s_local_estimate_but_for_the_prior():
+def test_lone_robot_has_the_papers_local_estimate():
     (me,) = minds(COMMONS, [(0.8, 0.7)])
     assert COMMONS.estimate(me) == 0.5
     for _ in range(400):
@@ -108,7 +108,7 @@ def test_the_ratio_has_no_bias_whatever_becomes_of_messages(tables):
 
 
 @pytest.mark.parametrize("graph", [nx.barabasi_albert_graph(20, 2, seed=1), nx.star_graph(9)], ids=["hubs", "star"])
-def test_the_swarm_s_evidence_reaches_all_but_for_uneven_weights(graph):
+def test_efficiency_of_uneven_weights(graph):
     """Late, efficiency is 1 / (N sum pi^2), pi as the voices: by chi-squared of 150 trials, fails in 1 of 1,000."""
     graph.name = "some"
     robots = len(graph)
@@ -153,7 +153,7 @@ def test_swift_is_a_second_order_recursion_of_the_same_matrix():
 @pytest.mark.parametrize(
     ("topology", "keeps"), [("full", False), ("line", True), ("ring", True), (nx.wheel_graph(7), True)], ids=str
 )
-def test_who_hears_just_whom_all_its_neighbours_hear_gives_momentum_up(topology, keeps):
+def test_momentum_is_given_up_in_full_networks(topology, keeps):
     """Where everyone hears everyone, to the last digit: it is commons there."""
     if not isinstance(topology, str):
         topology.name = "wheel"
@@ -161,7 +161,7 @@ def test_who_hears_just_whom_all_its_neighbours_hear_gives_momentum_up(topology,
     assert np.array_equal(*found["final_estimate"].values) != keeps
 
 
-def test_who_is_shaken_says_so_and_all_are_within_the_way_between_them():
+def test_lost_messages_stop_momentum_nearby():
     robots = minds(SWIFT, [(0.9, 0.8)] * 4)
     one_round(SWIFT, robots, [3.0] * 4, 5.0, PATH)
     lost = PATH.copy()
@@ -188,7 +188,7 @@ def test_swift_is_commons_among_robots_that_move(tables):
 
 
 @pytest.mark.parametrize("topology", ["ring", "scale-free"])
-def test_swift_settles_twice_as_soon_where_nothing_is_lost_and_no_later_where_half_is(topology):
+def test_swift_settles_twice_as_soon_without_losses(topology):
     """30 paired trials of 100 robots; the ratios are .36 to .43 and .97 to 1.01 over seeds, so chance is no matter."""
     world = {"topology": topology, "link_success": [1.0, 0.5]}
     still = study(["commons", "swift"], trials=30, robots=100, accuracy=0.625, world=world, schedule=TEN)
@@ -205,7 +205,7 @@ def test_swift_settles_twice_as_soon_where_nothing_is_lost_and_no_later_where_ha
     assert of["swift", 0.5][1] < 1.02 * of["commons", 0.5][1]
 
 
-def test_commons_errs_less_and_settles_sooner_than_the_paper_s_brain():
+def test_commons_is_better_than_the_papers_brain():
     """Ring of 100, paired by trial: Wilcoxon's signed ranks, one-sided, at 1 in 1,000."""
     both = sc.run(study(["minimalistic", "commons"], trials=30, robots=100, accuracy=0.625, schedule=TEN))
     for name in ("convergence_round", "error"):
@@ -214,7 +214,7 @@ def test_commons_errs_less_and_settles_sooner_than_the_paper_s_brain():
         assert stats.wilcoxon(commons, paper, alternative="less").pvalue < 0.001
 
 
-def test_swift_reaches_the_whole_swarm_s_bound_where_commons_has_news_under_way():
+def test_swift_is_near_the_swarm_bound():
     """100 robots on a ring, b = w = 0.525, f = 0.55, round 1,000: some 0.0105 and 0.0075; the bound is 0.0067."""
     far = sc.run(study(["commons", "swift"], robots=100, accuracy=0.525, schedule=LONG))
     commons, swift = np.median(np.abs(far["final_estimate"].values - 0.55), axis=(1, 2))

@@ -92,7 +92,7 @@ def test_w_msr_that_drops_nothing_is_linear_consensus():
 @pytest.mark.long(but=["used2-3-2-1.0"])
 @pytest.mark.parametrize("fill_ratio", [0.0, 1.0])
 @pytest.mark.parametrize(("used", "lying", "outvoted"), [(LINEAR, 1, 0), (LINEAR, 3, 0), (WMSR, 3, 2), (WMSR, 2, 2)])
-def test_constant_liars_drag_a_full_network_at_the_computed_rate(used, lying, outvoted, fill_ratio):
+def test_constant_liars_in_closed_form(used, lying, outvoted, fill_ratio):
     """Perfect sensors on a floor of one colour: in closed form, to 1e-9.
 
     Of N robots L lie and F of them are dropped: the mean is over N - F values, of which L - F are the liars' and one
@@ -146,7 +146,7 @@ def told(graph):
 
 @pytest.mark.long
 @pytest.mark.parametrize("says", [0.0, 1.0])
-def test_w_msr_agrees_within_the_hull_where_the_network_is_robust_and_not_on_a_ring(says):
+def test_w_msr_agrees_on_robust_networks_only(says):
     """F = 1 and one liar. Sensors stop after two phases: what follows is consensus alone, on what was seen before."""
     assert is_rs_robust(ROBUST, 2, 2)
     assert not is_rs_robust(RING, 2, 2)
@@ -169,7 +169,7 @@ def test_w_msr_agrees_within_the_hull_where_the_network_is_robust_and_not_on_a_r
 @pytest.mark.long
 @pytest.mark.interpreted
 @pytest.mark.parametrize("drop", [1, 2])
-def test_in_every_phase_w_msr_stays_in_the_hull_of_what_the_honest_hold_and_see(drop):
+def test_w_msr_stays_in_the_hull_of_honest_values(drop):
     """As long as nobody hears more than F liars; noisy sensors, and F + 1 liars break it."""
     for lying in (drop, drop + 1):
         x, blacks, honest = lived(
@@ -236,7 +236,7 @@ def test_a_debiased_share_is_the_corrected_one(used, b, w, expected):
 
 @pytest.mark.interpreted
 @each
-def test_of_many_senders_the_first_twenty_by_lot_count_once_with_their_last_word(used):
+def test_receiver_samples_twenty_senders(used):
     """Against a dict of Python that remembers everybody; ten rounds of one phase, each in an order of its own."""
     random = np.random.default_rng(4)
     me = used.with_parameters({"phase": 100.0}).robot(0.8, 0.8)

@@ -81,7 +81,7 @@ class TestInformationFilter:
         found = most_likely(blacks[1:].sum(axis=0), 5 * rounds, b, w)
         assert curves[-1] == pytest.approx(found, abs=1e-6)
 
-    def test_in_the_first_round_variances_do_not_matter_where_sensors_are_alike(self):
+    def test_first_round_ignores_variances_of_equal_sensors(self):
         _, curves, blacks, b, w = lived(INFORMATION, robots=9, accuracy=APART, rounds=1, looks=50, topology="full")
         assert curves[-1] == pytest.approx(most_likely(blacks[1], 50, b, w), abs=1e-6)
 

@@ -54,7 +54,7 @@ def knowing(names, lie=HONEST):
     return adversary_of(f"KNOWS = {names}\n\n\n{lie}")
 
 
-def test_each_field_is_said_by_its_own_rule_or_else_by_its_role():
+def test_rules_by_field_or_role():
     """3 of 4 are black: x = 0.75, confidence 2, t = 4, n = 3; a quarter is told of all other fields.
 
     The information is a quarter of the confidence that `boast` would tell, here the honest one.
@@ -93,7 +93,7 @@ def test_machine_code_says_and_knows_the_same(untraced):
     agrees(brains.lying_brain(adversary_of(SOURCE), brain(RICH)))
 
 
-def test_who_never_speaks_can_be_worn_by_whoever_knows_another_brain():
+def test_silent_brain_and_insiders():
     used = brains.lying_brain(knowing(("own_v", "n"), "def lie(me, x):\n    return me.own_v\n"), brains.load("alone"))
     me = robot(used, 3, 4)
     assert used.functions.broadcast(me) is None
@@ -195,7 +195,7 @@ rounds = 5
 
 
 @pytest.mark.interpreted
-def test_results_hold_an_insider_s_source_and_it_is_run_again_from_there(tmp_path, monkeypatch, capsys):
+def test_insider_is_run_again_from_results(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name, text in (("knows.py", SOURCE), ("rich.py", RICH), ("s.toml", STUDY)):
         Path(name).write_text(text)

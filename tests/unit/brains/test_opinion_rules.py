@@ -113,7 +113,7 @@ def test_only_the_last_rounds_are_listened_to(name):
     assert me.t == 2.0
 
 
-def test_the_voter_adopts_each_sender_as_often_however_often_it_speaks():
+def test_voter_adopts_senders_equally():
     """Sender 5 speaks ten times, sender 6 once: which lot is lower is as before."""
     adopted = []
     for luck in np.random.default_rng(1).random(400):
@@ -139,7 +139,7 @@ def test_the_majority_is_of_the_kept_and_oneself(own, others, adopted):
     assert me.opinion == adopted
 
 
-def test_the_majority_keeps_the_lowest_lots_of_distinct_senders():
+def test_majority_samples_distinct_senders():
     """By brute force: 30 senders in any order, one of them with two opinions; as many as asked for stay."""
     random = np.random.default_rng(5)
     said = [(float(k % 2), float(k)) for k in range(30)] + [(0.0, 7.0)]
@@ -164,7 +164,7 @@ def test_direct_comparison_adopts_what_is_better():
         assert me.opinion == adopted
 
 
-def test_direct_comparison_tells_for_as_long_as_the_larger_share_says():
+def test_direct_comparison_scales_dissemination():
     """Black at first, on a floor where it reads nothing but white."""
     me, rule = robot("direct-comparison")
     rounds(me, rule, blacks=0.0)
@@ -174,7 +174,7 @@ def test_direct_comparison_tells_for_as_long_as_the_larger_share_says():
     assert me.left == math.ceil(-6.0 * 2.0 / 3.0 * math.log(0.5)) + 2.0
 
 
-def test_direct_comparison_tells_for_as_long_as_the_best_quality_says_if_that_is_given():
+def test_direct_comparison_scales_dissemination_by_best_quality():
     """All robots alike, whatever they read, as in a public fork."""
     for blacks in (0.0, 1.0):
         me, rule = robot("direct-comparison", best=0.9)

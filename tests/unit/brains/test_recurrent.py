@@ -110,7 +110,7 @@ def test_the_search_begins_as_its_log_says(name, losses):
 
 
 @pytest.mark.long
-def test_on_settings_it_never_saw_it_is_nearer_than_a_robot_alone():
+def test_recurrent_net_generalises():
     """Not told its sensors, it is level where they are good; told of them, with weights trained so, it is nearer."""
     study = sc.Study.load(STUDIES / "recurrent-unseen.toml")
     results = sc.run(study)

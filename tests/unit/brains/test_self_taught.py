@@ -49,7 +49,7 @@ def test_a_first_round_by_hand():
 
 
 @pytest.mark.parametrize("graph", ["ring", "full"])
-def test_without_new_readings_it_comes_to_the_random_effects_mean(graph):
+def test_self_taught_reaches_the_random_effects_mean(graph):
     """Brute force: f, d and the weights as they determine one another, of sensors of all kinds and any readings."""
     chance, robots = np.random.default_rng(4), 8
     b = chance.uniform(0.6, 0.95, robots)
@@ -74,7 +74,7 @@ def test_without_new_readings_it_comes_to_the_random_effects_mean(graph):
 
 @pytest.mark.long(but=["0", "5", "8"])
 @pytest.mark.parametrize("wrong", range(12))
-def test_the_greater_part_keeps_its_evidence_and_the_smaller_one_takes_it_back(wrong):
+def test_majority_keeps_its_evidence(wrong):
     """Eleven robots without noise, of which some read 0.7 where the others read 0.3; 5 against 6 is the limit."""
     minds = [robot(1.0, 1.0) for _ in range(11)]
     for k, me in enumerate(minds):
@@ -149,14 +149,14 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(told, truth, fill):
     assert np.median(plain) > 3.0 * np.median(error)
 
 
-def test_all_wrong_alike_know_nothing_of_it_and_one_honest_robot_is_overruled():
+def test_common_sensor_error_is_invisible():
     """Told 0.95 and 0.75 at f = 0.75: 0.75 0.5 + 0.25 = 0.625 is made (0.625 - 0.05)/0.9; one or none is right."""
     for wrong in (19, 20):
         error = swarm_of(wrong, 0.95, 0.75, 0.75)["final_estimate"].values - (0.625 - 0.05) / 0.9
         assert abs(error).max() < 0.02
 
 
-def test_one_honest_robot_is_enough_where_the_others_readings_cannot_be():
+def test_one_honest_robot_against_impossible_readings():
     """Told 0.55, but 0.95 at f = 0.95: 0.905 black is more than an all-black floor gives: nineteen step back."""
     error = abs(swarm_of(19, 0.55, 0.95, 0.95, rounds=1200)["final_estimate"].values - 0.95)
     assert error.max() < 0.03

@@ -111,6 +111,7 @@ class TestDays:
 
 
 class TestLives:
+    @pytest.mark.long
     def test_commons_needs_the_rests(self, tmp_path):
         """Without them, single precision leaves double precision within 2^26 readings."""
         assert single_life.life(forgetful("commons", tmp_path), 1000, beyond=True).first is not None
@@ -122,10 +123,6 @@ class TestLives:
         mind = single_life._blank(brain)[0]
         assert (mind["typical"], mind["sure"], mind["cap"]) == (0.25, 2.0, 2.0)
 
-    def test_counts_end_at_two_to_the_twenty_fourth(self):
-        lived = single_life.life(brains.load("minimalistic"), beyond=True)
-        assert 2**24 < lived.first < 2**24 + 250_000
-
     def test_the_very_reading_is_named(self, tmp_path):
         """At the reading 5,000 the sum is 2^24 + 1, which float32 has not."""
         source = brains.load("alone").source.partition("def estimate")[0]
@@ -135,13 +132,14 @@ class TestLives:
         assert single_life.life(brains.load(file), 6000) == (5000, 5000)
         assert single_life.life(brains.load(file), 4999) == (None, None)
 
-    @pytest.mark.long(but=["commons", "minimalistic"])
+    @pytest.mark.long(but=["minimalistic"])
     @pytest.mark.parametrize("name", brains.shipped())
     def test_the_table_is_what_is_found(self, name):
         assert single_life.life(brains.load(name), beyond=True).first == single_lives()[name]
 
     def test_the_table_has_all(self):
         assert [*single_lives()] == brains.shipped()
+        assert 2**24 < single_lives()["minimalistic"] < 2**24 + 250_000  # where counts end
         assert all(single_lives()[name] is None or single_lives()[name] > single_life.DAY for name in LONG_LIVED)
 
 

@@ -85,7 +85,7 @@ def test_the_bound_by_hand():
 
 
 @pytest.mark.parametrize("open_to_all", [False, True], ids=["gates", "no gate but the bound"])
-def test_whatever_is_said_the_estimate_is_what_the_own_readings_allow(open_to_all):
+def test_own_readings_bound_the_estimate(open_to_all):
     """Messages of any size and sign, by up to thirty voices a round, to sensors of all kinds."""
     rng = np.random.default_rng(8)
     moved = 0.0
@@ -180,7 +180,7 @@ LIES = ("always-black", "always-white", "opposite", "random", "noisy-mirror", "s
 
 
 @pytest.mark.long
-def test_a_fifth_of_liars_of_any_kind_costs_less_than_talking_gains():
+def test_steadfast_among_a_fifth_of_liars():
     """Each kind's median is below that of a robot alone, commons' is above: 99 % of bootstraps of the trials agree."""
     alone = errors("alone")
     kinds = [kind for kind in LIES if kind not in ("noisy-mirror", "random", "shouter")]  # who shouts breaks commons
@@ -205,7 +205,7 @@ def test_without_liars_it_keeps_most_of_what_commons_gains(topology):
 
 
 @in_two_sizes("lies", ("always-black",), LIES)
-def test_beside_liars_on_both_sides_a_robot_is_left_with_its_bound(lies):
+def test_robot_between_two_liars_keeps_its_bound(lies):
     """On a ring with a third of liars nobody is farther off than the bound, own readings' law of 4 standard errors."""
     found = sc.run(
         sc.Study(

@@ -29,7 +29,7 @@ def test_the_quantile_is_student_s(alpha, degrees):
 
 
 @pytest.mark.parametrize("degrees", [1.5, 3.5, 4.2, 5.5, 6.9])
-def test_between_whole_degrees_the_quantile_is_slightly_too_large(degrees):
+def test_quantile_between_whole_degrees(degrees):
     ratio = SURE.quantile(0.01, degrees) / stats.t.ppf(0.995, degrees)
     assert 1.0 <= ratio < (1.02 if degrees > 3.0 else 1.4)
 
@@ -86,7 +86,7 @@ def test_a_robot_without_evidence_in_some_stream_cannot_tell():
     assert not SURE.done(nobody)
 
 
-def test_eight_robots_that_hear_each_other_feed_all_streams_in_a_round():
+def test_eight_robots_feed_all_streams():
     """Seven cannot tell: each feeds that of its name, modulo eight."""
     for many, told in ((7, False), (8, True)):
         swarm = [mind(name=100.0 + k) for k in range(many)]
@@ -122,7 +122,7 @@ def test_looks_follow_twice_as_many_rounds_each():
     assert looks == [8, 24, 56, 120]
 
 
-def test_blocks_double_where_readings_are_known_to_be_independent():
+def test_blocks_double_for_independent_readings():
     """In the third stream first: a robot named 10."""
     me, fed = mind(name=10.0, pairs=1e6, looks=1e7), []
     for _ in range(24):
@@ -162,7 +162,7 @@ def test_the_likeness_of_readings_counts_its_error_twice():
     assert rounds == math.ceil(30.0 * r / (1.0 - r))
 
 
-def test_a_robot_stays_on_ground_in_patches_and_moves_on_elsewhere():
+def test_streams_change_slowly_on_patches():
     """One robot alone, 800 rounds: colours of 40 rounds each, and the same colours shuffled."""
     patches = np.repeat(np.arange(20) % 2, 40)
     for colours, fed in ((patches, False), (np.random.default_rng(6).permutation(patches), True)):
@@ -224,7 +224,7 @@ def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
     assert at.min() >= 8
 
 
-def test_few_robots_stop_on_a_wrong_answer_on_ground_in_patches():
+def test_wrong_stops_on_patches():
     """At most alpha of them, where a spread within robots' walks misses them for a third: 4 standard errors."""
     study = sc.Study(
         trials=60, seed=23, swarm={"brain": {"file": "sure", "within": 0.05}, "robots": 20, "accuracy": [0.7, 0.95]},

@@ -93,7 +93,7 @@ def test_chance_stays_within_the_bound():
 
 @pytest.mark.long
 @pytest.mark.parametrize("topology", ["ring", "full"])
-def test_on_a_floor_that_stays_it_is_commons_but_for_rare_mistakes(topology):
+def test_tracking_is_commons_on_constant_floors(topology):
     """At most 8 of 100 full swarms begin anew by mistake in 400 rounds (3 % do in 1,000), and next to no ring does.
 
     Of a chance of 3 %, more than 8 of 100 are met once in 300 seeds.
@@ -126,7 +126,7 @@ def test_what_changes_by_less_than_the_noise_is_not_seen():
     assert me.long_v < 300.0
 
 
-def test_a_robot_that_begins_anew_by_mistake_gets_the_sums_back():
+def test_mistaken_restart_is_undone():
     minds = [robot() for _ in range(10)]
     for me in minds:
         me.s, me.v, me.long_s, me.long_v = 60.0, 100.0, 600.0, 1000.0

@@ -162,7 +162,7 @@ def test_the_filters_step_is_that_of_a_numerical_linearisation():
         assert m * p * (1 - p) == pytest.approx(published)
 
 
-def test_the_filter_learns_nothing_at_one_half_and_of_few_readings():
+def test_filter_learns_nothing_at_one_half():
     me = robot(CPF, 0.8, 0.8)
     me.t, me.n, me.past_x = 1000.0, 700.0, 0.5
     CPF.functions.learn(me)
@@ -236,7 +236,7 @@ def test_a_perfect_sensor_that_sees_one_colour_alone_is_borne(looks, black):
     assert me.alpha == pytest.approx(me.t)
 
 
-def test_to_a_sensor_that_lies_readings_say_nothing_once_it_learns():
+def test_uninformative_sensor():
     me, run = robot(CPF, 0.3, 0.3, every=1.0), CPF.functions
     run.observe(me, 30.0, 100.0)
     assert me.x_hat == pytest.approx(1.0)
@@ -286,7 +286,7 @@ def test_the_older_consensus_is_a_mean_of_means():
         assert me.past_x == pytest.approx(told, abs=1e-12)
 
 
-def test_an_error_that_all_robots_share_is_invisible_to_the_filter():
+def test_shared_error_is_invisible_to_the_filter():
     """With x' as made from mu, the expected share of black readings is the seen one: mu follows the drift alone."""
     black = 0.53
     for mu in (0.6, 0.7, 0.9):

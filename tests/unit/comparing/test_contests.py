@@ -27,7 +27,7 @@ NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 # ---- who meets whom
 
 
-def test_a_contender_is_a_brain_with_the_parameters_that_vary_among_its_settings():
+def test_contender_is_a_brain_with_its_varying_parameters():
     data = made_up()
     assert grid_of(data, data)[0].contenders == NAMES
     few = data.isel(setting=(data["prior"] != 10).values)
@@ -126,7 +126,7 @@ def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
                 assert measures.numbers(data, name)[setting, trial] == pytest.approx(number, rel=1e-12), name
 
 
-def test_errors_are_held_against_the_trials_own_floor_where_the_study_says_so():
+def test_errors_against_the_floor():
     data = made_up()
     data.attrs["truth"] = "floor"
     data["true_fill_ratio"][:] = 0.5
@@ -134,7 +134,7 @@ def test_errors_are_held_against_the_trials_own_floor_where_the_study_says_so():
     assert measures.numbers(data, "final_error") == pytest.approx(off)
 
 
-def test_right_is_at_the_last_checkpoint_that_a_setting_reaches():
+def test_right_is_at_the_last_checkpoint():
     data = made_up(brains=2)
     wide = data.drop_vars("correct").drop_dims("checkpoint").assign_coords(checkpoint=[100, 500])
     right = np.random.default_rng(1).uniform(size=(4, 2, 20))
@@ -173,7 +173,7 @@ def with_metric(data, name="lowest"):
     return data
 
 
-def test_metrics_of_files_are_compared_where_it_is_known_which_way_is_better():
+def test_metrics_without_direction_are_not_compared():
     plain = sc.compare(with_metric(made_up()))
     assert "lowest" not in [one.name for one in plain.measures]
     assert any("metric='lowest:low' or 'lowest:high'" in one for one in plain.cautions)
@@ -291,7 +291,7 @@ def test_average_ranks_are_those_of_each_trial_and_world():
         assert duel["ahead"] == pytest.approx(ahead)
 
 
-def test_the_best_is_told_apart_from_all_and_the_level_are_not_from_the_first():
+def test_best_and_level_contenders():
     found = sc.compare(made_up(gap=0.6), "final_error")
     assert found.table["final_error_standing"].tolist() == ["best", "behind", "behind", "behind"] * 2
     assert found.verdict[0].startswith(
@@ -303,7 +303,7 @@ def test_the_best_is_told_apart_from_all_and_the_level_are_not_from_the_first():
     assert "none is told apart from another" in alike.verdict[1]
 
 
-def test_contenders_may_differ_while_no_two_are_told_apart_and_both_is_said():
+def test_difference_without_distinct_pairs_is_reported():
     """Six trials are too few for any pair among so many tests, and enough for Friedman's one."""
     data = made_up(gap=0.6, trials=6)
     found = sc.compare(data, "final_error")
@@ -352,7 +352,7 @@ def test_a_brain_that_uses_names_is_marked():
     assert "minimalistic, voter are not anonymous: they use their robots' names" in sc.compare(data).cautions
 
 
-def test_what_never_comes_is_the_worst_and_never_against_never_is_even():
+def test_events_that_never_happen_rank_last():
     data = made_up(brains=2, worlds=("ring",), trials=10)
     data["consensus_round"][:] = np.inf
     even = sc.compare(data, "consensus_round").pairs.iloc[0]
@@ -388,7 +388,7 @@ def test_a_constant_difference_has_a_p_and_no_interval():
     assert math.isnan(row["difference_low"])
 
 
-def test_a_difference_that_points_the_other_way_than_the_test_tells_nothing_apart():
+def test_contradicting_difference_and_test_decide_nothing():
     """Better in most trials, and much worse in a few: the mean says one thing and the ranks another."""
     data = made_up(brains=2, worlds=("ring",), trials=30)
     data["correct"][0, 0] = [1.0] * 28 + [0.0] * 2
@@ -443,7 +443,7 @@ def test_equal_brains_are_told_apart_in_few_results():
 # ---- intervals
 
 
-def test_intervals_of_medians_are_those_of_resamples_drawn_one_by_one():
+def test_intervals_of_medians_by_brute_force():
     random = np.random.default_rng(3)
     values = random.normal(size=(1, 15))
     drawn = np.median(random.choice(values[0], (20_000, 15)), axis=1)
@@ -461,7 +461,7 @@ def test_intervals_of_means_are_stretched_to_students():
     assert [low[0], high[0]] == pytest.approx(values.mean() + np.array([-1, 1]) * 1.972 * error, abs=0.1 * error)
 
 
-def test_medians_and_their_intervals_bear_infinity_and_what_is_missing():
+def test_medians_with_infinite_and_missing_values():
     rows = np.array([[1, 2, 3, 4, np.inf, np.inf, np.inf, np.nan], [-np.inf, -np.inf, -np.inf, -1, 1, *[np.inf] * 3]])
     assert centres(rows, "median").tolist() == [4, 0]
     low, high = intervals(rows, "median")
@@ -523,7 +523,7 @@ def test_contenders_that_are_the_same_are_told():
 @pytest.mark.long(but_every=4)
 @pytest.mark.parametrize("mark", NAMES)
 @pytest.mark.parametrize("metric", ["final_error", "correct"])
-def test_against_one_contender_the_others_are_held_in_fewer_tests(mark, metric):
+def test_comparison_against_one_contender(mark, metric):
     """Pair by pair the tests are the same; Holm's correction is for those with that contender alone."""
     data = made_up(trials=20, gap=0.5)
     data["correct"][:] = np.clip(data["correct"] - 0.1 * (data["setting"] % 4), 0, 1)

@@ -68,7 +68,7 @@ def changed(path, *changes):
     return path
 
 
-def test_of_what_a_brain_has_not_it_is_said_that_it_is_not_used(tmp_path, capsys):
+def test_unused_optional_parts_are_reported(tmp_path, capsys):
     """A leaver steers and sums up what it hears; a brain alone says nothing, and hears nothing."""
 
     def unused(name):
@@ -165,7 +165,7 @@ def test_a_quick_check_finds_nothing_wrong_in_shipped_brains():
 
 
 @pytest.mark.interpreted
-def test_a_brain_file_is_checked_once_before_it_runs_and_shipped_ones_never(tmp_path, monkeypatch):
+def test_brain_file_is_checked_once_before_a_run(tmp_path, monkeypatch):
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "cache"))
     bad = changed(tmp_path / "bad.py", QUICK["changes"][0], ('"""The mean', '"""Another mean'))
     study = {"world": {"topology": "ring", "fill_ratio": 0.3}, "schedule": {"rounds": 2}}
@@ -305,7 +305,7 @@ def test_messages_mean_the_same_in_any_order(hears, tmp_path):
         "me.sum += message[0] * (message[0] < 5000.0 or me.heard <= 2.0)",  # where robots have seen so many
     ],
 )
-def test_the_order_of_many_messages_and_in_a_long_life_means_nothing(hears, tmp_path):
+def test_order_of_many_messages(hears, tmp_path):
     path = changed(
         tmp_path / "bad.py",
         ('"n": 0.0}', '"n": 0.0, "heard": 0.0, "sum": 0.0, "mean": 0.0, "rounds": 0.0}'),
@@ -470,7 +470,7 @@ def test_a_loop_that_ends_in_cpython_alone(tmp_path, untraced):
 
 @pytest.mark.long
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
-def test_calls_are_told_of_fields_that_are_called_as_attributes_of_numpy_are(tmp_path, capsys, untraced):
+def test_fields_named_like_numpy_attributes(tmp_path, capsys, untraced):
     odd = {"t": "data", "n": "dtype"}
     source = re.sub(r'(?<=me\.)[tn]\b|(?<=")[tn](?=")', lambda field: odd[field[0]], TINY)
     assert '{"data": 0.0, "dtype": 0.0}' in source
@@ -568,7 +568,7 @@ AT_ONCE = "readings at once mean the same as one by one"
 
 
 @pytest.mark.long
-def test_a_brain_that_keeps_one_message_by_a_fair_lot_is_lawful(tmp_path):
+def test_fair_sampling_of_messages_is_allowed(tmp_path):
     """Each of the messages is as likely to be kept, in whatever order they come: the same law, and other minds."""
     path = changed(tmp_path / "mine.py", *LUCKY)
     assert not fault_in(path, ORDER)
@@ -585,7 +585,7 @@ def test_a_brain_that_keeps_one_message_by_a_fair_lot_is_lawful(tmp_path):
     ],
     ids=["the last", "the last by a coin", "the first by lot", "fading"],
 )
-def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck(tmp_path, lot, field):
+def test_order_dependence_is_found_despite_random_draws(tmp_path, lot, field):
     changes = [(old, new.replace(LOT, lot)) for old, new in LUCKY]
     fault = fault_in(changed(tmp_path / "mine.py", *changes), ORDER)
     assert fault
@@ -593,7 +593,7 @@ def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck(t
     assert "the order of messages should not matter" in fault
 
 
-def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck_elsewhere(tmp_path):
+def test_order_dependence_is_found_despite_random_draws_elsewhere(tmp_path):
     last = [(old, new.replace(LOT, "    me.kept = message[0]\n")) for old, new in LUCKY]
     own = (OWN, f"{OWN}    me.lot = me.luck\n")
     fault = fault_in(changed(tmp_path / "mine.py", *last, own), ORDER)

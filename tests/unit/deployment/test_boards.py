@@ -395,7 +395,7 @@ def test_robots_with_espnow_hear_each_other_on_boards(tmp_path):
     assert "sensor_faults 0 radio_faults 0" in second
 
 
-def test_a_robot_with_a_log_says_how_to_fetch_it_and_what_it_lacks(tmp_path):
+def test_deployed_robot_with_a_log(tmp_path):
     without = texts(deployed(tmp_path / "without", "commons", "serial"))
     files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
     assert set(files) == set(without) | {"log.py"}

@@ -52,7 +52,7 @@ def some(study, step):
         pytest.param(False, 23, id="CPython"),
     ],
 )
-def test_a_run_is_what_the_brain_file_makes_of_the_same_observations(mixed, compiled, step):
+def test_run_equals_inference_from_its_observations(mixed, compiled, step):
     """Bit for bit; but to rounding in a full network, where the engine adds in another order."""
     study, results = mixed
     for k, setting in some(study, step):
@@ -75,7 +75,7 @@ def test_a_run_is_what_the_brain_file_makes_of_the_same_observations(mixed, comp
                 assert (trace[name].values == again[name].values).all()
 
 
-def test_the_local_estimate_is_that_of_a_robot_that_hears_nobody(mixed):
+def test_local_estimate_is_a_lone_robots(mixed):
     study, results = mixed
     for k, setting in some(study, 11):
         readings = engine.record_readings(setting, study.seed, 0)
@@ -193,7 +193,7 @@ def test_stop_ends_a_run_at_once(small_study):
 
 
 @pytest.mark.parametrize(("robots", "rounds"), [(100, 1000), (10, 10**6), (10**6, 100), (1, 1), (10**7, 10**4)])
-def test_memory_of_a_trial_grows_with_the_square_root_of_its_rounds(robots, rounds):
+def test_memory_grows_with_the_root_of_rounds(robots, rounds):
     record = 96
     length = segment_length(robots, rounds, record, 1)
     segments = -(-rounds // length)

@@ -68,7 +68,7 @@ def test_damaged_files_are_made_anew(name, damage, folder):
     assert (folder / "tiny.py").read_text() == FILES["tiny.py"]
 
 
-def test_processes_that_need_the_same_at_the_same_time_compile_it_once(tmp_path):
+def test_processes_share_one_compilation(tmp_path):
     code = f"""
 import pathlib, time
 from swarmcensus.engine import code_cache

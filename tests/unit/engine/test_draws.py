@@ -139,7 +139,7 @@ def picked(row, word):
 
 @pytest.mark.interpreted
 @pytest.mark.parametrize("looks", [1, PART - 1, PART, PART + 1, 2 * PART, 2 * PART + 4])
-def test_counts_of_black_readings_have_their_law_and_their_address(looks):
+def test_black_counts_are_binomial_and_addressed(looks):
     """Each robot's own accuracies, each part of a long round, each round and trial."""
     (setting,) = settings_of(robots=5, looks=looks, rounds=3, accuracy={"black": "U(0.7, 0.9)", "white": "U(0.4, 0.8)"})
     for trial in (0, 1):
@@ -238,7 +238,7 @@ def accuracies(text="U(0.5, 0.9)", seed=SEED, purpose="accuracy", robots=6, firs
     return parse_accuracy(text).draw(seed, purpose, first, 2, robots)
 
 
-def test_accuracies_of_other_purposes_seeds_swarms_and_colours_are_others():
+def test_accuracies_differ_by_address():
     both = {"black": "U(0.5, 0.9)", "white": "U(0.5, 0.9)"}
     drawn = [accuracies(both)[0], accuracies(both)[1], accuracies()[0], accuracies(seed=SEED + 1)[0]]
     drawn += [accuracies(purpose="assumed")[0], accuracies(robots=7)[0][:, :6], accuracies(first=2)[0]]
@@ -249,7 +249,7 @@ def test_accuracies_of_other_purposes_seeds_swarms_and_colours_are_others():
     assert not np.isclose(accuracies("U(0.5, 0.7)")[0], 0.5 + (accuracies()[0] - 0.5) / 2).any()
 
 
-def test_a_spread_beside_a_fixed_accuracy_is_as_wide_as_the_swarm():
+def test_width_of_mixed_accuracies():
     b, w = accuracies({"black": 0.8, "white": "U(0.5, 0.9)"})
     assert b.shape == w.shape == (2, 6)
     assert (b == 0.8).all()
@@ -280,7 +280,7 @@ def errors(text, seed=SEED, robots=6, first=0, true=0.5):
 
 
 @pytest.mark.parametrize("text", ["U(-0.2, 0.1)", "N(0.05, 0.02)"])
-def test_errors_of_belief_are_of_seed_swarm_trial_and_robot_and_alike_for_both_colours(text):
+def test_belief_errors_depend_on_seed_swarm_trial_and_robot(text):
     b, w = errors(text)
     assert (b == w).all()
     drawn = np.concatenate(

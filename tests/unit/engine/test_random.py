@@ -28,7 +28,7 @@ def test_threefry_known_answers(word, expected):
     assert tuple(map(int, block(word, word, word, word))) == expected
 
 
-def test_a_robots_word_does_not_depend_on_the_size_of_the_swarm():
+def test_random_words_do_not_depend_on_swarm_size():
     assert (draw(1, 101)[:17] == draw(1, 17)).all()
 
 

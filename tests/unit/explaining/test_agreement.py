@@ -28,7 +28,7 @@ def run(brain, trials=60, seed=4, schedule=TEN, **swarm):
     return sc.run(sc.Study(trials=trials, seed=seed, swarm=given, members=members, world=world, schedule=schedule))
 
 
-def test_the_error_of_a_robot_alone_is_that_of_its_law_and_of_all_ways_to_read():
+def test_error_of_a_lone_robot():
     b, w, f, t, pull = 0.9, 0.6, 0.05, 5, 0.2
     law = theory.error_law(theory.local_law(t, f, b, w), f)
     assert theory.local_squared_error(t, f, b, w) == pytest.approx(law.values**2 @ law.chances)
@@ -56,7 +56,7 @@ def test_what_cannot_be_is_said(wrong):
 
 
 @pytest.mark.parametrize(("f", "sd", "pull"), [(0.05, 0.04, 0.0), (0.05, 0.04, 0.3), (0.9, 0.2, 0.1), (0.5, 0.0, 0.5)])
-def test_what_cutting_and_pulling_do_to_a_normal_estimate_is_its_integral(f, sd, pull):
+def test_clipped_and_shrunk_normal_estimate(f, sd, pull):
     x = f + sd * stats.norm.ppf((np.arange(400_000) + 0.5) / 400_000)
     pulled = (1 - pull) * x + pull / 2
     whole, cut = ((one - f) ** 2 for one in (pulled, np.clip(pulled, 0.0, 1.0)))
@@ -218,7 +218,7 @@ def test_in_a_full_network_cut_mixed_sums_are_one_binomial(f):
         assert certain == pytest.approx(np.full(20, 0.0625))
 
 
-def test_at_the_ends_of_f_the_normal_law_is_off_and_rings_are_computed_once():
+def test_normal_law_at_the_ends_of_f():
     ring = theory.mixing_matrix("ring", 20)
     variance = theory.mixing_variance(ring, 20, 2, 0.0, 0.9)
     normal = theory.pulled_squared_error(variance, 0.0, 0.0) - theory.cut_off(variance, 0.0)
@@ -298,7 +298,7 @@ def test_nothing_that_ran_is_said(stored):
 
 
 @pytest.mark.interpreted
-def test_a_swarm_of_several_brains_has_no_closed_form_and_is_shown(tmp_path, monkeypatch, capsys):
+def test_mixed_swarm_has_no_closed_form(tmp_path, monkeypatch, capsys):
     """Members with parameters, which are no coordinates of settings."""
     monkeypatch.chdir(tmp_path)
     mixed = sc.Study(

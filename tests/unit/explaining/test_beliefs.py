@@ -55,7 +55,7 @@ def drawn(axes, label):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_the_asymptote_is_where_the_expected_likelihood_is_highest(seed):
+def test_asymptote_maximises_the_expected_likelihood(seed):
     rng = np.random.default_rng(seed)
     for _ in range(40):
         b, w, assumed_b, assumed_w, f = rng.uniform(0.02, 0.98, 5)
@@ -71,7 +71,7 @@ def test_the_asymptote_is_where_the_expected_likelihood_is_highest(seed):
         assert asymptote(b, w, assumed_b, assumed_w, f) == pytest.approx(found, abs=1e-4)
 
 
-def test_the_asymptote_is_where_a_brain_goes_that_sees_just_what_is_expected():
+def test_asymptote_of_expected_readings():
     """Ten thousand readings, of which the very share that is expected says black, in the brain itself."""
     cases = [(0.8, 0.6, 0.7, 0.75, 0.5), (0.7, 0.7, 0.6, 0.6, 0.9), (0.9, 0.9, 0.3, 0.3, 0.4)]
     for b, w, assumed_b, assumed_w, f in cases:
@@ -83,7 +83,7 @@ def test_the_asymptote_is_where_a_brain_goes_that_sees_just_what_is_expected():
             assert trace["estimate"].values[-1, 0] == pytest.approx(predicted, abs=1e-12)
 
 
-def test_right_beliefs_leave_no_bias_and_alike_ones_scale_the_distance_from_one_half():
+def test_right_beliefs_leave_no_bias():
     b, f = np.meshgrid(np.linspace(0.55, 1, 10), np.linspace(0, 1, 11))
     np.testing.assert_allclose(asymptote(b, b, b, b, f), f, atol=1e-12)
     np.testing.assert_allclose(asymptote(b, b, 1.0, 1.0, f) - 0.5, (f - 0.5) * (2 * b - 1), atol=1e-12)
@@ -115,7 +115,7 @@ def test_swarms_go_where_the_closed_form_says(topology):
         assert cost.predicted == pytest.approx(abs(goes_to - cost.fill_ratio), abs=1e-12)
 
 
-def test_medians_are_the_predicted_bias_where_it_is_far_above_the_noise(results):
+def test_medians_are_the_predicted_bias(results):
     """Within 4 times the interval's half width: it is 2 standard errors, so 8 of them."""
     clear = [c for c in costs(results) if c.error == 0.05 and c.fill_ratio == 0.95]
     assert len(clear) == 4
@@ -132,7 +132,7 @@ def test_costs_are_medians_over_robots_and_trials(results):
         assert (cost.error is None) == cost.belief.startswith("error=N") == np.isnan(cost.predicted)
 
 
-def test_beliefs_in_numbers_are_off_by_their_difference_and_errors_stop_at_0_and_1():
+def test_assumed_accuracies_are_clipped_to_0_and_1():
     text = STUDY.replace('"moving"', '"full"').replace("density = 10", "").replace("trials = 12", "trials = 1")
     text = text.replace("ticks = 2000\n", "")
     accuracy = "accuracy = [0.675, {black = 0.9, white = 0.7}]"

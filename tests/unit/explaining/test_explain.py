@@ -85,7 +85,7 @@ def test_lines_are_theorys(results):
         assert (lines[SWARM].low[k] + lines[SWARM].high[k]) / 2 == pytest.approx(0.55)
 
 
-def test_unequal_sensors_and_drawn_graphs_are_those_of_the_trials(results):
+def test_explanation_uses_the_trials_own_draws(results):
     number = only(results, brain="minimalistic", topology="scale-free", accuracy="U(0.6,0.9)")
     study = sc.Study.parse(results.attrs["study"], context={"base": COMMONS.parent})
     setting = study.settings()[number]
@@ -116,7 +116,7 @@ def test_what_limits_a_swarm(results):
 
 
 @pytest.mark.long
-def test_a_brain_that_is_faster_than_mixed_sums_has_lost_no_time():
+def test_brain_faster_than_mixed_sums():
     """`swift` beats plain mixing on a ring: what mixed sums would lose to time is not laid to its charge."""
     data = run(swarm={"brain": "swift", "robots": 30, "accuracy": 0.6}, schedule={"rounds": 200})
     found = sc.explain(data, 0)
@@ -289,7 +289,7 @@ def test_scatters_carry_expected_medians(results):
         assert drawn[f"theory {name} 0.8"].get_ydata()[0] == expected
 
 
-def test_settings_drawn_as_one_have_a_curve_only_where_theory_says_the_same(results):
+def test_theory_curve_of_pooled_settings(results):
     same = theory_of(sc.plot.decisions(results, panels=["brain"], theory=True).axes[0])
     assert "theory alone 0.8" in same  # whatever the topology
     sizes = run(swarm={"robots": [4, 12]})

@@ -93,7 +93,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
         assert trace.attrs["side"] <= across < trace.attrs["side"] + 2 * setting.body.tile
 
 
-def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
+def test_floors_hold_the_fill_ratio(results):
     (study,) = studies_of(results)
     setting = study.settings()[moving(results, 9, 0.95)]
     first, second = (sampling.ground(setting, study.seed, trial).all_tiles() for trial in (0, 1))
@@ -182,7 +182,7 @@ def test_what_is_drawn_is_to_scale_and_in_its_place(trace):
 
 @pytest.mark.long(but=["0.3", "1.0"])
 @pytest.mark.parametrize("f", [0.0, 0.3, 0.5, 0.95, 1.0])
-def test_colours_are_centred_on_the_truth_and_darken_with_the_estimate(trace, f):
+def test_colours_of_estimates(trace, f):
     arena = Arena(trace.assign_attrs(fill_ratio=f))
     norm = arena.colours.norm
     assert norm(f) == pytest.approx(0.5)
@@ -207,7 +207,7 @@ def test_a_lone_robot_a_robot_without_estimate_and_no_floor(results, trace, tmp_
     assert path.stat().st_size < 200_000
 
 
-def test_a_trace_may_be_a_stretch_and_its_title_may_hold_dollars(trace, tmp_path: Path):
+def test_partial_trace_and_dollars_in_titles(trace, tmp_path: Path):
     stretch = trace.isel(round=slice(10, 30)).transpose("robot", "axis", ...)
     figure = drawn(stretch, tick=25)
     assert "pictures for $2 or $3" in texts(figure)
@@ -308,7 +308,7 @@ def faulty_arena():
 
 
 @pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
-def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(faulty_arena, tick):
+def test_failed_parts_are_marked(faulty_arena, tick):
     _, trace = faulty_scene(FAULTS)
     arena = faulty_arena
     arena.show(tick)
@@ -506,7 +506,7 @@ def test_what_cannot_be_pictured_is_said_in_one_line(options, said, file, tmp_pa
 
 
 @pytest.mark.long
-def test_a_brain_of_ones_own_must_be_given_where_it_lies_no_longer(tmp_path, monkeypatch, capsys):
+def test_missing_own_brain_must_be_given(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(brains.load("legacy").source)
     text = STUDY.replace('["ring", "moving"]', '"moving"').replace("[1, 9]", "2").replace("[0.3, 0.95]", "0.3")

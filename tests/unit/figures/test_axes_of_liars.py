@@ -42,7 +42,7 @@ def shown(figure):
 
 
 @pytest.mark.long
-def test_lines_against_liars_have_a_line_for_each_adversary_that_begins_where_nobody_lies(data):
+def test_lines_against_liars_begin_at_zero_liars(data):
     figure = sc.plot.lines(data, x="liars", y="final_estimate")
     panels = shown(figure)
     assert [axes.get_title(loc="left") for axes in panels] == ["(a) Minimalistic (paper)", "(b) Legacy (paper)"]

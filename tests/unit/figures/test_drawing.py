@@ -45,7 +45,7 @@ def test_palette_gets_lighter_and_stays_off_black_and_white(count):
     assert lightness[-1] < 88
 
 
-def test_looks_are_ordered_and_spread_accuracies_differ_in_colour_and_shape():
+def test_looks_of_accuracies():
     looks = looks_of(["U(0.5,0.9)", "0.975", "0.6", "0.525", "N(0.75,0.1)", "black=0.9 white=0.6"], "o")
     assert list(looks) == ["0.525", "0.6", "0.975", "N(0.75,0.1)", "U(0.5,0.9)", "black=0.9 white=0.6"]
     spread = [look for look in looks.values() if look.spread]
@@ -58,7 +58,7 @@ def test_looks_are_ordered_and_spread_accuracies_differ_in_colour_and_shape():
     )
 
 
-def test_a_key_names_some_of_very_many_accuracies_and_both_ends():
+def test_key_of_many_accuracies():
     numbers = [f"{0.5 + 0.005 * i:.3f}" for i in range(80)]
     title, named = keyed(looks_of([*numbers, "U(0.5,0.9)"], "o"))
     assert title == "sensor accuracy\n(21 of 81 named)"
@@ -84,7 +84,7 @@ def test_labels_keep_the_order_of_their_dots_and_do_not_touch():
     assert {(0.5, 0.2), (0.501, 0.3), (1.0, 0.5), (0.7, 1.0)} <= ends
 
 
-def test_of_more_labels_than_fit_some_are_written_and_none_beside_the_axes():
+def test_labels_that_do_not_fit_are_left_out():
     figure = Figure(figsize=(3, 3))
     FigureCanvasAgg(figure)
     ax = figure.add_subplot()
@@ -99,7 +99,7 @@ def test_of_more_labels_than_fit_some_are_written_and_none_beside_the_axes():
 # ---- scatter
 
 
-def test_scatter_draws_every_robot_of_every_trial_where_it_belongs():
+def test_scatter_draws_every_robot():
     results = study()
     (ax,) = figures.scatter(results).axes
     for i, accuracy in enumerate(PAPER):
@@ -136,7 +136,7 @@ def test_padding_and_trials_not_run_are_never_drawn():
     )
 
 
-def test_robots_that_agree_make_one_dot_as_opaque_as_all_of_them():
+def test_equal_robots_make_an_opaque_dot():
     results = study(["0.6"], robots=50, trials=1)
     results["convergence_round"][:] = 7
     results["convergence_error"][:] = 0.01
@@ -199,7 +199,7 @@ def test_dots_above_the_limit_are_counted():
 
 
 @pytest.mark.parametrize("scale", ["log", "linear"])
-def test_axes_begin_below_zero_and_the_key_names_accuracies_and_scale(scale):
+def test_axes_and_key_of_scatter(scale):
     results = study(["0.6", "U(0.525,0.975)"])
     results["convergence_round"][0, 0, 0] = 0
     figure = figures.scatter(results, title="a title", scale=scale)
@@ -226,7 +226,7 @@ def test_panels_share_limits_unless_they_set_their_own():
 
 
 @pytest.mark.long
-def test_long_accuracies_are_named_in_the_digits_that_tell_them_apart():
+def test_digits_of_long_accuracies():
     accuracies = [repr(float(a)) for a in np.linspace(0.55, 0.95, 30)]
     assert max(map(len, accuracies)) > 15
     results = study(accuracies)
@@ -269,7 +269,7 @@ def test_the_axis_of_convergence_begins_where_the_data_do():
     assert ax.get_xlim()[0] == 20
 
 
-def test_an_empty_panel_is_left_out_with_a_sentence_and_told_on_axes_of_the_caller():
+def test_empty_panel_is_left_out_with_a_note():
     full = study(["0.6"])
     empty = forget(full, trial=slice(None))
     for grid in (scatter_grid, decisions_grid):
@@ -305,7 +305,7 @@ def test_decisions_are_percentages_over_all_robots_and_trials():
     np.testing.assert_allclose(drawn(ax, "right 0.6")[:, 1], 100 * right)
 
 
-def test_a_bar_stands_only_where_all_robots_of_all_trials_are_right():
+def test_mark_of_perfect_decisions():
     results = study(["0.6", "0.7", "0.8"], checkpoints=(10, 100, 1000))
     results["correct"][:] = 1.0
     results["correct"][0, 1, 3] = 7 / 8
@@ -369,7 +369,7 @@ def test_no_diamond_hides_another(panels):
     assert gap >= 0.6 * np.sqrt(2) * line.get_markersize()  # the thin diamond's width
 
 
-def test_of_many_checkpoints_a_choice_with_both_ends_is_shown_and_said():
+def test_many_checkpoints_are_sampled():
     results = study(["0.6", "0.7"], checkpoints=range(10, 1010, 10))
     results = forget(results, checkpoint=slice(90, None))
     figure = figures.decisions(results)
@@ -389,7 +389,7 @@ def trace(robots: int, rounds: int = 50, **attrs) -> xr.Dataset:
     return xr.Dataset({"estimate": (("round", "robot"), x)}, {"round": np.arange(rounds + 1)}, attrs)
 
 
-def test_curves_show_each_robot_the_median_the_truth_and_its_bin():
+def test_curves_figure():
     run = trace(7, fill_ratio=0.55, title="ring, N = 7")
     figure = figures.curves(run)
     (ax,) = figure.axes
@@ -447,7 +447,7 @@ def grid_study(**coordinates) -> xr.Dataset:
     return xr.concat(parts, "setting")
 
 
-def test_heatmap_writes_the_median_of_each_cell_and_leaves_out_what_was_not_run():
+def test_heatmap_shows_medians_of_finished_cells():
     results = forget(grid_study(), setting=4)  # accuracy 0.9, f = 0.95
     error, rounds = figures.heatmap(results, title="ring").axes
     cells = {tuple(np.round(t.get_position()).astype(int)): t for t in error.texts}
@@ -482,7 +482,7 @@ def test_heatmap_says_which_colours_are_best():
 
 
 @pytest.mark.long
-def test_a_large_heatmap_is_of_bounded_size_and_without_numbers():
+def test_large_heatmap():
     accuracies = [f"{a:.4f}" for a in np.linspace(0.55, 0.95, 60)]
     parts = [study(accuracies, robots=1, trials=1, seed=i, fill_ratio=i / 61) for i in range(60)]
     figure = figures.heatmap(xr.concat(parts, "setting"))
@@ -561,7 +561,7 @@ def test_captions_tell_values_apart_that_are_nearly_alike():
     assert panels_of(results)[0].caption == "assumed accuracy error=-0.1"
 
 
-def test_captions_leave_out_the_density_of_fixed_networks_and_name_unknown_coordinates():
+def test_captions_name_coordinates_that_apply():
     parts = [
         study(["0.6"], weather="dry"),
         study(["0.6"], weather="dry", topology="moving", density=10.0),
@@ -582,7 +582,7 @@ def test_robots_that_know_their_sensors_are_one_panel():
     assert varies(known, set()) == {"accuracy": ["0.6", "0.7"]}
 
 
-def test_sixteen_panels_make_four_columns_and_twenty_five_are_too_many():
+def test_number_of_panels():
     results = study(["0.6", "0.7"])
     figure = decisions_grid([(str(i), results) for i in range(16)])
     assert figure.axes[0].get_gridspec().ncols == 4
@@ -647,7 +647,7 @@ def test_long_names_stay_in_their_panels(count):
 
 
 @pytest.mark.long
-def test_long_names_of_curves_heatmaps_and_many_accuracies_stay_on_the_paper():
+def test_long_names_stay_on_the_paper():
     name = f"{LONG[1]} of {LONG[0]} $x$, setting 2, trial 0: {LONG[1]}.py, {LONG[0]}, N = 4, accuracy 0.6, C = 50"
     figure = figures.curves(trace(4, fill_ratio=0.55, title=name))
     assert_fits(figure)
@@ -728,7 +728,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, mon
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_an_unknown_format_is_an_input_error_before_anything_is_written(tmp_path: Path):
+def test_unknown_format_writes_nothing(tmp_path: Path):
     with pytest.raises(InputError, match="'bmpp'"):
         figures.save(figures.decisions(study()), tmp_path / "x", ["png", "bmpp"])
     assert not list(tmp_path.iterdir())

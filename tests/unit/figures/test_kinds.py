@@ -148,7 +148,7 @@ def test_an_unknown_kind_is_told_with_what_was_meant(small_file, tmp_path, monke
     assert "no figure 'line': did you mean 'lines'? there are arena, beliefs" in capsys.readouterr().err
 
 
-def test_swarmcensus_itself_imports_no_matplotlib_and_help_looks_for_no_packages():
+def test_import_is_lazy_and_help_searches_no_packages():
     code = "import sys, swarmcensus as sc; dir(sc), sc.plot; sys.exit('matplotlib' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
     code = "import sys\nfrom swarmcensus.cli.commands import main\ntry: main(['plot', '--help'])\n"
@@ -157,7 +157,7 @@ def test_swarmcensus_itself_imports_no_matplotlib_and_help_looks_for_no_packages
 
 
 @pytest.mark.long
-def test_another_package_s_kind_is_drawn_by_python_and_by_the_shell(elsewhere, untraced_processes):
+def test_plugin_figure_is_drawn(elsewhere, untraced_processes):
     code = """
 import json, swarmcensus as sc
 results = sc.load("small.nc")
@@ -193,7 +193,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize("k", range(len(WRONG)), ids=lambda k: f"{WRONG[k][0]} {' '.join(WRONG[k][1])}".strip())
-def test_what_is_wrong_with_another_package_s_kind_is_told_in_a_line(k, told_elsewhere):
+def test_faults_of_a_plugin_figure(k, told_elsewhere):
     code, error, files = told_elsewhere[k]
     assert code == 2
     assert WRONG[k][2] in error
@@ -408,7 +408,7 @@ def test_names_look_different_and_numbers_in_order():
 
 
 @pytest.mark.long
-def test_lines_draw_medians_and_intervals_as_the_summary_has_them(small_results):
+def test_lines_have_the_summarys_numbers(small_results):
     results = sc.run(sc.Study.parse(small_results.attrs["study"]).with_(trials=8), jobs=2)
     table = sc.summary(results)
     for y in ("convergence_error", "convergence_round", "correct"):
@@ -456,7 +456,7 @@ def test_any_variable_that_has_trials_is_drawn_with_its_unit():
         sc.plot.lines(results, y="weather")
 
 
-def test_a_quantity_is_drawn_with_the_statistic_and_the_label_that_it_is_declared_with():
+def test_quantity_is_drawn_with_its_declared_statistic_and_label():
     results = robots()
     results["messages_sent"] = results["convergence_round"].astype(float)
     (ax,) = sc.plot.lines(results, y="messages_sent").axes

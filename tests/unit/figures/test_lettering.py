@@ -18,7 +18,7 @@ def test_lines_are_no_wider_than_their_room_and_few(text, width):
         assert "".join(lines).replace(" ", "") == "".join(text.split())
 
 
-def test_lines_break_between_parts_and_inside_a_name_only_where_they_must():
+def test_line_breaks_in_captions():
     assert wrapped(NAMES, 1000, 9) == [NAMES]
     lines = wrapped(NAMES, 190, 9)
     assert lines == ["watts_strogatz_graph(k=4,p=0.1),", "my_quite_long_brain_name_of_2024.py,", "N = 10, f = 0.55"]

@@ -59,7 +59,7 @@ def test_shared_axes_go_on_to_show_what_was_drawn_first(two, sharing):
     assert ((dots[:, 0] <= right).all() and (low <= dots[:, 1]).all() and (dots[:, 1] <= high).all()) == sharing
 
 
-def test_lines_lead_from_names_to_dots_wherever_these_come_to_be(two):
+def test_leader_lines_end_at_dots(two):
     axes = subplots(2, sharex=True, sharey=True)
     for k, ax in enumerate(axes):
         sc.plot.scatter(two.isel(setting=[k]), ax=ax)
@@ -132,7 +132,7 @@ def test_differences_are_those_of_the_pairs_of_a_comparison():
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full"]
 
 
-def test_pooled_differences_tell_apart_what_differs_and_only_that():
+def test_pooled_differences():
     results = made_up(brains=2, worlds=("ring", "full", "line"), gap=0.5)
     results["convergence_round"][:] = results["convergence_round"][:1].values
     figure = sc.plot.compare(results, metric=["final_error", "convergence_round"], by=[])

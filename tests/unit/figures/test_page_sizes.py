@@ -118,7 +118,7 @@ def test_an_arena_is_readable_on_a_low_page(width, height, draw):
     assert_readable(figure)
 
 
-def test_a_figure_has_the_height_and_letters_that_are_asked_for(draw):
+def test_height_and_font_size(draw):
     for kind in ("scatter", "lines", "heatmap", "curves", "compare", "arena"):
         figure = draw(kind, width=5.0, height=8.0, font_size=6)
         assert figure.get_size_inches().tolist() == pytest.approx([5.0, 8.0]), kind
@@ -179,7 +179,7 @@ def test_axes_of_ones_own_have_the_size_of_their_figure(draw):
         draw("curves", ax=mine, width=3.0)
 
 
-def test_the_shell_writes_the_size_and_the_letters_in_each_format(small_file, tmp_path, monkeypatch, capsys):
+def test_figure_size_in_each_format(small_file, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     plot = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--panels", "topology", "--color", "accuracy"]
     size = ["--width", "column", "--height", "8", "--dpi", "100", "--font-size", "6"]
@@ -248,11 +248,11 @@ def test_labels_are_written_as_they_are(draw, tmp_path):
     sc.plot.save(draw("scatter", color="brain", labels={"minimalistic": labels["minimalistic"]}), tmp_path / "f.png")
 
 
-def test_a_long_label_stays_on_the_page_in_the_heading_of_a_key(draw):
+def test_long_label_in_a_key(draw):
     assert_readable(draw("compare", width="column", labels={"minimalistic": "word " * 30}))
 
 
-def test_labels_of_the_shell_may_hold_any_sign_but_name_a_brain_once(small_file, tmp_path, monkeypatch, capsys):
+def test_labels_from_the_shell(small_file, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     plot = ["plot", str(small_file), "--kind", "lines", "--x", "brain", "--out", "f.svg"]
     assert main([*plot, "--label", "minimalistic=a = b"]) == 0
@@ -261,7 +261,7 @@ def test_labels_of_the_shell_may_hold_any_sign_but_name_a_brain_once(small_file,
     assert "--label names a brain twice" in capsys.readouterr().err
 
 
-def test_labels_of_a_study_change_what_brains_are_called_and_no_numbers(tmp_path, monkeypatch, capsys):
+def test_labels_change_names_only(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     study = """
 trials = 2
@@ -320,7 +320,7 @@ def test_long_names_are_shortened_once_and_stay_different(draw):
     assert len(set(labels)) == 3
 
 
-def test_two_brains_with_one_label_in_merged_studies_keep_their_own_names():
+def test_equal_labels_of_two_brains():
     text = MOVING.replace("robots", 'brain = "{0}"\nrobots').replace("trials = 1", "trials = 1\nlabels.{0} = 'Ours'")
     studies = [sc.Study.parse(text.format(brain).replace("ticks = 20", "ticks = 1")) for brain in ("legacy", "swift")]
     merged = sc.merge([sc.run(study, jobs=1) for study in studies])
@@ -337,7 +337,7 @@ def test_accuracies_as_numbers_are_an_axis_instead_of_accuracy(draw, small_resul
         assert not any("accuracy" in caption for caption in captions)
 
 
-def test_many_long_names_under_an_axis_stay_on_the_paper_and_apart(small_results):
+def test_long_names_under_an_axis(small_results):
     names = [f"brains/some_long_name_of_number_{k}.py" for k in range(small_results.sizes["setting"])]
     data = small_results.assign_coords(brain=("setting", np.array(names)))
     figure = sc.plot.lines(data, x="brain", panels=[], width=2.0, font_size=6)
@@ -398,7 +398,7 @@ def test_equal_costs_have_one_x():
         assert all(line.get_transform() == axes.transData for line in dots)
 
 
-def test_a_share_of_all_trials_has_one_end_drawn_dotted_and_printed_so(small_file, small_results, capsys):
+def test_one_sided_interval_is_dotted(small_file, small_results, capsys):
     text = BELIEFS.replace("[0.55, 0.8]", "0.55").replace("[0.7, 0.8]", "0.99")
     study = sc.Study.parse(text.replace('[0.7, 0.75, {error = "N(0, 0.05)"}]', "0.99"))
     results = sc.run(study, jobs=1)

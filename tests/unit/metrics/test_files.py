@@ -98,7 +98,7 @@ def fixed():
 
 
 @pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
-def test_shipped_metrics_are_what_they_say_of_the_curves_of_a_run(text):
+def test_shipped_metrics_against_numpy(text):
     results = sc.run(study(text))
     seen = set()
     for k, robots in enumerate(results["robots"].values.tolist()):
@@ -147,7 +147,7 @@ def test_metrics_alter_no_bit_of_what_else_is_measured(fixed):
         xr.testing.assert_identical(plain[name], fixed[name])
 
 
-def test_long_runs_are_seen_whole_though_their_curves_are_kept_in_pieces(fixed, monkeypatch):
+def test_curves_kept_in_pieces(fixed, monkeypatch):
     monkeypatch.setattr(trials, "ROWS_BYTES", 1)
     monkeypatch.setattr(trials, "ROWS_OF_A_CROWD", 7)
     assert trials.segment_length(20, 83, 80, 1) < 40
@@ -181,7 +181,7 @@ def test_summaries_and_tables_have_metrics(fixed):
 
 
 @pytest.mark.long
-def test_the_terminal_shows_metrics_and_json_says_what_never_came(fixed, tmp_path, monkeypatch, capsys):
+def test_metrics_in_terminal_and_json(fixed, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     sc.save(fixed, "a.nc")
     main(["show", "a.nc", "--sort", "time_right"])
@@ -195,7 +195,7 @@ def test_the_terminal_shows_metrics_and_json_says_what_never_came(fixed, tmp_pat
 
 
 @pytest.mark.long
-def test_a_run_that_goes_on_has_the_same_metrics_and_takes_no_other_version(fixed, tmp_path, monkeypatch, capsys):
+def test_resumed_run_keeps_its_metrics(fixed, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE)
     for trials_ in (2, 6):
@@ -234,7 +234,7 @@ def test_what_was_cut_off_is_taken_from_shards(tmp_path, monkeypatch):
 
 
 @pytest.mark.long
-def test_shares_and_studies_that_ask_for_other_metrics_are_merged(fixed):
+def test_merging_studies_of_different_metrics(fixed):
     merged = sc.merge([sc.run(study(), share=(k, 2)) for k in (1, 2)])
     for name in ("first_right", "swarm_right"):
         xr.testing.assert_identical(merged[name], fixed[name])
@@ -431,7 +431,7 @@ def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
 
 
 @pytest.mark.interpreted
-def test_any_name_will_do_for_a_metric_that_is_not_of_the_results(tmp_path, monkeypatch):
+def test_names_of_metrics(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
     names = ["items.py", "about.py", "file.py", "metrics.py", "self.py"]
@@ -457,7 +457,7 @@ def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.interpreted
-def test_a_result_that_is_to_be_had_in_the_end_alone_is_not_asked_for_before(tmp_path, monkeypatch):
+def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(watches, "MOST_CHECKED", 9)
     late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")

@@ -202,7 +202,7 @@ def test_a_claim_holds_where_the_world_is_as_the_paper_says(name):
 
 @pytest.mark.long(but_every=4)
 @pytest.mark.parametrize("name", FAILING)
-def test_one_setting_on_the_wrong_side_refutes_a_claim_and_is_named(name):
+def test_one_wrong_setting_refutes_a_claim(name):
     outcome = verdict(name, FAILING[name])
     assert outcome.verdict == FAILS
     assert 1 <= outcome.count(NO) < len(outcome.details)
@@ -227,7 +227,7 @@ def test_few_trials_decide_nothing_that_is_random(name):
     assert verdict(name, trials=trials).verdict == f"not decided by {trials} trials"
 
 
-def test_one_wrong_robot_refutes_consensus_and_fewer_trials_than_the_papers_cannot_show_it():
+def test_one_wrong_robot_refutes_consensus():
     assert verdict("consensus", trials=29).verdict == "not decided by 29 trials"
     assert verdict("consensus", FAILING["consensus"], trials=1).verdict == FAILS
     assert verdict("consensus", only(one("scale-free", "0.625"), right=0.5)).verdict == HOLDS
@@ -253,7 +253,7 @@ def why(name, twist):
     return verdict(name, twist).explanation
 
 
-def test_an_explanation_tells_which_settings_are_ahead_and_which_behind():
+def test_explanation_names_settings_ahead_and_behind():
     """In a world, and in one in which the effect is the other way round."""
     early = why("mixed-095", quiet(mixed(0.95), K=0.5))
     assert "ahead in 4 settings, by 50.0 % (convergence, full;" in early
@@ -294,7 +294,7 @@ def test_who_is_wrong_in_the_end_is_counted():
     assert "Few robots" not in why("mixed-consensus-moving", only(mixed(0.55), right=0.6, wrong=10))
 
 
-def test_a_swarm_that_settles_late_on_a_black_floor_is_explained_by_its_bias():
+def test_late_settling_on_a_black_floor_is_bias():
     poor = why("blacker-first-full", quiet(one("full", "0.575", f=0.95), K=4))
     rounds = 400 * np.exp(-0.3) * 0.2
     assert f"after a median of {rounds * 0.8 * 4:g} rounds, not {rounds:g}" in poor
@@ -390,7 +390,7 @@ def test_without_a_study_that_it_names_a_claim_is_not_measured():
             assert check(rest, [claim])[0].verdict == UNMEASURED
 
 
-def test_datasets_with_different_numbers_of_trials_meet_on_those_that_both_have():
+def test_pairs_use_trials_that_both_have():
     data = world("topologies") | world("local", trials=20)
     assert Evidence(data).trials == 20
     assert check(data, [KNOWN["informed-first"]])[0].verdict == HOLDS
@@ -413,7 +413,7 @@ def test_evidence_is_missing_for_unknown_settings():
         evidence.values("local", "convergence_round")
 
 
-def test_the_shipped_brain_is_minimal_and_a_growing_one_is_found_out(monkeypatch, tmp_path):
+def test_growing_memory_is_found(monkeypatch, tmp_path):
     assert verdict("minimal").verdict == HOLDS
     slow = brains.load("minimalistic").source.replace(
         "    me.t += looks\n", "    me.t += looks\n    k = 1.0\n    while k < me.t:\n        k *= 2.0\n"

@@ -88,7 +88,7 @@ def test_the_studies_hold_all_runs_of_the_paper():
 
 
 @pytest.mark.long
-def test_moving_robots_are_asked_after_as_many_observations_as_those_on_networks(done):
+def test_moving_robots_are_examined_after_as_many_observations(done):
     rounds, ticks = (done.datasets[name] for name in ("topologies", "moving"))
     assert (10 * rounds.checkpoint.values == ticks.checkpoint.values).all()
     assert set(rounds.observations_per_round.values) == {10}
@@ -97,7 +97,7 @@ def test_moving_robots_are_asked_after_as_many_observations_as_those_on_networks
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["fig4", "fig5"])
-def test_axes_say_ticks_where_robots_move_and_rounds_where_they_do_not(done, name):
+def test_axes_name_ticks_or_rounds(done, name):
     (figure,) = (f for f in PAPER.figures if f.name == name)
     draw = scatter_grid if figure.kind == "scatter" else decisions_grid
     axes = draw([view.panel(done.datasets) for view in figure.views]).axes
@@ -105,6 +105,14 @@ def test_axes_say_ticks_where_robots_move_and_rounds_where_they_do_not(done, nam
         assert ("ticks" in ax.get_xlabel()) == (view.study == "moving")
         assert ("rounds" in ax.get_xlabel()) == (view.study != "moving")
     assert {view.study for view in figure.views} >= {"moving"}
+
+
+@pytest.mark.long
+def test_nothing_is_written_without_a_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = paper.reproduce(trials=1, only="fig3", say=lambda _: None)
+    assert {*done.datasets} == {"topologies", "same-rounds"}
+    assert (done.page, done.files, [*done.figures], [*tmp_path.iterdir()]) == (None, [], [], [])
 
 
 @pytest.mark.long
@@ -218,7 +226,7 @@ def test_an_unknown_part_is_refused_with_the_known_ones(tmp_path):
 
 
 @pytest.mark.parametrize("blocked", ["out", "out/data", "out/index.html/inside"])
-def test_a_folder_that_cannot_be_written_is_found_out_before_anything_runs(tmp_path, monkeypatch, blocked):
+def test_unwritable_folder_is_found_first(tmp_path, monkeypatch, blocked):
     path = tmp_path / blocked
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("in the way")
@@ -228,7 +236,7 @@ def test_a_folder_that_cannot_be_written_is_found_out_before_anything_runs(tmp_p
 
 
 @pytest.mark.long
-def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next_and_their_time(tmp_path, monkeypatch):
+def test_ctrl_c_keeps_finished_work_of_reproduce(tmp_path, monkeypatch):
     whole, finished = paper.run, []
 
     def run(study, **options):

@@ -47,7 +47,7 @@ QUICK = ("changing", "filters", "liars")  # seconds, on networks: the same on al
 # What claims are
 
 
-def test_every_claim_has_a_name_of_its_own_and_studies_that_are_there():
+def test_claims_have_names_and_studies():
     assert len(KNOWN) == len(RIVALS.claims) == len({claim.title for claim in RIVALS.claims})
     assert {study for claim in RIVALS.claims for study in claim.studies} == set(STUDIES)
     assert all(claim.studies and claim.sentence.endswith(".") for claim in RIVALS.claims)
@@ -55,7 +55,7 @@ def test_every_claim_has_a_name_of_its_own_and_studies_that_are_there():
 
 
 @pytest.mark.parametrize("path", STUDIES.values(), ids=STUDIES)
-def test_studies_are_named_as_their_files_and_have_30_trials_or_more(path):
+def test_names_and_trials_of_claim_studies(path):
     study = sc.Study.load(path)
     assert study.name == path.stem
     assert study.trials >= TRIALS
@@ -146,7 +146,7 @@ def test_who_loses_less_to_malfunction_is_the_more_robust(three, boolean, said, 
     assert outcome(alone(KNOWN["three-robust"]), blank()).verdict == said
 
 
-def test_what_cannot_be_told_is_open_and_what_is_not_there_not_measured(monkeypatch):
+def test_open_and_unmeasured_claims(monkeypatch):
     claim = alone(KNOWN["direct-sooner"])
     assert outcome(claim, blank()).verdict == UNMEASURED
     assert judged(claim, monkeypatch, 0.9, 0.9) == f"not decided by {TRIALS} trials"
@@ -201,7 +201,7 @@ def test_statistics_are_what_they_are_by_hand(name, value):
     assert np.nanstd(found[1:]) > 0
 
 
-def test_errors_are_held_against_the_nominal_fill_ratio_where_the_study_asks_for_that():
+def test_errors_against_the_nominal_fill_ratio():
     data = made_up()
     data.attrs["truth"] = "nominal"
     assert by_hand("final_error", data)[0] == pytest.approx((0.05 + 0.4 + 0.4) / 3)
@@ -216,14 +216,14 @@ def test_trials_that_were_never_run_are_missing():
             by_hand(statistic, data)
 
 
-def test_parameters_and_settings_that_are_not_there_are_missing():
+def test_missing_parameters_and_settings():
     with pytest.raises(Missing):
         Evidence({"made-up": made_up()}).setting("made-up", every=10.0)
     with pytest.raises(Missing):
         Evidence({"made-up": made_up()}).setting("made-up", fill_ratio=0.7)
 
 
-def test_studies_count_with_all_their_trials_whatever_others_have():
+def test_all_trials_of_each_study_count():
     few, many = made_up().isel(trial=[0]), made_up()
     claim = next(iter(RIVALS.claims))
     seen = []
@@ -282,7 +282,7 @@ def explanations():
     return [f"- **{c['title']}:** does not hold. {c['explanation']}" for c in FOUND.values() if c["verdict"] == FAILS]
 
 
-def test_the_stored_claims_are_all_claims_on_the_studies_own_seeds_and_trials():
+def test_stored_claims_are_complete():
     assert list(FOUND) == [claim.id for claim in RIVALS.claims]
     own = {name: sc.Study.load(path) for name, path in STUDIES.items()}
     assert STORED["studies"] == {name: {"seed": s.seed, "trials": s.trials} for name, s in sorted(own.items())}

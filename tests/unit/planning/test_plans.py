@@ -74,7 +74,7 @@ def test_more_robots_never_need_more_time():
     assert rows[-1].minutes_high < rows[0].minutes_low
 
 
-def test_the_smallest_swarm_is_enough_in_other_trials_and_a_smaller_one_is_not():
+def test_smallest_swarm_suffices_in_other_trials():
     minutes = 0.35
     [row] = sc.plan(changed(RING, robots=[2, 60], minutes=minutes, topology="full"), **QUIET).rows
     assert row.answer == "reached"
@@ -121,7 +121,7 @@ def back_and_forth(rng, rounds, trials):
         (back_and_forth, lambda n: Goal(HALF, None, 0.0, 0.95).normal_share(n**-0.5, 0.5)),
     ],
 )
-def test_times_are_on_the_promise_on_average_and_their_intervals_hold(draw, true):
+def test_planned_times_are_right_on_average(draw, true):
     """The first time with enough in 60 trials would be 1.1 and 1.7 points short.
 
     The mean over 400 plans has a standard error of 0.13 points; times that are looked at are 5 % apart. Of 400
@@ -166,7 +166,7 @@ class Independent(Search):
 
 
 @pytest.mark.long
-def test_smallest_swarms_keep_the_promise_and_their_shares_are_not_of_the_trials_that_chose_them():
+def test_smallest_swarms_keep_the_promise_in_other_trials():
     """The first of single sizes with enough in 200 trials would be a point short, and 1.5 points off either way.
 
     The means over 150 plans have standard errors of 0.1 points. Of 150 intervals, 136 or more hold in all but one case
@@ -216,7 +216,7 @@ def test_only_robots_that_work_are_counted():
         assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))
 
 
-def test_a_plan_is_the_same_again_with_any_jobs_and_in_its_file(tmp_path):
+def test_plan_is_repeatable(tmp_path):
     once, again = (sc.plan(RING, jobs, **QUIET) for jobs in (1, 2))
     assert once.data == again.data
     for name, read in (("p.json", json.loads), ("p.toml", tomllib.loads)):
@@ -228,7 +228,7 @@ def test_a_plan_is_the_same_again_with_any_jobs_and_in_its_file(tmp_path):
     assert other.rows != once.rows
 
 
-def test_a_brain_that_takes_too_long_to_simulate_has_theory_alone():
+def test_slow_brain_is_planned_by_theory():
     tables = changed(RING, robots=50)
     [row] = sc.plan(tables | {"known": {"accuracy": 0.51}, "wanted": {"half_width": 0.0002}}, **QUIET).rows
     assert row.answer == "not simulated"

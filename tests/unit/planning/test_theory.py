@@ -30,7 +30,7 @@ def on_network(topology, **tables):
     return mission(area={}, free={"robots": 20, "topology": topology, "observations_per_round": 4}, **tables)
 
 
-def test_meetings_by_chance_have_the_factor_of_pairs_that_take_their_mean():
+def test_factor_of_random_pairwise_means():
     """The squares of weights of a tick's readings, of 40 swarms, whose mean is known to 2 %."""
     robots, rate, ticks, swarms = 20, 0.05, 300, 40
     rng, squares = np.random.default_rng(1), 0.0
@@ -44,7 +44,7 @@ def test_meetings_by_chance_have_the_factor_of_pairs_that_take_their_mean():
     assert squares / ticks**2 == pytest.approx(meeting_factors(robots, rate, ticks), rel=0.06)
 
 
-def test_factors_lie_between_a_robot_alone_and_all_that_know_all():
+def test_range_of_factors():
     ticks = np.array([1.0, 10.0, 1000.0])
     for rate in (0.0, 0.01, 1.0):
         found = meeting_factors(30, rate, ticks)
@@ -116,7 +116,7 @@ def test_tiles_are_those_that_sensors_get_over():
         assert tiles_of(mission(area={"side": side})) == pytest.approx(counted, rel=0.01)
 
 
-def test_a_floor_has_a_limit_of_its_own_only_against_the_nominal_fill_ratio():
+def test_floor_limit_applies_to_the_nominal_fill_ratio():
     nominal = mission(wanted={"half_width": 0.05, "truth": "nominal"}, area={"side": 1})
     assert least_deviation(nominal, 0.5) == pytest.approx(math.sqrt(0.25 / round(tiles_of(nominal))), rel=1e-6)
     assert least_deviation(mission(area={"side": 1}), 0.5) < 1e-6
@@ -127,7 +127,7 @@ def test_a_floor_has_a_limit_of_its_own_only_against_the_nominal_fill_ratio():
 
 
 @pytest.mark.parametrize("topology", ["ring", "full", "moving"])
-def test_where_no_message_gets_through_sums_are_mixed_by_nobody(topology):
+def test_mixing_without_messages(topology):
     known = {"accuracy": 0.7, "link_success": 0.0}
     found = mission(known=known) if topology == "moving" else on_network(topology, known=known)
     start = predict(found, 10, 1000.0)

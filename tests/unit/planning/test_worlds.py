@@ -75,7 +75,7 @@ def test_of_several_lies_the_worst_is_planned_for():
 
 
 @pytest.mark.long
-def test_one_that_shouts_owns_commons_and_not_steadfast_and_no_trial_is_missing():
+def test_shouter_breaks_commons_but_not_steadfast():
     """The numbers of commons run away to infinity: trials in which nobody is right."""
     found = sc.plan(
         changed(known={"lying": 0.1}, free={"brain": ["steadfast", "commons"], "topology": "full"}), **QUIET
@@ -104,7 +104,7 @@ def test_who_is_counted_is_honest_and_works():
         assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))
 
 
-def test_no_fewer_lie_than_their_share_and_one_is_left_that_is_honest_and_works():
+def test_number_of_liars_follows_their_share():
     for lying, failing in ((0.1, 0.0), (0.3, 0.6), (0.9, 0.09), (0.01, 0.98)):
         mission = mission_of(among_liars(lying=lying, failing=failing))
         for robots in (1, 2, 3, 7, 10, 30):
@@ -149,7 +149,7 @@ def test_a_world_is_planned_as_if_it_were_alone():
 
 
 @pytest.mark.long
-def test_the_area_follows_from_the_density_and_is_the_same_when_it_is_given():
+def test_area_follows_from_density():
     [row] = sc.plan(changed(free={"topology": "moving", "density": 8, "brain": "commons"}), **QUIET).rows
     assert row.side == pytest.approx(math.sqrt(10 * math.pi * 0.7**2 / 8))
     given = changed(area={"side": row.side}, free={"topology": "moving", "brain": "commons"})
@@ -232,7 +232,7 @@ def test_a_figure_has_a_line_a_brain_and_world():
 
 
 @pytest.mark.long
-def test_where_liars_do_most_harm_inside_of_the_range_that_is_planned_for():
+def test_worst_share_of_liars_inside_the_range():
     """Of ten robots two say the opposite, which at 0.5 is the truth: theory's worst f, and no worst of theirs.
 
     The share of 400 other trials errs by 0.02 in one of some hundred.
@@ -262,7 +262,7 @@ def test_where_liars_do_most_harm_inside_of_the_range_that_is_planned_for():
 
 
 @pytest.mark.long
-def test_the_smallest_swarm_and_whether_it_is_enough_are_asked_inside_of_the_range_too():
+def test_smallest_swarm_is_sought_inside_the_range():
     """At 0.88 min ten robots of which two lie are right at 0.3, 0.5 and 0.7 and in only 70 % near 0.43.
 
     In two minutes sixty are right in 95.2 % (of 1,000 trials).
@@ -281,7 +281,7 @@ def test_the_smallest_swarm_and_whether_it_is_enough_are_asked_inside_of_the_ran
     assert least.fill_ratio not in (0.3, 0.5, 0.7)
 
 
-def test_few_fill_ratios_have_all_trials_and_only_liars_need_more_than_three():
+def test_trials_by_fill_ratio_and_liars():
     quiet, lied = (mission_of(changed(known={"fill_ratio": [0.2, 0.8], "accuracy": 0.7, "lying": x})) for x in (0, 0.2))
     cases = [Search(mission, 1, QUIET["progress"]).cases for mission in (quiet, lied)]
     assert [len(each) for each in cases] == [3, 3 + len(inner_fill_ratios(lied))]

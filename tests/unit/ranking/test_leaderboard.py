@@ -89,7 +89,7 @@ def small(tmp_path, monkeypatch):
 
 
 @pytest.mark.long
-def test_the_official_worlds_hold_all_that_ships_and_all_that_makes_it_hard():
+def test_leaderboard_worlds_are_complete():
     study = entries.official()
     assert {brain.name for brain in study.brains} >= set(brains.shipped())
     settings = study.settings()
@@ -179,7 +179,7 @@ def test_scores_of_numbers_that_are_known(small):
 
 
 @pytest.mark.long
-def test_a_copy_of_a_brain_is_level_with_it_and_loses_where_it_does(small):
+def test_copy_of_a_brain_is_level(small):
     board = leaderboard(["mine.py"], "out")
     one, other = (board.scores.contenders.index(name) for name in ("minimalistic", "mine.py"))
     assert board.scores.error.values[one] == pytest.approx(board.scores.error.values[other], nan_ok=True)
@@ -194,7 +194,7 @@ def test_a_copy_of_a_brain_is_level_with_it_and_loses_where_it_does(small):
 
 
 @pytest.mark.long
-def test_what_is_done_is_not_run_again_but_for_a_brain_that_changed(small, capsys):
+def test_only_changed_brains_are_run_again(small, capsys):
     first = leaderboard(["mine.py"], "out")
     page = first.page.read_bytes()
     times = {path: path.stat().st_mtime_ns for path in (small / "out" / "data").iterdir()}
@@ -236,7 +236,7 @@ def test_why_results_are_run_again_is_the_truth(small):
 
 
 @pytest.mark.long
-def test_one_file_named_twice_is_one_brain_and_one_trial_is_one(small):
+def test_file_named_twice_is_one_brain(small):
     board = leaderboard(["mine.py", "./mine.py", small / "mine.py"], "out", trials=1)
     assert board.scores.contenders == ["minimalistic", "legacy", "mine.py"]
     text = board.page.read_text()
@@ -303,7 +303,7 @@ def printed_as_kept(small, capsys, *mine):
     return text
 
 
-def test_the_shell_prints_the_board_and_the_page_stands_with_its_picture(small, capsys):
+def test_leaderboard_command_writes_page_and_picture(small, capsys):
     """Of two brains that are one and of no liars, so that the machine compiles little."""
     (small / "leaderboard.toml").write_text(honest())
     printed_as_kept(small, capsys, "mine.py")

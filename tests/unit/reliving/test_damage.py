@@ -116,7 +116,7 @@ def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     assert result.counts["missing"] == result.counts["starts"] == result.counts["lost"] == 0
 
 
-def test_a_cut_log_keeps_what_it_has_and_others_lack_its_messages(tmp_path):
+def test_replay_of_a_cut_log(tmp_path):
     _, _, swarm = logged(tmp_path / "day")
     swarm.run()
     shown = swarm.close()
@@ -136,7 +136,7 @@ def test_a_cut_log_keeps_what_it_has_and_others_lack_its_messages(tmp_path):
     assert (found[kept + 1 :, [0, 2]] != shown[kept + 1 :, [0, 2]]).any()  # the neighbours of robot 1
 
 
-def test_after_a_flipped_byte_the_life_goes_on_with_the_next_state(tmp_path):
+def test_replay_goes_on_after_a_flipped_byte(tmp_path):
     _, _, swarm = logged(tmp_path / "day", more={"saves": 8})
     swarm.run()
     swarm.close()
@@ -298,7 +298,7 @@ def test_readings_that_were_not_made_are_counted(tmp_path):
     assert under(day, brains.load("minimalistic")).counts["unread"] == without > 0
 
 
-def test_forged_messages_are_not_those_of_the_robot_that_they_name(tmp_path):
+def test_forged_names_are_found(tmp_path):
     _, _, swarm = logged(tmp_path / "day")
     swarm.run(20)
     receiver, body = swarm.robots[0], swarm.bodies[0]

@@ -111,7 +111,7 @@ def test_a_brain_that_is_not_there_leaves_bytes(folder, tmp_path):
     assert metadata["robot_9"]["brain"] == ""
 
 
-def test_a_brain_in_the_folder_is_known_by_its_hash_and_not_run(folder, tmp_path):
+def test_brain_in_the_folder_is_recognised_by_hash(folder, tmp_path):
     from swarmcensus import brains
 
     source = brains.load("minimalistic").source + "\n# mine\n"

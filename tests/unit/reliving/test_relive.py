@@ -23,7 +23,7 @@ CASES = [
 
 
 @pytest.mark.parametrize(("brain", "message", "precision"), CASES)
-def test_minds_are_lived_again_to_the_bit_and_as_the_simulation_has_them(tmp_path, brain, message, precision):
+def test_replay_of_logs_is_exact(tmp_path, brain, message, precision):
     _, setting, swarm = logged(tmp_path / "day", brain, message=message, precision=precision)
     swarm.run()
     shown = swarm.close()

@@ -66,7 +66,7 @@ def test_names_in_any_letters(small_results, tmp_path):
     assert results.read(tmp_path / "x.nc")["brain"].values.tolist() == named["brain"].values.tolist()
 
 
-def test_a_time_that_is_missing_is_nan_in_python_and_a_whole_number_in_the_file(small_results, small_file, tmp_path):
+def test_missing_times_are_nan_in_python(small_results, small_file, tmp_path):
     times = small_results["convergence_round"]
     exists = xr.DataArray(np.arange(12), dims="robot") < small_results["robots"]
     assert (times.notnull() == exists).all()
@@ -100,14 +100,14 @@ def test_accuracies_are_numbers_too(small_results):
     ]  # fmt: skip
 
 
-def test_the_moments_of_a_spread_that_names_none_are_those_of_its_quantiles(monkeypatch):
+def test_moments_of_a_distribution_without_its_own(monkeypatch):
     exact = sensors.start_of("U(0.525,0.975)").moments
     monkeypatch.delattr(uniform, "moments")
     np.testing.assert_allclose(sensors.start_of("U(0.525,0.975)").moments, exact, rtol=1e-6)
 
 
 @pytest.mark.parametrize("text", ["N(0.75,0.1)", "N(0.95,0.3)", "N(0.0,0.2)"])
-def test_the_moments_of_normal_accuracies_are_those_of_many_robots(text):
+def test_moments_of_normal_accuracies(text):
     mean, same, sd = sensors.start_of(text).moments
     drawn, _ = sensors.parse_accuracy(text).draw(1, "moments", 0, 1, 200_000)
     assert mean == same

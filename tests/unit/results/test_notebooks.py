@@ -107,7 +107,7 @@ def display(monkeypatch):
     return seen
 
 
-def test_a_notebook_s_bar_leaves_a_line_and_a_short_run_nothing(display, monkeypatch):
+def test_bar_in_a_notebook(display, monkeypatch):
     with progress.showing(True, "<mine>") as show:
         show(Progress(1, 4, 0.25, 1.0))
     assert not display

@@ -56,7 +56,7 @@ def test_to_keep_estimates_changes_no_other_number(tables, kept):
 
 
 @pytest.mark.parametrize("truth", ["nominal", "floor"])
-def test_other_bins_and_deltas_are_what_a_run_would_have_measured(tables, kept, truth):
+def test_remeasuring_equals_a_run(tables, kept, truth):
     if truth == "floor" and tables is FIXED:
         pytest.skip("fixed networks have no floor")
     measure = {"checkpoints": kept["checkpoint"].values.tolist(), "truth": truth}
@@ -73,7 +73,7 @@ def test_other_bins_and_deltas_are_what_a_run_would_have_measured(tables, kept, 
     assert kept.attrs["bins"] == 10, "the results asked of stay as they are"
 
 
-def test_of_few_checkpoints_convergence_is_the_first_from_which_on_all_are_near(kept):
+def test_convergence_at_checkpoints(kept):
     few = kept.isel(checkpoint=slice(4, None, 5))
     asked = sc.remeasure(few, delta=0.03)
     for k in range(few.sizes["setting"]):
@@ -146,7 +146,7 @@ def test_results_without_estimates_say_how_to_get_them(small_results):
 
 
 @pytest.mark.long
-def test_kept_estimates_are_verified_and_go_with_studies_that_ask_for_them(tmp_path):
+def test_kept_estimates_are_verified(tmp_path):
     tables = FIXED | {"measure": {"estimates": True, "checkpoints": [1, 20, 40]}}
     out = tmp_path / "kept.nc"
     wrong = sc.run(sc.Study(**tables), jobs=1, out=out).copy(deep=True)

@@ -292,7 +292,7 @@ def test_a_run_of_many_settings_ends_with_a_summary(tmp_path, monkeypatch, capsy
     assert lines[-1].startswith("my results.nc: 48 settings of 6 trials")
 
 
-def test_legends_tell_the_truth_of_floors_and_the_widths_of_rules(tmp_path, monkeypatch, capsys):
+def test_legends_of_floors_and_rules(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     moving = """
 trials = {until = "convergence_error median +- 0.3", at_least = 6, at_most = 12}

@@ -262,7 +262,7 @@ def test_what_no_reader_meets_is_verified(small_file, tmp_path, capsys):
         ("rounds", "missing_value", 4),
     ],
 )
-def test_what_would_show_other_readers_other_numbers_is_refused(name, key, value, tmp_path):
+def test_ambiguous_files_are_refused(name, key, value, tmp_path):
     shutil.copy(DATA / "results-3.nc", tmp_path / "x.nc")
     with h5py.File(tmp_path / "x.nc", "r+") as file:
         file[name].attrs.pop(key, None)

@@ -138,7 +138,7 @@ def test_infinite_numbers_and_nan_are_refused(format_):
     assert messages.unpack(good) is not None
 
 
-def test_the_checksum_finds_each_changed_byte_and_foreign_messages():
+def test_checksum_finds_changed_bytes():
     messages = messages_of(COMMONS)
     good = messages.pack((1.0, 2.0), 3, 500, 70000)
     assert messages.unpack(good)[:3] == (3, 500, 70000 & 0xFFFF)

@@ -184,7 +184,7 @@ def test_a_worker_that_is_killed_costs_nothing(here, scheduler, threads):
 
 
 @pytest.mark.long
-def test_a_bundle_that_kills_its_workers_fails_and_others_do_not(here, monkeypatch):
+def test_deadly_bundle_fails_alone(here, monkeypatch):
     real = clusters.run_remotely
 
     def deadly(key, bundle):
@@ -329,7 +329,7 @@ def refusing(folder, when="true"):
     script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
 
 
-def test_a_batch_system_that_refuses_all_jobs_is_told_in_one_sentence(here, slurm, capsys):
+def test_batch_system_refuses_all_jobs(here, slurm, capsys):
     refusing(here)
     (here / "submitted").touch()
     Path("s.toml").write_text(FIXED)
@@ -363,7 +363,7 @@ def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monke
 
 @pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_what_ends_a_run_cancels_its_jobs_and_keeps_what_is_done(slurm, number):
+def test_ended_run_cancels_its_jobs(slurm, number):
     """The fixture sees to it that none is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
     before = signal.getsignal(number)
     with pytest.raises(Interrupted) as stopped:

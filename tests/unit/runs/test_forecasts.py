@@ -86,7 +86,7 @@ def test_what_takes_days_is_a_warning_and_threads_share_it(tried, caplog):
     assert 1 == tried[0][0] < tried[1][0] < 200_000
 
 
-def test_each_brain_has_a_pace_of_its_own_and_each_kind_of_work(tried, caplog):
+def test_forecast_by_brain_and_kind_of_work(tried, caplog):
     made = study(rounds=100_000_000, swarm={"brain": ["minimalistic", "commons"]}, measure={"local": True})
     settings = made.settings()
     every = np.ones((2, 1), np.bool_)

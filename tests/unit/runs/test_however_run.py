@@ -205,7 +205,7 @@ def test_in_cpython(name):
 
 
 @pytest.mark.parametrize("name", LOCAL[:1])
-def test_local_estimates_are_those_of_whatever_else_a_study_runs(known, name):
+def test_local_estimates_do_not_depend_on_other_settings(known, name):
     """Settings that differ in their network alone share them: they are the same in a study that has but one."""
     swarm, world, more = STUDIES[name]
     for network in world["topology"][::2]:

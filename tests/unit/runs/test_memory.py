@@ -117,7 +117,7 @@ def test_trials_know_how_many_threads_share_the_memory(trials, settings, jobs, t
         {"rounds": 5, "brain": "commons", "message_delay": 2, "link_success": 0.7},
     ],
 )
-def test_estimates_of_a_trial_need_no_machine_code_but_the_runs(case, monkeypatch):
+def test_estimates_need_no_further_compilation(case, monkeypatch):
     """They are those of its record in full, which others of the engine's entries make."""
     compile_world = compiler.compile_world
 

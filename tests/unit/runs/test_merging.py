@@ -67,7 +67,7 @@ def test_checkpoints_are_joined():
 
 
 @pytest.mark.long
-def test_merged_results_are_replayed_plotted_verified_and_grown(tmp_path, monkeypatch, capsys):
+def test_merged_results_are_results(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name, changes in (("a", {"robots_in_swarm": 6}), ("b", {"topology_in_world": ["line"]})):
         sc.save(ran(**changes), f"{name}.nc")
@@ -197,7 +197,7 @@ def test_bad_samples(sample, small_file, capsys):
     assert "should be a share above 0" in capsys.readouterr().err
 
 
-def test_what_only_some_of_merged_results_measured_is_no_difference():
+def test_metrics_of_only_some_merged_results():
     results = [
         ran(),
         ran(robots_in_swarm=4, checkpoints_in_measure=[5, 20]),
@@ -270,7 +270,7 @@ def test_studies_with_members_and_without_go_together():
             assert (found == one["final_estimate"].values[0]).all()
 
 
-def test_what_only_the_second_of_two_studies_measures_is_verified():
+def test_metrics_of_the_second_study_are_verified():
     """Both hold the same settings and trials: of these all that either measured is run again."""
     more = {"checkpoints": [10, 40], "estimates": True, "metrics": ["mean-error"]}
     merged = sc.merge([ran(), ran(measure=more)])

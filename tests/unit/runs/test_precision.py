@@ -158,7 +158,7 @@ def test_bad_rules(trials, said):
         sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE, measure=MEASURE)
 
 
-def test_a_rule_on_a_round_that_some_settings_never_reach_is_refused():
+def test_rule_on_an_unreached_round():
     with pytest.raises(InputError, match=r"correct@40 .*: that comes after the last round of settings of 20 rounds"):
         sc.Study(
             trials={"until": "correct@40 mean +- 0.1"}, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD,
@@ -166,7 +166,7 @@ def test_a_rule_on_a_round_that_some_settings_never_reach_is_refused():
         )  # fmt: skip
 
 
-def test_a_checkpoint_of_a_rule_is_looked_at_without_being_listed():
+def test_checkpoint_of_a_rule():
     asked = sc.Study(
         trials={"until": "correct@17 mean +- 0.2"}, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE
     )

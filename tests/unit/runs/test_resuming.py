@@ -118,7 +118,7 @@ def test_ctrl_c_puts_what_is_done_into_the_output(here, whole):
     assert same(run(study(), 2, out="a.nc"), whole)
 
 
-def test_ctrl_c_before_the_first_trial_is_done_can_be_gone_on_from(here, whole, monkeypatch):
+def test_ctrl_c_before_the_first_trial(here, whole, monkeypatch):
     def stop(progress):
         if not progress.note:  # it compiles no more
             raise KeyboardInterrupt
@@ -422,7 +422,7 @@ def test_results_and_shards_hold_no_pickles(here):
 
 
 @pytest.mark.long
-def test_longer_settings_are_added_under_the_default_checkpoints(here):
+def test_adding_longer_settings(here):
     text = STUDY.replace("checkpoints = [10, 60]", "")
     run(study(text), 2, out="a.nc")
     cut_off("b.nc", 20, text)
@@ -437,7 +437,7 @@ def test_longer_settings_are_added_under_the_default_checkpoints(here):
 
 
 @pytest.mark.long
-def test_decisions_that_only_some_merged_results_have_are_missed(here):
+def test_missing_decisions_of_merged_results(here):
     one, two = study(STUDY.replace("[3, 20]", "3")), study(STUDY.replace("[3, 20]", "20").replace("[10,", "[10, 20,"))
     results.save(sc.merge([sc.run(one), sc.run(two)]), "m.nc")
     with pytest.raises(InputError, match="no decisions at round 20"):
@@ -445,14 +445,14 @@ def test_decisions_that_only_some_merged_results_have_are_missed(here):
     assert same(run(study(), out="m.nc"), sc.run(study()))
 
 
-def test_shards_with_local_estimates_that_are_no_longer_asked_for(here):
+def test_shards_with_unwanted_local_estimates(here):
     text = STUDY.replace('"moving"', '"line"').replace("density    = 1\n", "").replace("ticks  = 200\n", "")
     cut_when(lambda p: p.work_done > 0.9 * p.work_total, study(text.replace("false", "true")), "a.nc")  # local is last
     with pytest.raises(InputError, match="npz holds local_convergence_step, which this study does not ask for"):
         run(study(text), out="a.nc")
 
 
-def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
+def test_ctrl_c_while_values_are_stored():
     done = Values(study(), study().settings()[:1], 2)
 
     class Falls(dict):
@@ -473,7 +473,7 @@ def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
     assert all((array[0] == 0).any() for name, array in done.arrays.items() if name != "convergence_round")
 
 
-def test_what_killed_processes_left_beside_their_names_is_removed(here, whole):
+def test_leftovers_of_killed_processes_are_removed(here, whole):
     cut_off("a.nc", 40)
     for left in ("a.nc.parts/.run-0123abcd.json", f"a.nc.parts/.000009-{32 * 'a'}-0123abcd.npz", ".a-0123abcd.nc"):
         Path(left).touch()
@@ -482,7 +482,7 @@ def test_what_killed_processes_left_beside_their_names_is_removed(here, whole):
     assert sorted(p.name for p in here.iterdir()) == [".b-0123abcd.nc", "a.nc", "s.toml"]
 
 
-def test_a_fresh_run_that_was_cut_off_goes_on_and_replaces_the_output(here, whole):
+def test_fresh_run_is_resumed(here, whole):
     run(study(seed=8, trials=2), out="a.nc")
     found = cut_when(lambda p: p.done >= 40, study(), "a.nc", fresh=True)
     lines = []
@@ -720,7 +720,7 @@ def test_a_run_that_was_killed_has_an_early_picture(measure, here, monkeypatch, 
     assert not folder.exists()
 
 
-def test_what_is_not_written_yet_is_told_from_what_is_not_there(here, capsys):
+def test_unfinished_output_is_recognised(here, capsys):
     cut_off("a.nc", 50)  # too short for an early picture
     for command in (["show", "a.nc"], ["plot", "a.nc"], ["export", "a.nc"], ["verify", "a.nc"]):
         assert main(command) == 2
@@ -732,7 +732,7 @@ def test_what_is_not_written_yet_is_told_from_what_is_not_there(here, capsys):
     assert "there is no such file" in capsys.readouterr().err
 
 
-def test_results_that_are_not_whole_say_so_where_they_are_drawn(here, whole, capsys):
+def test_incomplete_results_are_marked(here, whole, capsys):
     part = whole.copy(deep=True).isel(trial=slice(3))
     sc.save(part, "part.nc")
     for command in (["plot", "part.nc", "--kind", "decisions", "--where", "setting < 3"], ["export", "part.nc"]):

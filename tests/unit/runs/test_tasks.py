@@ -50,7 +50,7 @@ def test_short_settings_are_not_cut_in_two():
     assert len(plan_tasks(settings, np.ones((len(settings), 40), np.bool_), None, 0.1)) == len(settings)
 
 
-def test_a_run_that_is_cut_off_has_a_picture_of_the_whole_study():
+def test_early_picture_of_a_whole_study():
     study = sc.Study(**LONG)
 
     def soon(progress):

@@ -31,7 +31,7 @@ def waited(show, kinds=60):
     show(Progress(1, 1, 1.0, 1.0))
 
 
-def test_where_there_is_no_terminal_many_brains_are_a_line_now_and_then(monkeypatch, capsys):
+def test_compiling_many_brains_without_a_terminal(monkeypatch, capsys):
     with progress.bar_or_lines("board") as show:
         waited(show)
     assert capsys.readouterr().err.splitlines() == [
@@ -63,7 +63,7 @@ def test_one_brain_is_named_there(capsys):
     assert capsys.readouterr().err.startswith("board: compiling 1 of 1: voter\n")
 
 
-def test_on_a_terminal_it_is_a_bar_with_a_count_that_no_thread_draws(monkeypatch):
+def test_compiling_bar_on_a_terminal(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setenv("COLUMNS", "100")

@@ -81,7 +81,7 @@ def test_no_decision_by_hand():
 
 
 @pytest.mark.interpreted
-def test_the_first_agreement_counts_though_a_better_one_follows():
+def test_first_agreement_counts():
     data = told(listed([[0, 0, 0], [3, 3, 3]] * 3))
     assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (0, 1, 0)
 
@@ -179,7 +179,7 @@ def test_of_brains_of_which_one_decides_the_other_has_none():
 
 
 @pytest.mark.parametrize("wrong", [0.01, 0.05])
-def test_the_sequential_test_is_wrong_no_more_often_than_it_says(wrong):
+def test_error_rate_of_the_sequential_test(wrong):
     """600 robots alone: Wald's bound on the share of wrong decisions, and four standard errors; error rate 0.01 %."""
     lonely = {"name": "nobody", "edges": []}
     (setting,) = fixed(
@@ -341,7 +341,7 @@ def test_a_function_that_is_almost_called_so_is_asked_about(name, said):
 
 @pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["line", "full", "moving"])
-def test_who_is_done_before_the_first_round_was_done_in_round_0(topology):
+def test_done_in_round_0(topology):
     source = changed(("me.t >= 3.0", "me.t >= 0.0"), source=ENDS) + "\n\ndef decide(me):\n    return 1\n"
     world = {"density": 1.0, "body": {"tile": 0.05}} if topology == "moving" else {}
     schedule = {"schedule": {"ticks": 3}} if topology == "moving" else {"schedule": {"rounds": 3}}

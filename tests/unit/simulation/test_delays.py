@@ -21,7 +21,7 @@ from tests.support.places import ROOT
 from tests.support.second import changed, fixed
 from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, moving_of, settings_of
 
-COMMONS = ROOT / "support" / "commons.py"
+COMMONS = ROOT / "tests" / "support" / "commons.py"
 BRAINS = ["minimalistic", "commons", "swift", "voter"]
 WORLDS = {
     "ring": {"topology": "ring"},
@@ -121,7 +121,7 @@ def test_a_delay_that_is_nearly_as_long_as_the_trial():
 
 
 @pytest.mark.parametrize("rows", [1, 3, 6])
-def test_segments_that_are_run_again_hear_what_was_said_before_them(rows, monkeypatch):
+def test_segments_hear_earlier_messages(rows, monkeypatch):
     """The rule of convergence looks back to the bits of the way there, however little is kept at a time."""
     measure = Metrics(0.3 if rows == 6 else 0.03, 7, (2, 5, 10), estimates=True)
     monkeypatch.setattr(trials, "segment_length", lambda *_: rows)

@@ -83,7 +83,7 @@ def test_by_hand():
 
 @pytest.mark.long(but=["7-0.9-1.0"])
 @pytest.mark.parametrize(("looks", "f", "z"), [(20, 0.55, 1.96), (7, 0.9, 1.0)])
-def test_coverage_and_width_of_robots_alone_are_those_of_theory(looks, f, z):
+def test_coverage_and_width_of_lone_robots(looks, f, z):
     """Readings are binomial, and so the coverage and width exactly known: error rate 0.1 % of each of the two tests."""
     b, rounds, robots = 0.8, 3, 2000
     used = brain(WALD).with_parameters({"z": z})
@@ -280,7 +280,7 @@ def test_what_is_shown(here, capsys):
     assert not {*TWO} & {*plain, *sc.summary(plain)}
 
 
-def test_wrong_stops_are_told_by_the_estimate_that_robots_were_done_with(here):
+def test_wrong_stops_use_the_done_estimate(here):
     """A robot is done where its interval is narrow; how many are then wrong by more than half of it, a trace knows."""
     half, f = 0.15, 0.8
     schedule = {"rounds": 90, "observations_per_round": 1}
@@ -299,7 +299,7 @@ def test_wrong_stops_are_told_by_the_estimate_that_robots_were_done_with(here):
 
 @pytest.mark.long(only=["ring"])
 @pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["ring", "moving"])
-def test_an_interval_that_fails_where_only_a_replay_asks_is_told_as_a_brain_that_fails(world, here, capsys):
+def test_interval_that_fails_in_a_replay_is_reported(world, here, capsys):
     """A replay asks before the first observation too, where no run does."""
     timid = "def interval(me):\n    half = 0.1 / me.t\n    return max(0.0, 0.5 - half), min(1.0, 0.5 + half)\n"
     Path("timid.py").write_text(f"{MEANS}\n\n{timid}")

@@ -131,7 +131,7 @@ def test_a_trial_is_replayed(here, data):
 
 
 @pytest.mark.long
-def test_a_file_is_run_where_it_lies_or_is_given_and_nowhere_else(here, data, tmp_path, monkeypatch, capsys):
+def test_only_trusted_files_are_run(here, data, tmp_path, monkeypatch, capsys):
     elsewhere = tmp_path / "mine.py"
     elsewhere.write_text(MINE)
     monkeypatch.chdir(tmp_path)
@@ -266,7 +266,7 @@ def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes, m
 
 
 @pytest.mark.long
-def test_merged_results_of_which_a_part_has_liars_are_the_same_when_run_again(tmp_path, capsys):
+def test_merged_results_with_liars_are_verified(tmp_path, capsys):
     """What is joined of the parts belongs to them all, whichever comes first."""
 
     def part(name, **tables):

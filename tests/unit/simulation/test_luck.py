@@ -38,7 +38,7 @@ def test_each_call_has_its_own():
 
 
 @pytest.mark.interpreted
-def test_of_several_messages_each_has_its_own_that_depends_on_who_says_it():
+def test_each_message_has_its_own_random_draw():
     """A full network of three: the last message heard is that of the last robot, by its own luck."""
     source = changed(
         ("me.heard = me.luck", "me.heard += me.luck"),
@@ -119,7 +119,7 @@ def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
         assert np.isnan(one[name][:, who == 1]).all()
 
 
-def test_local_estimates_are_of_the_robot_and_not_of_the_network():
+def test_local_estimates_ignore_the_network():
     final = [
         run_batch(setting, SEED, 0, 2, Metrics(0.01, 10, ()), GO, local=True).final
         for setting in fixed(brain(ALL), topology=["ring", "full", "line"], link_success=[1.0, 0.5])

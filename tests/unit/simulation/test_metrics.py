@@ -33,7 +33,7 @@ def test_convergence_is_not_monotone():
     assert metrics.convergence(curve, 0.01)[0] == 0
 
 
-def test_a_curve_that_never_settles_converges_at_its_last_index():
+def test_curve_that_never_settles():
     assert metrics.convergence(np.array([[0.0], [1.0], [0.0], [1.0]]))[0] == 3
 
 

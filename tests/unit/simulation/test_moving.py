@@ -88,7 +88,7 @@ def test_robots_that_leap_come_to_lie_apart(robots, crowd, speed, trial):
 
 
 @pytest.mark.interpreted
-def test_contact_ends_early_where_a_push_goes_beyond_those_listed():
+def test_contact_beyond_listed_neighbours():
     """Robot 1, between 0 and 2, is pushed into 2, which was too far away to be listed with it."""
     body = Body(speed=0.01).numbers[0]
     state = np.zeros((constants.STATE, 3))
@@ -252,7 +252,7 @@ def moving():
     return study, sc.run(study, jobs=2)
 
 
-def test_a_run_is_its_replay_and_what_the_brain_file_makes_of_it(moving):
+def test_run_equals_replay_and_inference(moving):
     study, results = moving
     for k, setting in enumerate(study.settings()):
         trace = sc.replay(results, k, 1)

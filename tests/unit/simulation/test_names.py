@@ -74,7 +74,7 @@ def test_results_say_who_is_anonymous():
 
 
 @pytest.mark.interpreted
-def test_a_swarm_of_which_some_know_their_names_is_not_anonymous():
+def test_partly_named_swarm_is_not_anonymous():
     study = sc.Study(
         trials=1,
         swarm={"brain": brain(MEANS, "means.py"), "robots": 3, "accuracy": 0.7},

@@ -54,7 +54,7 @@ ADDS = MEANS.replace("MEMORY", 'PARAMETERS = {"add": 0.0, "big": 0.0}\nMEMORY', 
     [({"add": 1.0}, "1.5"), ({"add": -5.5}, "-5"), ({"big": 1e200}, "nan"), ({"add": 1e-5 + 0.5}, "1.00001")],
     ids=str,
 )
-def test_an_estimate_outside_0_to_1_fails_its_trial_wherever_robots_live(given, shown):
+def test_estimate_outside_0_to_1_fails_its_trial(given, shown):
     used = brain(ADDS).with_parameters(given)
     said = rf"^brain 'brain.py' fails in trial 1 of .*: robot {{}}: estimate gives {shown}: a number in \[0, 1\] is"
     metrics = Metrics(0.01, 10, (2,))
@@ -128,7 +128,7 @@ def test_it_only_reads():
 
 
 @pytest.mark.long
-def test_what_differs_in_machine_code_and_what_does_not_compile_is_told():
+def test_differences_of_machine_code_are_found():
     body = "    return 0.0, 1.0 if (math.floor(me.t) + 3) * 4611686018427387904 > 0 else 0.5\n"  # beyond 64 bits
     whole = brain(changed(("MEMORY =", "import math\n\nMEMORY =")) + f"\n\ndef interval(me):\n{body}")
     fault = suite.fault_of(agrees, whole)

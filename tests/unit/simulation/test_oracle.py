@@ -72,7 +72,7 @@ def test_while_robots_see_it_is_a_step_behind_at_the_most():
         assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-3)
 
 
-def test_it_is_the_same_in_every_network_and_whatever_robots_assume():
+def test_oracle_ignores_networks_and_beliefs():
     made = sc.Study(
         seed=9, trials=2,
         swarm={"brain": "oracle", "robots": 8, "accuracy": MIXED, "assumed_accuracy": [0.7, {"error": "N(0, 0.2)"}]},
@@ -124,7 +124,7 @@ def test_a_steering_swarm_has_one_too(tmp_path):
 
 
 @pytest.mark.long
-def test_steps_that_turn_back_are_shortened_and_end_at_the_maximum():
+def test_gradient_steps_end_at_the_maximum():
     """Few readings of very unequal sensors: plain scoring goes to and fro for ever in some of these."""
     chance, stuck = np.random.default_rng(0), 0
     for case in range(1500):

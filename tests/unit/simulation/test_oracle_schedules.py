@@ -68,7 +68,7 @@ def most_likely(setting, b, w, blacks, looks, rounds):
     ],
     ids=["switch", "drift", "switch and drift", "ramp", "ramp and drift", "during a ramp", "during a ramp, and drift"],
 )  # fmt: skip
-def test_it_is_near_the_maximum_of_a_likelihood_that_knows_the_schedule(accuracy, fill_ratio, near):
+def test_oracle_is_near_the_informed_maximum(accuracy, fill_ratio, near):
     """Root mean square of the distance, in standard errors of the maximum."""
     made = study(accuracy, fill_ratio)
     results, [setting] = sc.run(made), made.settings()
@@ -107,7 +107,7 @@ def test_a_robot_alone_counts_rounds_by_its_readings():
     assert functions.estimate(me) == 0.0
 
 
-def test_readings_of_a_single_round_of_a_ramp_are_of_its_fill_ratio():
+def test_readings_follow_a_ramp():
     oracle = brains.load("oracle")
     me, functions = oracle.robot(1.0, 1.0), oracle.functions
     me.change, me.until = 3.0, 9.0

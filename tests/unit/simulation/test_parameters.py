@@ -48,7 +48,7 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.mark.interpreted
-def test_every_combination_is_a_setting_with_its_values_as_coordinates(here):
+def test_every_combination_is_a_setting(here):
     data = sc.run(sc.Study.load("s.toml"), jobs=1)
     told = list(zip(data["brain"].values, data["prior"].values, data["among"].values, strict=True))
     assert told[0][0] == "plain.py"

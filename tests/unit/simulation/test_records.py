@@ -14,7 +14,7 @@ from tests.support.small import GO, SEED, settings_of
 NUMPYS = sorted(name for name in {*dir(np.recarray), *dir(np.record)} if not name.startswith("_"))
 
 
-def test_what_numpy_has_of_its_own_is_hidden_by_a_field_of_that_name():
+def test_fields_hide_numpy_attributes():
     record = np.zeros(1, record_type([(name, "f8") for name in NUMPYS] + [("vector", "f8", (3,))]))[0]
     for k, name in enumerate(NUMPYS):
         setattr(record, name, k)
@@ -32,7 +32,7 @@ def test_a_number_is_one_of_cpython():
 
 
 @pytest.mark.interpreted
-def test_a_brain_whose_fields_have_such_names_lives_the_same_life():
+def test_brain_with_reserved_looking_fields():
     shipped = brains.load("minimalistic")
     names = ["size", "mean", "sum", "dtype", "item", "max", "T", "shape", "setfield", "fill"]
     source = shipped.source

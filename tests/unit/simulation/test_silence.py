@@ -144,7 +144,7 @@ def test_recorded_data(compiled):
 
 
 @pytest.mark.interpreted
-def test_results_have_the_counts_and_missing_ones_where_there_is_no_robot():
+def test_message_counts_are_missing_without_a_robot():
     study = sc.Study(
         trials=2,
         seed=3,

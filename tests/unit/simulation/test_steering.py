@@ -100,7 +100,7 @@ def test_a_brain_that_never_wants_anything_walks_at_random(folder):
         assert np.array_equal(plain[name].values, never[name].values), name
 
 
-def test_a_run_is_its_replay_and_what_the_brain_file_makes_of_it(folder, steered):
+def test_run_equals_replay_and_inference(folder, steered):
     """The compiled loop, the same tick by tick, and CPython on what was read and heard: one life, to the bit."""
     study, results = steered
     brain = folder / "steered.py"

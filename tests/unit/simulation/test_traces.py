@@ -80,7 +80,7 @@ def test_a_trial_on_directed_links_is_recorded_as_messages():
         assert (alone[:, 4] == again["estimate"].values[:, 4]).all()  # nobody speaks to the last one
 
 
-def test_the_default_round_is_ten_steps_with_edges_and_one_with_messages():
+def test_default_length_of_a_round():
     readings = np.ones((20, 2))
     assert sc.infer(readings, [[0, 1]], 0.8).sizes["round"] == 3
     assert sc.infer(readings, [[5, 0, 1]], 0.8).sizes["round"] == 21

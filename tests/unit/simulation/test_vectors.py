@@ -57,7 +57,7 @@ def test_a_message_is_what_it_was_when_it_was_said():
 
 
 @pytest.mark.interpreted
-def test_a_vector_may_be_made_up_for_a_message_and_held_beside_numbers():
+def test_vectors_in_messages():
     source = changed(
         ('MESSAGE = ("seen",)', 'MESSAGE = {"n": 0.0, "pair": (0.0, 0.0), "t": 0.0}'),
         ("return (me.seen,)", "return me.n, (me.n, 2 * me.t), me.t"),
@@ -217,7 +217,7 @@ def test_an_estimate_may_use_math_on_items():
 
 
 @pytest.mark.long
-def test_a_vector_of_a_message_alone_is_not_read_beyond_its_end(tmp_path):
+def test_message_vector_is_not_overread(tmp_path):
     """It would be what other robots say, or nobody's memory."""
     source = '''"""Reads where nothing is."""
 MEMORY = {"x": 0.5, "place": 3000000.0}

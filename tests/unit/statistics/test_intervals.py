@@ -15,7 +15,7 @@ NORMAL = RNG.normal(size=(30, 1)) + 0.5 * RNG.normal(size=(30, 9))
 
 @pytest.mark.parametrize("level", [0.95, 0.99])
 @pytest.mark.parametrize("trials", [6, 30, 200])
-def test_trials_that_are_right_or_wrong_have_nearly_the_exact_interval(trials, level):
+def test_interval_of_a_binary_share(trials, level):
     """Clopper and Pearson's, from the quantiles of the beta distribution, to half a trial, or one and a half."""
     tail = (1 - level) / 2
     for hits in range(trials + 1):
@@ -33,7 +33,7 @@ def test_all_right_is_nearly_wilsons():
         assert found == pytest.approx(intervals.share_interval(30 * value, 30), abs=2e-3)
 
 
-def test_robots_that_err_alone_say_more_than_robots_that_err_together():
+def test_correlated_robots_widen_intervals():
     alone = RNG.binomial(100, 0.9, (100, 1)) / 100
     together = (RNG.random((100, 1)) < 0.9).astype(float)
     half = [np.ptp(estimate(values, "mean", share=True)[1:]) / 2 for values in (alone, together)]
@@ -49,14 +49,14 @@ def test_the_mean_of_what_is_symmetric_has_students_interval():
         assert (low, high) == pytest.approx(exact, rel=1e-3)
 
 
-def test_the_interval_of_a_skewed_mean_reaches_to_where_the_tail_is():
+def test_interval_of_a_skewed_mean():
     values = np.exp(NORMAL)
     mean, low, high = estimate(values, "mean")
     assert high - mean > 1.2 * (mean - low)
     assert estimate(-values, "mean") == pytest.approx((-mean, -high, -low))
 
 
-def test_the_median_of_lone_robots_has_the_interval_of_the_sign_test():
+def test_interval_of_a_median_is_the_sign_tests():
     """The 10th to the 21st of 30 values hold the median in 95.7 % of cases, the 11th to the 20th in 90.1 %."""
     values = RNG.permutation(30).astype(float)[:, np.newaxis]
     assert estimate(values, "median") == (14.5, 9.0, 20.0)
@@ -79,7 +79,7 @@ def test_robots_that_repeat_one_another_add_no_certainty(statistic):
 
 @pytest.mark.parametrize("trials", [6, 30, 1000])
 @pytest.mark.parametrize("value", [0.0, 0.1, 1 / 3, 1.0, 17.0, -1 / 3])
-def test_equal_trials_have_an_interval_of_what_may_not_have_been_seen(value, trials):
+def test_interval_of_equal_trials(value, trials):
     """Each trial in q may differ by 1 and yet none of n does so with a chance of 5 %: (1 - q)^n = 0.05."""
     values = np.full((trials, 7), value)
     for statistic in ("median", "mean"):
@@ -99,7 +99,7 @@ def test_rounding_is_no_spread():
     assert high - low > 0.1
 
 
-def test_a_median_on_equal_values_is_known_to_half_way_to_the_next_ones():
+def test_interval_of_a_median_with_ties():
     values = np.full((30, 4), 12.0)
     values[:3, 0], values[3:6, 0] = 10.0, 13.0
     assert estimate(values, "median") == (12.0, 11.5, 12.5)
@@ -118,7 +118,7 @@ def test_what_is_missing_or_too_little_has_no_interval():
         estimate(NORMAL, "mode")
 
 
-def test_a_bootstrap_of_medians_needs_memory_of_the_order_of_its_values_and_its_draws():
+def test_memory_of_a_bootstrap_of_medians():
     """400 trials of 250 robots, against each of which were 160 MB."""
     values = np.random.default_rng(4).normal(size=(400, 250))
     counts = intervals.resample(400, 100)
@@ -168,7 +168,7 @@ def test_ends_of_a_share_are_so_many_standard_errors_away(name, level):
 
 
 @pytest.mark.parametrize("trials", [6, 9, 40])
-def test_ends_of_a_mean_are_students_after_halls_transformation(trials):
+def test_interval_of_a_mean(trials):
     """The transformation itself takes each end to Student's quantile: x + g x^2 / 3 + g^2 x^3 / 27 + g / 6."""
     for values in (np.exp(NORMAL[:trials]), np.exp(-NORMAL[:trials]), np.tile(NORMAL[:trials], (2, 1)) ** 3):
         by_trial = values.mean(axis=1)
@@ -221,7 +221,7 @@ def test_an_interval_is_the_middle_of_its_resamples():
 # ---- the bootstrap
 
 
-def test_the_median_of_a_resample_is_the_median_of_its_trials_written_out():
+def test_median_of_a_resample():
     rng = np.random.default_rng(1)
     for trials, robots in ((1, 1), (2, 3), (7, 4), (30, 11)):
         values = rng.integers(0, 9, (trials, robots)) + rng.choice([0.0, 0.5], (trials, 1))  # many ties
@@ -230,7 +230,7 @@ def test_the_median_of_a_resample_is_the_median_of_its_trials_written_out():
         np.testing.assert_array_equal(intervals.medians(values, counts), written_out)
 
 
-def test_resamples_draw_trials_with_return_and_are_the_same_every_time():
+def test_resamples_are_repeatable():
     counts = intervals.resample(30)
     assert counts.shape == (1001, 30)
     assert (counts[0] == 1).all()

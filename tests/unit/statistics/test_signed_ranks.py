@@ -122,14 +122,14 @@ def test_holm_by_hand_and_missing_tests_do_not_count():
 
 
 @pytest.mark.parametrize("tests", [1, 2, 7, 40])
-def test_the_fewest_trials_can_tell_something_apart_and_one_less_cannot(tests):
+def test_fewest_trials(tests):
     least = fewest_trials(tests, 0.05)
     p = [float(signed_ranks(np.arange(1.0, trials + 1)).p) for trials in (least - 1, least)]
     assert p[0] * tests > 0.05 >= p[1] * tests
 
 
 @pytest.mark.parametrize("tied", [False, True])
-def test_friedman_is_scipys_with_ties_too_and_its_p_all_permutations(tied):
+def test_friedman_against_scipy_and_permutations(tied):
     random = np.random.default_rng(4)
     values = random.normal(size=(5, 3)) + 0.5 * np.arange(3)
     values = np.rint(values) if tied else values

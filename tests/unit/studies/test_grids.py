@@ -178,7 +178,7 @@ def test_one_of_density_and_side_is_wanted():
     assert "tiles wide" in refused(MOVING, world={"side": 1e9}, swarm={"robots": 1})
 
 
-def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave():
+def test_dataset_holds_the_side_of_the_arena():
     def captions(**world):
         results = sc.run(study(MOVING, world=world, swarm={"robots": [2, 5]}), jobs=1)
         return results, [panel.caption for panel in panels_of(results)]

@@ -107,7 +107,7 @@ def test_a_partition_parts(tmp_path, capsys):
         assert set(late) == {log.number // 2}
 
 
-def test_a_robot_that_dies_by_itself_is_told_and_the_rest_goes_on(tmp_path):
+def test_crashed_robot_is_reported(tmp_path):
     process = started(tmp_path / "out", "--json", rounds=120)
     [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]
     os.kill(int(pid), signal.SIGKILL)
@@ -265,7 +265,7 @@ def test_wrong_options_are_refused_in_a_sentence(tmp_path, monkeypatch, capsys, 
 def test_a_folder_that_is_not_empty_is_refused(tmp_path, capsys):
     (tmp_path / "here").write_text("")
     assert main(["swarm", "commons", "--out", str(tmp_path)]) == 2
-    assert f"{tmp_path} is not empty: --out should name a new folder" in capsys.readouterr().err
+    assert f"{tmp_path} is not empty, it holds " in capsys.readouterr().err
     assert main(["swarm", "commons", "--out", str(tmp_path / "here")]) == 2
     assert "is a file: --out should" in capsys.readouterr().err
 

@@ -95,7 +95,7 @@ input()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs a subreaper, as process 1 of a container is")
-def test_a_stopped_robot_ends_with_the_command_under_a_subreaper(tmp_path):
+def test_stopped_robot_ends_with_the_command(tmp_path):
     """The system then sends nothing to its group."""
 
     def states():

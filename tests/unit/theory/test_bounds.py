@@ -8,7 +8,7 @@ from swarmcensus.basics.errors import InputError
 
 
 @pytest.mark.parametrize(("b", "w", "f"), [(0.7, 0.7, 0.55), (0.9, 0.6, 0.2), (0.3, 0.3, 0.95), (1.0, 0.8, 0.5)])
-def test_information_is_the_expected_curvature_of_the_likelihood(b, w, f):
+def test_information_is_expected_curvature(b, w, f):
     def q(x):
         return b * x + (1 - w) * (1 - x)
 

@@ -72,7 +72,7 @@ def test_clusters_are_covariant_as_the_normal_law_says():
     assert theory.cluster_covariance(1.0, 0.5) == 0.0
 
 
-def test_the_shipped_clusters_have_the_correlation_that_the_docstring_names():
+def test_correlation_of_shipped_clusters():
     weights = kernel(1.0, 0.1)  # the field's own kernel, one axis: tiles at offsets 0 and 3
     apart, taps = weights.shape
     reach = np.zeros((2, taps * apart + 10))

@@ -24,7 +24,7 @@ def test_matrices_are_means_over_oneself_and_whom_one_hears():
 
 
 @pytest.mark.parametrize("graph", GRAPHS.values(), ids=GRAPHS)
-def test_the_spectrum_says_what_powers_say_and_powers_what_matrix_power_says(graph):
+def test_spectrum_against_matrix_powers(graph):
     matrix, rng = theory.mixing_matrix(graph), np.random.default_rng(3)
     squared, summed = rng.random((2, len(matrix)))
     at = [1, 2, 9, 200]
@@ -186,7 +186,7 @@ def test_the_stationary_law_counts_neighbours():
 
 @pytest.mark.parametrize("graph", ["star", "line", "tree", "full", "directed", "pair", "one"])
 @pytest.mark.parametrize("distance", [0.25, 0.01])
-def test_mixing_times_are_the_first_rounds_that_are_near_enough(graph, distance):
+def test_mixing_times(graph, distance):
     matrix = theory.mixing_matrix(GRAPHS[graph])
     law, power, rounds = theory.stationary_law(matrix), np.eye(len(matrix)), 0
     while 0.5 * np.abs(power - law).sum(axis=1).max() > distance:
@@ -222,7 +222,7 @@ def test_bounds_hold_the_factors(graph):
     np.testing.assert_allclose(low, high, rtol=0.05)
 
 
-def test_a_robot_alone_is_mixed_from_the_first_whatever_its_relaxation_time():
+def test_lone_robot_is_mixed_at_once():
     assert theory.mixing_time_bound([1.0], np.inf) == theory.mixing_time(np.eye(1)) == 0
 
 

@@ -92,7 +92,7 @@ def test_what_is_usual_is_of_the_start(tmp_path):
     assert loss(never, rounds_, np.array([[7.0, 0.0]])) == 1.0
 
 
-def test_a_search_that_is_told_the_same_asks_for_the_same_and_leaves_chance_to_others(brain):
+def test_search_is_repeatable_and_leaves_global_random_state(brain):
     ranges = ranges_of(["a=0:1", "many=0:9:whole"], brain)
     np.random.seed(4)  # noqa: NPY002
     before = np.random.get_state()[1].copy()  # noqa: NPY002
@@ -110,7 +110,7 @@ def test_a_search_that_is_told_the_same_asks_for_the_same_and_leaves_chance_to_o
     assert other.ask() != asked[0][0][0]
 
 
-def test_the_winner_is_among_what_was_good_where_that_is_near_the_end_of_a_range(brain):
+def test_winner_near_the_end_of_a_range(brain):
     """The mean of a cloud that reaches over the end has its image there, far from all that was good."""
     search = Search(ranges_of(["a=0:1", "weight=0:1"], brain), (0.1, 0.6), 3)
     chance = np.random.default_rng(8)
@@ -133,7 +133,7 @@ def searched(brain, loss, generations, start=(0.9, 0.9), seed=3):
     return search, asked
 
 
-def test_a_flat_metric_is_searched_everywhere_until_something_differs(brain):
+def test_search_of_a_flat_metric(brain):
     """All is as bad but a square of 4 % of the ranges, far from the start."""
     found = 0
     for seed in range(20):
@@ -145,7 +145,7 @@ def test_a_flat_metric_is_searched_everywhere_until_something_differs(brain):
     assert found >= 18
 
 
-def test_where_nothing_differs_a_search_never_ends_by_itself_and_stays_where_it_was(brain):
+def test_search_on_a_flat_metric_stays_in_place(brain):
     search, asked = searched(brain, lambda *_: (0.5,), 200)
     assert not search.ended
     assert not search.differed
@@ -153,7 +153,7 @@ def test_where_nothing_differs_a_search_never_ends_by_itself_and_stays_where_it_
     assert search.favourite == (0.9, 0.9)
 
 
-def test_a_search_ends_by_itself_once_it_asks_for_one_candidate_alone(brain):
+def test_search_ends_at_a_single_candidate(brain):
     search, generations = Search(ranges_of(["a=0:1", "weight=0:1"], brain), (0.9, 0.9), 3), 0
     while not search.ended and generations < 100:
         asked = search.ask()
@@ -182,7 +182,7 @@ def test_a_companion_breaks_ties_and_nothing_else(brain):
     assert not flat.differed
 
 
-def test_seeds_of_training_are_never_the_study_s_and_all_differ():
+def test_seeds_of_training():
     found = [seed_for(s, what, n) for s in range(50) for what in ("training", "search") for n in range(20)]
     assert len(set(found)) == len(found)
     assert not set(found) & set(range(50))
@@ -273,7 +273,7 @@ NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284
 
 
 @pytest.mark.parametrize("companion", [True, False])
-def test_values_that_are_right_are_found_from_where_all_are_wrong(companion, tmp_path, monkeypatch):
+def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
     if not companion:
         monkeypatch.delitem(COMPANIONS, "correct")
     study = study_of(tmp_path, NOWHERE)
@@ -391,7 +391,7 @@ def args(tmp_path):
 
 
 @pytest.mark.long
-def test_a_search_that_was_cut_off_anywhere_goes_on_to_the_same_end(args, tmp_path, monkeypatch):
+def test_search_is_resumed(args, tmp_path, monkeypatch):
     whole = sc.tune(*args, budget=61, trials=2, out=tmp_path / "whole.toml")
     lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
     assert len(lines) == 3 + 61
@@ -471,7 +471,7 @@ def test_results_of_another_kind_are_never_replaced(args, tmp_path):
     assert (tmp_path / "a.nc").read_bytes() == before
 
 
-def test_a_budget_of_time_ends_and_its_log_gives_the_same_again(args, tmp_path):
+def test_budget_of_time(args, tmp_path):
     found = sc.tune(*args, budget="0.2 s", trials=2, out=tmp_path / "a.toml")
     again = sc.tune(*args, budget="0.2 s", trials=2, out=tmp_path / "a.toml")
     assert again.values == found.values

@@ -88,7 +88,7 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_the_plan_is_of_worlds_with_this_liar_and_its_loss_is_turned_round(here):
+def test_search_for_liars_maximises_loss(here):
     study = sc.Study.load("s.toml")
     plan = plan_of(study, ["at=0:1"], "heard.py", "final_error", budget_of(50), 2, "bump.py")
     assert [(w.brain.name, str(w.topology), w.members[0].brain.label) for w in plan.worlds] == [
@@ -103,7 +103,7 @@ def test_the_plan_is_of_worlds_with_this_liar_and_its_loss_is_turned_round(here)
     assert "adversary" not in plan_of(study, ["share=0:1"], None, "final_error", budget_of(50), 2).identity
 
 
-def test_the_worst_lie_is_found_and_written_as_a_table_of_members(here, capsys):
+def test_worst_lie_is_found_and_written(here, capsys):
     """The honest believe the largest of what is said: 1 - 2 |at - 0.6|, which is their error, as f is 0."""
     command = [*TUNE, "--parameter", "at=0:1", "--parameter", "idle=0:9", "--budget", "157"]
     assert main(command) == 0

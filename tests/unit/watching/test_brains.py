@@ -89,7 +89,7 @@ def test_a_wrong_view_is_told(played, said):
 
 
 @pytest.mark.interpreted
-def test_a_saved_brain_file_is_read_again_and_a_broken_one_is_told(tmp_path):
+def test_saved_brain_is_reloaded(tmp_path):
     mine = tmp_path / "mine.py"
     text = brains.load("minimalistic").source
     save(mine, text, 100)
@@ -113,7 +113,7 @@ def test_a_saved_brain_file_is_read_again_and_a_broken_one_is_told(tmp_path):
     assert ask(session, do="robot", robot=2, tick=0)["told"]["estimate"] == 0.25
 
 
-def test_parameters_outlive_what_is_saved_as_far_as_they_are_there(tmp_path):
+def test_parameters_survive_saving_a_brain(tmp_path):
     mine = tmp_path / "mine.py"
     text = brains.load("census").source
     save(mine, text, 100)
@@ -160,7 +160,7 @@ def test_before_any_reading_nobody_is_right():
 
 
 @pytest.mark.parametrize("asked", [{"topology": "full", "robots": "150"}, {"topology": "ring", "robots": "10001"}])
-def test_the_links_of_a_chosen_robot_are_known_where_there_are_too_many(asked):
+def test_links_of_a_chosen_robot(asked):
     found = wanted(offer_of(None), asked | {"link_success": "0.5", "rounds": "3"})
     show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
     assert not show.edges.size

@@ -30,7 +30,7 @@ def asked(session, **words):
     return parts, end
 
 
-def test_a_log_that_is_read_byte_by_byte_has_the_blocks_of_the_whole_one(whole, tmp_path):
+def test_log_read_byte_by_byte(whole, tmp_path):
     """Also where a block was cut in the middle, and another life follows it."""
     path = tmp_path / "robot-1.log"
     reader = LogReader(path)
@@ -66,7 +66,7 @@ def test_a_page_that_comes_late_gets_the_day_in_parts(whole, tmp_path, monkeypat
     assert session.shows[0].life.clock.rounds == Clock(read_day(whole).members).rounds
 
 
-def test_each_tick_is_lived_once_and_the_end_is_that_of_the_whole_day(whole, tmp_path, monkeypatch):
+def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
     lived = []
     live = lives.lives
     monkeypatch.setattr(lives, "lives", lambda mind, tick: lived.append((mind.number, tick)) or live(mind, tick))
@@ -100,7 +100,7 @@ def test_each_tick_is_lived_once_and_the_end_is_that_of_the_whole_day(whole, tmp
             assert robot_of(grown, tick, robot) == robot_of(static, tick, robot)
 
 
-def test_the_clock_of_a_part_of_a_day_goes_on_to_that_of_the_whole_day(whole, tmp_path):
+def test_clock_of_a_growing_recording(whole, tmp_path):
     day = Day(whole, tmp_path / "day")
     grows = GrowingDay(day.folder)
     known = {}
@@ -121,7 +121,7 @@ def test_the_clock_of_a_part_of_a_day_goes_on_to_that_of_the_whole_day(whole, tm
     assert grows.clock.time(3, 0) == 15  # it began late
 
 
-def test_who_starts_late_is_shown_late_though_nobody_starts_again(tmp_path):
+def test_late_start_is_shown(tmp_path):
     folder = tmp_path / "day"
     _, _, swarm = logged(folder, robots=3, rounds=ROUNDS)
     swarm.kill(2)
@@ -137,7 +137,7 @@ def test_who_starts_late_is_shown_late_though_nobody_starts_again(tmp_path):
     assert {clock.last(robot) for robot in range(3)} == {20}
 
 
-def test_robots_at_work_are_shown_as_after_their_last_ticks_until_they_are_gone(whole, tmp_path, monkeypatch):
+def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkeypatch):
     day = Day(whole, tmp_path / "day")
     session = Session(offer_of(day.folder))
     asked(session, do="begin", ask={})
@@ -198,7 +198,7 @@ def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monke
     assert "beside" not in begun["form"]["fixed"]
 
 
-def test_who_was_at_work_at_the_end_of_a_day_is_shown_in_its_last_rounds(tmp_path):
+def test_last_rounds_of_a_recording(tmp_path):
     """Robots that missed ticks have lived fewer rounds; one that was killed before the end is away."""
     folder = tmp_path / "day"
     study, _, swarm = logged(folder, robots=3, rounds=ROUNDS)

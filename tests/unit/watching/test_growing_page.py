@@ -34,7 +34,7 @@ def grown(shown, day, share, before):
     until(shown, f"rounds() > {before}", True)
 
 
-def test_curves_of_a_day_that_outgrows_them_take_over_their_points(watched):
+def test_curves_of_a_growing_recording(watched):
     shown, _ = watched
     newest(shown)
     room, missing, value = shown.evaluate(

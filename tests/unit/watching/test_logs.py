@@ -56,7 +56,7 @@ def show_of(folder, request=None, given=()):
 @pytest.mark.parametrize(
     ("brain", "message", "precision"), [("commons", "float32", "double"), ("voter", "ratio16", "single")]
 )
-def test_a_logged_day_is_shown_as_the_same_trial_is_when_it_is_simulated(tmp_path, brain, message, precision):
+def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precision):
     """Robots in lockstep live what a simulation does: estimates, memories, readings, messages, links."""
     setting = made(tmp_path / "day", brain, message=message, precision=precision)
     [show] = show_of(tmp_path / "day")
@@ -131,7 +131,7 @@ def test_the_same_day_under_another_brain_is_beside_it(day):
     assert robot_of(other, 20, 1)["brain"] == "voter"
 
 
-def test_a_page_is_told_which_controls_are_fixed_and_gets_frames(day):
+def test_fixed_controls_and_frames(day):
     session = Session(offer_of(day))
     [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"trial": "0", "seed": str(SEED)}}))
     assert begun["form"]["name"] == "day"
@@ -235,7 +235,7 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
         assert one["brain"] == other["brain"]
 
 
-def test_a_brain_of_ones_own_comes_from_the_folder_and_another_of_that_name_is_told_apart(tmp_path, monkeypatch):
+def test_own_brain_comes_from_the_folder_of_logs(tmp_path, monkeypatch):
     """Also where its file has changed since."""
     monkeypatch.chdir(tmp_path)
     mine = tmp_path / "mine.py"

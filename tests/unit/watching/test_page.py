@@ -109,7 +109,7 @@ def test_a_robot_is_clicked(page, served):
 
 
 @pytest.mark.long
-def test_one_goes_nearer_to_what_is_pointed_at_and_drags_it_along(page, served):
+def test_zoom_and_drag(page, served):
     come(page, served.address("setting=1&tick=1"), 1)
     page.locator("#stages .stage").scroll_into_view_if_needed()
     box = page.locator("#stages .stage").bounding_box()
@@ -151,7 +151,7 @@ def test_curves_have_a_logarithmic_time(page, served):
 
 @pytest.mark.long
 @pytest.mark.parametrize("way", ["End", "slider"])
-def test_after_a_leap_all_of_the_curves_and_the_last_looks_are_there(page, served, way):
+def test_jump_keeps_curves(page, served, way):
     come(page, served.address("trial=1&rounds=2000&robot=2"), 0)
     page.click("#play")
     page.wait_for_timeout(1500)
@@ -167,7 +167,7 @@ def test_after_a_leap_all_of_the_curves_and_the_last_looks_are_there(page, serve
 
 
 @pytest.mark.long
-def test_changes_in_a_row_all_count_and_what_is_refused_changes_nothing(page, served):
+def test_changes_accumulate_and_refusals_do_not(page, served):
     come(page, served.address(), 0)
     page.evaluate(f"{{ {PUT} put('robots', '20'); put('accuracy', '0.9'); put('trial', '2'); }}")
     seen = "[state.scenes[0].robots, state.form.now.accuracy, state.form.now.trial, state.preparing]"
@@ -271,7 +271,7 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
 
 
 @pytest.mark.long
-def test_quick_changes_while_something_is_computed_lose_no_server(page, folder, monkeypatch):
+def test_quick_changes_during_a_computation(page, folder, monkeypatch):
     """The server wants a sign of life five times a second, in place of every 20; what is compiled is said meanwhile."""
     often = functools.partial(uvicorn.Config, ws_ping_interval=0.2, ws_ping_timeout=0.2)
     monkeypatch.setattr(uvicorn, "Config", often)
@@ -319,7 +319,7 @@ def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
 
 
 @pytest.mark.long
-def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(browser, folder, monkeypatch):
+def test_page_reconnects_to_a_returning_server(browser, folder, monkeypatch):
     page = browser.new_page()
     first = listen(offer_of(folder / "study.toml"))
     port = first.port

@@ -171,7 +171,7 @@ def hasty(monkeypatch):
         yield made
 
 
-def test_who_wishes_on_while_something_long_is_computed_is_not_sent_away(hasty, monkeypatch):
+def test_requests_during_long_computation_are_answered(hasty, monkeypatch):
     begun = Session.answer
     monkeypatch.setattr(Session, "answer", lambda *given: (time.sleep(0.5), begun(*given))[1])
     with talk(hasty) as page:

@@ -52,7 +52,7 @@ def news(page, since=0):
     return told, frames
 
 
-def test_a_page_shows_a_swarm_while_it_runs_and_ctrl_c_ends_all(started, tmp_path):
+def test_live_page_of_a_running_swarm(started, tmp_path):
     process, served, line = started("--rounds", "5000", "--hz", "50", "--fault", "1s stop 2")
     assert line.startswith("live page: http://127.0.0.1:")
     with talk(served) as page:

@@ -50,7 +50,7 @@ def test_as_few_tiles_turn_as_can(kind):
 
 
 @pytest.mark.long
-def test_steered_robots_meet_the_same_floor_however_it_is_painted(tmp_path, monkeypatch):
+def test_floor_of_steered_robots(tmp_path, monkeypatch):
     (tmp_path / "steered.py").write_text(
         brains.load("minimalistic").source + "\n\ndef steer(me):\n    return 0.1, 0.3\n"
     )

@@ -74,7 +74,7 @@ def test_robots_that_stop_talking_are_heard_no_more():
             assert trace["beta"].values[20:] == pytest.approx(said - own, rel=1e-9)
 
 
-def test_moving_robots_that_stop_talking_are_heard_until_their_last_message_arrives():
+def test_last_message_of_a_failed_robot_arrives():
     for setting, failed, trace, _ in traces(MOVING, '["talking"]'):
         if setting.brain.name != "minimalistic":
             continue
@@ -177,7 +177,7 @@ def test_who_fails_is_who_failed_before_there_was_an_end():
 
 
 @pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
-def test_robots_that_join_late_have_seen_and_said_nothing_before(text):
+def test_late_robots_have_no_past(text):
     text = text.replace(
         'at = 20, robots = 3, stop = "STOP"', 'at = 1, robots = 3, stop = ["sensing", "talking"], until = 20'
     )
@@ -206,7 +206,7 @@ def test_robots_that_stand_for_a_while_go_on():
     assert (paths[30:, lame].max(axis=0) > 0.009).all()
 
 
-def test_an_oracle_hears_who_is_away_for_a_while_and_never_a_liar():
+def test_oracle_hears_absent_robots_but_no_liars():
     found = np.full((PARTS * 3, 4), NEVER)
     found[[SENSING, PARTS + SENSING], 1] = 2
     found[2 * PARTS + SENSING, 1] = 5

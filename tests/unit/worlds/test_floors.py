@@ -136,7 +136,7 @@ def test_a_sensor_meets_the_share_that_is_there(untraced):
 # ---- independent tiles
 
 
-def test_independent_tiles_have_the_colours_that_they_always_had():
+def test_colours_of_independent_tiles():
     """By the formula: the address says nothing of the kind of floor, and a tile's word is held against f."""
     for floor in (None, "tiles"):
         world = {"topology": "moving", "density": 3, "fill_ratio": 0.55} | ({"floor": floor} if floor else {})
@@ -223,7 +223,7 @@ def test_noise_is_one_number_a_tile():
 
 
 @pytest.mark.parametrize(("period", "share"), [(0.3, 0.55), (0.125, 0.3), (0.5, 0.95)])
-def test_stripes_have_their_period_width_and_an_axis_and_phase_of_each_trial(period, share):
+def test_stripes_have_period_width_axis_and_phase(period, share):
     setting = setting_of({"stripes": period}, share)
     axes, phases = [], []
     for trial in range(40):
@@ -354,7 +354,7 @@ def floored(gradient):
 
 
 @pytest.mark.long
-def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(floored):
+def test_run_on_floors_equals_replay_and_inference(floored):
     study, results = floored
     assert results["floor"].values.tolist() == 2 * [
         "tiles", "clusters(0.2)", "stripes(0.5)", "half", "image(gradient)", "image(gradient,dither)",
@@ -376,7 +376,7 @@ def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(flo
 
 
 @pytest.mark.long
-def test_errors_and_decisions_are_held_against_the_floor_or_against_f(floored, gradient):
+def test_truth_is_the_floor_or_f(floored, gradient):
     _, results = floored
     nominal = sc.run(sc.Study.parse(STUDY.replace('"floor"', '"nominal"'), context={"base": gradient.parent}))
     assert (results.attrs["truth"], nominal.attrs["truth"]) == ("floor", "nominal")

@@ -54,7 +54,7 @@ def test_scale_free_is_a_tree(robots, tmp_path):
         assert nx.is_tree(graph_of(links, trial, robots))
 
 
-def test_scale_free_is_drawn_afresh_and_does_not_depend_on_the_batch(tmp_path):
+def test_scale_free_networks_are_addressed(tmp_path):
     topology = parse("scale-free", tmp_path)
     whole, part = links_of(topology, 40, trials=3), links_of(topology, 40, trials=1, first=2)
     graphs = [graph_of(whole, t, 40) for t in range(3)]
@@ -62,7 +62,7 @@ def test_scale_free_is_drawn_afresh_and_does_not_depend_on_the_batch(tmp_path):
     assert nx.utils.graphs_equal(graphs[2], graph_of(part, 0, 40))
 
 
-def test_scale_free_degrees_follow_the_law_of_preferential_attachment(tmp_path):
+def test_degrees_of_scale_free_networks(tmp_path):
     """P(k) = 4 / (k (k + 1) (k + 2)) for m = 1 (Bollobas et al. 2001): chi-square, 0.1 % level, fixed seed."""
     robots, trials = 2000, 10
     links = links_of(parse("scale-free", tmp_path), robots, trials)
@@ -327,7 +327,7 @@ def test_what_are_no_edges_of_three_robots(edge):
         wiring.pairs_of([(0, 1), edge], 3)
 
 
-def test_a_generator_without_chance_makes_one_graph_for_all_trials(tmp_path):
+def test_deterministic_generator_makes_one_graph(tmp_path):
     """As its edges do, given in full: robots that lose no message live the same lives."""
     star = {"networkx": "star_graph", "n": 4}
     topology = parse(star, tmp_path)

@@ -86,7 +86,7 @@ def test_a_spread_is_a_file_with_the_papers_letter():
     assert not sensors.parse_accuracy({"black": "U(0.5, 0.9)", "white": "N(0.7, 0.1)"}).edition
 
 
-def test_uniform_accuracies_are_the_quantiles_of_uniform_numbers_to_the_last_bit():
+def test_uniform_accuracies_are_quantiles():
     key, u, found = address(1, "x"), np.empty((3, 7)), np.empty((3, 7))
     compile_world().spread_uniform(key, 2, 0.0, 1.0, u)
     uniform.draw(key, 2, found, 0.525, 0.975)

@@ -163,7 +163,7 @@ def test_what_may_be_misread_is_refused(read, text, said, tmp_path):
         read(path if read is not recordings.read_accuracy else str(path))
 
 
-def test_of_directed_edges_the_target_hears_the_source_in_any_order_of_columns(tmp_path):
+def test_directed_edges_lead_from_source_to_target(tmp_path):
     assert topology(written(tmp_path, "target,source\n1,0\n"), directed=True).edges == ((0, 1),)
     assert topology(written(tmp_path, GEPHI.format("Directed")), directed=True).edges == ((0, 1), (1, 2))
 
