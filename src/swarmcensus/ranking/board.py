@@ -94,8 +94,8 @@ def leaderboard(
             check_writable(path)
     parts = {}
     for k, name in enumerate(sorted(studies, key=lambda name: name == OFFICIAL)):  # own first: failures show soon
-        study, path = studies[name], data_path(out, name)
-        restart = fresh or (name != OFFICIAL and _changed(path, study, say))
+        study, path = studies[name], paths[name]
+        restart = fresh or (name != OFFICIAL and path is not None and _changed(path, study, say))
         with showing(progress, f"leaderboard, {name}") as report:
             part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
             parts[name] = run(

@@ -14,7 +14,7 @@ from swarmcensus.results.labels import labels_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, restated, table_of
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.statistics.intervals import FEWEST
-from swarmcensus.vocabulary.coordinates import COORDINATES, NUMERIC
+from swarmcensus.studies.coordinates import COORDINATES, NUMERIC
 from swarmcensus.vocabulary.quantities import QUANTITIES
 from swarmcensus.worlds.networks import MOVING
 
