@@ -27,6 +27,7 @@ from swarmcensus.comparing.standings import Standings
 from swarmcensus.comparing.verdicts import findings, verdict
 from swarmcensus.results.summaries import is_idle
 from swarmcensus.statistics.intervals import FEWEST
+from swarmcensus.studies.coordinates import goes_unsaid
 
 MOST_ROWS = 40
 PROPERTY = "the property `table` has all"
@@ -146,7 +147,7 @@ def _same(standings: Standings) -> list[str]:
     """A line on the coordinates that all worlds share, if there are any."""
     texts = [
         f"{name} {grouped(value)}" for name, value in standings.grid.common.items()
-        if not (is_idle(value) or (name == "link_success" and value == 1.0))
+        if not (is_idle(value) or goes_unsaid(name, value))
     ]  # fmt: skip
     return [f"all with {', '.join(texts)}"] * bool(texts)
 

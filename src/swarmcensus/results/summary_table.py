@@ -14,7 +14,7 @@ from swarmcensus.results.labels import labels_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, restated, table_of
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.statistics.intervals import FEWEST
-from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.studies.coordinates import COORDINATES, NUMERIC
 from swarmcensus.vocabulary.quantities import QUANTITIES
 from swarmcensus.worlds.networks import MOVING
 
@@ -73,8 +73,9 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     columns["brain"] = np.array([labels.get(name, name) for name in columns["brain"].tolist()])
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
-    if (data["link_success"] == 1.0).all():
-        del columns["link_success"]
+    for name, coordinate in COORDINATES.items():
+        if coordinate.unsaid is not None and (data[name] == coordinate.unsaid).all():
+            del columns[name]
     for name in restated(data):
         columns.pop(name, None)
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}

@@ -11,7 +11,7 @@ import numpy as np
 
 from swarmcensus.brains.packing import PLAIN
 from swarmcensus.engine.addresses import address
-from swarmcensus.studies.keys import Key
+from swarmcensus.studies.keys import Draws, Key
 from swarmcensus.studies.settings import KEYS, Setting, set_apart
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.networks import Topology
@@ -65,7 +65,7 @@ def _editions(setting: Setting) -> list[str]:
     return [part.edition for part in parts if part is not None and part.edition]
 
 
-def _address(setting: Setting, seed: int, draws: str, purpose: str = "", **more: object) -> np.ndarray:
+def _address(setting: Setting, seed: int, draws: Draws, purpose: str = "", **more: object) -> np.ndarray:
     """The address of what is drawn: the keys that declare that these numbers depend on them, and `more`."""
     content = {
         NAMES.get(key.name, key.name): value
@@ -105,7 +105,7 @@ def luck_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
     """
     if not any(brain.uses.luck for brain in setting.brains):
         return NO_KEYS
-    what = "luck alone" if alone else "luck"
+    what: Draws = "luck alone" if alone else "luck"
     return np.concatenate([_address(setting, seed, what, purpose) for purpose in ("luck", "luck of messages")])
 
 

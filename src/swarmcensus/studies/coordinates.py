@@ -105,6 +105,11 @@ def is_taken(name: str) -> bool:
     return name in TAKEN or name.startswith(PREFIXES) or name.endswith(SUFFIXES)
 
 
+def goes_unsaid(name: str, value: object) -> bool:
+    """Whether a coordinate has the value that lines and tables leave out."""
+    return name in COORDINATES and value == COORDINATES[name].unsaid
+
+
 def caption_form(name: str) -> str:
     """How a caption formats a value of a coordinate, or of a brain's parameter."""
     known = OF_FIGURES.get(name)

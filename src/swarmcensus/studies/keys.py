@@ -11,31 +11,27 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 World = Literal["any", "networks", "moving"]
+Draws = Literal["readings", "losses", "luck", "luck alone", "floor", "walk"]  # purposes: see `addresses`
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A coordinate of the dataset along `setting`, with how tables, captions and axes call it.
-
-    `caption` formats a value in a caption, by default as "name = value". `idle` is what a caption says of a value that
-    says nothing (an empty text, NaN), where that would be missed. `title` names an axis or a key, `plural` several
-    values. `counts` is whether its values often span decades. `blank` stands for a setting that has no value, where
-    other settings of the study have one. `always` is whether every file has it; others have it where any setting is
-    not at the default. `world` is where it means something: elsewhere it is NaN, an empty text or left out. `of` takes
-    its value from a setting, None for none; by default the setting's field of that name.
-    """
+    """A coordinate of the dataset along `setting`, with how tables, captions and axes call it."""
 
     type: Literal["text", "number", "whole number"]
     page: str  # what docs/data-format.md says
-    caption: str = ""
-    title: str = ""
-    plural: str = ""
-    idle: str = ""
-    counts: bool = False
-    blank: int | str | None = None
-    always: bool = False
-    world: World | None = None  # None: that of its key
-    of: Callable[[Any], object] | None = None
+    caption: str = ""  # formats a value in a caption; by default as "name = value"
+    title: str = ""  # of an axis or a key of a figure
+    plural: str = ""  # several values
+    idle: str = ""  # what a caption says of a value that says nothing (an empty text, NaN), where that would be missed
+    counts: bool = False  # whether its values often span decades
+    blank: int | str | None = None  # of a setting without a value, where other settings of the study have one
+    unsaid: float | None = None  # the value that lines and tables leave out
+    always: bool = False  # whether every file has it; others have it if any setting is not at the default
+    world: World | None = None  # where it means something, elsewhere it is NaN or empty; None: the world of its key
+    of: Callable[[Any], object] | None = (
+        None  # takes it from a setting, None for none; by default the field of its name
+    )
     name: str = ""
 
 
@@ -49,7 +45,7 @@ class Key:
     spans: bool = True  # takes several values, which span the grid
     field: str = ""  # of a setting, if that has another name
     messages: bool = False  # concerns messages alone, so that local estimates do not depend on it
-    draws: tuple[str, ...] = ()  # the purposes of random numbers that depend on it
+    draws: tuple[Draws, ...] = ()  # the random numbers that depend on it
     values: str = ""  # its values and its meaning as docs/study-file.md says them, where that differs from the schema
     page: str = ""
     without: str = ""  # what holds without it, if it has no default

@@ -135,7 +135,9 @@ class World(Table):
         messages=True,
         page="the probability that a message arrives, for each link, direction and round",
         draws=("losses",),
-        coordinate=Coordinate("number", "the probability that a message gets through", "link success {}", always=True),
+        coordinate=Coordinate(
+            "number", "the probability that a message gets through", "link success {}", always=True, unsaid=1.0
+        ),
     )] = Field(default=[1.0])  # fmt: skip
     """The probability that a message gets through."""
     missing_links: Annotated[Shares, Key(

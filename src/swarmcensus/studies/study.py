@@ -259,8 +259,9 @@ def _keys(grid: Grid) -> Iterator[tuple[str, list[Any]]]:
     """The keys that have an effect in a grid, with their values."""
     for table in ("swarm", "world", "schedule"):
         for name, values in getattr(grid, table):
-            shown = values != [KEYS[name].default] or name in ("brain", "rounds", "ticks", "observations_per_round")
-            if isinstance(values, list) and grid.uses(KEYS[name]) and shown:
+            key, said = KEYS[name], KEYS[name].coordinate
+            goes_unsaid = values == [key.default] and (key.is_new or (said is not None and said.unsaid == key.default))
+            if isinstance(values, list) and grid.uses(key) and not goes_unsaid:
                 yield name, values
 
 
