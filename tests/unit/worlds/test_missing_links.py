@@ -8,8 +8,7 @@ from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
-from tests.small import GO, SEED, settings_of
-from tests.test_study_checks import MOVING, RING, study
+from tests.support.small import GO, MOVING, RING, SEED, settings_of
 
 WHOLE = {
     "ring": "ring",
@@ -18,6 +17,10 @@ WHOLE = {
     "directed": {"name": "loop", "edges": [[i, (i + step) % 12] for i in range(12) for step in (1, 5)],
                  "directed": True},
 }  # fmt: skip
+
+
+def study(world, **tables):
+    return sc.Study(**{"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": world} | tables)
 
 
 def pairs_in(setting, trial):
