@@ -158,7 +158,7 @@ def test_bad_studies(change, said, here, capsys):
     [
         (["run", "none.toml"], "study file none.toml: cannot be read"),
         (["run", "hello.toml", "--out", "hello.toml/x.nc"], "cannot write hello.toml/x.nc"),
-        (["run", "hello.toml", "--out", "x.csv"], "results are written as .nc"),
+        (["run", "hello.toml", "--out", "x.csv"], "written as .nc"),
         (["run", "hello.toml", "--out", "folder.nc"], "cannot write folder.nc: it is a folder"),
         (["run", "hello.toml", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
         (["verify", "good.nc", "--jobs", "9999"], "jobs = 9999: should be 1 to "),

@@ -49,6 +49,11 @@ class OptionError(InputError):
 class StudyError(InputError):
     """A study, mission or other TOML file, or tables in Python, with a wrong key or value."""
 
+    @classmethod
+    def within(cls, where: str, what: object, key: str | None = None, value: Any = None) -> Self:
+        """The error of tables; `where` is "study file ring.toml", or "study" for tables in Python."""
+        return cls(f"{where}: {what}", file=where.partition(" file ")[2] or None, key=key or None, value=value)
+
 
 class BrainError(InputError):
     """A file of code with a fault: a brain, an adversary, a metric or another plugin."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import option, wrong_option
 
 
 @contextlib.contextmanager
@@ -93,6 +93,15 @@ def check_writable(path: str | Path, *inputs: Path) -> None:
         raise InputError(f"cannot write {path}: it is an input", file=path)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"cannot write {path}: the folder {folder} cannot be written", file=path)
+
+
+def check_output(name: str, path: str | Path | None, suffixes: tuple[str, ...], *inputs: Path) -> None:
+    """Raise InputError before a long run if the output of an option has another ending, or cannot be written."""
+    if path is None:
+        return
+    if Path(path).suffix.lower() not in suffixes:
+        raise wrong_option(name, str(path), f"it is written as {' or '.join(suffixes)}")
+    check_writable(path, *inputs)
 
 
 def check_own(page: Path, is_ours: Callable[[str], bool], command: str) -> None:

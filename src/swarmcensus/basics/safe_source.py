@@ -52,7 +52,7 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
         hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, plugins.names)
         raise BrainError(
             f"{plugins.kind} {name!r}: {hint}neither a shipped {plugins.kind} ({known}) nor a file at {path}",
-            key=plugins.kind, value=name,
+            key=plugins.kind, value=name
         )  # fmt: skip
     return path
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 from swarmcensus.basics import safe_source
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import BrainError, InputError
 from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains import robot_math, robot_syntax, syntax
 from swarmcensus.brains.contract import FUNCTIONS as OF_BRAINS
@@ -98,9 +98,11 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
     if name in brains.shipped or not exists(name, base):
         return
     if ((base or Path()) / name).is_file() or name not in brains:
-        raise InputError(
+        raise BrainError(
             f"brain {name!r}: that is an adversary, which wears the brain of its swarm: name it under [[members]], "
-            "with honest = false"
+            "with honest = false",
+            key="brain",
+            value=name,
         )
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 from swarmcensus.basics import terminal
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.printed_tables import NUMBER, Column, Table
-from swarmcensus.cli.tables import NOTHING, coordinate_columns, varied_and_same
+from swarmcensus.results.summary_table import NOTHING, coordinate_columns, varied_and_same
 
 if TYPE_CHECKING:
     from swarmcensus.explaining.agreement import Agreement, SettingAgreement

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.comparing import groups, showing, tables
 from swarmcensus.comparing.contenders import NONE, Grid, grid_of
 from swarmcensus.comparing.pair_tests import (
@@ -29,7 +29,7 @@ from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import settled_at_start
 from swarmcensus.results.labels import labels_in, renamed
 from swarmcensus.results.measures import COSTS, SIZES, Measure
-from swarmcensus.results.store import load
+from swarmcensus.results.store import loaded
 from swarmcensus.results.summaries import asked_anew, cells, done, failed_trials
 from swarmcensus.statistics.bootstrap import centres
 
@@ -115,7 +115,7 @@ def compare(
     contender, or of a brain with one contender only, all others are compared with it alone, which takes fewer tests.
     Raises InputError, for example if there is nothing to compare.
     """
-    return compare_dataset(load(results) if isinstance(results, str | Path) else results, metric, where, against, {})
+    return compare_dataset(loaded(results), metric, where, against, {})
 
 
 def compare_dataset(
@@ -130,7 +130,7 @@ def compare_dataset(
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
     grid, cautions = grid_of(data, whole, shown)
     if not isinstance(against, str | None):
-        raise InputError(f"{option('against', against)}: should be the name of a contender")
+        raise wrong_option("against", against, "should be the name of a contender")
     reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
     measured, notes_on_measures = measures.chosen(data, metric)
     numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
@@ -175,10 +175,10 @@ def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]
         return contenders.index(name)
     matches = [contender for contender in contenders if contender.startswith(f"{name} ")]
     if len(matches) > 1:
-        raise InputError(f"{option('against', name)}: these are several, {', '.join(matches)}: name one")
+        raise wrong_option("against", name, f"these are several, {', '.join(matches)}: name one")
     if not matches:
         hint = did_you_mean(name, contenders)
-        raise InputError(f"{option('against', name)}: {hint}there are {', '.join(contenders)}")
+        raise wrong_option("against", name, f"{hint}there are {', '.join(contenders)}")
     return contenders.index(matches[0])
 
 

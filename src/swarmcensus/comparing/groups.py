@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.comparing.standings import AGAINST, RANKED, Standings
 
 if TYPE_CHECKING:
@@ -57,9 +56,9 @@ def worlds_by(standings: Standings, axes: Sequence[str]) -> dict[tuple[Any, ...]
     names = list(dict.fromkeys(name for world in standings.grid.worlds for name in world))
     for name in axes:
         if name in standings.grid.common:
-            raise InputError(f"{option('by', name)}: all worlds have the same, {standings.grid.common[name]}")
+            raise wrong_option("by", name, f"all worlds have the same, {standings.grid.common[name]}")
         if name not in names:
             hint = did_you_mean(name, names)
-            raise InputError(f"{option('by', name)}: {hint}worlds differ in {', '.join(names) or 'nothing'}")
+            raise wrong_option("by", name, f"{hint}worlds differ in {', '.join(names) or 'nothing'}")
     keys = [tuple(world.get(name) for name in axes) for world in standings.grid.worlds]
     return {key: np.array([w for w, world_key in enumerate(keys) if world_key == key]) for key in dict.fromkeys(keys)}

@@ -122,7 +122,7 @@ def check_is_no_bound(brain: Brain) -> None:
     if brain.is_oracle:
         raise BrainError(
             f"the brain {brain.name!r} is a bound: no robot hears all others and knows every sensor",
-            key="brain", value=brain.name,
+            key="brain", value=brain.name
         )  # fmt: skip
 
 
@@ -135,7 +135,7 @@ def _check_size(brain: Brain, target: Target) -> None:
             f"the brain {brain.name!r} sends datagrams of {size} bytes as {brain.numbers.message}, a header of "
             f"{HEADER} with them, and {target.what} holds {target.largest}: "
             f"{' and '.join(sizes) or 'no format makes it small enough'}",
-            key="message", value=brain.numbers.message,
+            key="message", value=brain.numbers.message
         )  # fmt: skip
 
 

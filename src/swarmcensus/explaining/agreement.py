@@ -20,7 +20,7 @@ from swarmcensus.explaining.one_setting import (
     terms_of,
 )
 from swarmcensus.results.source_study import origins_of
-from swarmcensus.results.store import load
+from swarmcensus.results.store import loaded
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics.bootstrap import centres
@@ -65,7 +65,7 @@ def explain(results: xr.Dataset | str | Path, setting: int | None = None) -> Exp
 
     `results` is a dataset or a results file, `setting` a value of its coordinate. Raises InputError.
     """
-    data = load(results) if isinstance(results, str | Path) else results
+    data = loaded(results)
     return agreement(data) if setting is None else one_setting.explain(data, setting)
 
 

@@ -1,6 +1,5 @@
 """One setting's measurements compared with theory, and what limits its precision."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.explaining.expectations import MIXED, SWARM, Expectation, Line, expect
 from swarmcensus.results import measures
-from swarmcensus.results.store import load
+from swarmcensus.results.selecting import check_held
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics import bootstrap
@@ -49,22 +48,19 @@ class Explanation(NamedTuple):
     limit: str  # the largest term, in words
 
 
-def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
+def explain(data: xr.Dataset, setting: int) -> Explanation:
     """Compare a setting's measurements with theory; the result also has the efficiency, and what limits it in words.
 
-    `results` is a dataset or a results file, `setting` a value of its coordinate. The lines of theory are "alone" (the
-    exact distribution for a robot that hears nobody), "neighbourhood" (the bound for the readings of a robot and those
-    that it hears), "mixed" (sums that are mixed and divided on the same network) and "swarm" (the bound for all
-    readings), each at the checkpoints and after the last round. Raises InputError.
+    `setting` is a value of its coordinate. The lines of theory are "alone" (the exact distribution for a robot that
+    hears nobody), "neighbourhood" (the bound for the readings of a robot and those that it hears), "mixed" (sums that
+    are mixed and divided on the same network) and "swarm" (the bound for all readings), each at the checkpoints and
+    after the last round. Raises InputError.
     """
-    data = load(results) if isinstance(results, str | Path) else results
-    if setting not in data["setting"].values:
-        known = data["setting"].values
-        raise InputError(f"setting {setting}: these results hold setting {known.min()} to {known.max()}")
+    check_held(data, setting=setting)
     selected = data.sel(setting=[setting])
     ran = done(selected)[0]
     if not ran.any():
-        raise InputError(f"setting {setting}: none of its trials has been run")
+        raise InputError(f"setting {setting}: none of its trials has been run", key="setting", value=setting)
     rounds, robots = int(selected["rounds"].values[0]), int(robots_in(selected).values[0])
     reached = selected["checkpoint"].values <= rounds
     checkpoints = selected["checkpoint"].values[reached].tolist()

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.basics.printable import printable
 from swarmcensus.figures.page import drawing
 
@@ -26,7 +26,7 @@ SAVED: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "ps.fonttype": 42, "sv
 def checked_dpi(dpi: float) -> float:
     """The dots per inch. Raises InputError for impossible ones."""
     if not isinstance(dpi, numbers.Real) or not 10 <= dpi <= 2400:
-        raise InputError(f"{option('dpi', dpi)}: should be 10 to 2400 dots per inch")
+        raise wrong_option("dpi", dpi, "should be 10 to 2400 dots per inch")
     return dpi
 
 
@@ -45,7 +45,7 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
     dots = checked_dpi(DPI if isinstance(usual, str) else float(usual)) if dpi is None else checked_dpi(dpi)
     wide, high = (round(dots * inches) for inches in figure.get_size_inches().tolist())
     if wide * high > MOST_PIXELS:
-        raise InputError(f"{option('dpi', dots)}: these are {wide:,} x {high:,} pixels, more than {MOST_PIXELS:,}")
+        raise wrong_option("dpi", dots, f"these are {wide:,} x {high:,} pixels, more than {MOST_PIXELS:,}")
     path, known = Path(path), figure.canvas.get_supported_filetypes()
     suffix = path.suffix.lower().lstrip(".")
     if not formats and suffix.isalpha():

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.results.labels import with_labels
 
 WIDTHS = {"column": 3.5, "double": 7.2, "slide": 10.0}  # inches
@@ -142,7 +142,7 @@ def on_page(draw: Kind) -> Kind:
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
         labels, own_axes = given.pop("labels"), options.get("ax") is not None
         if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
-            raise InputError(f"{option(size)}: axes of your own have the size of their figure")
+            raise wrong_option(size, None, "axes of your own have the size of their figure")
         if labels is not None and not isinstance(labels, Mapping):
             raise InputError(f"labels={labels!r}: should be names by names, such as {{'minimalistic': 'Ours'}}")
         if labels:
@@ -189,7 +189,7 @@ def _page_of(width: Width | None, height: float | None, font_size: float | None)
         if isinstance(value, bool) or not isinstance(value, numbers.Real) or not least <= value <= most:
             unit = "points" if name == "font_size" else "inches"
             names = f", or one of {', '.join(WIDTHS)}" if name == "width" else ""
-            raise InputError(f"{option(name, value)}: should be {least:g} to {most:g} {unit}{names}")
+            raise wrong_option(name, value, f"should be {least:g} to {most:g} {unit}{names}")
         sizes[name] = float(value)
     letters = SLIDE_LETTERS if width == "slide" and font_size is None else sizes["font_size"]
     return Page(sizes["width"], sizes["height"], letters)
@@ -199,7 +199,7 @@ def _panel_height(figure: Figure, height: float) -> float | None:
     """How high each row of panels must be for a figure of this height; None if the rows have no common height."""
     places = [place for ax in figure.axes if (place := ax.get_subplotspec()) is not None]
     if not places and figure.get_gid() == SHEET:
-        raise InputError(f"{option('height', height)}: the height of this figure follows from the names in it")
+        raise wrong_option("height", height, "the height of this figure follows from the names in it")
     if not places:
         return None
     rows = len({place.rowspan.start for place in places})
@@ -208,5 +208,5 @@ def _panel_height(figure: Figure, height: float) -> float | None:
     least = 0.5 * scale()
     if panel < least:
         needed = height + (least - panel) * rows
-        raise InputError(f"{option('height', height)}: this figure needs {needed + 0.05:.1f} inches at least")
+        raise wrong_option("height", height, f"this figure needs {needed + 0.05:.1f} inches at least")
     return float(panel)

@@ -34,7 +34,7 @@ class Clock(NamedTuple):
         try:
             time = parse_time(value) if isinstance(value, str) else value
         except ValueError as error:
-            raise InputError(f"{name} = {value!r}: {error}") from None
+            raise InputError(f"{name} = {value!r}: {error}", key=name, value=value) from None
         try:
             return in_ticks(time, self.seconds, name)
         except ValueError as error:
@@ -103,7 +103,7 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: s
 def check_tick(tick: int, known: tuple[int, int]) -> None:
     """Raise InputError for a tick outside known[0] to known[1]."""
     if not known[0] <= tick <= known[1]:
-        raise InputError(f"tick {tick}: this trial has ticks {known[0]:,} to {known[1]:,}")
+        raise InputError(f"tick {tick}: this trial has ticks {known[0]:,} to {known[1]:,}", key="tick", value=tick)
 
 
 def check_robot(robot: int, robots: int) -> None:

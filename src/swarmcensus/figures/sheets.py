@@ -17,7 +17,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullForm
 from matplotlib.transforms import ScaledTranslation
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.page import KEY_BELOW, RENDERING, SHEET, caption_letters, letters, page, scale, title_letters
 from swarmcensus.figures.panels import MOST_PANELS
@@ -78,7 +78,7 @@ def layout(
         columns, wide, right = next((fit for fit in fits if fit[1] >= times * LEAST), fits[-1])
         if wide < times * NARROWEST:
             needed = width + times * NARROWEST - wide
-            raise InputError(f"{option('width', width)}: this figure needs {needed + 0.05:.1f} inches at least")
+            raise wrong_option("width", width, f"this figure needs {needed + 0.05:.1f} inches at least")
         below = key and right < times * KEY
         high = size[1] if size else wide * usual[1] / usual[0]
     if page().high is not None:
@@ -86,21 +86,31 @@ def layout(
     return Layout(columns, -(-count // columns), wide, high, left, right, below)
 
 
-def new_sheet(
+def sheet(
+    ax: Own,
     captions: Sequence[str],
-    title: str | None = None,
+    title: str | None,
     *,
     size: tuple[float, float] | None = None,
     left: float | None = None,
     key: bool = True,
     above: float = 0.0,
     below: float = 0.0,
+    fewer: str = "select some of the settings",
 ) -> list[Axes]:
-    """Return equal panels with these captions on a new figure, with room for a key on the right or below.
+    """Return equal panels with these captions: the caller's own axes, or a new figure with room for a key.
 
     Lengths are those of `layout`. `above` and `below` are extra inches over and under each panel. Captions take as many
-    lines as they need. Raises InputError as `layout` does.
+    lines as they need. A title is the caption of the caller's single axes, and stands over the figure of several.
+    Raises InputError as `layout` does, and if there are not as many axes as panels; the message says how to get `fewer`
+    panels.
     """
+    if ax is not None:
+        own = own_axes(ax, len(captions), fewer)
+        if title and len(own) > 1:
+            own[0].figure.suptitle(title, fontsize=title_letters(), parse_math=False)
+        caption_panels(own, [title] if title and len(own) == 1 else captions, above)
+        return own
     columns, rows, wide, high, left, right, key_below = layout(len(captions), size=size, left=left, key=key)
     count, times = len(captions), scale()
     # Margins and gaps are in inches, as text takes the same room for any number of panels.
@@ -134,37 +144,11 @@ def new_sheet(
     return axes
 
 
-def sheet(
-    ax: Own,
-    captions: Sequence[str],
-    title: str | None,
-    *,
-    size: tuple[float, float] | None = None,
-    left: float | None = None,
-    key: bool = True,
-    above: float = 0.0,
-    below: float = 0.0,
-    fewer: str = "select some of the settings",
-) -> list[Axes]:
-    """Return a `new_sheet`, or the caller's own axes with captions.
-
-    A title is the caption of a single axes, and stands over the figure of several. Raises InputError as `new_sheet`
-    does, and if there are not as many axes as panels; the message says how to get `fewer` panels.
-    """
-    if ax is None:
-        return new_sheet(captions, title, size=size, left=left, key=key, above=above, below=below)
-    own = own_axes(ax, len(captions), fewer)
-    if title and len(own) > 1:
-        own[0].figure.suptitle(title, fontsize=title_letters(), parse_math=False)
-    caption_panels(own, [title] if title and len(own) == 1 else captions, above)
-    return own
-
-
 def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
     """The caller's axes as a list. Raises InputError if there is not one for each panel."""
     own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
     if strange := next((type(each).__name__ for each in own if not hasattr(each, "get_figure")), None):
-        raise InputError(f"ax = {strange}: should be matplotlib Axes, or a list of them")
+        raise InputError.at("ax", strange, "should be matplotlib Axes, or a list of them")
     if len(own) != panels and panels == 1:
         raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them")
     if len(own) != panels:

@@ -34,11 +34,13 @@ FEWEST = 4  # settings: fewer are read as easily in their list
 class Reproduction:
     """What `reproduce` made: datasets by study, figures with their files, claims as measured, seconds by stage.
 
+    Without a folder `out` there are no figures, files and page.
+
     Seconds are wall-clock time. Those of "simulate" are of all runs on these datasets together; the other stages are
     done again each time, "compile" only where there is something to run.
     """
 
-    out: Path
+    out: Path | None
     command: str
     datasets: Mapping[str, xr.Dataset]
     figures: Sequence[tuple[PaperFigure, Sequence[Path]]]
@@ -47,13 +49,15 @@ class Reproduction:
     of: Evaluation = PAPER
 
     @property
-    def page(self) -> Path:
+    def page(self) -> Path | None:
         """The page to open in a browser."""
-        return self.out / "index.html"
+        return None if self.out is None else self.out / "index.html"
 
     @property
     def files(self) -> list[Path]:
         """All other files that were written."""
+        if self.out is None:
+            return []
         data = [data_path(self.out, name) for name in self.datasets]
         drawn = [path for _, paths in self.figures for path in paths]
         return [*data, *drawn, *([self.out / "claims.json"] if self.claims else [])]
@@ -123,12 +127,12 @@ def _versions(done: Reproduction) -> str:
 
 
 def _file(done: Reproduction, path: Path) -> dict[str, Any]:
-    name = path.relative_to(done.out).as_posix()
+    name = path.relative_to(done.out or "").as_posix()
     return {"link": _link(done, path), "name": name, "megabytes": path.stat().st_size / 1e6}
 
 
 def _link(done: Reproduction, path: Path) -> str:
-    return quote(path.relative_to(done.out).as_posix())
+    return quote(path.relative_to(done.out or "").as_posix())
 
 
 def strip(outcome: Outcome) -> str:

@@ -28,7 +28,6 @@ from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import predicted_seconds, run
 from swarmcensus.studies.study import Study
 
-FOLDERS = {"paper": "reproduction"}  # default output folders, where not reproduction-NAME
 STUDIES = {"rivals": "rivals/claims"}  # folders of studies, where they differ from the name
 TAKEN_OVER = 0.05  # seconds simulated by earlier calls that are worth mentioning
 
@@ -46,7 +45,7 @@ def reproduce(
     progress: Report | bool = True,
     say: Callable[[str], None] = print,
 ) -> Reproduction:
-    """Run an evaluation, and write datasets, figures, claims.json and index.html to the folder `out`.
+    """Run an evaluation and check its claims; datasets, figures, claims.json and index.html go to the folder `out`.
 
     `of` is "paper", or "rivals" for published results on other algorithms; by default `out` is "reproduction" or
     "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
@@ -56,20 +55,21 @@ def reproduce(
     Raises InputError for unknown names and, before anything is run, for a folder that cannot be written. Ctrl-C
     raises Interrupted; finished work is kept in `out`, and the same call continues from there, unless `fresh`.
     """
-    this = evaluation(of)
-    parts, out = _parts(this, only), Path(out or FOLDERS.get(of, f"reproduction-{of}"))
+    this, out = evaluation(of), None if out is None else Path(out)
+    parts = _parts(this, only)
     figures = [figure for figure in this.figures if figure.name in parts]
     checks = this.claims if "claims" in parts else ()
     needed = {view.study for figure in figures for view in figure.views}
     needed |= {study for claim in checks for study in claim.studies}
     files = [path for path in sorted(shipped_study(STUDIES.get(of, of)).glob("*.toml")) if path.stem in needed]
     studies = {path.stem: Study.load(path).with_(trials=trials, seed=seed) for path in files}
-    stems = [out / "figures" / figure.name for figure in figures]
-    check_own(out / "index.html", lambda text: f"<title>{this.title}</title>" in text, "reproduce")
-    check_writable(out / "claims.json")
     formats = ("png", "svg", *(["pdf"] if pdf else []))
-    for path in [data_path(out, name) for name in studies] + [s.with_suffix(f".{f}") for s in stems for f in formats]:
-        check_writable(path)
+    if out is not None:
+        stems = [out / "figures" / figure.name for figure in figures]
+        pictures = [stem.with_suffix(f".{suffix}") for stem in stems for suffix in formats]
+        check_own(out / "index.html", lambda text: f"<title>{this.title}</title>" in text, "reproduce")
+        for path in [out / "claims.json", *(data_path(out, name) for name in studies), *pictures]:
+            check_writable(path)
 
     seconds: dict[str, float] = {}
 
@@ -90,16 +90,18 @@ def reproduce(
         total = sum(data.attrs["wall_seconds"] for data in datasets.values())
         report_time("simulate", total, ", with earlier calls" if total - simulated > TAKEN_OVER else "")
     drawn, outcomes = [], []
-    if figures:
+    if figures and out is not None:
         with stage("figures"):
             drawn = list(zip(figures, _drawn(figures, datasets, stems, formats), strict=True))
     if checks:
         with stage("claims"):
             outcomes = check(datasets, checks)
-            _write(out / "claims.json", report.as_json(outcomes, datasets, this.source))
+            if out is not None:
+                _write(out / "claims.json", report.as_json(outcomes, datasets, this.source))
     done = Reproduction(out, _command(this, out, trials, seed, parts), datasets, drawn, outcomes, seconds, this)
-    with stage("page"):
-        _write(done.page, page.html(done))
+    if done.page is not None:
+        with stage("page"):
+            _write(done.page, page.html(done))
     return done
 
 
@@ -112,15 +114,15 @@ def _parts(this: Evaluation, only: str | Iterable[str] | None) -> list[str]:
     return [part for part in this.parts if part in chosen]
 
 
-def _command(this: Evaluation, out: Path, trials: int | None, seed: int | None, parts: list[str]) -> str:
-    words = ["swarmcensus", "reproduce", *([this.name] if this is not PAPER else []), "--out", str(out)]
-    for option, value in (("--trials", trials), ("--seed", seed)):
+def _command(this: Evaluation, out: Path | None, trials: int | None, seed: int | None, parts: list[str]) -> str:
+    words = ["swarmcensus", "reproduce", *([this.name] if this is not PAPER else [])]
+    for option, value in (("--out", out), ("--trials", trials), ("--seed", seed)):
         words += [option, str(value)] if value is not None else []
     return command(*words, *(["--only", *parts] if len(parts) < len(this.parts) else []))
 
 
 def _simulate(
-    out: Path,
+    out: Path | None,
     studies: Mapping[str, Study],
     jobs: int | None,
     fresh: bool,
@@ -131,7 +133,9 @@ def _simulate(
     settings = {name: study.settings() for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
     work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
-    work |= {name: 0.0 for name in studies if not fresh and data_path(out, name).exists()}
+    files = {name: None if out is None else data_path(out, name) for name in studies}
+    found = {name for name, path in files.items() if path is not None and path.exists() and not fresh}
+    work |= dict.fromkeys(found, 0.0)
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()
     with showing(progress, "reproduce") as report:
@@ -148,13 +152,11 @@ def _simulate(
             show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
 
         # for all studies at once, so that two compile at a time
-        if any(fresh or not data_path(out, name).exists() for name in studies):
+        if found != {*studies}:
             compile_for([(study, settings[name]) for name, study in studies.items()], tell)
             compiled = time.monotonic()
         for name, study in studies.items():
-            datasets[name] = run(
-                study, jobs=jobs, progress=show, out=data_path(out, name), fresh=fresh, say=say, cautions=False
-            )
+            datasets[name] = run(study, jobs, show, out=files[name], fresh=fresh, say=say, cautions=False)
     return datasets, compiled - begun, time.monotonic() - compiled
 
 

@@ -4,7 +4,9 @@ A contender is the name of a study and the coordinates that select its brain; a 
 network. An event that did not happen within a trial counts as if in the last round, so that times are lower bounds.
 """
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,30 +22,23 @@ QUORUM = 0.8  # share of a swarm; our choice
 TITLES = {"fill_ratio": "f"}
 
 
-def ratios(
+def compared(
     evidence: Evidence,
     right: Range,
     of: Number,
     first: Contender,
     others: Sequence[Contender],
     worlds: Sequence[World],
+    how: Callable[[Floats, Floats], Floats],
 ) -> Iterator[Detail]:
-    """A statistic of the first contender divided by that of each other one; NaN where the latter is 0."""
-    for name, above, below in _pairs(evidence, of, first, others, worlds):
-        yield evidence.judge(name, ratio(above, below), right)
+    """A statistic of the first contender compared with that of each other one, in each world."""
+    for world, other in itertools.product(worlds, others):
+        name = f"{label_of(first, other)} and {label_of(other, first)}, {world_label(world)}"
+        yield evidence.judge(name, how(*(_of(evidence, of, each, world) for each in (first, other))), right)
 
 
-def differences(
-    evidence: Evidence,
-    right: Range,
-    of: Number,
-    first: Contender,
-    others: Sequence[Contender],
-    worlds: Sequence[World],
-) -> Iterator[Detail]:
-    """A statistic of the first contender minus that of each other one."""
-    for name, above, below in _pairs(evidence, of, first, others, worlds):
-        yield evidence.judge(name, above - below, right)
+ratios = partial(compared, how=ratio)  # NaN where the divisor is 0
+differences = partial(compared, how=np.subtract)
 
 
 def numbers(
@@ -166,15 +161,6 @@ def label_of(contender: Contender, other: Contender = ("", {})) -> str:
     study, coordinates = contender
     own = {key: value for key, value in coordinates.items() if other[1].get(key) != value}
     return world_label(own) if own else study
-
-
-def _pairs(
-    evidence: Evidence, of: Number, first: Contender, others: Sequence[Contender], worlds: Sequence[World]
-) -> Iterator[tuple[str, Floats, Floats]]:
-    for world in worlds:
-        for other in others:
-            values = (_of(evidence, of, contender, world) for contender in (first, other))
-            yield (f"{label_of(first, other)} and {label_of(other, first)}, {world_label(world)}", *values)  # type: ignore[misc]
 
 
 def _of(evidence: Evidence, of: Number, contender: Contender, world: World) -> Floats:

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, WrapValidator, model_validator
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.forms import Form, Number, Schema, Share, Table, says
 from swarmcensus.brains import Adversary, Brain, adversary, load
 from swarmcensus.brains.packing import Format, Precision
@@ -26,7 +25,8 @@ from swarmcensus.studies.fields import (
     Whole,
 )
 from swarmcensus.studies.schema import schema_of
-from swarmcensus.studies.tables import explain
+from swarmcensus.studies.settings import KEYS, as_declared
+from swarmcensus.studies.tables import study_error
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body, Positive
@@ -88,12 +88,9 @@ class Known(Table):
     """The sensor accuracy: 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}; or a list, whose worst is used."""
     fill_ratio: Shares = (0.0, 1.0)
     """The possible fill ratios, a number or a range, whose worst is used."""
-    link_success: Share = 1.0
-    """The share of messages that are received."""
-    precision: Precision = "double"
-    """The precision of the robots' arithmetic, "double" or "single"."""
-    message: Format = "double"
-    """The format of the numbers in a message: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
+    link_success: Share = as_declared("link_success")
+    precision: Precision = as_declared("precision")
+    message: Format = as_declared("message")
     failing: SomeButNotAll = 0.0
     """The share of robots that may fail before the mission begins."""
     lying: SomeButNotAll = 0.0
@@ -232,7 +229,7 @@ class Mission(Table):
     @property
     def readings_per_round(self) -> int:
         """The readings per round."""
-        return 1 if self.moves else self.free.observations_per_round or 10
+        return 1 if self.moves else self.free.observations_per_round or KEYS["observations_per_round"].default
 
     @property
     def on_floor(self) -> bool:
@@ -267,7 +264,7 @@ def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | N
     try:
         return Mission.model_validate(given, context={"base": base or Path()})
     except ValidationError as error:
-        raise InputError(explain(error, where, Mission, given)) from None
+        raise study_error(error, where, Mission, given) from None
 
 
 def load_mission(path: str | Path) -> dict[str, Any]:

@@ -50,11 +50,11 @@ def plan(
             try:
                 rows += _rows(Search(world, thread_count(jobs), show), question)
             except Unreachable as reason:
-                raise StudyError(f"{where}: the goal cannot be reached, because {reason}") from None
+                raise StudyError.within(where, f"the goal cannot be reached, because {reason}") from None
             except NoNetwork as error:
-                raise StudyError(f"{where}: {error}") from None
+                raise StudyError.within(where, error) from None
     if question != "enough" and all(row.answer == "not reached" for row in rows):
-        raise StudyError(f"{where}: the goal cannot be reached, because {_how_close(checked, rows)}")
+        raise StudyError.within(where, f"the goal cannot be reached, because {_how_close(checked, rows)}")
     return Plan(question, checked, rows, text_of(tables))
 
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write, check_writable
-from swarmcensus.basics.options import in_shell, option
+from swarmcensus.basics.files import atomic_write, check_output
 from swarmcensus.planning.mission import Mission
 from swarmcensus.planning.predictions import Prediction
 from swarmcensus.planning.simulating import Curve, Share
@@ -128,6 +127,4 @@ def check_lines(mission: Mission) -> None:
 
 def check_out(path: str | Path, *inputs: Path) -> None:
     """Raise InputError if a plan cannot be written there."""
-    if Path(path).suffix not in (".json", ".toml"):
-        raise InputError(f"{option('out', str(path)) if in_shell() else path}: a plan is written as .json or .toml")
-    check_writable(path, *inputs)
+    check_output("out", path, (".json", ".toml"), *inputs)

@@ -44,7 +44,7 @@ class Board:
     name: str
     scores: Scores
     losses: list[Losses]
-    page: Path  # of all boards
+    page: Path | None  # of all boards, if it was written
 
     @property
     def table(self) -> "pd.DataFrame":
@@ -64,7 +64,7 @@ class Board:
 
 def leaderboard(
     files: Sequence[str | Path] = (),
-    out: str | Path = "leaderboard",
+    out: str | Path | None = None,
     *,
     board: str = "honest",
     trials: int | None = None,
@@ -74,7 +74,7 @@ def leaderboard(
     progress: Report | bool = True,
     say: Callable[[str], None] = print,
 ) -> Board:
-    """Run all shipped brains and those of `files` in the worlds of the leaderboard; write page, figure and results.
+    """Run all shipped brains and those of `files` in the worlds of the leaderboard, and score them.
 
     The page has all boards of `DIVISIONS`; the outcome has the scores of one `board`.
     Results in `out` are kept, unless `fresh` or a brain's file has changed. `trials` and `seed` replace those of
@@ -82,14 +82,16 @@ def leaderboard(
     if a file is not a brain, or the folder cannot be written. Ctrl-C raises Interrupted, and the same call continues
     from there.
     """
-    out, own_files = Path(out), named([Path(file) for file in files])
+    own_files = named([Path(file) for file in files])
     own_studies = {name: of_file(file) for name, file in own_files.items()}  # first: errors show soon
     studies = {OFFICIAL: official()} | own_studies
     studies = {name: study.with_(trials=trials, seed=seed) for name, study in studies.items()}
-    check_own(out / PAGE, lambda text: text.startswith(TITLE), "leaderboard")
-    check_writable(out / FIGURE)
-    for name in studies:
-        check_writable(data_path(out, name))
+    folder = None if out is None else Path(out)
+    paths = dict.fromkeys(studies) if folder is None else {name: data_path(folder, name) for name in studies}
+    if folder is not None:
+        check_own(folder / PAGE, lambda text: text.startswith(TITLE), "leaderboard")
+        for path in (folder / FIGURE, *paths.values()):
+            check_writable(path)
     parts = {}
     for k, name in enumerate(sorted(studies, key=lambda name: name == OFFICIAL)):  # own first: failures show soon
         study, path = studies[name], data_path(out, name)
@@ -109,6 +111,8 @@ def leaderboard(
         raise InputError(f"board {board!r}: no world of studies/leaderboard.toml is on it")
     own = [name for name in scores[board].contenders if name in map(str, own_files.values())]
     losses = {name: [losses_of(brain, name, scores[name]) for brain in own] for name in scores}
+    if folder is None:
+        return Board(data, board, scores[board], losses[board], None)
     words = ["swarmcensus", "leaderboard", *map(str, own_files.values())]
     words += [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
               for word in (option, str(value))]  # fmt: skip
@@ -116,11 +120,11 @@ def leaderboard(
     from swarmcensus.figures.page import drawing  # imports matplotlib
 
     with drawing():
-        _draw([*scores.values()], own, out / FIGURE)
-    with atomic_write(out / PAGE) as temporary:
+        _draw([*scores.values()], own, folder / FIGURE)
+    with atomic_write(folder / PAGE) as temporary:
         text = page([*scores.values()], [*losses.values()], command(*words), shipped.seed, shipped.trials, FIGURE)
         temporary.write_text(text, encoding="utf-8")
-    return Board(data, board, scores[board], losses[board], out / PAGE)
+    return Board(data, board, scores[board], losses[board], folder / PAGE)
 
 
 def _as_part(show: Report, name: str, part: str) -> Report:
@@ -211,9 +215,9 @@ def named(files: list[Path]) -> dict[str, Path]:
     names: dict[str, Path] = {}
     for file in files:
         if str(file) in brains.shipped():
-            raise InputError(f"{file}: a shipped brain is on the leaderboard anyway: give a file of your own")
+            raise InputError.of(file, "a shipped brain is on the leaderboard anyway: give a file of your own")
         if file.stem == OFFICIAL:
-            raise InputError(f"{file}: this name is reserved for the results of the shipped brains: rename the file")
+            raise InputError.of(file, "this name is reserved for the results of the shipped brains: rename the file")
         if names.setdefault(file.stem, file).resolve() != file.resolve():
             raise InputError(f"{names[file.stem]} and {file}: results of both would be named {file.stem}: rename one")
     return names

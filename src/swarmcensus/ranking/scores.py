@@ -29,29 +29,16 @@ class Column:
     holds: Callable[[World], bool]
 
 
-def _plain(world: World) -> bool:
-    """Whether nothing makes it harder: no liars, no lost or late messages, and a fixed floor of independent tiles."""
-    return _honest(world) and not _lossy(world) and not _late(world) and not _clustered(world) and not _changing(world)
-
-
-def _honest(world: World) -> bool:
-    return not world.get("liars", 0)
-
-
-def _lossy(world: World) -> bool:
-    return float(world["link_success"]) < 1.0
-
-
-def _late(world: World) -> bool:
-    return bool(world.get("message_delay", 0))
-
-
-def _clustered(world: World) -> bool:
-    return world["floor"] not in ("", "tiles")
-
-
-def _changing(world: World) -> bool:
-    return bool(world.get("fill_ratio_change", ""))
+def _harder(world: World) -> set[str]:
+    """What makes a world harder than one of honest robots, sure messages and a fixed floor of independent tiles."""
+    there = {
+        "liars": world.get("liars", 0),
+        "losses": float(world["link_success"]) < 1.0,
+        "delays": world.get("message_delay", 0),
+        "clusters": world["floor"] not in ("", "tiles"),
+        "change": world.get("fill_ratio_change", ""),
+    }
+    return {name for name, holds in there.items() if holds}
 
 
 def _moves(world: World) -> bool:
@@ -59,11 +46,7 @@ def _moves(world: World) -> bool:
 
 
 def _lying(share: float) -> Callable[[World], bool]:
-    def holds(world: World) -> bool:
-        other = _lossy(world), _late(world), _clustered(world), _changing(world)
-        return not any(other) and abs(world.get("liars", 0) / world["robots"] - share) < 0.01
-
-    return holds
+    return lambda w: _harder(w) <= {"liars"} and abs(w.get("liars", 0) / w["robots"] - share) < 0.01
 
 
 @dataclass(frozen=True)
@@ -81,24 +64,26 @@ DIVISIONS = {
     "honest": Division(
         "Honest robots",
         "all robots are honest, and the floor stays",
-        lambda w: _honest(w) and not _changing(w),
+        lambda w: not _harder(w) & {"liars", "change"},
         (
-            Column("networks", "fixed networks, nothing lost", lambda w: _plain(w) and not _moves(w)),
-            Column("moving", "robots that move, nothing lost", lambda w: _plain(w) and _moves(w)),
-            Column("poor sensors", "both, b = w = 0.55", lambda w: _plain(w) and w["accuracy"] == "0.55"),
+            Column("networks", "fixed networks, nothing lost", lambda w: not _harder(w) and not _moves(w)),
+            Column("moving", "robots that move, nothing lost", lambda w: not _harder(w) and _moves(w)),
+            Column("poor sensors", "both, b = w = 0.55", lambda w: not _harder(w) and w["accuracy"] == "0.55"),
             Column(
-                "mixed sensors", "both, b = w from U(0.525, 0.975)", lambda w: _plain(w) and w["accuracy"][0] == "U"
+                "mixed sensors",
+                "both, b = w from U(0.525, 0.975)",
+                lambda w: not _harder(w) and w["accuracy"][0] == "U",
             ),
-            Column("f near 1/2", "both, f = 0.47", lambda w: _plain(w) and w["fill_ratio"] == 0.47),
-            Column("lost messages", "half of all messages are lost", _lossy),
-            Column("clusters", "black lies in clusters", _clustered),
+            Column("f near 1/2", "both, f = 0.47", lambda w: not _harder(w) and w["fill_ratio"] == 0.47),
+            Column("lost messages", "half of all messages are lost", lambda w: "losses" in _harder(w)),
+            Column("clusters", "black lies in clusters", lambda w: "clusters" in _harder(w)),
         ),
         ("networks", "moving"),
     ),
     "liars": Division(
         "Liars",
         "some robots say that all is black, and the floor stays",
-        lambda w: not _honest(w) and not _changing(w),
+        lambda w: _harder(w) & {"liars", "change"} == {"liars"},
         (
             Column("10 % liars", "2 of 20 robots lie, nothing lost", _lying(0.1)),
             Column("30 % liars", "6 of 20 robots lie, nothing lost", _lying(0.3)),
@@ -108,7 +93,7 @@ DIVISIONS = {
     "change": Division(
         "A floor that changes",
         "all robots are honest, and the floor changes halfway",
-        lambda w: _honest(w) and _changing(w),
+        lambda w: _harder(w) & {"liars", "change"} == {"change"},
         (Column("change", "networks and moving robots", lambda w: True),),
         (),
     ),

@@ -12,9 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import in_shell, option
+from swarmcensus.basics.options import in_shell, option, wrong_option
 from swarmcensus.results.values import metric_of, metrics_in, robots_in
 from swarmcensus.statistics.bootstrap import Statistic, centres
 from swarmcensus.vocabulary.quantities import QUANTITIES, TRUTH, Quantity
@@ -102,18 +101,18 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
     for text in asked:
         name, colon, way = text.partition(":")
         if colon and way not in WAYS:
-            raise InputError(f"{option('metric', text)}: after the colon comes low or high, whichever is better")
+            raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
-            raise InputError(
-                f"{option('metric', text)}: {_absent(data, name, [*there, *(f for f in files if f not in there)])}"
+            raise wrong_option(
+                "metric", text, f"{_absent(data, name, [*there, *(f for f in files if f not in there)])}"
             )
         if name not in there and not colon:
-            raise InputError(f"{option('metric', text)}: is low or high better? Write {name}:low or {name}:high")
+            raise wrong_option("metric", text, f"is low or high better? Write {name}:low or {name}:high")
         if name in measures:
-            raise InputError(f"{option('metric', text)}: {name} is given twice")
+            raise wrong_option("metric", text, f"{name} is given twice")
         measures[name] = there[name] if name in OURS or not colon else _of_file(data, name, WAYS[way])
         if name in OURS and colon and WAYS[way] != OURS[name].low:
-            raise InputError(f"{option('metric', text)}: of {name}, {'low' if OURS[name].low else 'high'} is better")
+            raise wrong_option("metric", text, f"of {name}, {'low' if OURS[name].low else 'high'} is better")
     if measures:
         return list(measures.values()), []
     cautions = [

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.basics.files import check_writable
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
@@ -49,7 +49,7 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
                 )
         own = studies_of(data, run=False)
         for wrong in filter(None, (structure.wrong(data), *unlike(data, own, whole=False))):
-            raise InputError(f"{name}: damaged or changed: {wrong}")
+            raise ResultsError.of(name, f"damaged or changed: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
         LOG.debug(
@@ -90,9 +90,10 @@ def _check_kept(out: Path, data: xr.Dataset) -> None:
         raise InputError(f"{error}: it is in the way, {hint}") from None
     lost = len(_trials(old) - _trials(data))
     if lost:
-        raise InputError(
+        raise ResultsError(
             f"{out} is there, with {counted(lost, 'trial')} that {'is' if lost == 1 else 'are'} not in what "
-            f"is merged: {hint}"
+            f"is merged: {hint}",
+            file=out,
         )
 
 

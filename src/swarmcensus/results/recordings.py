@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, ResultsError, TableError
 from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.tables import Table, plain, read_table
 from swarmcensus.simulation.recorded import known, readings_of
@@ -38,18 +38,20 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     if len(values) not in (1, 2):
         raise InputError(
             f"accuracy {text!r}: there is no such file: should be 0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row "
-            "for each robot"
+            "for each robot",
+            key="accuracy",
+            value=text,
         )
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
 def _accuracies(table: Table) -> tuple[np.ndarray, np.ndarray]:
     if not table.rows:
-        raise InputError(f"{table.source}: no accuracies: there should be {ACCURACY}, and a row for each robot")
+        raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}, and a row for each robot")
     names = [plain(name) for name in table.names] if table.names else ["b", "w"][: table.width]
     if "robot" in names:
         if not table.counts(names.index("robot")):
-            raise InputError(f"{table.source}: column 'robot': should be 0, 1, 2, ...")
+            raise TableError.of(table.source, "column 'robot': should be 0, 1, 2, ...")
         table = table.without(names.index("robot"))
         names.remove("robot")
     if len(names) != table.width or (set(names) != {"b", "w"} and names not in (["accuracy"], ["b"])):
@@ -57,9 +59,9 @@ def _accuracies(table: Table) -> tuple[np.ndarray, np.ndarray]:
     if table.names is None:
         table.check_heading("b,w"[: 2 * table.width - 1], "accuracies")
         if table.width == 2 and table.counts(0):
-            raise InputError(
-                f"{table.source}: the first column may be b or the numbers of robots: add a line b,w or robot,accuracy "
-                "above it"
+            raise TableError.of(
+                table.source,
+                "the first column may be b or the numbers of robots: add a line b,w or robot,accuracy above it",
             )
     columns = [table.column(k) for k in np.argsort(names)]  # b comes before w
     for k, values in enumerate(columns):
@@ -99,4 +101,4 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
             frame = flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"])
             frame.to_csv(temporary)
     else:
-        raise InputError(f"{path}: a trace is written as .csv or .nc")
+        raise ResultsError.of(path, "a trace is written as .csv or .nc")

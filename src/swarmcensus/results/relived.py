@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import ResultsError
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import Format
 from swarmcensus.reliving.clocks import Clock
@@ -25,7 +25,7 @@ from swarmcensus.studies.toml_text import to_toml
 def dataset_of(day: Day, lived: Sequence[OtherDay], clock: Clock, message: Format | None = None) -> xr.Dataset:
     """The results of a day, a setting for each brain. Raises InputError if the fill ratio is not known."""
     if day.fill_ratio is None:
-        raise InputError(f"{day.folder}: the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio")
+        raise ResultsError.of(day.folder, "the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio")
     honest = np.array([member.honest for member in day.members])
     study = _study(day, [one.brain for one in lived], clock, message)
     settings = study.settings()
@@ -33,7 +33,7 @@ def dataset_of(day: Day, lived: Sequence[OtherDay], clock: Clock, message: Forma
     for number, one in enumerate(lived):
         curves = last_estimates(estimates_of(day, one, clock))[:, honest]
         if np.isnan(curves).any():
-            raise InputError(f"{day.folder}: not every robot's estimates are known under {one.brain.label}")
+            raise ResultsError.of(day.folder, f"not every robot's estimates are known under {one.brain.label}")
         values.put(number, 0, _columns(day, study, one, curves, honest))
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     data = dataset(study, settings, marks, values)

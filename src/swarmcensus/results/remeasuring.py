@@ -101,9 +101,11 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
     if "fill_ratio_change" not in results:
         return {}
     if bins is not None and results.attrs["truth"] == "floor":
-        raise InputError(
-            f"bins = {bins}: decisions are compared with the floor at each checkpoint, and these results store a "
-            "changing floor only at the last round: set bins under [measure] and run again"
+        raise InputError.at(
+            "bins",
+            bins,
+            "decisions are compared with the floor at each checkpoint, and these results store a "
+            "changing floor only at the last round: set bins under [measure] and run again",
         )
     changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
     return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}

@@ -11,7 +11,7 @@ from swarmcensus.conformance.quick import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.source_study import setting_of
-from swarmcensus.results.store import load
+from swarmcensus.results.store import load, loaded
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inferring import trace_of, warn_of_estimates
 from swarmcensus.simulation.rides import record_ride
@@ -75,7 +75,7 @@ def _labelled(
         says = {"long_name": "black share of the floor, as it changes"}
         trace[free("fill_ratio", trace)] = ("round", chosen.fill_ratios(trace["round"].values), says)
     honest = _name_members(trace, chosen, study.seed, trial) if chosen.members else np.ones(chosen.robots, np.bool_)
-    data = results if isinstance(results, xr.Dataset) else load(results)
+    data = loaded(results)
     _check_same(data, setting, trial, trace, honest)
     warn_of_estimates(chosen.brain.name, np.where(honest, trace["estimate"].values, 0.5))
     name = data.attrs["title"] if isinstance(results, xr.Dataset) else Path(results).stem
@@ -125,7 +125,9 @@ def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, h
     if ran and not np.allclose(stored, last, rtol=0.0, atol=1e-9):
         raise InputError(
             f"setting {setting}, trial {trial}: the replay ends with other estimates than the run: these results come "
-            "from another study than they name, or from another version"
+            "from another study than they name, or from another version",
+            key="setting",
+            value=setting,
         )
 
 

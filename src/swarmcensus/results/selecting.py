@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import in_shell, option
+from swarmcensus.basics.options import in_shell, option, wrong_option
 
 COMPARE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
@@ -53,6 +53,14 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
             raise InputError(f"this dataset has no variable {name!r}{hint}")
 
 
+def check_held(data: xr.Dataset, **numbers: int) -> None:
+    """Raise InputError unless `data` has these numbers, such as setting=3 and trial=0."""
+    for name, number in numbers.items():
+        known = data[name].values
+        if number not in known:
+            raise InputError(f"{name} {number}: these results hold {name} {known.min()} to {known.max()}")
+
+
 def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
     """Select the settings for which an expression over their coordinates is true; None selects all.
 
@@ -66,12 +74,14 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
         holds = _evaluate(tree, known)
     except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         what = error.msg if isinstance(error, SyntaxError) else error
-        raise InputError(
-            f'{option("where", expression)}: {what}; write for example: topology == "ring" and accuracy == 0.675'
+        raise OptionError(
+            f'{option("where", expression)}: {what}; write for example: topology == "ring" and accuracy == 0.675',
+            key="where",
+            value=expression,
         ) from None
     chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
     if not chosen.sizes["setting"]:
-        raise InputError(f"{option('where', expression)}: no setting is so{_known_values(tree, known)}")
+        raise wrong_option("where", expression, f"no setting is so{_known_values(tree, known)}")
     return chosen
 
 

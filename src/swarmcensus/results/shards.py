@@ -23,7 +23,7 @@ import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, ResultsError
 from swarmcensus.basics.files import atomic_write, is_leftover, remove_leftovers
 from swarmcensus.basics.options import option
 from swarmcensus.results.presence import folder_of as folder_of
@@ -88,7 +88,7 @@ def read(path: Path) -> Shard | None:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror}") from error
+        raise InputError(f"cannot read {path}: {error.strerror}", file=path) from error
     if name is None or checksum(data) != name[2]:
         return None
     try:
@@ -153,9 +153,9 @@ class Parts:
         try:
             self._take_lock()
         except Timeout:
-            raise InputError(f"{self.out}: another run {self._holder()}is writing it") from None
+            raise ResultsError.of(self.out, f"another run {self._holder()}is writing it") from None
         except OSError as error:
-            raise InputError(f"cannot write {self.folder}: {error.strerror or error}") from error
+            raise InputError(f"cannot write {self.folder}: {error.strerror or error}", file=self.folder) from error
         self._begun = self._last = time.monotonic()
         self._cpu = time.process_time()
         for left in self.folder.glob(".*.npz"):  # left by a run that was killed while writing
@@ -243,7 +243,7 @@ class Parts:
                 with atomic_write(self.folder / name) as temporary, temporary.open("wb") as file:
                     shutil.copyfileobj(packed, file)
         except OSError as error:
-            raise InputError(f"cannot write {self.folder}: {error.strerror or error}") from error
+            raise InputError(f"cannot write {self.folder}: {error.strerror or error}", file=self.folder) from error
         self._waiting, self._work = [], 0.0
         self._last, self._cpu = now, cpu
         self._next += 1

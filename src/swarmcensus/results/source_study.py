@@ -18,6 +18,7 @@ from swarmcensus.basics.options import option
 from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.basics.times import Time, in_ticks
 from swarmcensus.brains import adversary
+from swarmcensus.results.selecting import check_held
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
 from swarmcensus.studies import addresses
@@ -31,9 +32,7 @@ Brains = str | Path | Iterable[str | Path] | None  # brain files, given for thos
 
 def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool = True) -> tuple[Study, Setting]:
     """The setting with this number and its study (see `studies_of`). Raises InputError."""
-    if number not in data["setting"].values:
-        known = data["setting"].values
-        raise InputError(f"setting {number}: these results hold setting {known.min()} to {known.max()}")
+    check_held(data, setting=number)
     mark = str(data["fingerprint"].sel(setting=number).values)
     for study in studies_of(data, brain, run=run):
         settings = study.settings()

@@ -188,6 +188,11 @@ def load(path: str | Path) -> xr.Dataset:
     return readable(stored(path))
 
 
+def loaded(results: xr.Dataset | str | Path) -> xr.Dataset:
+    """A dataset as it is, or that of a results file. Raises InputError as `load` does."""
+    return results if isinstance(results, xr.Dataset) else load(results)
+
+
 def stored(path: str | Path) -> xr.Dataset:
     """Read a results file as it is kept. Raises InputError as `load` does."""
     return checked(read(path), path)

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from swarmcensus.basics.documents import json_value
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option
+from swarmcensus.basics.options import wrong_option
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import warn_of
-from swarmcensus.results.store import load
+from swarmcensus.results.store import loaded
 from swarmcensus.results.values import INTERVALS, bounds_in, is_missing, metrics_in, robots_in
 from swarmcensus.statistics.bootstrap import centres
 from swarmcensus.statistics.intervals import LEVEL, estimate
@@ -50,7 +50,7 @@ def summary(
     `swarmcensus show`. The coordinates that vary come first, and values, each before its interval, last: pandas shows
     the first and last columns of a wide table. Warns as `run` does. Raises InputError.
     """
-    data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    data = selecting.where(loaded(results), where)
     warn_of(data)
     return table_of(data, checkpoint)
 
@@ -139,7 +139,7 @@ def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: in
     found = points(data, checkpoint)
     if column not in found and column not in SHORT:
         known = [*SHORT, *(k for k in found if k not in SHORT.values())]
-        raise InputError(f"{option('sort', column)}: {did_you_mean(column, known)}known are {', '.join(known)}")
+        raise wrong_option("sort", column, f"{did_you_mean(column, known)}known are {', '.join(known)}")
     values = found[SHORT.get(column, column)]
     if values.dtype.kind in "OU":  # accuracies are text: those that are numbers come first, in order
         texts, place = np.unique(values.astype(str), return_inverse=True)

@@ -17,7 +17,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean_any
 from swarmcensus.basics.options import wrong_option
-from swarmcensus.studies.tables import explain
+from swarmcensus.studies.tables import study_error
 from swarmcensus.studies.toml_text import read_toml
 
 GRACE_SECONDS = 30.0  # a job whose worker is gone for longer has ended; a refused job is submitted again after as long
@@ -212,4 +212,4 @@ def read_queue(path: Path) -> Queue:
     try:
         return Queue.model_validate(read_toml(text, f"cluster file {path}"))
     except ValidationError as error:
-        raise InputError(explain(error, f"cluster file {path}", Queue)) from None
+        raise study_error(error, f"cluster file {path}", Queue) from None

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,7 @@ from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Batch, Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.simulation.watches import MetricFails
 from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.study import Study
 
 RIDE_BYTES = 256_000_000  # most memory for the curves of all minds on one trajectory
@@ -99,9 +99,8 @@ def _tasks_by_kind(settings: Sequence[Setting], wanted: Wanted, local: Wanted | 
             spans = [(0, wanted.shape[1])] if every[number] else _spans(wanted[number])
             yield from _split("batch", (number,), setting, spans, seconds)
     if local is not None:
-        for numbers in _group_by(
-            settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0, delay=0)
-        ):
+        deaf: dict[str, Any] = {key.field: key.default for key in KEYS.values() if key.messages}
+        for numbers in _group_by(settings, lambda s: replace(s, topology=settings[0].topology, **deaf)):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
             yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds)
     for numbers in _group_by(settings, lambda s: addresses.walk_group(s) if s.body else None):

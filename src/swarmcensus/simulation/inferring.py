@@ -19,6 +19,7 @@ from swarmcensus.simulation import oracle
 from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.simulation.recorded import readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
+from swarmcensus.studies.settings import KEYS
 from swarmcensus.worlds.edge_lists import LINKS, from_one, links_of, unlinked
 from swarmcensus.worlds.generators import numbered
 
@@ -81,7 +82,8 @@ def infer(
     pairs, first = _edges(rows, robots) if periodic else _messages(rows, *readings.shape)
     if rows.size and (said := unlinked(robots, pairs)):
         warnings.warn(f"links: {said}", stacklevel=2)
-    every = observations_per_round if observations_per_round is not None else (10 if periodic else 1)
+    default = KEYS["observations_per_round"].default if periodic else 1
+    every = default if observations_per_round is None else observations_per_round
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
         raise InputError(f"observations_per_round = {every!r}: should be a whole number from 1")
     used = brain if isinstance(brain, brains.Brain) else brains.load(brain)
@@ -122,7 +124,7 @@ def _readings(observations: Any) -> np.ndarray:
     try:
         readings = np.ascontiguousarray(_unmasked(observations), np.float64)
     except (TypeError, ValueError):
-        raise InputError("observations: should be an array of 0, 1 and NaN") from None
+        raise InputError("observations: should be an array of 0, 1 and NaN", key="observations") from None
     if readings.ndim != 2 or 0 in readings.shape:
         raise InputError(f"observations of shape {readings.shape}: should be (step, robot), one of each at least")
     wrong = ~(np.isnan(readings) | (readings == 0.0) | (readings == 1.0))
@@ -183,7 +185,7 @@ def _rows(links: Any) -> np.ndarray:
         if rows.size and (rows.dtype == bool or not (whole == rows).all()):
             raise ValueError
     except (TypeError, ValueError, OverflowError):
-        raise InputError("links: should be an array of whole numbers") from None
+        raise InputError("links: should be an array of whole numbers", key="links") from None
     if not whole.size:
         return np.zeros((0, 2), np.int64)
     if whole.ndim != 2 or whole.shape[1] not in (2, 3):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, TableError
 from swarmcensus.basics.tables import Table, plain
 from swarmcensus.worlds.edge_lists import from_one
 
@@ -28,7 +28,7 @@ def readings_of(table: Table) -> np.ndarray:
     if table.names is None and table.rows:
         table = _unnamed(table)
     if not table.rows or not table.width:
-        raise InputError(f"{table.source}: no observations: there should be {RIGHT}, and rows")
+        raise TableError.of(table.source, f"no observations: there should be {RIGHT}, and rows")
     if table.gap:
         raise InputError(f"{table.source}, line {table.gap} is empty: write NA where a robot observed nothing")
     if table.names is None:
@@ -38,7 +38,7 @@ def readings_of(table: Table) -> np.ndarray:
         return _long(table, names)
     if "step" in names:
         if not table.counts(names.index("step")):
-            raise InputError(f"{table.source}: column 'step': should be 0, 1, 2, ...; or name the columns {RIGHT}")
+            raise TableError.of(table.source, f"column 'step': should be 0, 1, 2, ...; or name the columns {RIGHT}")
         return readings_of(table.without(names.index("step")))
     found = [ROBOT.fullmatch(name) for name in table.names]
     stems = [plain(match[1]) if match else None for match in found]
@@ -58,7 +58,7 @@ def _unnamed(table: Table) -> Table:
         return table.named_by_first_row()
     table.check_heading(",".join(f"robot {k}" for k in range(len(cells))), "readings")
     if table.width > 1 and table.is_empty(table.width - 1):
-        raise InputError(f"{table.source}: the last column is empty: name the columns robot 0,robot 1,...")
+        raise TableError.of(table.source, "the last column is empty: name the columns robot 0,robot 1,...")
     return table
 
 
@@ -81,11 +81,11 @@ def _long(table: Table, names: list[str]) -> np.ndarray:
     values = _values(table, [names.index(chosen[0])])[:, 0]
     _check_numbered(table, np.unique(robot))
     if step.min() > 0:
-        raise InputError(f"{table.source}: steps are numbered from 0: the first is {step.min()} here")
+        raise TableError.of(table.source, f"steps are numbered from 0: the first is {step.min()} here")
     shape = (int(step.max()) + 1, int(robot.max()) + 1)
     if shape[0] * shape[1] > MOST_READINGS:
-        raise InputError(
-            f"{table.source}: {shape[0]:,} steps of {shape[1]:,} robots: {MOST_READINGS:,} readings at most"
+        raise TableError.of(
+            table.source, f"{shape[0]:,} steps of {shape[1]:,} robots: {MOST_READINGS:,} readings at most"
         )
     places, first = np.unique(step * shape[1] + robot, return_index=True)
     if len(places) < len(step):
@@ -100,6 +100,6 @@ def _check_numbered(table: Table, numbers: np.ndarray) -> None:
     """Raise InputError for robots that are not numbered 0, 1, 2, ... without a gap."""
     lacking = np.setdiff1d(np.arange(len(numbers)), numbers)
     if lacking.size:
-        raise InputError(
-            f"{table.source}: there is no robot {lacking[0]}: number the robots 0, 1, 2, ...{from_one(numbers)}"
+        raise TableError.of(
+            table.source, f"there is no robot {lacking[0]}: number the robots 0, 1, 2, ...{from_one(numbers)}"
         )

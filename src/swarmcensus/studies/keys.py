@@ -48,6 +48,7 @@ class Key:
     instead: str = ""  # what a message adds where it has none
     spans: bool = True  # takes several values, which span the grid
     field: str = ""  # of a setting, if that has another name
+    messages: bool = False  # concerns messages alone, so that local estimates do not depend on it
     draws: tuple[str, ...] = ()  # the purposes of random numbers that depend on it
     values: str = ""  # its values and its meaning as docs/study-file.md says them, where that differs from the schema
     page: str = ""

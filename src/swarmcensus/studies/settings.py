@@ -7,7 +7,7 @@ grid, cases, checks, coordinates, captions, addresses of random numbers, tables 
 
 import functools
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -132,6 +132,7 @@ class World(Table):
     )]  # fmt: skip
     """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
     link_success: Annotated[Shares, Key(
+        messages=True,
         page="the probability that a message arrives, for each link, direction and round",
         draws=("losses",),
         coordinate=Coordinate("number", "the probability that a message gets through", "link success {}", always=True),
@@ -140,6 +141,7 @@ class World(Table):
     missing_links: Annotated[Shares, Key(
         world="networks",
         instead="bodies in between block the messages of robots that move, by world.body.line_of_sight",
+        messages=True,
         page="the probability that two neighbours [never hear each other](#missing-links) in a trial",
         coordinate=Coordinate(
             "number", "the share of [links that are missing](study-file.md#missing-links); only if any are",
@@ -151,6 +153,7 @@ class World(Table):
         world="networks",
         instead="how late robots that move hear each other is world.body.message_delay, in ticks",
         field="delay",
+        messages=True,
         page="[delay](#late-messages) in rounds on fixed networks",
         coordinate=Coordinate(
             "whole number", "[delay](study-file.md#late-messages) in rounds; only if above 0 in any setting",
@@ -182,6 +185,7 @@ class World(Table):
     """D = N π r² / L² of robots that move."""
     side: Annotated[Positives | None, Key(
         world="moving",
+        field="density",
         without='this or `density` for `"moving"`',
         page="*L*, the inner side of the arena in metres",
         coordinate=Coordinate(
@@ -254,6 +258,11 @@ KEYS = keys_of(  # in the order of the dataset's coordinates
         "link_success", "rounds", "observations_per_round", "message_delay", "precision", "message",
     ),
 )  # fmt: skip
+
+
+def as_declared(name: str) -> Any:
+    """The field of another table that has one value of a key: the key's default and meaning."""
+    return Field(default=KEYS[name].default, description=KEYS[name].meaning)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Self, Unpack
 from pydantic import ValidationError
 
 from swarmcensus import brains, metrics
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, StudyError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import command
 from swarmcensus.basics.plugins import Plugins
@@ -20,7 +20,7 @@ from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import Grid, grids_of
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
-from swarmcensus.studies.tables import Tables, explain
+from swarmcensus.studies.tables import Tables, study_error
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml, to_toml_value
 from swarmcensus.worlds import patterns, spreading, wiring
 from swarmcensus.worlds.networks import Topology
@@ -45,7 +45,7 @@ class Study:
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
-            raise InputError(explain(error, where, given=tables)) from None
+            raise study_error(error, where, given=tables) from None
         self.name, self.seed = checked.name, checked.seed
         self.until = checked.trials if isinstance(checked.trials, Until) else None
         self.trials: int = checked.trials.at_most if isinstance(checked.trials, Until) else checked.trials
@@ -62,7 +62,7 @@ class Study:
                 raise ValueError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
             settings = all_settings(self.grids, self.faults)
         except ValueError as error:
-            raise InputError(f"{where}: {error}") from None
+            raise StudyError.within(where, error) from None
         self._check_size(where, len(settings), 1)
         if not context.get("kept"):
             self._warn(where)

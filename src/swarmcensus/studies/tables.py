@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_
 
 from pydantic import BaseModel, Field, ValidationError, create_model, model_validator
 
-from swarmcensus.basics.errors import pydantic_message
+from swarmcensus.basics.errors import StudyError, pydantic_message
 from swarmcensus.basics.forms import Number, Table
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import in_ticks
@@ -122,8 +122,8 @@ class Tables(Table):
         )
 
 
-def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, given: Any = None) -> str:
-    """The first error as a sentence that names file, key and value, and says what would be right.
+def study_error(error: ValidationError, where: str, model: type[BaseModel] = Tables, given: Any = None) -> StudyError:
+    """The first error, with a sentence that names file, key and value, and says what would be right.
 
     `given` is what was checked: if it has one value in place of a list, the key gets no index.
     """
@@ -134,21 +134,21 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
     if first["type"] == "extra_forbidden":
         known = list(Until.model_fields) if place[0] == "trials" else _known_keys(model, place[:-1])
         hint = did_you_mean(str(first["loc"][-1]), known)
-        return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
+        return StudyError.within(where, f"unknown key {key}: {hint}known here: {', '.join(known)}{more}", key)
     if first["type"] == "missing":
-        return f"{name}: {key} is missing{more}"
+        return StudyError.within(where, f"{key} is missing{more}", key)
     message = pydantic_message(first["msg"])
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
-    if not key:
-        return f"{name}: {message}{more}"
     value = first["input"]
+    if not key:
+        return StudyError.within(where, message + more)
     if first["type"] == "literal_error" and isinstance(value, str):
         hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
         message += f": {hint.rstrip()}" if hint else ""
     shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
     if hasattr(value, "nodes"):  # of networkx
         shown = f"graph {value.name!r}" if getattr(value, "name", "") else "a graph"
-    return f"{name}: {key} = {shown[:200]}: {message}{more}"
+    return StudyError.within(where, f"{key} = {shown[:200]}: {message}{more}", key, value)
 
 
 def _as_given(place: tuple[int | str, ...], given: Any) -> Iterator[int | str]:

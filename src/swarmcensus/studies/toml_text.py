@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import StudyError
 from swarmcensus.basics.hints import did_you_mean_file
 from swarmcensus.metrics import Metric
 from swarmcensus.worlds.changes import Change
@@ -30,14 +30,14 @@ def text_of_file(path: str | Path, where: str) -> str:
         with Path(path).open("rb") as file:
             found = file.read(LARGEST + 1)
         if len(found) > LARGEST:
-            raise InputError(f"{where}: over {LARGEST // 1_000_000} MB: should be text that a person wrote")
+            raise StudyError.within(where, f"over {LARGEST // 1_000_000} MB: should be text that a person wrote")
         return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except OSError as error:
         hint = did_you_mean_file(path) if isinstance(error, FileNotFoundError) else ""
         why = f"{error.strerror or error}{': ' * bool(hint)}{hint.rstrip()}"
-        raise InputError(f"{where}: cannot be read: {why}") from error
+        raise StudyError.within(where, f"cannot be read: {why}") from error
     except ValueError as error:
-        raise InputError(f"{where}: cannot be read as text: {error}") from error
+        raise StudyError.within(where, f"cannot be read as text: {error}") from error
 
 
 def read_toml(text: str, where: str) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def read_toml(text: str, where: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise InputError(f"{where}: not TOML: {error}") from None
+        raise StudyError.within(where, f"not TOML: {error}") from None
 
 
 def to_toml(data: Mapping[str, Any]) -> str:

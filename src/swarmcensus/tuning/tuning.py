@@ -10,9 +10,9 @@ from typing import Any
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write, check_writable
+from swarmcensus.basics.files import atomic_write, check_output, check_writable
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option, wrong_option
+from swarmcensus.basics.options import option
 from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results import store
 from swarmcensus.results.presence import folder_of
@@ -139,8 +139,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
     """The files of a search by suffix. Raises InputError if they cannot be written."""
     if out is None:
         return {}
-    if Path(out).suffix != ".toml":
-        raise wrong_option("out", str(out), "the values found are written as .toml")
+    check_output("out", out, (".toml",))
     files = {suffix: Path(out).with_suffix(suffix) for suffix in (".toml", ".csv", ".nc")}
     for path in files.values():
         check_writable(path)

@@ -12,7 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.templates import render
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import to_toml_value
-from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
+from swarmcensus.watching.offers import first_view, offer_of
 from swarmcensus.watching.server import listen, serving
 
 
@@ -64,14 +64,8 @@ def watch(
     if brain is not None and not logged:
         words["brain"] = str(brain)
     offer = offer_of(Path(of) if isinstance(of, str) else of, files)
-    if offer.logged and offer.logged.brains:
-        words.setdefault("beside", next(iter(offer.logged.brains)))
-    trial = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
-    check_moment(trial, words)
-    if offer.logged:
-        for setting in trial.settings:  # here, so that its errors are raised
-            offer.logged.under(setting.brain)
+    query, play = first_view(offer, words)
     served = listen(offer, port=port)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))
-    return Watching(served.address(urlencode(words)), height, running)
+    return Watching(served.address(urlencode(query | play)), height, running)

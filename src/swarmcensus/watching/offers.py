@@ -22,6 +22,7 @@ from swarmcensus.brains import Adversary, adversary
 from swarmcensus.conformance.quick import caution
 from swarmcensus.studies import addresses
 from swarmcensus.studies.members import Member, Members, check
+from swarmcensus.studies.settings import KEYS as DECLARED
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.watching.brain_files import BrainFiles
@@ -202,6 +203,22 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
 
 
+def first_view(offer: Offer, asked: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
+    """What a page begins with, and how it is seen; next to a recording stands the first of the brains that were given.
+
+    All that the page will ask for is tried, so that errors are raised here, and not in the browser. Raises InputError.
+    """
+    query = {key: value for key, value in asked.items() if key not in PLAYED}
+    play = {key: value for key, value in asked.items() if key in PLAYED}
+    if offer.logged and offer.logged.brains:
+        query.setdefault("beside", next(iter(offer.logged.brains)))
+    trial = wanted(offer, query)
+    check_moment(trial, play)
+    for setting in trial.settings if offer.logged else ():
+        offer.logged.under(setting.brain)  # type: ignore[union-attr]
+    return query, play
+
+
 def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
     """Raise InputError for a request that would change what robots have lived."""
     for key, value in request.items():
@@ -235,11 +252,12 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
     if "topology" in request:
         values["topology"] = _one_of(offer.topologies, "topology", request["topology"])
     moves = values.get("topology", setting.topology).moves
+    if moves != (setting.body is not None):
+        values |= {key.field: key.default for key in DECLARED.values() if key.spans and key.world != "any"}
+        values |= {"body": None, "rounds": DECLARED["rounds"].default}
     if moves and setting.body is None:
-        values |= {"body": Body(), "density": 1.0, "floor": Floor(), "rounds": 10_000, "observations_per_round": 1}
-        values["delay"] = 0
-    if not moves and setting.body is not None:
-        values |= {"body": None, "density": None, "floor": None, "rounds": 1000, "observations_per_round": 10}
+        values |= {"body": Body(), "density": 1.0, "floor": Floor(), "observations_per_round": 1}
+        values["rounds"] = DECLARED["ticks"].default
     values["robots"] = _whole(request, "robots", setting.robots, 1, MOST_ROBOTS)
     values["rounds"] = _whole(request, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
     if "accuracy" in request:

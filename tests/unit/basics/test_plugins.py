@@ -633,7 +633,7 @@ def test_plugins_are_listed_without_being_run(package):
     )  # fmt: skip
     rows = [line.split() for line in done.stdout.splitlines() if line]
     assert [row[0] for row in rows if row[1:3] == ["keys", "what"]] == [
-        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures",
+        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets",
     ]  # fmt: skip
     by = {row[0]: row for row in rows}
     assert by["lowest"][1:] == ["The", "lowest", "estimate", "that", "a", "robot", "ever", "holds.", "meadow"]

@@ -108,6 +108,14 @@ def test_axes_name_ticks_or_rounds(done, name):
 
 
 @pytest.mark.long
+def test_nothing_is_written_without_a_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = paper.reproduce(trials=1, only="fig3", say=lambda _: None)
+    assert {*done.datasets} == {"topologies", "same-rounds"}
+    assert (done.page, done.files, [*done.figures], [*tmp_path.iterdir()]) == (None, [], [], [])
+
+
+@pytest.mark.long
 def test_robots_meet_the_same_readings_alone_and_in_company(done):
     """The local study and the study of topologies share trials, so that their difference is communication's."""
     shared = [

@@ -265,7 +265,7 @@ def test_wrong_options_are_refused_in_a_sentence(tmp_path, monkeypatch, capsys, 
 def test_a_folder_that_is_not_empty_is_refused(tmp_path, capsys):
     (tmp_path / "here").write_text("")
     assert main(["swarm", "commons", "--out", str(tmp_path)]) == 2
-    assert f"{tmp_path} is not empty: --out should name a new folder" in capsys.readouterr().err
+    assert f"{tmp_path} is not empty, it holds " in capsys.readouterr().err
     assert main(["swarm", "commons", "--out", str(tmp_path / "here")]) == 2
     assert "is a file: --out should" in capsys.readouterr().err
 

@@ -99,17 +99,17 @@ def parser() -> argparse.ArgumentParser:
     """All commands and their options."""
     top = Parser(
         prog="swarmcensus",
-        usage="%(prog)s [-h] [--version] COMMAND ...",
         description="Robot swarms with lying sensors agree on how much of a floor is black.",
         epilog="'swarmcensus COMMAND --help' shows the options of a command. To begin: swarmcensus reproduce",
     )
     top.add_argument("--version", action="version", version=f"swarmcensus {__version__}")
-    listed = top.add_subparsers(prog=top.prog, metavar="COMMAND", required=False, help=argparse.SUPPRESS)
+    listed = top.add_subparsers(metavar="COMMAND", required=False)
     for name, command in commands().items():
         sub = listed.add_parser(name, help=command.text, description=command.text)
         sub.set_defaults(run=command.run)
         command.add_options(sub)
         add_output_options(sub, command.json, command.table)
+    top._positionals._group_actions.clear()
     for group in Group:  # in the help, commands are listed under the titles of their groups
         section = top.add_argument_group(group.value)
         shown = [action for action in listed._choices_actions if commands()[action.dest].group is group]

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError, OptionError
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present, say, wrote
@@ -45,7 +45,7 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
 
 def compare(options: argparse.Namespace) -> int:
     """Compare brains within each world."""
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.files import check_output
     from swarmcensus.cli import compare_tables
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.cli.tables import head
@@ -55,12 +55,8 @@ def compare(options: argparse.Namespace) -> int:
 
     if options.by and options.pairs:
         raise OptionError("--by counts worlds, --pairs shows single worlds: give one of them", key="by")
-    for path, suffix in ((options.csv, ".csv"), (options.latex, ".tex")):
-        if path and path.suffix.lower() != suffix:
-            flag = "--csv" if path is options.csv else "--latex"
-            raise InputError(f"{flag} {path}: this table is written as {suffix}")
-        if path:
-            check_writable(path, options.results)
+    check_output("csv", options.csv, (".csv",), options.results)
+    check_output("latex", options.latex, (".tex",), options.results)
     figures = {kind: _beside(options.plot, kind) for kind in ("ranks", "pareto")} if options.plot else {}
     for path in figures.values():
         figure_files(path, ("png", "svg"), options.results)

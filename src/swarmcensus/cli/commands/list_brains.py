@@ -4,16 +4,17 @@ import argparse
 import ast
 import importlib
 import sys
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError, OptionError
-from swarmcensus.cli.cost_table import show_costs
+from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import answer, present, say
 
 if TYPE_CHECKING:
     from swarmcensus.conformance.suite import Check
+    from swarmcensus.deployment.costs import Cost
 
 MODULES = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
@@ -56,7 +57,7 @@ def brains(options: argparse.Namespace) -> int:
         if options.wearing:
             raise InputError(f"--wearing {options.wearing} needs --check or --show with an adversary")
         if options.cost is not None:
-            show_costs(options)
+            measure_costs(options)
             return 0
         known, liars = brain_rows(), adversary_rows()
         present(
@@ -201,6 +202,44 @@ def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collect
     for note in notes:
         out.print(f"note  {note}", soft_wrap=True)
     out.print(f"{path}: {'conforms' if conforms else 'does not conform'}", soft_wrap=True)
+
+
+def measure_costs(options: argparse.Namespace) -> None:
+    """Measure the brains of --cost, all shipped ones if none is named, and print what they take."""
+    from swarmcensus.brains import load, shipped
+    from swarmcensus.deployment.costs import check_tools, cost
+
+    brains = [load(name) for name in options.cost or shipped()]
+    check_tools()
+    say(f"measuring {counted(len(brains), 'brain')}, each for about half a second")
+    costs = [cost(brain) for brain in brains]
+    rows = [_cost_as_dict(one) for one in costs]
+    present(options, "costs", lambda: {"costs": rows}, lambda: rows, lambda: _show_costs(costs))
+
+
+def _cost_as_dict(one: "Cost") -> dict[str, Any]:
+    more = {"milliseconds": one.milliseconds, "fits_kilobot": not one.too_large, "too_large": one.too_large}
+    return one._asdict() | more
+
+
+def _show_costs(costs: "Sequence[Cost]") -> None:
+    from swarmcensus.basics.printed_tables import Table
+    from swarmcensus.basics.terminal import show
+    from swarmcensus.deployment.chips import CLOCK, KILOBOT
+    from swarmcensus.deployment.costs import COLUMNS
+
+    columns = [column for column in COLUMNS if column.short]
+    heads = {column.short: column not in (columns[0], columns[-1]) for column in columns}
+    rows = [[column.text(one) for column in columns] for one in costs]
+    for row, one in zip(rows, costs, strict=True):
+        row[0] += "*" * (one.chip != KILOBOT)
+    show(Table.of_rows(heads, rows))
+    print()
+    print("flash, RAM, stack and message: bytes of an ATmega328P, in single precision, with messages in ratio16")
+    print(f"cycles: of a tick, on average; longest: of the longest tick; ms: of a tick, at {CLOCK / 1e6:g} MHz")
+    print("Kilobot: whether a Kilobot has room, and if not, what is too large")
+    if any(one.chip != KILOBOT for one in costs):
+        print("*: its memory has no room on an ATmega328P, and its cycles are those of an ATmega1284P")
 
 
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study

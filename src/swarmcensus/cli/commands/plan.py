@@ -7,7 +7,6 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import elapsed
-from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
 from swarmcensus.cli.output import present, reporting, say
 
@@ -75,7 +74,7 @@ def add_plan_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--brain",
         action="append",
-        metavar="NAME",
+        metavar="BRAIN",
         help="a brain; may be repeated (default: commons, minimalistic; with liars: steadfast, minimalistic)",
     )
     sub.add_argument(
@@ -96,7 +95,7 @@ def plan(options: argparse.Namespace) -> int:
     """Plan a mission, or print the schema of mission files."""
     if options.schema:
         return _schema(options)
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.files import check_output
     from swarmcensus.cli.plan_table import show
     from swarmcensus.planning.mission import load_mission, mission_of
     from swarmcensus.planning.planning import plan as plan_of
@@ -109,9 +108,7 @@ def plan(options: argparse.Namespace) -> int:
     if options.out:
         check_out(options.out, *inputs)
     if options.plot:
-        if options.plot.suffix not in (".png", ".svg", ".pdf"):
-            raise wrong_option("plot", options.plot, "a figure is written as .png, .svg or .pdf")
-        check_writable(options.plot, *inputs)
+        check_output("plot", options.plot, (".png", ".svg", ".pdf"), *inputs)
         check_lines(mission_of(tables, where, base))
     begun = time.monotonic()
     with reporting(str(tables.get("name", "mission"))) as progress:

@@ -10,7 +10,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import wrong_option
+from swarmcensus.basics.options import option, wrong_option
 from swarmcensus.cli.options import (
     Command,
     Group,
@@ -160,13 +160,13 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
         remeasured = [name for name in DRAWN_BY if getattr(options, name) is not None]
         fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if options.kind not in DRAWN_BY[name]}
     for name, kinds in fitting.items():
-        raise OptionError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}", key=name)
+        raise OptionError(f"{option(name)} goes with --kind {' or '.join(kinds)}, not with {options.kind}", key=name)
     if options.local and options.delta is not None:
         raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
     more = {name: _value(text) for name, text in once("set", options.set).items()}
     for name in given.keys() & more:
-        raise OptionError(f"--{name} and --set {name}=... set the same option: give one of them", key=name)
+        raise OptionError(f"{option(name)} and --set {name}=... set the same option: give one of them", key=name)
     try:
         return dict(read_keys(f"--kind {options.kind}", draw, given | more))
     except ValueError as error:

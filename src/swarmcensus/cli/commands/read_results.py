@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, round_or_time
 from swarmcensus.cli.output import answer, present, reporting, wrote
 from swarmcensus.cli.source import (
@@ -83,10 +82,10 @@ def add_merge_options(sub: argparse.ArgumentParser) -> None:
 
 def merge(options: argparse.Namespace) -> int:
     """Merge results files into one."""
+    from swarmcensus.basics.files import check_output
     from swarmcensus.results import merging
 
-    if options.out.suffix != ".nc":
-        raise wrong_option("out", options.out, "results are written as .nc")
+    check_output("out", options.out, (".nc",))
     data = merging.write(options.out, options.results, fresh=options.fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
     wrote(f"{options.out}: {counted(data.sizes['setting'], 'setting')}, {done:,} of {counted(total, 'trial')}")

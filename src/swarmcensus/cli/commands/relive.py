@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError, OptionError
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, once
 from swarmcensus.cli.output import answer, say, wrote
@@ -75,22 +75,19 @@ def relive(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> None:
     """Raise InputError for options that do not go together, before anything is lived."""
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.files import check_output
     from swarmcensus.cli.commands.plot import figure_files
 
-    for flag, value in (("--parameter", options.parameter), ("--message", options.message)):
-        if value and not options.brain:
-            raise InputError(f"{flag} goes with --brain")
+    for name in ("parameter", "message"):
+        if getattr(options, name) and not options.brain:
+            raise OptionError(f"--{name} goes with --brain", key=name)
     if options.parameter and len(options.brain) > 1:
         raise OptionError("--parameter goes with one --brain", key="parameter")
     if (options.trace or options.plot) and len(options.brain) > 1:
         flag, other = ("trace", "") if options.trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
         raise OptionError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}", key=flag)
-    for flag, path, suffixes in (("--out", options.out, (".nc",)), ("--trace", options.trace, (".nc", ".csv"))):
-        if path and path.suffix not in suffixes:
-            raise InputError(f"{flag} {path}: it is written as {' or '.join(suffixes)}")
-        if path:
-            check_writable(path)
+    check_output("out", options.out, (".nc",))
+    check_output("trace", options.trace, (".csv", ".nc"))
     if options.out and options.trace and options.out.resolve() == options.trace.resolve():
         raise OptionError(f"--out and --trace both name {options.out}: they should name two files", key="out")
     if options.plot:

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import wrong_option
 from swarmcensus.cli.commands.plot import brain_of, figure_files, save_figure
 from swarmcensus.cli.options import Command, Group, add_shared, positive
 from swarmcensus.cli.output import say, wrote
@@ -14,6 +13,7 @@ from swarmcensus.cli.source import add_results
 if TYPE_CHECKING:
     import numpy as np
 
+TRACES = (".csv", ".nc")
 OF_BAGS = ("readings", "messages", "period")  # options of `infer`
 
 
@@ -34,7 +34,7 @@ def add_replay_options(sub: argparse.ArgumentParser) -> None:
 
 def replay(options: argparse.Namespace) -> int:
     """Run one trial again and show every round."""
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.files import check_output, check_writable
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings, replaying
@@ -43,11 +43,9 @@ def replay(options: argparse.Namespace) -> int:
 
     if options.plot:
         figure_files(options.plot, ("png",), options.results)
-    if options.out:
-        _check_trace(options.out)
-    recorded = options.recording / "observations.csv" if options.recording else None
-    for path in filter(None, (options.out, recorded)):
-        check_writable(path, options.results)
+    check_output("out", options.out, TRACES, options.results)
+    if options.recording:
+        check_writable(options.recording / "observations.csv", options.results)
     data = opened(options.results)
     readings = edges = None
     with log_compilation(brain_of(data, options.setting)):
@@ -97,7 +95,12 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--observations-per-round", type=positive, metavar="R", help="steps per round (default: 10; with messages 1)"
     )
-    sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
+    sub.add_argument(
+        "--brain",
+        default="minimalistic",
+        metavar="BRAIN",
+        help="a shipped brain or a brain file (default: %(default)s)",
+    )
     sub.add_argument(
         "--out",
         type=Path,
@@ -110,7 +113,7 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
 def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded observations."""
     from swarmcensus import brains
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.files import check_output
     from swarmcensus.cli.tables import rounds
     from swarmcensus.conformance.quick import caution
     from swarmcensus.figures import plot
@@ -120,8 +123,8 @@ def infer(options: argparse.Namespace) -> int:
 
     seen = options.observations if options.observations.name not in ("", "..") else options.observations.resolve()
     out = options.out or seen.parent / f"{seen.stem}-trace.csv"  # each folder keeps its own
-    _check_trace(out)
-    check_writable(out, options.observations, Path(options.accuracy), *([options.links] if options.links else []))
+    inputs = options.observations, Path(options.accuracy), *([options.links] if options.links else [])
+    check_output("out", out, TRACES, *inputs)
     plotted = options.plot or out.with_suffix(".png")
     figure_files(plotted, ("png",))
     sources = {
@@ -165,11 +168,6 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
     for note in recorded.notes:
         say(note)
     return recorded.readings, recorded.messages
-
-
-def _check_trace(out: Path) -> None:
-    if out.suffix not in (".csv", ".nc"):
-        raise wrong_option("out", out, "a trace is written as .csv or .nc")
 
 
 COMMANDS = (

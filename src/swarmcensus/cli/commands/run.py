@@ -74,14 +74,12 @@ def add_study_options(sub: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run a study file."""
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.files import check_output
     from swarmcensus.studies.study import Study
 
     study = Study.load(options.study)
     out = options.out or Path(options.study.stem + ".nc")
-    if out.suffix != ".nc":
-        raise wrong_option("out", out, "results are written as .nc")
-    check_writable(out, options.study)
+    check_output("out", out, (".nc",), options.study)
     study = study.with_(trials=options.trials, seed=options.seed)
     # After the checks above, since these imports are slow:
     from swarmcensus.cli.tables import as_rows, failures, settings

@@ -1,7 +1,6 @@
 """The commands to start with: `new`, `studies` and `doctor`. Imports wait until a command needs them."""
 
 import argparse
-import filecmp
 import importlib.util
 import itertools
 import os
@@ -108,9 +107,9 @@ def _schema(options: argparse.Namespace) -> int:
 
 def _copy(study: Path, out: Path) -> None:
     """Copy a study and the files that it uses to one folder, and adapt their names in the study."""
-    if out.suffix != ".toml":
-        raise wrong_option("out", out, "a study is a .toml file")
-    from swarmcensus.basics.files import atomic_write
+    from swarmcensus.basics.files import atomic_write, check_output
+
+    check_output("out", out, (".toml",))
 
     text = study.read_text(encoding="utf-8")
     _not_there(out)
@@ -153,6 +152,8 @@ def _free(path: Path, like: Path | None = None) -> Path:
 def _usable(path: Path, like: Path | None) -> bool:
     if not path.exists() and not path.is_symlink():
         return True
+    import filecmp
+
     return like is not None and path.is_file() and filecmp.cmp(path, like, shallow=False)
 
 

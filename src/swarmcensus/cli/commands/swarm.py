@@ -9,9 +9,9 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import STOPPED, InputError, OptionError
+from swarmcensus.basics.errors import STOPPED, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command, wrong_option
+from swarmcensus.basics.options import command, option, wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, number, positive, share
 from swarmcensus.cli.output import answer, say, wrote
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from swarmcensus.swarm.plans import Air, Plan
     from swarmcensus.swarm.running import Swarm
 
-OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults
-    "robots": 20, "topology": "ring", "link_success": 1.0, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
-    "message": "float32", "precision": "double",
+OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults if a study's are others
+    "robots": 20, "topology": "ring", "link_success": None, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
+    "message": "float32", "precision": None,
 }  # fmt: skip
 TIME = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s)")
 
@@ -83,9 +83,9 @@ def swarm(options: argparse.Namespace) -> int:
 
     check_system()
     folder = options.out or _free("swarm")
-    check_free(folder, "--out")
+    check_free(folder)
     if folder.resolve() == Path.cwd():
-        raise InputError(f"--out {folder} is the folder that you are in: it should name a new one, such as swarm")
+        raise wrong_option("out", folder, "this is the folder that you are in: name a new one, such as swarm")
     study, air = _study(options), _air(options)
     seed = study.seed if options.seed is None else options.seed
     plan = interruptible(plan_of)(study, options.setting or 0, seed, options.trial or 0, air, options.micropython)
@@ -130,14 +130,14 @@ def _study(options: argparse.Namespace) -> "Study":
     given = {name: getattr(options, name) for name in OF_STUDIES if getattr(options, name) is not None}
     if options.what.endswith((".toml", ".nc")):
         if given:
-            flag = next(iter(given)).replace("_", "-")
-            raise OptionError(f"--{flag} does not go with a study: write it into {options.what}", key=flag)
+            name = next(iter(given))
+            raise OptionError(f"{option(name)} does not go with a study: write it into {options.what}", key=name)
         return Study.load(options.what)
     if options.setting is not None:
         raise OptionError("--setting goes with a study: swarmcensus swarm STUDY.toml --setting 0", key="setting")
     values = OF_STUDIES | given
     if values["topology"] == "moving":
-        raise InputError("--topology moving: robots that move have no fixed neighbours: ring, full or a file")
+        raise wrong_option("topology", "moving", "robots that move have no fixed neighbours: ring, full or a file")
     return Study(
         name="swarm",
         seed=options.seed or 0,

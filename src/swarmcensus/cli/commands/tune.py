@@ -12,7 +12,7 @@ from swarmcensus.cli.output import answer, reporting, say, wrote
 def add_tune_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `tune`."""
     sub.add_argument("study", type=Path, metavar="STUDY.toml", help="a study file with the brain and its worlds")
-    sub.add_argument("--brain", metavar="NAME", help="the brain to tune, if several in the study have parameters")
+    sub.add_argument("--brain", metavar="BRAIN", help="the brain to tune, if several in the study have parameters")
     sub.add_argument(
         "--adversary",
         metavar="NAME",

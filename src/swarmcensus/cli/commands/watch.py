@@ -54,9 +54,10 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C, or write it with one trial."""
-    from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
+    from swarmcensus.basics.files import check_output
+    from swarmcensus.watching.offers import first_view, offer_of
 
-    query, is_results = _query(options), options.of is not None and options.of.suffix == ".nc"
+    asked, is_results = _query(options), options.of is not None and options.of.suffix == ".nc"
     for name, belongs in (("brain", not is_results), ("brain_file", is_results)):
         if getattr(options, name) and not belongs:
             why = "results have their brains" if is_results else "that is of results"
@@ -64,20 +65,12 @@ def watch(options: argparse.Namespace) -> int:
     if options.of is not None and options.of.suffix == ".py":  # a brain, in the small swarm
         options.brain, options.of = [options.of, *options.brain], None
     if options.brain and (options.of is None or not options.of.is_dir()):
-        query.setdefault("brain", str(options.brain[0]))
-    if options.out is not None and options.out.suffix != ".html":
-        raise wrong_option("out", options.out, "a page is written as .html")
+        asked.setdefault("brain", str(options.brain[0]))
+    check_output("out", options.out, (".html",), *([options.of] if options.of else []))
     offer = offer_of(options.of, tuple(options.brain_file if is_results else options.brain))
     if offer.logged:
         _tell_day(offer.logged)
-        for name in list(offer.logged.brains)[:1]:
-            query.setdefault("beside", name)
-    play = {key: query.pop(key) for key in PLAYED if key in query}
-    trial = wanted(offer, query)
-    check_moment(trial, play)  # so that errors are reported here, not in the browser
-    if offer.logged:
-        for setting in trial.settings:  # so are those of a brain that cannot live the day
-            offer.logged.under(setting.brain)
+    query, play = first_view(offer, asked)
     if options.out is not None:
         return _export(options, offer, query, play)
     return _serve(options, offer, query, play)
@@ -127,11 +120,9 @@ def open_browser(address: str) -> None:
 def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from rich.progress import Progress
 
-    from swarmcensus.basics.files import check_writable
     from swarmcensus.basics.terminal import console
     from swarmcensus.watching.exporting import export
 
-    check_writable(options.out, *([options.of] if options.of else []))
     silent = options.quiet or not sys.stderr.isatty()
     with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
         task = bar.add_task("recording", total=1.0)

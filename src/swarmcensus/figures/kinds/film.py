@@ -117,7 +117,7 @@ def suffix_of(path: str | Path) -> str:
     """Return ".mp4" or ".gif". Raises InputError for another suffix."""
     suffix = Path(path).suffix.lower()
     if suffix not in (".mp4", ".gif"):
-        raise InputError(f"{path}: films are written as .mp4 or .gif")
+        raise InputError.of(path, "films are written as .mp4 or .gif")
     return suffix
 
 
@@ -152,8 +152,8 @@ def ffmpeg_for(path: str | Path) -> Any:
         ffmpeg = importlib.import_module("imageio_ffmpeg")
         ffmpeg.get_ffmpeg_exe()
     except (ImportError, RuntimeError):
-        raise InputError(
-            f"{path}: an .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5', or write a .gif"
+        raise InputError.of(
+            path, "an .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5', or write a .gif"
         ) from None
     return ffmpeg
 

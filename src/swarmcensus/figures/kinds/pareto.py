@@ -99,7 +99,9 @@ def draw_pareto(
     if cost not in known:
         raise InputError(
             f"cost {cost!r}: these results have no such cost; {did_you_mean(cost, known)}"
-            f"there are {', '.join(known) or 'none'}"
+            f"there are {', '.join(known) or 'none'}",
+            key="cost",
+            value=cost,
         )
     worlds = standings.grid.worlds
     if len(worlds) > MOST_PANELS:

@@ -19,10 +19,6 @@ WHOLE = {
 }  # fmt: skip
 
 
-def study(world, **tables):
-    return sc.Study(**{"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": world} | tables)
-
-
 def pairs_in(setting, trial):
     """The links of a trial, as pairs of receiver and sender."""
     links = sampling.links(setting, SEED, trial, 1)
@@ -127,7 +123,7 @@ def test_results_say_how_many_links_are_missing(tmp_path):
 )
 def test_wrong_values_are_refused(world, said):
     with pytest.raises(sc.InputError, match=said):
-        study(world)
+        sc.Study(trials=1, swarm={"robots": 5, "accuracy": 0.7}, world=world)
 
 
 def test_a_full_network_that_is_too_large_is_refused():
