@@ -16,21 +16,11 @@ from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.summaries import SHORT, done, failed_trials, records
+from swarmcensus.results.summaries import done, failed_trials, records
 from swarmcensus.results.summary_table import summary_table
-from swarmcensus.vocabulary.quantities import QUANTITIES
 
-COLUMNS = {quantity.column: quantity for quantity in QUANTITIES.values() if quantity.column}
-SURE = {
-    name: quantity.name for name, quantity in COLUMNS.items() if name not in SHORT
-}  # only with brains that state intervals
 MOST_NAMED = 8  # settings in a note
-TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.items()}
-DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # named in the legend
-MOST_DECIMALS = 6
-SPARE = {"K": 0, "right": 0, "error": NUMBER + 2, "final error": NUMBER + 1}  # the larger, the sooner left out
-DIGITS = {"K": 1}  # significant digits of an interval's width; 2 for other columns
 
 
 def head(data: xr.Dataset, path: Path) -> str:
