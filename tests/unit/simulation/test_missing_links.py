@@ -116,9 +116,9 @@ def test_results_say_how_many_links_are_missing(tmp_path):
 @pytest.mark.parametrize(
     ("world", "said"),
     [
-        (RING | {"missing_links": 1.5}, "world.missing_links = 1.5: should be less than or equal to 1"),
+        (RING | {"missing_links": 1.5}, "world.missing_links = 1.5"),
         (RING | {"missing_links": [0.5, 0.5]}, "a value is twice"),
-        (MOVING | {"missing_links": 0.5}, "world.missing_links is of fixed networks: bodies in between block"),
+        (MOVING | {"missing_links": 0.5}, "world.missing_links"),
     ],
 )
 def test_wrong_values_are_refused(world, said):
