@@ -175,7 +175,7 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
         (["--by", "topolgy"], "--by topolgy"),
         (["--by", "robots"], "--by robots"),
         (["--by", "topology", "--pairs"], "--by counts worlds, --pairs shows single worlds: give one of them"),
-        (["--out", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
+        (["--plot", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
     ],
 )
 def test_refusals_write_nothing(two, words, said, tmp_path, capsys, monkeypatch):
@@ -206,9 +206,9 @@ def test_results_without_costs_have_no_front(two):
 @pytest.mark.long
 def test_figures_are_kinds_too_of_the_same_bytes(two, tmp_path, capsys):
     assert main(["compare", str(two), "--plot", str(tmp_path / "a.svg")]) == 0
-    assert main(["plot", str(two), "--kind", "ranks", "--out", str(tmp_path / "b.svg")]) == 0
+    assert main(["plot", str(two), "--kind", "ranks", "--plot", str(tmp_path / "b.svg")]) == 0
     assert (tmp_path / "a-ranks.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
-    assert main(["plot", str(two), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 0
+    assert main(["plot", str(two), "--kind", "pareto", "--plot", str(tmp_path / "c.svg")]) == 0
     assert (tmp_path / "a-pareto.svg").read_bytes() == (tmp_path / "c.svg").read_bytes()
 
 
