@@ -206,9 +206,9 @@ def test_results_without_costs_have_no_front(two):
 @pytest.mark.long
 def test_figures_are_kinds_too_of_the_same_bytes(two, tmp_path, capsys):
     assert main(["compare", str(two), "--plot", str(tmp_path / "a.svg")]) == 0
-    assert main(["plot", str(two), "--kind", "ranks", "--plot", str(tmp_path / "b.svg")]) == 0
+    assert main(["plot", str(two), "--kind", "ranks", "--out", str(tmp_path / "b.svg")]) == 0
     assert (tmp_path / "a-ranks.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
-    assert main(["plot", str(two), "--kind", "pareto", "--plot", str(tmp_path / "c.svg")]) == 0
+    assert main(["plot", str(two), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 0
     assert (tmp_path / "a-pareto.svg").read_bytes() == (tmp_path / "c.svg").read_bytes()
 
 
