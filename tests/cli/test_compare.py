@@ -175,7 +175,7 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
         (["--by", "topolgy"], "--by topolgy"),
         (["--by", "robots"], "--by robots"),
         (["--by", "topology", "--pairs"], "--by counts worlds, --pairs shows single worlds: give one of them"),
-        (["--out", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
+        (["--plot", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
     ],
 )
 def test_refusals_write_nothing(two, words, said, tmp_path, capsys, monkeypatch):
