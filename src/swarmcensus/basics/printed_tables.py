@@ -92,6 +92,15 @@ class Table:
         return replace(self, columns=columns, groups=groups)
 
 
+def with_ends(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row in which each interval, a tuple of value and ends, is three entries: `name`, `name_low`, `name_high`."""
+    found: dict[str, Any] = {}
+    for name, value in row.items():
+        several = value if isinstance(value, tuple) else (value,)
+        found |= zip((name, f"{name}_low", f"{name}_high"), several, strict=False)
+    return found
+
+
 def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Rows as lines of tab-separated columns: a line of names, those of all rows in order, then a line for each row.
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 from swarmcensus.basics import terminal
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.printed_tables import NUMBER, Column, Table
+from swarmcensus.basics.printed_tables import NUMBER, Column, Table, with_ends
 from swarmcensus.results.summary_table import NOTHING, coordinate_columns, varied_and_same
 
 if TYPE_CHECKING:
@@ -101,18 +101,7 @@ def _share(value: float) -> str:
 
 def records(agreement: "Agreement") -> list[dict[str, object]]:
     """A flat record for each setting; intervals have the ends `_low` and `_high`."""
-    return [
-        {
-            end: number
-            for name, value in row._asdict().items()
-            for end, number in (
-                zip((name, f"{name}_low", f"{name}_high"), value, strict=True)
-                if isinstance(value, tuple)
-                else [(name, value)]
-            )
-        }
-        for row in agreement.settings
-    ]
+    return [with_ends(row._asdict()) for row in agreement.settings]
 
 
 def _number(value: float) -> str:

@@ -137,7 +137,7 @@ def _together(
         place = np.array([rows[mark] for mark in data["fingerprint"].values.tolist()])
         _put(merged, data, place, origin, k, names)
         row_of = dict(zip(data["setting"].values.tolist(), place.tolist(), strict=True))
-        for failure in json.loads(data.attrs.get("failed", "[]")):
+        for failure in structure.failed_in(data):
             failed[row_of[failure["setting"]], failure["trial"]] = failure
     total = sum(max(each.get(mark, 0) for each in planned) for mark in rows)
     merged.attrs |= {"trials_done": int((origin >= 0).sum()), "trials_total": total}

@@ -24,7 +24,7 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError, ResultsError
-from swarmcensus.basics.files import atomic_write, is_leftover, remove_leftovers
+from swarmcensus.basics.files import acquire, atomic_write, is_leftover, remove_leftovers
 from swarmcensus.basics.options import option
 from swarmcensus.results.presence import folder_of as folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
@@ -151,7 +151,7 @@ class Parts:
                 what = "link" if path.is_symlink() else "folder"
                 raise InputError(f"{path} is a {what}: a run keeps its work there, and leaves none; remove it")
         try:
-            self._take_lock()
+            acquire(self.lock)
         except Timeout:
             raise ResultsError.of(self.out, f"another run {self._holder()}is writing it") from None
         except OSError as error:
@@ -174,14 +174,6 @@ class Parts:
                 (self.folder / "lock").unlink(missing_ok=True)  # the folder may be gone
                 self.folder.rmdir()
         self.lock.release()
-
-    def _take_lock(self) -> None:
-        while True:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            self.lock.acquire()
-            if (self.folder / "lock").exists():
-                return
-            self.lock.release()  # another run has just removed the folder
 
     def _holder(self) -> str:
         try:

@@ -164,7 +164,7 @@ def _attributes(data: xr.Dataset) -> str | None:
         return "the attribute share should be such as 1/4"
     try:
         failed = failures(data)
-        kept = json.loads(data.attrs.get("failed", "[]"))
+        kept = failed_in(data)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return "the attribute failed is no list of failures"
     if "failed" in data.attrs and (data.attrs["failed"] != json.dumps(kept) or not 0 < len(kept) == len(failed)):
@@ -187,9 +187,15 @@ def finished(data: xr.Dataset) -> NDArray[np.bool_]:
     return np.asarray(np.all([~is_missing(data.variables[name].values[:, :, 0]) for name in names], axis=0))
 
 
+def failed_in(data: xr.Dataset) -> list[dict[str, Any]]:
+    """The failed trials, also of settings that were not selected, each with `setting`, `trial` and `why`."""
+    failed: list[dict[str, Any]] = json.loads(data.attrs.get("failed", "[]"))
+    return failed
+
+
 def failures(data: xr.Dataset) -> set[tuple[int, int]]:
     """The failed trials, as numbers of setting and trial."""
-    return {(int(failure["setting"]), int(failure["trial"])) for failure in json.loads(data.attrs.get("failed", "[]"))}
+    return {(int(failure["setting"]), int(failure["trial"])) for failure in failed_in(data)}
 
 
 def _missing(data: xr.Dataset) -> str | None:
@@ -273,7 +279,7 @@ def selected(data: xr.Dataset) -> dict[str, Any]:
     """The attributes of a selection of a dataset, with trials counted anew."""
     left = [
         failure
-        for failure in json.loads(data.attrs.get("failed", "[]"))
+        for failure in failed_in(data)
         if all(failure[key] in data.variables[key].values for key in ("setting", "trial"))
     ]
     counted = {"trials_done": int(finished(data).sum())} if "trials_done" in data.attrs else {}

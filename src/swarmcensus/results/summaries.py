@@ -1,6 +1,5 @@
 """Summaries of results: one row per setting, with medians over robots and trials and their intervals."""
 
-import json
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +16,7 @@ from swarmcensus.basics.options import wrong_option
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.store import loaded
+from swarmcensus.results.structure import failed_in
 from swarmcensus.results.values import INTERVALS, bounds_in, is_missing, metrics_in, robots_in
 from swarmcensus.statistics.bootstrap import centres
 from swarmcensus.statistics.intervals import LEVEL, estimate
@@ -155,7 +155,7 @@ def asked_anew(data: xr.Dataset) -> list[str]:
 def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
     """The failed trials of these settings, each with `setting`, `trial` and `why`."""
     there = set(data["setting"].values.tolist())
-    return [one for one in json.loads(data.attrs.get("failed", "[]")) if one["setting"] in there]
+    return [one for one in failed_in(data) if one["setting"] in there]
 
 
 def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:

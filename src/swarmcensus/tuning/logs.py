@@ -18,7 +18,7 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write, check_writable, remove_leftovers
+from swarmcensus.basics.files import acquire, atomic_write, check_writable, remove_leftovers
 from swarmcensus.basics.options import option
 
 FORMAT = "# swarmcensus tune 2 "
@@ -70,10 +70,9 @@ class Log:
         if self.path is None:
             return self
         check_writable(self.path)
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"), timeout=0)
         try:
-            self._take()
+            acquire(self._lock)
         except Timeout:
             raise InputError.of(self.path, "another search is writing it") from None
         except OSError as error:
@@ -102,12 +101,6 @@ class Log:
                 assert self.path is not None
                 Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # a link's target, not the link
             self._release()
-
-    def _take(self) -> None:
-        self._lock.acquire()
-        while not Path(self._lock.lock_file).exists():  # another search removed it just then
-            self._lock.release()
-            self._lock.acquire()
 
     def _release(self) -> None:
         with contextlib.suppress(OSError):

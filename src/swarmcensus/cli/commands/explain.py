@@ -123,12 +123,12 @@ def sentences(explanation: "Explanation") -> "Iterator[str]":
 
 def records(explanation: "Explanation") -> "list[dict[str, Any]]":
     """A flat record for what was measured, and one for each line of theory; `right_K` is the share at round K."""
+    from swarmcensus.basics.printed_tables import with_ends
+
     checkpoints = explanation.checkpoints
-    measured: dict[str, Any] = {"line": "measured"}
-    measured |= dict(zip(("error", "error_low", "error_high"), explanation.median_error, strict=True))
-    measured |= {"sd": explanation.sd, "bias": explanation.bias}
-    for k, interval in zip(checkpoints, explanation.right, strict=True):
-        measured |= dict(zip((f"right_{k}", f"right_{k}_low", f"right_{k}_high"), interval, strict=True))
+    right = {f"right_{k}": interval for k, interval in zip(checkpoints, explanation.right, strict=True)}
+    error = {"error": explanation.median_error, "sd": explanation.sd, "bias": explanation.bias}
+    measured = with_ends({"line": "measured"} | error | right)
     return [measured] + [
         {"line": name, "error": line.median_error[-1], "sd": line.sd[-1], "bias": line.bias[-1]}
         | {f"right_{k}": line.right[place] for place, k in enumerate(checkpoints)}
