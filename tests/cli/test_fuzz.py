@@ -198,7 +198,7 @@ SWARM = {
     "accuracy": mostly(SENSOR), "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
 }  # fmt: skip
 WORLD = {
-    "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE),
+    "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE), "missing_links": SHARE,
     "density": mostly(st.floats(0.1, 10.0)), "side": mostly(st.floats(0.5, 5.0)), "floor": mostly(FLOOR),
 }  # fmt: skip
 SCHEDULE = {
