@@ -6,6 +6,7 @@ the same tiles and readings, trial by trial, and a setting's numbers do not depe
 
 import dataclasses
 import hashlib
+from typing import get_args
 
 import numpy as np
 
@@ -23,6 +24,7 @@ FIRST = (  # fields of a setting that are part of every fingerprint, in this ord
     "observations_per_round", "density", "body", "faults", "floor",
 )  # fmt: skip
 FIELDS = {field.name for field in dataclasses.fields(Setting)}
+DRAWN = {draws: [key for key in KEYS.values() if draws in key.draws] for draws in get_args(Draws)}
 NAMES = {"link_success": "success"}  # of keys in addresses, where they differ
 NO_KEYS = np.zeros(0, np.uint64)
 
@@ -65,14 +67,10 @@ def _editions(setting: Setting) -> list[str]:
     return [part.edition for part in parts if part is not None and part.edition]
 
 
-def _address(setting: Setting, seed: int, draws: Draws, purpose: str = "", **more: object) -> np.ndarray:
-    """The address of what is drawn: the keys that declare that these numbers depend on them, and `more`."""
-    content = {
-        NAMES.get(key.name, key.name): value
-        for key in KEYS.values()
-        if draws in key.draws and (value := _begun(setting, key)) is not None
-    }
-    return address(seed, purpose or draws, **content, **more)
+def _content(setting: Setting, draws: Draws) -> dict[str, object]:
+    """The content of an address: the keys that declare that these random numbers depend on them."""
+    found = {NAMES.get(key.name, key.name): _begun(setting, key) for key in DRAWN[draws]}
+    return {name: value for name, value in found.items() if value is not None}
 
 
 def _begun(setting: Setting, key: Key) -> object:
@@ -89,12 +87,12 @@ def _begun(setting: Setting, key: Key) -> object:
 
 def readings_key(setting: Setting, seed: int, purpose: str = "readings") -> np.ndarray:
     """The address of sensor readings."""
-    return _address(setting, seed, "readings", purpose)
+    return address(seed, purpose, **_content(setting, "readings"))
 
 
 def losses_key(setting: Setting, seed: int) -> np.ndarray:
     """The address of message losses."""
-    return _address(setting, seed, "losses")
+    return address(seed, "losses", **_content(setting, "losses"))
 
 
 def luck_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
@@ -105,24 +103,24 @@ def luck_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
     """
     if not any(brain.uses.luck for brain in setting.brains):
         return NO_KEYS
-    what: Draws = "luck alone" if alone else "luck"
-    return np.concatenate([_address(setting, seed, what, purpose) for purpose in ("luck", "luck of messages")])
+    content = _content(setting, "luck alone" if alone else "luck")
+    return np.concatenate([address(seed, purpose, **content) for purpose in ("luck", "luck of messages")])
 
 
 def floor_key(setting: Setting, seed: int) -> np.ndarray:
     """The address of the floor's tiles."""
     assert setting.body is not None
-    return _address(setting, seed, "floor", tile=setting.body.tile)
+    return address(seed, "floor", tile=setting.body.tile, **_content(setting, "floor"))
 
 
 def walk_key(setting: Setting, seed: int) -> np.ndarray:
     """The address of trajectories: where robots start and how they walk."""
-    return _address(setting, seed, "walk", body=_walking(setting))
+    return address(seed, "walk", **_walk(setting))
 
 
-def _walking(setting: Setting) -> dict[str, object]:
+def _walk(setting: Setting) -> dict[str, object]:
     assert setting.body is not None
-    return setting.body.model_dump(exclude={"message_delay"})
+    return {**_content(setting, "walk"), "body": setting.body.model_dump(exclude={"message_delay"})}
 
 
 def walk_group(setting: Setting) -> str:
@@ -131,6 +129,5 @@ def walk_group(setting: Setting) -> str:
         return fingerprint(setting, 0)
     members, faults = setting.members, enumerate(setting.faults)
     speeds = [(m.robots, m.speed) for m in members] if any(m.speed is not None for m in members) else []
-    content = {"robots": setting.robots, "density": setting.density, "body": _walking(setting)}
     lame = [(n, f.at, f.until, f.robots) for n, f in faults if "moving" in f.stop]
-    return repr((content, setting.rounds, lame, *speeds))
+    return repr((_walk(setting), setting.rounds, lame, *speeds))
