@@ -19,10 +19,9 @@ from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import Rider, links_of, wishes_of
+from swarmcensus.simulation.rides import Rider, links_of, walk_of, wishes_of
 from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming
-from swarmcensus.simulation.walking import Walk
 from swarmcensus.studies.settings import Setting
 
 STRETCH_BYTES = 4_000_000  # of minds
@@ -190,10 +189,7 @@ class _Moving:
         self.rider.minds = self.rider.minds._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
         self.rider.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
         self.swarm, self.wishes = self.rider.swarm, wishes_of(setting)
-        self.walk = Walk(
-            setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, self.stop, True,
-            given.stops[0], self.wishes, given.speeds[0],
-        )  # fmt: skip
+        self.walk = walk_of(setting, given, self.stop, self.wishes, poses=True)
         memory, outbox, signals, _ = self.rider.minds
         self.arrays = [
             self.walk.bodies.state, *self.walk.neighbours, self.wishes, memory, outbox, signals,
