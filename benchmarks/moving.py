@@ -16,7 +16,7 @@ from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, run_ride
-from swarmcensus.simulation.walking import walk
+from swarmcensus.simulation.walking import Walk
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 
@@ -35,7 +35,7 @@ def study(density, ticks, brain="minimalistic"):
 
 def walked(robots, density, ticks):
     body = Body()
-    return list(walk(robots, arena.side(robots, density, body), body, KEY, 0, ticks, harness.GO))
+    return list(Walk(robots, arena.side(robots, density, body), body, KEY, 0, harness.GO).chunks(ticks))
 
 
 def walk_cost(robots, density, ticks, repeats=5):
@@ -43,7 +43,7 @@ def walk_cost(robots, density, ticks, repeats=5):
     side = arena.side(robots, density, body)
 
     def go():
-        for _ in walk(robots, side, body, KEY, 0, ticks, harness.GO):
+        for _ in Walk(robots, side, body, KEY, 0, harness.GO).chunks(ticks):
             pass
 
     walked(robots, density, 2)

@@ -15,7 +15,7 @@ from swarmcensus.engine.neighbours import have_strayed
 from swarmcensus.simulation import metrics, rides
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics
-from swarmcensus.simulation.walking import neighbours_at_most, walk
+from swarmcensus.simulation.walking import Walk, neighbours_at_most
 from swarmcensus.worlds.bodies import Body
 from tests.reference import rounds as reference
 from tests.reference import walks as reference_walks
@@ -55,7 +55,7 @@ def test_robots_walk_as_in_the_reference(name):
     lame = np.full((3, robots), 1 << 62)
     lame[0, 0] = 7
     stands = [[(7, 1 << 62)], *([] for _ in range(robots - 1))]
-    chunks = list(walk(robots, side, body, key, trial, ticks, GO, poses=True, stops=lame))
+    chunks = list(Walk(robots, side, body, key, trial, GO, poses=True, stops=lame).chunks(ticks))
     swarm = reference_walks.placed(robots, side, body, key, trial)
     if robots > 48:  # numbered by strips as wide as robots reach, and from left to right within
         swarm.sort(key=lambda me: (math.floor(me.place.imag / body.reach), me.place.real))
@@ -252,17 +252,17 @@ def test_a_brain_that_fails_on_a_walk_is_named_with_its_trial(folder, monkeypatc
 
 def test_robots_that_find_no_room_are_said_to():
     with pytest.raises(sc.InputError, match=r"^9 robots find no room in a square of 0\.35 m$"):
-        next(walk(9, 0.35, Body(), address(SEED, "walk"), 0, 5, GO))
+        Walk(9, 0.35, Body(), address(SEED, "walk"), 0, GO)
 
 
 def test_a_walk_is_cut_into_chunks_that_fit(monkeypatch):
     """Of memory for ticks, or for messages: the walk is the same."""
     body, key = Body(), address(SEED, "walk")
-    (whole,) = walk(6, 1.2, body, key, 1, 11, GO, poses=True)
+    (whole,) = Walk(6, 1.2, body, key, 1, GO, poses=True).chunks(11)
     for limits in ({"CHUNK_BYTES": 41 * 6 * 3}, {"SENDERS": 40}):
         for name, value in limits.items():
             monkeypatch.setattr(f"swarmcensus.simulation.walking.{name}", value)
-        parts = list(walk(6, 1.2, body, key, 1, 11, GO, poses=True))
+        parts = list(Walk(6, 1.2, body, key, 1, GO, poses=True).chunks(11))
         monkeypatch.undo()
         assert len(parts) > 2
         assert [len(part.looked) for part in parts] == [part.poses.shape[0] for part in parts]
@@ -273,6 +273,6 @@ def test_a_walk_is_cut_into_chunks_that_fit(monkeypatch):
         assert (np.concatenate([np.diff(part.heard) for part in parts]) == np.diff(whole.heard)).all()
         for one, other in pairwise(parts):
             assert other.begin == pytest.approx(one.poses[-1], abs=1e-12)
-    assert list(walk(6, 1.2, body, key, 1, 11, np.ones(1, np.uint8))) == []
-    (blind,) = walk(6, 1.2, body, key, 1, 11, GO)
+    assert list(Walk(6, 1.2, body, key, 1, np.ones(1, np.uint8)).chunks(11)) == []
+    (blind,) = Walk(6, 1.2, body, key, 1, GO).chunks(11)
     assert blind.poses.shape[0] == blind.begin.shape[0] == 0

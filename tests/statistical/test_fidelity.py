@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine.addresses import address
-from swarmcensus.simulation.walking import walk
+from swarmcensus.simulation.walking import Walk
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 
@@ -64,7 +64,7 @@ def measure(trial):
     body = Body(speed=0.10, message_delay=2)
     side = arena.side(ROBOTS, 1.0, body)
     stop = np.zeros(1, np.uint8)
-    chunks = list(walk(ROBOTS, side, body, address(1, "walk"), trial, TICKS, stop, poses=True))
+    chunks = list(Walk(ROBOTS, side, body, address(1, "walk"), trial, stop, poses=True).chunks(TICKS))
     poses, looked, tiles = (np.concatenate([getattr(c, n) for c in chunks]) for n in ("poses", "looked", "tiles"))
     neighbours = np.zeros((TICKS, ROBOTS), int)
     for chunk in chunks:
@@ -92,7 +92,7 @@ def test_avoidance_keeps_robots_from_touching():
     """So that how bodies collide cannot matter to what is measured below; one run."""
     body = Body(speed=0.10)
     side = arena.side(ROBOTS, 1.0, body)
-    for chunk in walk(ROBOTS, side, body, address(1, "walk"), 0, TICKS, np.zeros(1, np.uint8), poses=True):
+    for chunk in Walk(ROBOTS, side, body, address(1, "walk"), 0, np.zeros(1, np.uint8), poses=True).chunks(TICKS):
         xy = chunk.poses[..., :2]
         assert np.abs(xy).max() < side / 2 - body.radius - 1e-4
         for i in range(1, ROBOTS):

@@ -126,9 +126,12 @@ def take_drowned_away(signals, said, graph, arrivals, count, stops, tick, counts
     return kept
 
 
-@loop()
+@loop(forceinline=True)
 def hear_what_arrives(swarm, minds, work, graph, radio, counts, stops, trial, tick, said, group, first, last):
-    """Messages at `said` in the outbox pass along links first ... last - 1, but for lost ones and broken radios."""
+    """Messages at `said` in the outbox pass along links first ... last - 1, but for lost ones and broken radios.
+
+    It is part of its caller, because passing so many arguments would take longer than what it does for a hundred links.
+    """
     arrivals, outbox, signals, luck = work.arrivals, minds.outbox, minds.signals, work.luck[2]
     count = 0
     for link in range(first, last):

@@ -19,16 +19,16 @@ from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import Rider, links_of, wishes_of
+from swarmcensus.simulation.rides import Rider, links_of, walk_of, wishes_of
 from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming
-from swarmcensus.simulation.walking import Walk
 from swarmcensus.studies.settings import Setting
 
 STRETCH_BYTES = 4_000_000  # of minds
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies
 ASTRAY = -1  # the state is that of no stretch: the next run starts from a copy
 MOST_ROUNDS = 200  # in a stretch: for small swarms, a hundredth of a second
+NOTHING, NO_PAIRS = np.zeros(0), np.zeros((0, 3), np.int64)
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class Stretch:
     signals: np.ndarray  # (round, robot): whether each was said, see `Minds`; no robots if all are said
     estimates: np.ndarray
     messages: np.ndarray  # (round, what): how many all robots have sent and heard so far
-    poses: np.ndarray  # x, y, heading after the tick; from here to `links` no rows on fixed networks
-    colours: np.ndarray  # the true tile under the sensor, 1 black
-    readings: np.ndarray  # NaN where none was made
-    links: np.ndarray  # (link, 3): tick, robot, robot
     done: np.ndarray  # (robot): which robots were done before the first of these rounds
+    poses: np.ndarray = NOTHING  # x, y, heading after the tick; from here to `links` nothing on fixed networks
+    colours: np.ndarray = NOTHING  # the true tile under the sensor, 1 black
+    readings: np.ndarray = NOTHING  # NaN where none was made
+    links: np.ndarray = NO_PAIRS  # (link, 3): tick, robot, robot
     known: np.ndarray | None = None  # (round, robot): whose minds are known; None: all, as in every simulation
 
     @property
@@ -136,10 +136,10 @@ class _Network:
             self.kernel.start_minds(self.swarm, given, self.minds, self.tally)
         memory, outbox, signals, start = self.minds
         self.arrays = [memory, outbox, signals, *self.tally]
-        no_messages, none_done = np.zeros((1, 2)), np.zeros(robots, np.bool_)
-        self.start = _standing(
-            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], start, no_messages, none_done
-        )
+        self.start = Stretch(
+            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], start, np.zeros((1, 2)),
+            np.zeros(robots, np.bool_),
+        )  # fmt: skip
 
     def on(self, first: int, rounds: int) -> Stretch:
         setting = self.setting
@@ -151,7 +151,7 @@ class _Network:
                 self.swarm, self.given, self.minds._replace(rows=estimates), self.tally, first, history, said, signals,
                 messages, np.zeros(1, np.uint8),
             )  # fmt: skip
-        return _standing(first, history, said, signals, estimates, messages, done)
+        return Stretch(first, history, said, signals, estimates, messages, done)
 
 
 def room_for(minds: Minds, rounds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -162,15 +162,6 @@ def room_for(minds: Minds, rounds: int) -> tuple[np.ndarray, np.ndarray, np.ndar
         np.empty((rounds, robots, minds.outbox.shape[1]), np.uint8),
         np.empty((rounds, robots if minds.signals.size else 0), np.uint8),
     )
-
-
-def _standing(
-    first: int, history: np.ndarray, said: np.ndarray, signals: np.ndarray, estimates: np.ndarray, messages: np.ndarray,
-    done: np.ndarray,
-) -> Stretch:  # fmt: skip
-    nothing = np.zeros((0, estimates.shape[1]))
-    poses, links = np.zeros((*nothing.shape, 3)), np.zeros((0, 3), np.int64)
-    return Stretch(first, history, said, signals, estimates, messages, poses, nothing, nothing, links, done)
 
 
 def _done(tally: Tally, robots: int) -> np.ndarray:
@@ -190,10 +181,7 @@ class _Moving:
         self.rider.minds = self.rider.minds._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
         self.rider.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
         self.swarm, self.wishes = self.rider.swarm, wishes_of(setting)
-        self.walk = Walk(
-            setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, self.stop, True,
-            given.stops[0], self.wishes, given.speeds[0],
-        )  # fmt: skip
+        self.walk = walk_of(setting, given, self.stop, self.wishes, poses=True)
         memory, outbox, signals, _ = self.rider.minds
         self.arrays = [
             self.walk.bodies.state, *self.walk.neighbours, self.wishes, memory, outbox, signals,
@@ -202,8 +190,8 @@ class _Moving:
         shape = (1, setting.robots)
         self.start = Stretch(
             0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], self.rider.start,
-            np.zeros((1, 2)), self.walk.poses_now()[np.newaxis], np.full(shape, np.nan), np.full(shape, np.nan),
-            np.zeros((0, 3), np.int64), np.zeros(setting.robots, np.bool_),
+            np.zeros((1, 2)), np.zeros(setting.robots, np.bool_), self.walk.poses_now()[np.newaxis],
+            np.full(shape, np.nan), np.full(shape, np.nan),
         )  # fmt: skip
 
     def on(self, first: int, rounds: int) -> Stretch:
@@ -240,7 +228,7 @@ class _Moving:
         if hasattr(self.pages, "madvise"):
             self.pages.madvise(mmap.MADV_DONTNEED)
         return Stretch(
-            first, history, said, does, estimates, messages, poses, colours, readings, np.concatenate(links), ended
+            first, history, said, does, estimates, messages, ended, poses, colours, readings, np.concatenate(links)
         )
 
 

@@ -1,6 +1,6 @@
 """Trials of moving robots. Trajectories do not depend on the brain, so each is simulated once for several settings."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,7 +22,7 @@ from swarmcensus.simulation.swarming import (
     tally_of,
 )
 from swarmcensus.simulation.trials import Batch, Metrics, blaming
-from swarmcensus.simulation.walking import set_out, walk
+from swarmcensus.simulation.walking import Walk, set_out
 from swarmcensus.simulation.watches import Truths, Watch, results_of
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
@@ -52,9 +52,7 @@ class Rider:
         with blaming(setting, self.trial):
             self.swarm = swarm_of(setting, given, setting.use)
             self.minds = minds_of(setting, self.swarm, given.radio.delay + 1, rows)
-            self.kernel.start_minds(
-                self.swarm, given, self.minds, self.start, self.tally
-            )  # fmt: skip
+            self.kernel.start_minds(self.swarm, given, self.minds, self.start, self.tally)
 
     def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOTHING) -> None:
         """Live through a chunk on tiles `black` (tick, robot)."""
@@ -128,7 +126,7 @@ def run_ride(
         for setting, key in zip(settings, keys, strict=True)
     ]
     wishes = wishes_of(settings[0])
-    for chunk in walk_of(settings[0], riders[0].given, stop, wishes):
+    for chunk in walk_of(settings[0], riders[0].given, stop, wishes).chunks(settings[0].rounds):
         black = {key: ground.colours(chunk.tiles, chunk.tick) for key, ground in grounds.items()}
         for rider, key in zip(riders, keys, strict=True):
             with blaming(rider.setting, trial):
@@ -170,24 +168,13 @@ def wishes_of(setting: Setting) -> np.ndarray:
     return np.zeros((3, setting.robots if setting.steers else 0))
 
 
-def walk_of(
-    setting: Setting, given: Inputs, stop: np.ndarray, wishes: np.ndarray, poses: bool = False
-) -> Iterator[Chunk]:
-    """The chunks of a setting's walk; `wishes` may change from chunk to chunk."""
+def walk_of(setting: Setting, given: Inputs, stop: np.ndarray, wishes: np.ndarray, poses: bool = False) -> Walk:
+    """The walk of a setting's trial; `wishes` may change from tick to tick."""
     assert setting.body is not None
-    return walk(
-        setting.robots,
-        setting.arena_side,
-        setting.fastest_body,
-        given.walk,
-        given.first,
-        setting.rounds,
-        stop,
-        poses,
-        given.stops[0],
-        wishes,
-        given.speeds[0],
-    )
+    return Walk(
+        setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, stop, poses, given.stops[0],
+        wishes, given.speeds[0],
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -217,7 +204,7 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
     links = []
     wishes = wishes_of(setting)
-    for chunk in walk_of(setting, rider.given, stop, wishes, poses=True):
+    for chunk in walk_of(setting, rider.given, stop, wishes, poses=True).chunks(setting.rounds):
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin

@@ -82,7 +82,10 @@ class Walk:
         wishes: np.ndarray = NO_WISHES,
         speeds: np.ndarray | None = None,
     ) -> None:
-        """Place the robots; arguments are those of `walk`. Raises InputError if they do not fit in the arena."""
+        """Place the robots, with or without record of their `poses`; `stops` of each part are those of `Inputs`.
+
+        `wishes` (3, robot) are of brains that steer. Raises InputError if the robots do not fit in the arena.
+        """
         self.module = compile_world("walk")
         self.bodies, self.neighbours = set_out(robots, side, body, key, trial, wishes, speeds)
         self.senders = np.zeros(self.neighbours.ears.size + SENDERS, np.uint32)
@@ -108,30 +111,16 @@ class Walk:
         senders = self.senders[: heard[done * robots]].copy()
         return Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], senders, poses[:done], begin)
 
+    def chunks(self, ticks: int) -> Iterator[Chunk]:
+        """So many ticks from the first one on, in chunks that fit in memory; fewer if stopped.
 
-def walk(
-    robots: int,
-    side: float,
-    body: Body,
-    key: np.ndarray,
-    trial: int,
-    ticks: int,
-    stop: np.ndarray,
-    poses: bool = False,
-    stops: np.ndarray = NO_STOPS,
-    wishes: np.ndarray = NO_WISHES,
-    speeds: np.ndarray | None = None,
-) -> Iterator[Chunk]:
-    """The walk of one trial in chunks, from tick 1 on; `stops` as in `Setting.stops`.
-
-    With `wishes` (3, robot) of brains that steer, chunks have one tick, because wishes change from tick to tick.
-    Raises InputError if the robots do not fit in the arena.
-    """
-    walk_ = Walk(robots, side, body, key, trial, stop, poses, stops, wishes, speeds)
-    tick, fit = 1, max(1, CHUNK_BYTES // (robots * (41 if poses else 17)))
-    while tick <= ticks:
-        chunk = walk_.on(tick, 1 if wishes.size else min(ticks + 1 - tick, fit))
-        if chunk is None:
-            return
-        yield chunk
-        tick += len(chunk.looked)
+        Chunks of brains that steer have one tick, because wishes change from tick to tick.
+        """
+        fit = max(1, CHUNK_BYTES // (self.bodies.state.shape[1] * (41 if self.poses else 17)))
+        tick = 1
+        while tick <= ticks:
+            chunk = self.on(tick, 1 if self.bodies.wishes.size else min(ticks + 1 - tick, fit))
+            if chunk is None:
+                return
+            yield chunk
+            tick += len(chunk.looked)

@@ -197,10 +197,9 @@ class Logged:
             later = slice(max(last + 1 - first, 0), None)
             blocks[later, robot], estimates[later, robot] = at, self.estimates[last, robot]
         history, known = self._minds(blocks)
-        nothing = np.zeros((0, robots))
         return Stretch(
             first, history, np.zeros((rounds, robots, 0)), np.zeros((rounds, 0)), estimates, self.messages[rows],
-            np.zeros((0, robots, 3)), nothing, nothing, np.zeros((0, 3), np.int64), np.zeros(robots, np.bool_), known,
+            np.zeros(robots, np.bool_), known=known,
         )  # fmt: skip
 
     def _minds(self, blocks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

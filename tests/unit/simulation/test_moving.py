@@ -13,7 +13,7 @@ from swarmcensus.engine import constants, motion
 from swarmcensus.engine.addresses import address
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics
-from swarmcensus.simulation.walking import walk
+from swarmcensus.simulation.walking import Walk
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.support.small import beliefs_of, called
@@ -43,7 +43,7 @@ checkpoints = [10, 120]
 
 def walked(robots, density, ticks, body=Body(), trial=0):  # noqa: B008 - a frozen model
     side = arena.side(robots, density, body)
-    chunks = list(walk(robots, side, body, KEY, trial, ticks, GO, poses=True))
+    chunks = list(Walk(robots, side, body, KEY, trial, GO, poses=True).chunks(ticks))
     return side, chunks[0].begin, chunks
 
 
