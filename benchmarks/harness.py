@@ -45,6 +45,11 @@ def trials(number):
     return min(number, 6) if IS_QUICK else number
 
 
+def few(values):
+    """These values, or the first one with `--quick`: each of them may take seconds to compile."""
+    return values[:1] if IS_QUICK else values
+
+
 def answer(module):
     """Answer what the command line asks of a benchmark, given its names."""
     global IS_QUICK

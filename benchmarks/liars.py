@@ -64,7 +64,7 @@ def kinds(figure=None):
             "accuracy": 0.625,
             "brain": [*BRAINS[:-1], {"file": "gated-mean", "phase": 10, "debiased": 1}],
         },
-        members=[{"robots": SHARES, "brain": KINDS, "honest": False}],
+        members=[{"robots": SHARES, "brain": harness.few(KINDS), "honest": False}],
         world={"topology": GEOMETRIC, "fill_ratio": 0.55},
         schedule={"rounds": 500, "observations_per_round": 10},
     )
@@ -75,7 +75,7 @@ def kinds(figure=None):
         return
     drawn, axes = harness.panels(2, 3, 7.2, 5.0)
     none = table[table["liars"] == 0].groupby("brain")["error"].mean()
-    for one, kind in zip(axes, KINDS, strict=True):
+    for one, kind in zip(axes, harness.few(KINDS), strict=False):
         handles = []
         for brain, colour, marker in zip(BRAINS, harness.COLOURS, harness.MARKERS, strict=False):
             values = [none[brain], *(found.loc[(kind, share), brain] for share in SHARES[1:])]
@@ -122,7 +122,7 @@ def parts():
             "accuracy": [0.625, "U(0.525, 0.975)"],
             "brain": [{"file": "steadfast", **given} for given in VARIANTS.values()],
         },
-        members=[{"robots": [0, 0.1, 0.3], "brain": KINDS, "honest": False}],
+        members=[{"robots": [0, 0.1, 0.3], "brain": harness.few(KINDS), "honest": False}],
         world={"topology": {"networkx": "random_geometric_graph", "radius": 0.4}, "fill_ratio": [0.12, 0.55]},
         schedule={"rounds": 500, "observations_per_round": 10},
     )
