@@ -18,7 +18,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import command, wrong_option
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli.options import Command, Group, add_shared
-from swarmcensus.cli.output import answer, wrote
+from swarmcensus.cli.output import answer, print_schema, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # the command to use the new file with
@@ -95,13 +95,11 @@ def studies(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    import json
-
     from swarmcensus.studies.schema import schema
 
     if options.out:
         raise wrong_option("out", options.out, "a schema is printed: swarmcensus studies --schema > study.schema.json")
-    print(json.dumps(schema(), indent=2, ensure_ascii=False))
+    print_schema(schema())
     return 0
 
 
