@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.commands.plot import brain_of, figure_files, save_figure
 from swarmcensus.cli.options import Command, Group, add_shared, positive
 from swarmcensus.cli.output import say, wrote
@@ -163,7 +164,7 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
     if missing := [f"--{name}" for name in ("readings", "period") if getattr(options, name) is None]:
         raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
     if options.links and options.messages:
-        raise InputError(f"--links {options.links} and --messages {options.messages}: one of them is right")
+        raise misplaced("links", options.links, f"and --messages {options.messages}: one of them is right")
     recorded = read_bag(path, options.readings, options.messages, options.period)
     for note in recorded.notes:
         say(note)

@@ -15,7 +15,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command, wrong_option
+from swarmcensus.basics.options import command, misplaced, wrong_option
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import answer, print_schema, wrote
@@ -72,7 +72,7 @@ def studies(options: argparse.Namespace) -> int:
     known = shipped_studies()
     if options.name is None:
         if options.out:
-            raise OptionError(f"--out {options.out} needs the name of a study to copy", key="out", value=options.out)
+            raise misplaced("out", options.out, "needs the name of a study to copy")
         from swarmcensus.basics.printed_tables import Table
         from swarmcensus.basics.terminal import show
 
