@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError, OptionError
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.formatting import elapsed
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
 from swarmcensus.cli.output import present, print_schema, reporting, say
@@ -178,7 +178,7 @@ def _value(key: str, text: str, option: str = "") -> Any:
     try:
         ends = [_number(part) for part in text.split(":", 1)]
         if key == "density" and len(ends) > 1:
-            raise InputError(f"{option}: should be {wanted}")
+            raise OptionError(f"{option}: should be {wanted}", key=key, value=text)
         return ends if len(ends) > 1 else ends[0]
     except ValueError:
         pass
@@ -187,7 +187,7 @@ def _value(key: str, text: str, option: str = "") -> Any:
     except tomllib.TOMLDecodeError:
         if key in TEXTS:
             return text
-        raise InputError(f"{option}: should be {wanted}") from None
+        raise OptionError(f"{option}: should be {wanted}", key=key, value=text) from None
 
 
 def _number(text: str) -> float:

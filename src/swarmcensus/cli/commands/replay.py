@@ -142,7 +142,7 @@ def infer(options: argparse.Namespace) -> int:
             trace = inferring.infer(readings, links, accuracy, options.observations_per_round, options.brain)
     except InputError as error:  # name the file or option that the message is about
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
-        raise InputError(f"{source}: {error}" if source else str(error)) from error
+        raise (InputError.of(source, error) if source else error) from error
     recordings.write_trace(trace, out)
     rounds(trace, options)
     wrote(out)
@@ -159,7 +159,9 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
     if not is_bag(path):
         for name in OF_BAGS:
             if getattr(options, name) is not None:
-                raise InputError(f"--{name} is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3")
+                raise misplaced(
+                    name, None, f"is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3"
+                )
         return read_observations(path), None
     if missing := [f"--{name}" for name in ("readings", "period") if getattr(options, name) is None]:
         raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
