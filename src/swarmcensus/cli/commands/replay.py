@@ -142,7 +142,9 @@ def infer(options: argparse.Namespace) -> int:
             trace = inferring.infer(readings, links, accuracy, options.observations_per_round, options.brain)
     except InputError as error:  # name the file or option that the message is about
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
-        raise (InputError.of(source, error) if source else error) from error
+        if source is None:
+            raise
+        raise InputError.of(source, error) from error
     recordings.write_trace(trace, out)
     rounds(trace, options)
     wrote(out)
