@@ -146,10 +146,10 @@ def test_mistakes_write_nothing(change, options, said, here, capsys):
     out = [] if "--out" in options else ["--out", "p.json"]
     assert main(["plan", "m.toml", *options, *out]) == 2
     *progress, error = capsys.readouterr().err.splitlines()
-    assert error.startswith("swarmcensus: ")
+    assert error.startswith("swarmcensus")
     assert said in error
     assert "Traceback" not in error
-    assert not any(line.startswith("swarmcensus: ") for line in progress)
+    assert not any(line.startswith("swarmcensus") for line in progress)
     assert sorted(os.listdir()) == ["m.toml", "mute.py"]
 
 
@@ -207,7 +207,7 @@ def test_networks_of_impossible_sizes(topology, options, said, here, capsys):
     wishes = ["--accuracy", "0.9", "--half-width", "0.1", "--fill-ratio", "0.5", "--brain", "commons", "--trials", "40"]
     assert main(["plan", *wishes, "--minutes", "1", "--topology", topology, *options]) == 2
     *_, error = capsys.readouterr().err.splitlines()
-    assert error.startswith("swarmcensus: ")
+    assert error.startswith("swarmcensus")
     assert said in error
     assert "free.topology" in error
 

@@ -76,7 +76,7 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
         (["new", "brain", "gone/there.toml/x.py"], "cannot write gone/there.toml/x.py"),
         (["studies", "rng"], "rng: no such study comes with swarmcensus: did you mean 'ring'? `swarmcensus studies`"),
         (["studies", "ring", "--out", "there.toml"], "there.toml already exists"),
-        (["studies", "ring", "--out", "x.nc"], "--out x.nc: a study is a .toml file"),
+        (["studies", "ring", "--out", "x.nc"], "--out x.nc: it is written as .toml"),
     ],
 )
 def test_what_cannot_be_written_is_said_and_nothing_is(arguments, said, here, capsys):

@@ -56,3 +56,8 @@ def option(name: str, value: object = None) -> str:
 def wrong_option(name: str, value: object, what: object) -> OptionError:
     """The error of an option: `--radio radar: should be udp`, or `radio='radar': should be udp` in Python."""
     return OptionError(f"{option(name, value)}: {what}", key=name, value=value)
+
+
+def misplaced(name: str, value: object, why: str) -> OptionError:
+    """The error of an option that does not go with others: `--limit 9 does not go with --json`."""
+    return OptionError(f"{option(name, value)} {why}", key=name, value=value)

@@ -83,6 +83,13 @@ def answer(kind: str, about: Mapping[str, Any]) -> None:
     print(document(kind, about, ascii_only=codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"))
 
 
+def print_schema(schema: Mapping[str, Any]) -> None:
+    """Print a JSON schema on stdout."""
+    import json
+
+    print(json.dumps(schema, indent=2, ensure_ascii=False))
+
+
 def present(
     options: argparse.Namespace,
     kind: str,

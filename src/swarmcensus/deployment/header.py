@@ -4,7 +4,7 @@ import ast
 import textwrap
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import BrainError
 from swarmcensus.basics.safe_source import parse_checked
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
@@ -55,7 +55,7 @@ def header(brain: Brain) -> str:
     try:
         return _header(brain)
     except Untranslatable as error:
-        raise InputError(f"brain file {brain.path}, line {error.line}: {error}") from None
+        raise BrainError(f"brain file {brain.path}, line {error.line}: {error}", file=brain.path) from None
 
 
 def unit_of(brain: Brain) -> Unit:

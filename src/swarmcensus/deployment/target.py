@@ -7,7 +7,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import BrainError, OptionError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option, wrong_option
+from swarmcensus.basics.options import misplaced, option, wrong_option
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.robot.runtime import CHECKSUM, HEADER
@@ -77,8 +77,7 @@ def order_of(
     asked: dict[str, Any] = {"b": b, "w": w, "precision": precision, "hz": hz, "robot": robot, "log": log}
     for key, why in target.refuses.items():
         if asked[key] is not None:
-            both = f"{option(key, asked[key])} does not go with {option('target', name)}"
-            raise OptionError(f"{both}: {why}", key=key, value=asked[key])
+            raise misplaced(key, asked[key], f"does not go with {option('target', name)}: {why}")
     message = message or target.message
     if message not in SENT:
         raise wrong_option("message", message, f"{did_you_mean(message, SENT)}should be one of {', '.join(SENT)}")

@@ -64,8 +64,8 @@ def watch(
     if brain is not None and not logged:
         words["brain"] = str(brain)
     offer = offer_of(Path(of) if isinstance(of, str) else of, files)
-    query, play = first_view(offer, words)
+    query, _ = first_view(offer, words)
     served = listen(offer, port=port)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))
-    return Watching(served.address(urlencode(query | play)), height, running)
+    return Watching(served.address(urlencode(words | query)), height, running)

@@ -245,7 +245,7 @@ def test_faults_in_order():
         (["commons", "--jitter", "-1"], "--jitter -1"),
         (["commons", "--duplicate", "1"], "--duplicate 1"),
         (["commons", "--topology", "moving"], "robots that move"),
-        (["commons", "--message", "double"], "has no bytes"),
+        (["commons", "--message", "double"], "--message double: should be float32"),
         (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
         (["commons", "--robots", "5000"], "1,000 processes"),
         (["commons", "--setting", "1"], "--setting goes with a study"),
@@ -267,7 +267,7 @@ def test_a_folder_that_is_not_empty_is_refused(tmp_path, capsys):
     assert main(["swarm", "commons", "--out", str(tmp_path)]) == 2
     assert f"{tmp_path} is not empty, it holds " in capsys.readouterr().err
     assert main(["swarm", "commons", "--out", str(tmp_path / "here")]) == 2
-    assert "is a file: --out should" in capsys.readouterr().err
+    assert "is a file: name a new folder" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
@@ -296,5 +296,5 @@ def test_what_processes_cannot_run_is_refused():
     walk = Study(name="walk", trials=1, swarm=swarm, world=moving, schedule={"ticks": 10})
     with pytest.raises(InputError, match="robots that move have no fixed neighbours"):
         plan_of(walk, 0, 0, 0, Air())
-    with pytest.raises(InputError, match="--setting 1: five has 1 setting"):
+    with pytest.raises(InputError, match="setting=1: five has 1 setting"):
         plan_of(study(), 1, 0, 0, Air())

@@ -284,7 +284,7 @@ def test_it_listens_on_loopback_alone(served):
         (["--set", "robots"], "--set robots"),
         (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
         (["--moment", "#robots=-4"], "robots = -4"),
-        (["--moment", "not a link"], "--moment not a link: should be a copied link, or the part of it behind #"),
+        (["--moment", "not a link"], "--moment 'not a link': should be a copied link, or the part of it behind #"),
         (["--set", "tick=10001"], "tick = 10001"),
         (["--set", "robot=25"], "robot = 25"),
         (["--set", "colour=red"], "colour = red"),

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present, say, wrote
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
@@ -54,7 +54,7 @@ def compare(options: argparse.Namespace) -> int:
     from swarmcensus.comparing.tables import write_csv
 
     if options.by and options.pairs:
-        raise OptionError("--by counts worlds, --pairs shows single worlds: give one of them", key="by")
+        raise misplaced("by", None, "counts worlds, --pairs shows single worlds: give one of them")
     check_output("csv", options.csv, (".csv",), options.results)
     check_output("latex", options.latex, (".tex",), options.results)
     figures = {kind: _beside(options.plot, kind) for kind in ("ranks", "pareto")} if options.plot else {}

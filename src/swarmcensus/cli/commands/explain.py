@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
@@ -39,7 +40,6 @@ def add_explain_options(sub: argparse.ArgumentParser) -> None:
 
 def explain(options: argparse.Namespace) -> int:
     """Explain one setting, or compare all with theory."""
-    from swarmcensus.basics.errors import OptionError
     from swarmcensus.explaining import one_setting
     from swarmcensus.results.partial import say_partial
     from swarmcensus.results.summaries import asked_anew
@@ -48,7 +48,7 @@ def explain(options: argparse.Namespace) -> int:
         return _all(options)
     for name in ("where", "limit"):
         if getattr(options, name) is not None:
-            raise OptionError(f"--{name} does not go with --setting, which shows one setting", key=name)
+            raise misplaced(name, None, "does not go with --setting, which shows one setting")
     data = read(options).stored
     explanation = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
@@ -64,14 +64,13 @@ def explain(options: argparse.Namespace) -> int:
 
 
 def _all(options: argparse.Namespace) -> int:
-    from swarmcensus.basics.errors import InputError
     from swarmcensus.cli import explain_table
     from swarmcensus.cli.tables import head
     from swarmcensus.explaining.agreement import agreement
     from swarmcensus.results.summaries import asked_anew
 
     if options.json and options.limit is not None:
-        raise InputError(f"--limit {options.limit} does not go with --json, which has all settings")
+        raise misplaced("limit", options.limit, "does not go with --json, which has all settings")
     stored, data = read(options)
     result = agreement(data)
     title, line = head(stored, options.results), again(options, "explain")

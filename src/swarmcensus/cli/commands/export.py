@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError, OptionError
+from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import wrong_option
+from swarmcensus.basics.options import misplaced, wrong_option
 from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.source import RESULTS_HELP, add_source_options, read
@@ -60,7 +60,7 @@ def _export_logs(options: argparse.Namespace, out: Path) -> int:
 
     for name in OF_RESULTS:
         if getattr(options, name) is not None:
-            raise OptionError(f"--{name} is for results files: {options.results} holds robots' logs", key=name)
+            raise misplaced(name, None, f"is for results files: {options.results} holds robots' logs")
     written = write_mcap(options.results, out)
     if written.lost:
         say(f"{options.results}: logs are cut or damaged: {counted(written.lost, 'byte')} could not be read")

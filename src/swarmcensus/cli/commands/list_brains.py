@@ -7,8 +7,9 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError, OptionError
+from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import answer, present, say
 
@@ -52,10 +53,10 @@ def add_brains_options(sub: argparse.ArgumentParser) -> None:
 def brains(options: argparse.Namespace) -> int:
     """List, show, check or measure brains and adversaries."""
     if options.single and options.check is None:
-        raise OptionError("--single needs --check with a brain or an adversary", key="single")
+        raise misplaced("single", None, "needs --check with a brain or an adversary")
     if options.check is None and options.show is None:
         if options.wearing:
-            raise InputError(f"--wearing {options.wearing} needs --check or --show with an adversary")
+            raise misplaced("wearing", options.wearing, "needs --check or --show with an adversary")
         if options.cost is not None:
             measure_costs(options)
             return 0
@@ -76,7 +77,7 @@ def brains(options: argparse.Namespace) -> int:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
     if options.show is not None:
         if options.json:
-            raise OptionError("--json does not go with --show, which prints a program", key="json")
+            raise misplaced("json", None, "does not go with --show, which prints a program")
         sys.stdout.write(brain_to_check(options.show, options.wearing).source)
         return 0
     say(f"checking {options.check}, which is compiled for it: up to a minute")

@@ -5,10 +5,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import OptionError
 from swarmcensus.basics.formatting import elapsed
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
-from swarmcensus.cli.output import present, reporting, say
+from swarmcensus.cli.output import present, print_schema, reporting, say
 
 KEYS = {
     "side": ("area", "METRES", "side of the square in which robots move"),
@@ -127,13 +127,12 @@ def plan(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    import json
-
     from swarmcensus.planning.mission import schema
 
     if options.mission or options.out or options.plot or tables_of(options, {}):
-        raise InputError("--schema goes with no other option: swarmcensus plan --schema > mission.schema.json")
-    print(json.dumps(schema(), indent=2, ensure_ascii=False))
+        why = "goes with no other option: swarmcensus plan --schema > mission.schema.json"
+        raise OptionError(f"--schema {why}", key="schema")
+    print_schema(schema())
     return 0
 
 
@@ -179,7 +178,7 @@ def _value(key: str, text: str, option: str = "") -> Any:
     try:
         ends = [_number(part) for part in text.split(":", 1)]
         if key == "density" and len(ends) > 1:
-            raise InputError(f"{option}: should be {wanted}")
+            raise OptionError(f"{option}: should be {wanted}", key=key, value=text)
         return ends if len(ends) > 1 else ends[0]
     except ValueError:
         pass
@@ -188,7 +187,7 @@ def _value(key: str, text: str, option: str = "") -> Any:
     except tomllib.TOMLDecodeError:
         if key in TEXTS:
             return text
-        raise InputError(f"{option}: should be {wanted}") from None
+        raise OptionError(f"{option}: should be {wanted}", key=key, value=text) from None
 
 
 def _number(text: str) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option, wrong_option
+from swarmcensus.basics.options import misplaced, option, wrong_option
 from swarmcensus.cli.options import (
     Command,
     Group,
@@ -162,7 +162,7 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     for name, kinds in fitting.items():
         raise OptionError(f"{option(name)} goes with --kind {' or '.join(kinds)}, not with {options.kind}", key=name)
     if options.local and options.delta is not None:
-        raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
+        raise misplaced("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
     more = {name: _value(text) for name, text in once("set", options.set).items()}
     for name in given.keys() & more:

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, round_or_time
 from swarmcensus.cli.output import answer, present, reporting, wrote
 from swarmcensus.cli.source import (
@@ -53,7 +53,7 @@ def show(options: argparse.Namespace) -> int:
     if options.sort:
         data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
     elif options.reverse:
-        raise OptionError("--reverse needs --sort", key="reverse")
+        raise misplaced("reverse", None, "needs --sort")
     shown = data.isel(setting=slice(options.limit or None))
     limit = MOST_ROWS if options.limit is None else options.limit
     title, line = tables.head(stored, options.results), again(options, "show", SHOW_OPTIONS)
@@ -115,7 +115,7 @@ def verify(options: argparse.Namespace) -> int:
     from swarmcensus.runs import verifying
 
     if options.all and options.seed is not None:
-        raise InputError(f"--seed {options.seed} is for a sample: it does not go with --all")
+        raise misplaced("seed", options.seed, "is for a sample: it does not go with --all")
     seed = secrets.randbelow(2**31) if options.seed is None else options.seed
     sample = 1.0 if options.all else options.sample
     with reporting("verify") as progress:

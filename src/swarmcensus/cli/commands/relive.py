@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import OptionError
-from swarmcensus.basics.options import wrong_option
+from swarmcensus.basics.options import misplaced, wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, once
 from swarmcensus.cli.output import answer, say, wrote
 
@@ -80,9 +80,9 @@ def _check(options: argparse.Namespace) -> None:
 
     for name in ("parameter", "message"):
         if getattr(options, name) and not options.brain:
-            raise OptionError(f"--{name} goes with --brain", key=name)
+            raise misplaced(name, None, "goes with --brain")
     if options.parameter and len(options.brain) > 1:
-        raise OptionError("--parameter goes with one --brain", key="parameter")
+        raise misplaced("parameter", None, "goes with one --brain")
     if (options.trace or options.plot) and len(options.brain) > 1:
         flag, other = ("trace", "") if options.trace else ("plot", ", or --out FILE.nc and swarmcensus plot FILE.nc")
         raise OptionError(f"--{flag} goes with one --brain at most: give each brain its own relive{other}", key=flag)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.commands.plot import brain_of, figure_files, save_figure
 from swarmcensus.cli.options import Command, Group, add_shared, positive
 from swarmcensus.cli.output import say, wrote
@@ -141,7 +142,9 @@ def infer(options: argparse.Namespace) -> int:
             trace = inferring.infer(readings, links, accuracy, options.observations_per_round, options.brain)
     except InputError as error:  # name the file or option that the message is about
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
-        raise InputError(f"{source}: {error}" if source else str(error)) from error
+        if source is None:
+            raise
+        raise InputError.of(source, error) from error
     recordings.write_trace(trace, out)
     rounds(trace, options)
     wrote(out)
@@ -158,12 +161,14 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
     if not is_bag(path):
         for name in OF_BAGS:
             if getattr(options, name) is not None:
-                raise InputError(f"--{name} is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3")
+                raise misplaced(
+                    name, None, f"is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3"
+                )
         return read_observations(path), None
     if missing := [f"--{name}" for name in ("readings", "period") if getattr(options, name) is None]:
         raise InputError.of(path, f"a bag needs {' and '.join(missing)}")
     if options.links and options.messages:
-        raise InputError(f"--links {options.links} and --messages {options.messages}: one of them is right")
+        raise misplaced("links", options.links, f"and --messages {options.messages}: one of them is right")
     recorded = read_bag(path, options.readings, options.messages, options.period)
     for note in recorded.notes:
         say(note)

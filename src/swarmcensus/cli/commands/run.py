@@ -4,9 +4,9 @@ import argparse
 import time
 from pathlib import Path
 
-from swarmcensus.basics.errors import Interrupted, OptionError
+from swarmcensus.basics.errors import Interrupted
 from swarmcensus.basics.formatting import counted, elapsed
-from swarmcensus.basics.options import wrong_option
+from swarmcensus.basics.options import misplaced, wrong_option
 from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared, part_of_trials
 from swarmcensus.cli.output import answer, present, reporting, say, wrote
 
@@ -115,13 +115,9 @@ def run(options: argparse.Namespace) -> int:
 
 def _cluster(options: argparse.Namespace) -> str | None:
     if options.scheduler and options.cluster:
-        raise OptionError("--scheduler and --cluster exclude each other: give one of them", key="scheduler")
+        raise misplaced("scheduler", None, "and --cluster exclude each other: give one of them")
     if options.jobs and (options.scheduler or options.cluster):
-        raise OptionError(
-            f"--jobs {options.jobs} sets the threads of this machine: it does not go with --scheduler or --cluster",
-            key="jobs",
-            value=options.jobs,
-        )
+        raise misplaced("jobs", options.jobs, "is of this machine: it does not go with --scheduler or --cluster")
     if options.scheduler and "://" not in options.scheduler:
         raise wrong_option("scheduler", options.scheduler, "should be an address such as tcp://host:8786")
     return options.scheduler or options.cluster  # type: ignore[no-any-return]

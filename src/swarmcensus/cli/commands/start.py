@@ -15,10 +15,10 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command, wrong_option
+from swarmcensus.basics.options import command, misplaced, wrong_option
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli.options import Command, Group, add_shared
-from swarmcensus.cli.output import answer, wrote
+from swarmcensus.cli.output import answer, print_schema, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # the command to use the new file with
@@ -72,7 +72,7 @@ def studies(options: argparse.Namespace) -> int:
     known = shipped_studies()
     if options.name is None:
         if options.out:
-            raise OptionError(f"--out {options.out} needs the name of a study to copy", key="out", value=options.out)
+            raise misplaced("out", options.out, "needs the name of a study to copy")
         from swarmcensus.basics.printed_tables import Table
         from swarmcensus.basics.terminal import show
 
@@ -95,13 +95,11 @@ def studies(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    import json
-
     from swarmcensus.studies.schema import schema
 
     if options.out:
         raise wrong_option("out", options.out, "a schema is printed: swarmcensus studies --schema > study.schema.json")
-    print(json.dumps(schema(), indent=2, ensure_ascii=False))
+    print_schema(schema())
     return 0
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import STOPPED, OptionError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command, option, wrong_option
+from swarmcensus.basics.options import command, misplaced, option, wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, number, positive, share
 from swarmcensus.cli.output import answer, say, wrote
 
@@ -135,7 +135,7 @@ def _study(options: argparse.Namespace) -> "Study":
             raise OptionError(f"{option(name)} does not go with a study: write it into {options.what}", key=name)
         return Study.load(options.what)
     if options.setting is not None:
-        raise OptionError("--setting goes with a study: swarmcensus swarm STUDY.toml --setting 0", key="setting")
+        raise misplaced("setting", None, "goes with a study: swarmcensus swarm STUDY.toml --setting 0")
     values = OF_STUDIES | given
     if values["topology"] == "moving":
         raise wrong_option("topology", "moving", "robots that move have no fixed neighbours: ring, full or a file")
