@@ -4,6 +4,8 @@ Each is a file beside this one, `paper.toml` and `rivals.toml`. There a claim na
 perhaps one that explains why it does not hold and one that writes a note, as a text, or as a table with its arguments.
 """
 
+from __future__ import annotations
+
 import re
 import tomllib
 from collections.abc import Callable, Mapping
@@ -11,16 +13,57 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.paper import explanations, measures, rival_explanations, rival_measures
 from swarmcensus.paper.evidence import Claim, Range
-from swarmcensus.paper.figures import PaperFigure, View
+from swarmcensus.results.selecting import places_with
+from swarmcensus.results.structure import finished
+from swarmcensus.statistics.intervals import FEWEST
+
+if TYPE_CHECKING:
+    from swarmcensus.figures.sheets import Scale
 
 ONE, SEVERAL = ("first", "second"), ("others", "contenders")  # arguments that name contenders
 INFINITE = float("inf")
+
+
+@dataclass(frozen=True)
+class View:
+    """One panel of a figure: the settings of `study` that have the coordinates `where`."""
+
+    caption: str
+    study: str
+    where: Mapping[str, object]
+    local: bool = False
+
+    def panel(self, datasets: Mapping[str, xr.Dataset]) -> tuple[str, xr.Dataset, bool]:
+        """The panel as the drawing functions take it."""
+        data = datasets[self.study]
+        return self.caption, data.isel(setting=places_with(data, self.where)), self.local
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """A figure of the paper: its panels, the text below it with what is about intervals in brackets, and its claims."""
+
+    name: str
+    title: str
+    kind: str  # "scatter" or "decisions"
+    views: tuple[View, ...]
+    text: str
+    claims: tuple[str, ...]
+    scale: Scale = "log"  # of a scatter
+
+    def caption(self, datasets: Mapping[str, xr.Dataset]) -> str:
+        """The text, without its mention of intervals if there are too few trials for them."""
+        parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
+        most = max((int(finished(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
+        return re.sub(r"\[(.*?)\]", r"\1" if most >= FEWEST else "", self.text)
 
 
 @dataclass(frozen=True)
