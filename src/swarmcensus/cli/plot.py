@@ -14,10 +14,35 @@ from swarmcensus.cli.options import from_zero, name_list, positive, round_or_tim
 from swarmcensus.cli.output import LOG, wrote
 from swarmcensus.cli.source import add_label_option, add_source_options, read
 
-KIND_OPTIONS = (
-    *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
-    *("fps", "theory"),
-)  # options of `plot` that are passed on to the function of a kind, by the same name
+SET = "set"  # what is given as --set OPTION=VALUE
+KIND_OPTIONS: dict[str, dict[str, Any]] = {
+    "x": {"metavar": "NAME", "help": "coordinate on the x axis (lines, heatmap)"},
+    "y": {"metavar": "NAME", "help": "variable on the y axis of lines, or coordinate on that of a heatmap"},
+    "color": {"metavar": "NAME", "help": "coordinate shown by colour (default: accuracy)"},
+    "panels": {
+        "type": name_list, "metavar": "NAMES",
+        "help": "coordinates with one panel per value, such as topology,robots",
+    },
+    SET: {
+        "action": "append", "default": [], "metavar": "OPTION=VALUE",
+        "help": "any other option of the kind, such as scale=linear; may be repeated",
+    },
+    "local": {
+        "action": "store_true", "default": None, "help": "draw local instead of informed estimates (scatter)"
+    },
+    "theory": {
+        "action": "store_true", "default": None, "help": "add curves of theory (scatter, decisions, curves)"
+    },
+    "setting": {"type": int, "help": "the setting of curves, arena or film (default: the first)"},
+    "trial": {"type": int, "help": "the trial of curves, arena or film (default: 0)"},
+    "brain": {"metavar": "FILE", "help": "the brain file, if the brain is your own (curves, arena, film)"},
+    "tick": {"type": round_or_time, "help": "tick of the arena, or a time such as '1 min' (default: the last)"},
+    "robot": {"type": from_zero, "help": "robot whose radio range the arena shows (default: 0)"},
+    "first": {"type": round_or_time, "help": "first tick of a film, or a time (default: 1)"},
+    "last": {"type": round_or_time, "help": "last tick of a film, or a time (default: 600 ticks)"},
+    "every": {"type": positive, "help": "ticks from one frame of a film to the next (default: 2)"},
+    "fps": {"type": positive, "help": "frames per second of a film (default: 20)"},
+}  # fmt: skip  # options that are passed on to the function of a kind, by the same name
 DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
@@ -29,39 +54,8 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
         default="scatter",
         help="what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: %(default)s)",
     )
-    sub.add_argument("--x", metavar="NAME", help="coordinate on the x axis (lines, heatmap)")
-    sub.add_argument("--y", metavar="NAME", help="variable on the y axis of lines, or coordinate on that of a heatmap")
-    sub.add_argument("--color", metavar="NAME", help="coordinate shown by colour (default: accuracy)")
-    sub.add_argument(
-        "--panels",
-        type=name_list,
-        metavar="NAMES",
-        help="coordinates with one panel per value, such as topology,robots",
-    )
-    sub.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="OPTION=VALUE",
-        help="any other option of the kind, such as scale=linear; may be repeated",
-    )
-    sub.add_argument(
-        "--local", action="store_true", default=None, help="draw local instead of informed estimates (scatter)"
-    )
-    sub.add_argument(
-        "--theory", action="store_true", default=None, help="add curves of theory (scatter, decisions, curves)"
-    )
-    sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
-    sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, if the brain is your own (curves, arena, film)")
-    sub.add_argument(
-        "--tick", type=round_or_time, help="tick of the arena, or a time such as '1 min' (default: the last)"
-    )
-    sub.add_argument("--robot", type=from_zero, help="robot whose radio range the arena shows (default: 0)")
-    sub.add_argument("--first", type=round_or_time, help="first tick of a film, or a time (default: 1)")
-    sub.add_argument("--last", type=round_or_time, help="last tick of a film, or a time (default: 600 ticks)")
-    sub.add_argument("--every", type=positive, help="ticks from one frame of a film to the next (default: 2)")
-    sub.add_argument("--fps", type=positive, help="frames per second of a film (default: 20)")
+    for name, about in KIND_OPTIONS.items():
+        sub.add_argument(f"--{name}", **about)
     page = sub.add_argument_group("page")
     page.add_argument(
         "--width", type=width, metavar="INCHES", help="width in inches, or column (3.5), double (7.2), slide (10)"
@@ -141,7 +135,7 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
 
     with _failures(options.kind):
         known = keys_of(draw).model_fields
-    given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) is not None}
+    given = {name: value for name in KIND_OPTIONS if name != SET and (value := getattr(options, name)) is not None}
     unknown = [name for name in given if name not in known]
     fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
     if options.kind in PLUGINS.shipped:
