@@ -28,7 +28,6 @@ from swarmcensus.statistics.intervals import FEWEST
 if TYPE_CHECKING:
     from swarmcensus.figures.sheets import Scale
 
-ONE, SEVERAL = ("first", "second"), ("others", "contenders")  # arguments that name contenders
 INFINITE = float("inf")
 
 
@@ -99,7 +98,8 @@ def evaluation(name: str) -> Evaluation:
 def _read(name: str, measuring: ModuleType, explaining: ModuleType) -> Evaluation:
     """The evaluation of a file; its claims name functions of the two modules."""
     known = tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
-    dots, contenders = known.pop("dots", ""), known.pop("contenders", {})
+    dots = known.pop("dots", "")
+    contenders = {one: (where.pop("study"), where) for one, where in known.pop("contenders", {}).items()}
     figures = tuple(_figure(table, dots) for table in known.pop("figures", ()))
     claims = tuple(_claim(table, contenders, measuring, explaining) for table in known.pop("claims"))
     return Evaluation(name, figures=figures, claims=claims, **known)
@@ -111,24 +111,28 @@ def _figure(table: Mapping[str, Any], dots: str) -> PaperFigure:
 
 
 def _claim(
-    table: Mapping[str, Any], contenders: Mapping[str, Mapping[str, Any]], measuring: ModuleType, explaining: ModuleType
+    table: Mapping[str, Any],
+    contenders: Mapping[str, tuple[str, Mapping[str, Any]]],
+    measuring: ModuleType,
+    explaining: ModuleType,
 ) -> Claim:
+    """A claim; its studies are those that it names, and those of its contenders."""
     given = {"right": _range_of(table["threshold"])} | dict(table)
-    wanted = dict(given["measure"]) if isinstance(given["measure"], dict) else {"name": given["measure"]}
-    if contenders:
-        found = {name: (table["study"], {k: v for k, v in table.items() if k != "study"})
-                 for name, table in contenders.items()}  # fmt: skip
-        wanted |= {key: found[wanted[key]] for key in ONE if key in wanted}
-        wanted |= {key: [found[name] for name in wanted[key]] for key in SEVERAL if key in wanted}
-        wanted |= {"of": getattr(measuring, wanted["of"])} if "of" in wanted else {}
-        named = [*(wanted[key] for key in ONE if key in wanted), *(c for key in SEVERAL for c in wanted.get(key, ()))]
-        given["studies"] = dict.fromkeys(study for study, _ in named)
+    measure = dict(given["measure"]) if isinstance(given["measure"], dict) else {"name": given["measure"]}
+    studies = list(given.get("studies", ()))
+    for key, value in measure.items():
+        if key in ("first", "second"):
+            measure[key] = contenders[value]
+            studies.append(measure[key][0])
+        elif key in ("others", "contenders"):
+            measure[key] = [contenders[name] for name in value]
+            studies += [study for study, _ in measure[key]]
+        elif key == "of" and contenders:
+            measure[key] = getattr(measuring, value)
+    made = {"measure": _function(measuring, measure), "right": tuple(given["right"])}
     for key, module in (("note", measuring), ("explanation", explaining)):
-        given |= {key: _function(module, given[key])} if key in given else {}
-    return Claim(**given | {
-        "measure": _function(measuring, wanted), "right": tuple(given["right"]),
-        "studies": tuple(given.get("studies", ())),
-    })  # fmt: skip
+        made |= {key: _function(module, given[key])} if key in given else {}
+    return Claim(**given | made | {"studies": tuple(dict.fromkeys(studies))})
 
 
 def _function(module: ModuleType, wanted: str | Mapping[str, Any]) -> Callable[..., Any]:
