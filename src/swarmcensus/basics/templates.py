@@ -1,4 +1,4 @@
-"""HTML from Jinja templates: files that lie beside the module that fills them."""
+"""HTML and Markdown from Jinja templates: files that lie beside the module that fills them."""
 
 import functools
 from pathlib import Path
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 def render(template: Path, **values: Any) -> str:
-    """The filled template. All values are escaped, except those that the template itself marks as `safe`."""
+    """The filled template. In HTML all values are escaped, except those that the template itself marks as `safe`."""
     return _environment(template.parent).get_template(template.name).render(values)
 
 
@@ -19,7 +19,7 @@ def _environment(folder: Path) -> "Environment":
 
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(folder),
-        autoescape=True,
+        autoescape=lambda name: not (name or "").endswith(".md.jinja"),
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

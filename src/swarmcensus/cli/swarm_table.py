@@ -144,29 +144,27 @@ def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     ]
     if not np.isnan(outcome.heard):
         lost = f"it lost {100 * outcome.lost:.1f} %"
-        lines.append(f"{'heard':<10}{100 * outcome.heard:.2f} % of the messages that the air did not lose; {lost}")
-    lines += [
-        f"{'missed':<10}{counted(outcome.missed, 'tick')} for which there was no time",
-        f"{'processor':<10}{outcome.processor_seconds:.1f} s of all robots, {outcome.cores:.2f} cores",
-        f"{'memory':<10}{outcome.memory / 1e6:,.0f} MB of all robots at the peak",
-    ]
+        said["heard"] = f"{100 * outcome.heard:.2f} % of the messages that the air did not lose; {lost}"
+    said["missed"] = f"{counted(outcome.missed, 'tick')} for which there was no time"
+    said["processor"] = f"{outcome.processor_seconds:.1f} s of all robots, {outcome.cores:.2f} cores"
+    said["memory"] = f"{outcome.memory / 1e6:,.0f} MB of all robots at the peak"
     if outcome.undone:
-        lines.append(f"{'undone':<10}{counted(outcome.undone, 'call')} of brains that failed")
+        said["undone"] = f"{counted(outcome.undone, 'call')} of brains that failed"
     if outcome.unwritten:
-        lines.append(f"{'unwritten':<10}{counted(outcome.unwritten, 'part')} of logs and memories: is the disk full?")
-    lines += [f"robot {number} died by itself, {why}" for number, why in outcome.died.items()]
-    return lines
+        said["unwritten"] = f"{counted(outcome.unwritten, 'part')} of logs and memories: is the disk full?"
+    lines = [f"{what:<10}{text}" for what, text in said.items()]
+    return lines + [f"robot {number} died by itself, {why}" for number, why in outcome.died.items()]
 
 
-def _errors(plan: "Plan", outcome: "Outcome") -> list[str]:
+def _errors(plan: "Plan", outcome: "Outcome") -> dict[str, str]:
     """How wrong robots are, and which robots that counts."""
     honest = "" if all(member.honest for member in plan.members) else "honest "
     pairs = zip(plan.members, outcome.estimates, strict=True)
     number = sum(member.honest and bool(np.isfinite(estimate)) for member, estimate in pairs)
     if not number:
-        return [f"{'error':<10}unknown: no {honest}robot was at work at the end"]
+        return {"error": f"unknown: no {honest}robot was at work at the end"}
     who = f"the mean over the {counted(number, honest + 'robot')} at work at the end"
-    return [
-        f"{'error':<10}{outcome.mean_error:.4f}, {who}",
-        f"{'right':<10}{100 * outcome.right:.1f} % of them in the right of {plan.study.measure.bins} bins",
-    ]
+    return {
+        "error": f"{outcome.mean_error:.4f}, {who}",
+        "right": f"{100 * outcome.right:.1f} % of them in the right of {plan.study.measure.bins} bins",
+    }

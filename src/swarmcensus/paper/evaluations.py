@@ -4,6 +4,8 @@ Each is a file beside this one, `paper.toml` and `rivals.toml`. There a claim na
 perhaps one that explains why it does not hold and one that writes a note, as a text, or as a table with its arguments.
 """
 
+from __future__ import annotations
+
 import re
 import tomllib
 from collections.abc import Callable, Mapping
@@ -11,16 +13,56 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.paper import explanations, measures, rival_explanations, rival_measures
 from swarmcensus.paper.evidence import Claim, Range
-from swarmcensus.paper.figures import PaperFigure, View
+from swarmcensus.results.selecting import places_with
+from swarmcensus.results.structure import finished
+from swarmcensus.statistics.intervals import FEWEST
 
-ONE, SEVERAL = ("first", "second"), ("others", "contenders")  # arguments that name contenders
+if TYPE_CHECKING:
+    from swarmcensus.figures.sheets import Scale
+
 INFINITE = float("inf")
+
+
+@dataclass(frozen=True)
+class View:
+    """One panel of a figure: the settings of `study` that have the coordinates `where`."""
+
+    caption: str
+    study: str
+    where: Mapping[str, object]
+    local: bool = False
+
+    def panel(self, datasets: Mapping[str, xr.Dataset]) -> tuple[str, xr.Dataset, bool]:
+        """The panel as the drawing functions take it."""
+        data = datasets[self.study]
+        return self.caption, data.isel(setting=places_with(data, self.where)), self.local
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """A figure of the paper: its panels, the text below it with what is about intervals in brackets, and its claims."""
+
+    name: str
+    title: str
+    kind: str  # "scatter" or "decisions"
+    views: tuple[View, ...]
+    text: str
+    claims: tuple[str, ...]
+    scale: Scale = "log"  # of a scatter
+
+    def caption(self, datasets: Mapping[str, xr.Dataset]) -> str:
+        """The text, without its mention of intervals if there are too few trials for them."""
+        parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
+        most = max((int(finished(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
+        return re.sub(r"\[(.*?)\]", r"\1" if most >= FEWEST else "", self.text)
 
 
 @dataclass(frozen=True)
@@ -56,7 +98,8 @@ def evaluation(name: str) -> Evaluation:
 def _read(name: str, measuring: ModuleType, explaining: ModuleType) -> Evaluation:
     """The evaluation of a file; its claims name functions of the two modules."""
     known = tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
-    dots, contenders = known.pop("dots", ""), known.pop("contenders", {})
+    dots = known.pop("dots", "")
+    contenders = {one: (where.pop("study"), where) for one, where in known.pop("contenders", {}).items()}
     figures = tuple(_figure(table, dots) for table in known.pop("figures", ()))
     claims = tuple(_claim(table, contenders, measuring, explaining) for table in known.pop("claims"))
     return Evaluation(name, figures=figures, claims=claims, **known)
@@ -68,24 +111,28 @@ def _figure(table: Mapping[str, Any], dots: str) -> PaperFigure:
 
 
 def _claim(
-    table: Mapping[str, Any], contenders: Mapping[str, Mapping[str, Any]], measuring: ModuleType, explaining: ModuleType
+    table: Mapping[str, Any],
+    contenders: Mapping[str, tuple[str, Mapping[str, Any]]],
+    measuring: ModuleType,
+    explaining: ModuleType,
 ) -> Claim:
+    """A claim; its studies are those that it names, and those of its contenders."""
     given = {"right": _range_of(table["threshold"])} | dict(table)
-    wanted = dict(given["measure"]) if isinstance(given["measure"], dict) else {"name": given["measure"]}
-    if contenders:
-        found = {name: (table["study"], {k: v for k, v in table.items() if k != "study"})
-                 for name, table in contenders.items()}  # fmt: skip
-        wanted |= {key: found[wanted[key]] for key in ONE if key in wanted}
-        wanted |= {key: [found[name] for name in wanted[key]] for key in SEVERAL if key in wanted}
-        wanted |= {"of": getattr(measuring, wanted["of"])} if "of" in wanted else {}
-        named = [*(wanted[key] for key in ONE if key in wanted), *(c for key in SEVERAL for c in wanted.get(key, ()))]
-        given["studies"] = dict.fromkeys(study for study, _ in named)
+    measure = dict(given["measure"]) if isinstance(given["measure"], dict) else {"name": given["measure"]}
+    studies = list(given.get("studies", ()))
+    for key, value in measure.items():
+        if key in ("first", "second"):
+            measure[key] = contenders[value]
+            studies.append(measure[key][0])
+        elif key in ("others", "contenders"):
+            measure[key] = [contenders[name] for name in value]
+            studies += [study for study, _ in measure[key]]
+        elif key == "of" and contenders:
+            measure[key] = getattr(measuring, value)
+    made = {"measure": _function(measuring, measure), "right": tuple(given["right"])}
     for key, module in (("note", measuring), ("explanation", explaining)):
-        given |= {key: _function(module, given[key])} if key in given else {}
-    return Claim(**given | {
-        "measure": _function(measuring, wanted), "right": tuple(given["right"]),
-        "studies": tuple(given.get("studies", ())),
-    })  # fmt: skip
+        made |= {key: _function(module, given[key])} if key in given else {}
+    return Claim(**given | made | {"studies": tuple(dict.fromkeys(studies))})
 
 
 def _function(module: ModuleType, wanted: str | Mapping[str, Any]) -> Callable[..., Any]:

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.formatting import counted
+from swarmcensus.results.selecting import places_with
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics import intervals
 from swarmcensus.statistics.intervals import Floats
@@ -110,8 +111,7 @@ class Evidence:
         data = self.datasets.get(study)
         if data is None or not all(name in data for name in where):
             raise Missing(f"{study}: {where}")
-        masks = [data[name].values == value for name, value in where.items()]
-        places = np.flatnonzero(np.logical_and.reduce(masks))
+        places = places_with(data, where)
         if places.size != 1:
             raise Missing(f"{study}: {places.size} settings with {where}")
         return data, int(places[0])

@@ -17,9 +17,8 @@ from swarmcensus.basics.files import data_path
 from swarmcensus.basics.formatting import CLOCK, counted
 from swarmcensus.basics.templates import render
 from swarmcensus.basics.version import __version__
-from swarmcensus.paper.evaluations import PAPER, Evaluation
+from swarmcensus.paper.evaluations import PAPER, Evaluation, PaperFigure
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
-from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.report import SIGNS, WORDS, kind, measured, tally
 from swarmcensus.statistics import intervals
 

@@ -18,9 +18,8 @@ from swarmcensus.basics.formatting import elapsed
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import command
 from swarmcensus.paper import page, report
-from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
+from swarmcensus.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.paper.evidence import check
-from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.page import Reproduction
 from swarmcensus.runs.collect import Progress, Report
 from swarmcensus.runs.pools import compile_for
@@ -156,7 +155,7 @@ def _simulate(
             compile_for([(study, settings[name]) for name, study in studies.items()], tell)
             compiled = time.monotonic()
         for name, study in studies.items():
-            datasets[name] = run(study, jobs, show, out=files[name], fresh=fresh, say=say, cautions=False)
+            datasets[name] = run(study, jobs=jobs, progress=show, out=files[name], fresh=fresh, say=say, cautions=False)
     return datasets, compiled - begun, time.monotonic() - compiled
 
 

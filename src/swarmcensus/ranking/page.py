@@ -1,17 +1,20 @@
 """The page of the leaderboard, in Markdown, so that a repository can show it."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.printed_tables import Column, Table, markdown
+from swarmcensus.basics.templates import render
 from swarmcensus.basics.version import __version__
 from swarmcensus.comparing.cells import p_value
 from swarmcensus.ranking.losses import FEW, Behind, Losses
 from swarmcensus.ranking.scores import Score, Scores
 
 TITLE = "# Leaderboard"
+VALUES = dict.fromkeys(("place", "its own", "best other's", "best other"), True)  # columns of losses
 
 
 def page(
@@ -19,48 +22,25 @@ def page(
 ) -> str:
     """The whole page, from the scores and losses of each board; `figure` is the picture's file name."""
     own = [loss.name for loss in losses[0]]
-    marked = set(own)
-    contenders = len(boards[0].contenders)
-    parts = [
-        TITLE,
-        f"{contenders:,} contenders in the same worlds, {counted(trials, 'trial')} each, by `{command}` "
-        f"(seed {seed}, swarmcensus {__version__}). All have the same tiles, readings, neighbours, losses and liars, "
-        "trial by trial. Each board has worlds of its own: a brain for honest robots need not bear liars, and few "
-        "brains follow a floor that changes. *Rank* is the average over all worlds and trials of a board, 1 is best; "
-        "the column of a kind of world has the mean over its worlds. The best of a column is **bold**. `oracle` is a "
-        "bound and has no place: it hears all honest robots and knows all sensors and when the floor changes, which no "
-        "robot can. `alone` communicates with nobody and is ranked, because a robot can run it.",
-        "\n".join(_meaning(scores) for scores in boards),
-        *(_losses(name, [loss for board in losses for loss in board if loss.name == name], boards) for name in own),
-        "## Errors of estimates",
-        "The distance of a robot's last estimate from *f*, median over robots and trials. Brains whose estimate is "
-        "an opinion, black or white, are left out.",
-        *_tables(boards, "error", marked),
-        f"![Errors of all contenders by kind of world: dark means a large error]({figure})",
-        "## Right decisions on black or white",
-        "The percentage of robots whose last estimate is on the right side of one half. An estimate of exactly one "
-        "half is wrong.",
-        *_tables(boards, "side", marked),
-        "## Costs",
-        "Bytes of memory and of a message, with four bytes per number, and messages per robot and round.",
-        _costs(boards[0]),
-    ]
-    return "\n\n".join(parts) + "\n"
-
-
-def _meaning(scores: Scores) -> str:
-    """A board in the list of boards, with its kinds of worlds."""
-    division = scores.division
-    kinds = "; ".join(f"*{column.name}*: {column.meaning}" for column in division.columns)
-    return f"- **{division.title}** ({counted(len(scores.worlds), 'world')}): {division.meaning}. {kinds}"
-
-
-def _tables(boards: Sequence[Scores], measure: str, marked: set[str]) -> list[str]:
-    """A heading and a table for each board."""
-    parts = []
-    for scores in boards:
-        parts += [f"### {scores.division.title}", _table(scores, getattr(scores, measure), marked)]
-    return parts
+    text = render(
+        Path(__file__).with_name("page.md.jinja"),
+        title=TITLE,
+        contenders=f"{len(boards[0].contenders):,}",
+        trials=trials,
+        command=command,
+        seed=seed,
+        version=__version__,
+        boards=boards,
+        own=[(name, [loss for board in losses for loss in board if loss.name == name]) for name in own],
+        figure=figure,
+        table=lambda scores, score: _table(scores, score, {*own}),
+        costs=_costs(boards[0]),
+        losses_by_kind=_by_kind,
+        losses_by_world=_by_world,
+        rivals=_rivals,
+        counted=counted,
+    )
+    return text + "\n"
 
 
 def _table(scores: Scores, score: Score, marked: set[str]) -> str:
@@ -101,27 +81,25 @@ def _costs(scores: Scores) -> str:
     return markdown(Table.of_rows(heads, rows))
 
 
-def _losses(name: str, losses: Sequence[Losses], boards: Sequence[Scores]) -> str:
-    """Where a brain loses: all kinds of worlds, then single worlds and rivals by board."""
-    lines = [f"## Where {name} loses", "Kinds of worlds, the largest loss of each board first:"]
-    values = dict.fromkeys(("place", "its own", "best other's", "best other"), True)
+def _by_kind(losses: Sequence[Losses]) -> str:
+    """Where a brain loses, in all kinds of worlds of all boards."""
     rows = [[loss.board, b.column, *_behind(b, loss.low)] for loss in losses for b in loss.columns]
-    lines.append(markdown(Table.of_rows({"board": False, "kind of world": False} | values, rows)))
-    for brain, scores in zip(losses, boards, strict=True):
-        lines.append(f"### {scores.division.title}: {name}")
-        lines.append(f"{name} is number {brain.place} of {brain.of}. Single worlds with the largest losses:")
-        rows = [[text, *_behind(b, brain.low)] for text, b in brain.worlds]
-        lines.append(markdown(Table.of_rows({"world": False} | values, rows)))
-        ahead = "; ".join(
-            f"{rival.name} (better in {rival.better:.0%}, worse in {rival.worse:.0%} of trials, p {p_value(rival.p)})"
-            for rival in brain.rivals[:FEW]
-        )
-        more = f"; and {len(brain.rivals) - FEW} more" if len(brain.rivals) > FEW else ""
-        lines.append(
-            "Significantly better over these worlds, compared trial by trial (Wilcoxon signed-rank test, corrected by "
-            f"Holm's method): {ahead or 'none'}{more}."
-        )
-    return "\n\n".join(lines)
+    return markdown(Table.of_rows({"board": False, "kind of world": False} | VALUES, rows))
+
+
+def _by_world(loss: Losses) -> str:
+    """The single worlds of a board in which a brain loses most."""
+    return markdown(Table.of_rows({"world": False} | VALUES, [[w, *_behind(b, loss.low)] for w, b in loss.worlds]))
+
+
+def _rivals(loss: Losses) -> str:
+    """The brains that are better over the worlds of a board."""
+    ahead = [
+        f"{rival.name} (better in {rival.better:.0%}, worse in {rival.worse:.0%} of trials, p {p_value(rival.p)})"
+        for rival in loss.rivals[:FEW]
+    ]
+    more = [f"and {len(loss.rivals) - FEW} more"] * (len(loss.rivals) > FEW)
+    return "; ".join([*ahead, *more]) or "none"
 
 
 def _behind(behind: Behind, low: bool) -> list[str]:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError, OptionError
 from swarmcensus.basics.hints import did_you_mean
@@ -59,6 +60,11 @@ def check_held(data: xr.Dataset, **numbers: int) -> None:
         known = data[name].values
         if number not in known:
             raise InputError(f"{name} {number}: these results hold {name} {known.min()} to {known.max()}")
+
+
+def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:
+    """The places of the settings whose coordinates have these values."""
+    return np.flatnonzero(np.logical_and.reduce([data[name].values == value for name, value in values.items()]))
 
 
 def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
