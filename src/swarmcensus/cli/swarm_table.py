@@ -137,11 +137,8 @@ def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     from swarmcensus.deployment.target import datagram_bytes
 
     brain = plan.setting.brain
-    lines = [
-        f"{'robots':<10}{outcome.at_work} of {outcome.robots} at work at the end",
-        *_errors(plan, outcome),
-        f"{'message':<10}{counted(brain.message_bytes, 'byte')}, in a datagram of {datagram_bytes(brain)}",
-    ]
+    said = {"robots": f"{outcome.at_work} of {outcome.robots} at work at the end", **_errors(plan, outcome)}
+    said["message"] = f"{counted(brain.message_bytes, 'byte')}, in a datagram of {datagram_bytes(brain)}"
     if not np.isnan(outcome.heard):
         lost = f"it lost {100 * outcome.lost:.1f} %"
         said["heard"] = f"{100 * outcome.heard:.2f} % of the messages that the air did not lose; {lost}"
