@@ -182,7 +182,7 @@ WRONG = [
     ("box-plot", ["--x", "robots"], "--x goes with --kind heatmap or lines, not with box-plot"),
     ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: "),
     ("box-plot", ["--set", "whiskers=wide"], "--kind box-plot: whiskers = 'wide': should be a valid number"),
-    ("box-plot", ["--set", "whiskers"], "--set 'whiskers': should be such as scale=linear"),
+    ("box-plot", ["--set", "whiskers"], "--set whiskers"),
     ("box-plott", [], "no figure 'box-plott': did you mean 'box-plot'?"),
     ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
     ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),

@@ -203,7 +203,7 @@ FLOOR = "/robot_{robot}/floor"
             ["bag", "--readings", "/r{robot}/x", "--period", "1"],
             "there are /picture_0 (std_msgs/msg/Header), /robot_0/",
         ),
-        (["bag", "--readings", FLOOR, "--period", "0"], "--period 0.0"),
+        (["bag", "--readings", FLOOR, "--period", "0"], "--period 0"),
         (["bag", "--readings", FLOOR, "--period", "nan"], "--period nan"),
         (["bag", "--readings", FLOOR, "--period", "1e-8"], "steps of --period 1e-08: 10,000,000 at most"),
         (
