@@ -6,7 +6,8 @@ be run again, to the same bits, and memory does not grow with the length of the 
 
 import mmap
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -28,7 +29,6 @@ STRETCH_BYTES = 4_000_000  # of minds
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies
 ASTRAY = -1  # the state is that of no stretch: the next run starts from a copy
 MOST_ROUNDS = 200  # in a stretch: for small swarms, a hundredth of a second
-NOTHING, NO_PAIRS = np.zeros(0), np.zeros((0, 3), np.int64)
 
 
 @dataclass(frozen=True)
@@ -42,10 +42,10 @@ class Stretch:
     estimates: np.ndarray
     messages: np.ndarray  # (round, what): how many all robots have sent and heard so far
     done: np.ndarray  # (robot): which robots were done before the first of these rounds
-    poses: np.ndarray = NOTHING  # x, y, heading after the tick; from here to `links` nothing on fixed networks
-    colours: np.ndarray = NOTHING  # the true tile under the sensor, 1 black
-    readings: np.ndarray = NOTHING  # NaN where none was made
-    links: np.ndarray = NO_PAIRS  # (link, 3): tick, robot, robot
+    poses: np.ndarray = field(default_factory=partial(np.zeros, 0))  # x, y, heading; from here on only if robots move
+    colours: np.ndarray = field(default_factory=partial(np.zeros, 0))  # the true tile under the sensor, 1 black
+    readings: np.ndarray = field(default_factory=partial(np.zeros, 0))  # NaN where none was made
+    links: np.ndarray = field(default_factory=partial(np.zeros, (0, 3), np.int64))  # (link, 3): tick, robot, robot
     known: np.ndarray | None = None  # (round, robot): whose minds are known; None: all, as in every simulation
 
     @property
