@@ -42,9 +42,7 @@ class Stretch:
     estimates: np.ndarray
     messages: np.ndarray  # (round, what): how many all robots have sent and heard so far
     done: np.ndarray  # (robot): which robots were done before the first of these rounds
-    poses: np.ndarray = field(
-        default_factory=partial(np.zeros, 0)
-    )  # x, y, heading after the tick; this and the rest only if robots move
+    poses: np.ndarray = field(default_factory=partial(np.zeros, 0))  # x, y, heading; from here on only if robots move
     colours: np.ndarray = field(default_factory=partial(np.zeros, 0))  # the true tile under the sensor, 1 black
     readings: np.ndarray = field(default_factory=partial(np.zeros, 0))  # NaN where none was made
     links: np.ndarray = field(default_factory=partial(np.zeros, (0, 3), np.int64))  # (link, 3): tick, robot, robot

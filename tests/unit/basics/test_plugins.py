@@ -387,7 +387,7 @@ def test_draws_depend_on_names_and_fingerprints_on_files(installed):
     assert (addresses.losses_key(pairs, 5) == key).all()
     assert addresses.fingerprint(pairs, 5) != mark
     swarm, world = {"robots": 3, "accuracy": "U(0.5, 0.9)"}, {"topology": ["ring", "full"], "fill_ratio": 0.5}
-    assert not any(s.editions for s in sc.Study(trials=1, swarm=swarm, world=world).settings())
+    assert not any(addresses._editions(s) for s in sc.Study(trials=1, swarm=swarm, world=world).settings())
 
 
 def test_a_study_made_in_python_is_written_with_its_keys(installed):

@@ -579,9 +579,9 @@ class TestBrainFiles:
         known = json.loads(data.attrs["brains"])
         known["mine.py"]["source"] += "\n# other\n"
         with pytest.raises(InputError, match="is not the one that the hash beside it is of"):
-            sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
+            sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain_file="mine.py")
         known["mine.py"]["sha256"] = digest(known["mine.py"]["source"])
-        found = sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
+        found = sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain_file="mine.py")
         assert any("is not of the study that these results name" in label for label in found.labels)
 
 
