@@ -13,7 +13,7 @@ import harness
 
 import swarmcensus as sc
 from swarmcensus.brains import parse
-from swarmcensus.metrics import PLUGINS
+from swarmcensus.brains.metrics import PLUGINS
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch

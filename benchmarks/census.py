@@ -25,8 +25,8 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.figures.looks import NAMED
-from swarmcensus.statistics.intervals import interval, medians, resample
 from swarmcensus.studies.study import Study
+from swarmcensus.support.intervals import interval, medians, resample
 
 ROOT = Path(__file__).parents[1]
 STUDY = ROOT / "studies" / "census.toml"

@@ -20,7 +20,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Column, Table
 
-from swarmcensus.statistics.intervals import estimate
+from swarmcensus.support.intervals import estimate
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

@@ -16,8 +16,8 @@ import numpy as np
 
 import swarmcensus as sc
 from swarmcensus import Study, run, theory
-from swarmcensus.statistics.intervals import estimate
 from swarmcensus.studies.precision import Until
+from swarmcensus.support.intervals import estimate
 
 STARTS = (6, 10, 30, 100)  # trials at the first look
 LATER = 4  # times as many trials as at the first look are needed, in the median

@@ -18,18 +18,19 @@ from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.conformance.machine import blank_mind, exchange, machine_code
-from swarmcensus.deployment import chips, on_node, selftest
-from swarmcensus.deployment.costs import COLUMNS, LUCKY, NUMBERS, TICKS, cost
-from swarmcensus.deployment.folders import write_texts
-from swarmcensus.deployment.header import header
-from swarmcensus.deployment.messages import codec
-from swarmcensus.deployment.micropython_files import micropython_files
-from swarmcensus.deployment.target import order_of
-from swarmcensus.deployment.targets import find
-from swarmcensus.deployment.targets.c import translated
-from swarmcensus.robot import codec as codec_file
-from swarmcensus.robot import history, runtime
+from swarmcensus.checks.machine import blank_mind, exchange, machine_code
+from swarmcensus.robots import chips, on_node
+from swarmcensus.robots.costs import COLUMNS, LUCKY, NUMBERS, TICKS, cost
+from swarmcensus.robots.folders import write_texts
+from swarmcensus.robots.micropython_files import micropython_files
+from swarmcensus.robots.target import order_of
+from swarmcensus.robots.targets import find
+from swarmcensus.robots.targets.c import translated
+from swarmcensus.runtime import codec as codec_file
+from swarmcensus.runtime import history, runtime
+from swarmcensus.translation import selftest
+from swarmcensus.translation.headers import header
+from swarmcensus.translation.messages import codec
 
 BITS = ("machine code", "MicroPython", "C, `double`", "C, `float`", "ATmega328P", "Cortex-M4F")
 COSTS = (

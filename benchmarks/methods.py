@@ -15,17 +15,17 @@ import numpy as np
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.analysis.comparing.pair_tests import ContestInput, contests
 from swarmcensus.brains import parse
-from swarmcensus.comparing.pair_tests import ContestInput, contests
-from swarmcensus.planning.mission import mission_of
-from swarmcensus.planning.simulating import Case, curves, study_of
-from swarmcensus.statistics.bootstrap import intervals
-from swarmcensus.statistics.intervals import share_interval
-from swarmcensus.statistics.significance import signed_ranks
-from swarmcensus.tuning import generations
-from swarmcensus.tuning.logs import Log
-from swarmcensus.tuning.plans import budget_of, plan_of
-from swarmcensus.tuning.training import COMPANIONS, Training
+from swarmcensus.search.planning.mission import mission_of
+from swarmcensus.search.planning.simulating import Case, curves, study_of
+from swarmcensus.search.tuning import generations
+from swarmcensus.search.tuning.logs import Log
+from swarmcensus.search.tuning.plans import budget_of, plan_of
+from swarmcensus.search.tuning.training import COMPANIONS, Training
+from swarmcensus.support.bootstrap import intervals
+from swarmcensus.support.intervals import share_interval
+from swarmcensus.support.significance import signed_ranks
 
 # ---- comparing
 

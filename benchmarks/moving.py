@@ -10,13 +10,13 @@ from functools import partial
 import harness
 
 from swarmcensus import Study, run
-from swarmcensus.basics.files import shipped_study
 from swarmcensus.engine.addresses import address
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, run_ride
 from swarmcensus.simulation.walking import Walk
+from swarmcensus.support.files import shipped_study
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 

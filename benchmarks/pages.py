@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.statistics.intervals import estimate
 from swarmcensus.studies.study import Study
+from swarmcensus.support.intervals import estimate
 
 ROOT, DOCS = harness.ROOT, harness.DOCS
 ROWS = ROOT / "src" / "swarmcensus" / "deployment" / "formats.csv"
@@ -120,7 +120,7 @@ def formats(results=None, write=False):
     """What number formats cost every shipped brain: the tables of docs/formats.md.
 
     RESULTS is what `swarmcensus run studies/formats.toml --out formats.nc` writes. Without it the study is run. With
-    `write`, tables go into the page, all rows into src/swarmcensus/deployment/formats.csv, which `swarmcensus deploy`
+    `write`, tables go into the page, all rows into src/swarmcensus/robots/formats.csv, which `swarmcensus deploy`
     reads, and the figure into docs/images/formats.png.
     """
     data = (

@@ -16,12 +16,12 @@ import harness
 import numpy as np
 
 from swarmcensus import Study, brains
-from swarmcensus.basics.files import shipped_study
 from swarmcensus.runs import pools, running, tasks
 from swarmcensus.runs.clusters import BUNDLES_PER_SECOND, BUNDLES_PER_WORKER, LONGEST, SHORTEST, Workers, workers
 from swarmcensus.runs.pools import Threads
 from swarmcensus.runs.running import run
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
+from swarmcensus.support.files import shipped_study
 
 NETWORK = """trials = 2
 [swarm]

@@ -9,12 +9,12 @@ from pathlib import Path
 import harness
 import numpy as np
 
-from swarmcensus.basics.bins import right_bin
-from swarmcensus.reliving.logs import read_log
+from swarmcensus.robots.logs.logs import read_log
+from swarmcensus.robots.swarm.plans import Air, plan_of
+from swarmcensus.robots.swarm.running import run
 from swarmcensus.simulation.trials import record_estimates
 from swarmcensus.studies.study import Study
-from swarmcensus.swarm.plans import Air, plan_of
-from swarmcensus.swarm.running import run
+from swarmcensus.support.bins import right_bin
 
 try:
     from scipy.stats import ks_2samp, mannwhitneyu
@@ -28,13 +28,13 @@ from typing import NamedTuple
 
 from swarmcensus import brains
 from swarmcensus.brains.packing import FORMATS, Numbers
-from swarmcensus.deployment import on_node
-from swarmcensus.deployment.messages import messages_of
-from swarmcensus.reliving.folders import read_day
-from swarmcensus.reliving.lives import relive_all
-from swarmcensus.robot.log import Log
-from swarmcensus.robot.runtime import Robot
-from swarmcensus.swarm.faults import faults_of
+from swarmcensus.robots import on_node
+from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.lives import relive_all
+from swarmcensus.robots.swarm.faults import faults_of
+from swarmcensus.runtime.log import Log
+from swarmcensus.runtime.runtime import Robot
+from swarmcensus.translation.messages import messages_of
 
 PAGE = harness.DOCS / "a-swarm-on-your-desk.md"
 COSTS = (  # robots, Hz, rounds, topology, loss, delay in ms

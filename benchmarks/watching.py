@@ -19,8 +19,8 @@ import harness
 import psutil
 from playwright.sync_api import Page, sync_playwright
 
-from swarmcensus.watching.offers import offer_of
-from swarmcensus.watching.server import Served, listen, serving
+from swarmcensus.live.offers import offer_of
+from swarmcensus.live.server import Served, listen, serving
 
 SWARMS = {
     "25 robots that move": "",

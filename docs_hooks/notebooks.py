@@ -19,7 +19,7 @@ from mkdocs.structure.files import File, Files, InclusionLevel
 from mkdocs.structure.pages import Page
 from nbclient import NotebookClient
 
-from swarmcensus.basics.readers import AS_TERMINAL, MOST
+from swarmcensus.support.readers import AS_TERMINAL, MOST
 
 FOLDER = "tutorials/"
 SECONDS = 300  # that a cell may take: the first on a machine compiles

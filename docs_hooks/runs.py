@@ -8,8 +8,8 @@ import functools
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files, InclusionLevel
 
-from swarmcensus.watching.exporting import page_of
-from swarmcensus.watching.offers import PLAYED, offer_of
+from swarmcensus.live.exporting import page_of
+from swarmcensus.live.offers import PLAYED, offer_of
 
 MOVING = {"topology": "moving", "fill_ratio": "0.55"}
 FIXED = {"rounds": "200", "speed": "20"}

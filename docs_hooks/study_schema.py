@@ -7,8 +7,8 @@ from typing import Any
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
-from swarmcensus.planning import mission as of_missions
-from swarmcensus.studies.schema import schema
+from swarmcensus.search.planning import mission as of_missions
+from swarmcensus.studies.json_schema import schema
 
 URI, FILE, OF_MISSIONS = "reference/study-schema.md", "reference/study.schema.json", "reference/mission.schema.json"
 TABLES = {

@@ -13,13 +13,13 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus import metrics
+from swarmcensus.brains import metrics
 from swarmcensus.studies import coordinates
 from swarmcensus.studies.fields import LARGEST
+from swarmcensus.studies.json_schema import schema
 from swarmcensus.studies.keys import Key
-from swarmcensus.studies.schema import schema
 from swarmcensus.studies.settings import KEYS
-from swarmcensus.vocabulary import quantities
+from swarmcensus.support import quantities
 
 if TYPE_CHECKING:  # the script needs no mkdocs
     from mkdocs.config.defaults import MkDocsConfig

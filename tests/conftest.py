@@ -13,9 +13,9 @@ import pytest
 from numba.core import event
 
 import swarmcensus as sc
-from swarmcensus.basics.readers import AS_TERMINAL
-from swarmcensus.basics.terminal import UNFOLDED
 from swarmcensus.simulation.living import Life
+from swarmcensus.support.readers import AS_TERMINAL
+from swarmcensus.support.terminal import UNFOLDED
 from tests.support import interpreted
 from tests.support.long import Long
 from tests.support.places import ROOT

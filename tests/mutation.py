@@ -38,7 +38,7 @@ SENSORS = "unit/worlds/test_sensors --deselect=tests/unit/worlds/test_sensors.py
 # The tests that know a module: first those that are quick in CPython, then those that are run compiled. Below tests/.
 TESTS: dict[str, tuple[str, str]] = {
     "simulation/metrics": ("unit/simulation/test_metrics reference/test_networks", "unit/engine/test_batches"),
-    "statistics/intervals": ("unit/statistics/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
+    "support/intervals": ("unit/statistics/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
     "worlds/sensors": (
         f"{SENSORS} unit/engine/test_draws",
         "unit/worlds/test_sensors unit/explaining/test_beliefs statistical/test_theory",
@@ -263,7 +263,7 @@ def main() -> None:
     equivalent = [m for m in survivors if m.change() in EQUIVALENT]
     killed, tried = len(mutants) - len(survivors), len(mutants) - len(equivalent)
     sys.path.insert(0, str(ROOT / "src"))
-    from swarmcensus.statistics.intervals import share_interval
+    from swarmcensus.support.intervals import share_interval
 
     for m in survivors:
         print(f"\n{m.module}.py:{m.line}: {m.kind}\n    {m.change()}\n    {EQUIVALENT.get(m.change(), 'survived')}")

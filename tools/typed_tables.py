@@ -13,9 +13,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from swarmcensus.studies.json_schema import schema_of
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
-from swarmcensus.studies.schema import schema_of
 from swarmcensus.studies.settings import Schedule, Swarm, World
 from swarmcensus.studies.tables import Case, Measure, Tables
 from swarmcensus.worlds.bodies import Body

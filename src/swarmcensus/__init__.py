@@ -10,30 +10,30 @@ import importlib
 import sys
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.version import __version__ as __version__
+from swarmcensus.support.version import __version__
 
 if TYPE_CHECKING:
     from swarmcensus import theory
-    from swarmcensus.basics.errors import InputError, Interrupted
-    from swarmcensus.comparing.comparison import compare
-    from swarmcensus.conformance.checking import check
-    from swarmcensus.deployment.deploying import deploy
-    from swarmcensus.explaining.agreement import explain
+    from swarmcensus.analysis.comparing.comparison import compare
+    from swarmcensus.analysis.explaining.agreement import explain
+    from swarmcensus.checks.checking import check
+    from swarmcensus.evaluation.paper.reproducing import reproduce
+    from swarmcensus.evaluation.ranking.board import leaderboard
     from swarmcensus.figures import plot
-    from swarmcensus.paper.reproducing import reproduce
-    from swarmcensus.planning.planning import plan
-    from swarmcensus.ranking.board import leaderboard
+    from swarmcensus.live.frame import watch
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
     from swarmcensus.results.store import frame, load, save
     from swarmcensus.results.summaries import summary
+    from swarmcensus.robots.deploying import deploy
     from swarmcensus.runs.running import run
     from swarmcensus.runs.verifying import verify
+    from swarmcensus.search.planning.planning import plan
+    from swarmcensus.search.tuning.tuning import tune
     from swarmcensus.simulation.inferring import infer
     from swarmcensus.studies.study import Study
-    from swarmcensus.tuning.tuning import tune
-    from swarmcensus.watching.frame import watch
+    from swarmcensus.support.errors import InputError, Interrupted
 
 _HOME = {
     "InputError": "basics.errors",

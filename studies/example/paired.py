@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 import swarmcensus as sc
-from swarmcensus.statistics import intervals
+from swarmcensus.support import intervals
 
 ALIKE = ("floor", "fill_ratio", "accuracy", "assumed_accuracy", "topology", "robots", "density", "link_success")
 

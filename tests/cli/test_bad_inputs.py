@@ -6,13 +6,13 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics import files
 from swarmcensus.cli.commands import main
 from swarmcensus.results import recordings
 from swarmcensus.results import store as results
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.studies import addresses, toml_text
+from swarmcensus.support import files
 from tests.support.small import SMALL
 
 BRAIN = brains.load("minimalistic").source

@@ -9,15 +9,15 @@ import pytest
 from matplotlib.figure import Figure
 
 import swarmcensus as sc
-from swarmcensus.basics.readers import AS_TERMINAL
+from swarmcensus.analysis.comparing.showing import as_text
+from swarmcensus.analysis.comparing.verdicts import findings
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
-from swarmcensus.comparing.showing import as_text
-from swarmcensus.comparing.verdicts import findings
 from swarmcensus.figures.kinds.pareto import draw_pareto, front
 from swarmcensus.figures.kinds.ranks import draw_ranks
 from swarmcensus.results.labels import renamed
+from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.contending import made_up
 
 STUDY = """

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.options import option, shell_options
 from swarmcensus.cli.commands import main
+from swarmcensus.support.options import option, shell_options
 from tests.support.contending import made_up
 from tests.support.small import SMALL
 

@@ -19,12 +19,12 @@ from rich.live import Live
 from rich.text import Text
 
 import swarmcensus as sc
-from swarmcensus.basics.documents import json_value
-from swarmcensus.basics.printable import CONTROL, printable
-from swarmcensus.basics.readers import AS_TERMINAL
-from swarmcensus.basics.terminal import console
 from swarmcensus.cli import commands
 from swarmcensus.cli.commands import main
+from swarmcensus.support.documents import json_value
+from swarmcensus.support.printable import CONTROL, printable
+from swarmcensus.support.readers import AS_TERMINAL
+from swarmcensus.support.terminal import console
 from tests.support.places import DOCS
 
 STUDY = """

@@ -11,12 +11,12 @@ import sys
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.printed_tables import tsv
-from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli import program
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.output import answer
 from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.support.printed_tables import tsv
+from swarmcensus.support.readers import AS_TERMINAL
 
 STUDY = """
 name   = "piped"

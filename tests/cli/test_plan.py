@@ -223,7 +223,7 @@ def test_theory_says_what_it_leaves_out(here, capsys):
 
 
 def test_a_narrow_terminal_has_no_columns_of_theory(here, monkeypatch, capsys):
-    monkeypatch.setattr("swarmcensus.basics.terminal.console", lambda **_: Console(width=80))
+    monkeypatch.setattr("swarmcensus.support.terminal.console", lambda **_: Console(width=80))
     assert main(["plan", "m.toml", "--minutes", "5"]) == 0
     out = capsys.readouterr().out
     assert "left out, as they do not fit into 80 columns: theory: all, mixed, alone;" in " ".join(out.split())
@@ -267,7 +267,7 @@ def test_ctrl_c_ends_it_in_a_sentence_and_writes_nothing(here, monkeypatch, caps
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("swarmcensus.planning.planning.shortest", interrupted)
+    monkeypatch.setattr("swarmcensus.search.planning.planning.shortest", interrupted)
     assert main(["plan", "m.toml", "--out", "p.json"]) == 130
     assert capsys.readouterr().err == "swarmcensus: stopped\n"
     assert sorted(os.listdir()) == ["m.toml"]

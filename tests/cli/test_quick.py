@@ -12,11 +12,11 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.fork import in_background
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import codegen, compiler, strict
 from swarmcensus.engine.constants import PHASES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.support.fork import in_background
 from tests.support.small import GO, SEED, settings_of
 
 SLOW = ("numba", "xarray", "pandas", "matplotlib", "networkx", "h5py")
@@ -224,7 +224,7 @@ def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, tmp
 def test_background_work_returns_its_result():
     code = """
         import os
-        from swarmcensus.basics.fork import in_background
+        from swarmcensus.support.fork import in_background
         here = os.getpid()
         def fails():
             raise ValueError("no")
@@ -258,7 +258,7 @@ def test_a_worker_of_somebody_s_pool_copies_nothing():
     """Which may have no children of its own; nor is anything done where the system refuses one."""
     code = """
         import multiprocessing, os
-        from swarmcensus.basics.fork import in_background
+        from swarmcensus.support.fork import in_background
         def same(_):
             return in_background(os.getpid)() == os.getpid()
         with multiprocessing.get_context("fork").Pool(1) as pool:

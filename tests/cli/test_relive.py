@@ -7,10 +7,10 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.reliving.folders import read_day
-from swarmcensus.reliving.lives import relive
-from swarmcensus.reliving.others import under
 from swarmcensus.results.store import load, read
+from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.lives import relive
+from swarmcensus.robots.logs.others import under
 from swarmcensus.simulation.trials import record_trial
 from tests.support.relived import SEED, estimates_of, logged, setting_of, told
 
@@ -95,8 +95,8 @@ def test_results_and_traces_are_those_that_other_commands_take(day, tmp_path, ca
 
 
 def test_recorded_trace_equals_the_simulation(day):
-    from swarmcensus.reliving.clocks import Clock
-    from swarmcensus.reliving.traces import as_logged, as_trace
+    from swarmcensus.robots.logs.clocks import Clock
+    from swarmcensus.robots.logs.traces import as_logged, as_trace
 
     of = read_day(day)
     trace = as_trace(of, as_logged(of, [relive(member, keep=True) for member in of.members]), Clock(of.members))

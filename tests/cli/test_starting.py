@@ -10,11 +10,11 @@ import sys
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.files import shipped_studies
+from swarmcensus.checks.contract_checks import PROMISES
+from swarmcensus.checks.suite import examine
 from swarmcensus.cli.commands import main, start
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.conformance.suite import examine
 from swarmcensus.studies.study import Study
+from swarmcensus.support.files import shipped_studies
 from tests.support.places import ROOT
 
 

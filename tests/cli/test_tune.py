@@ -169,7 +169,7 @@ def test_a_log_of_another_search_is_refused(change, said, here, capsys):
 @pytest.mark.long
 def test_log_of_another_version_is_refused(here, capsys, monkeypatch):
     assert main([*TUNE, "--budget", "13"]) == 0
-    monkeypatch.setattr("swarmcensus.tuning.plans.__version__", "9.9")
+    monkeypatch.setattr("swarmcensus.search.tuning.plans.__version__", "9.9")
     assert main([*TUNE, "--budget", "13"]) == 2
     assert "version is " in capsys.readouterr().err
     with FileLock(".tunable-tuned.csv.lock"):
@@ -244,7 +244,7 @@ def test_ctrl_c_before_the_first_evaluation(where, here, capsys, monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"swarmcensus.tuning.{where}", stop)
+    monkeypatch.setattr(f"swarmcensus.search.tuning.{where}", stop)
     assert main(TUNE) == 130
     assert "kept" not in capsys.readouterr().err
     assert sorted(os.listdir()) == ["s.toml", "tunable.py"]

@@ -12,9 +12,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains import adversary
-from swarmcensus.conformance import sample_minds, suite
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.conformance.machine_code import agrees
+from swarmcensus.checks import sample_minds, suite
+from swarmcensus.checks.contract_checks import PROMISES
+from swarmcensus.checks.machine_code import agrees
 from tests.support.long import in_two_sizes
 from tests.support.lying import RICH, worn
 from tests.support.opinions import QUICK, quick

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from swarmcensus.checks import suite as conformance
+from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main, parser
-from swarmcensus.conformance import suite as conformance
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.planning.mission import mission_of
 from swarmcensus.runs.queues import Queue
+from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import to_toml
 from tests.support.pages import PAGES, assert_shown, blocks, commands, page_named

@@ -8,7 +8,7 @@ import pytest
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.deployment import selftest
+from swarmcensus.translation import selftest
 from tests.support.boards import needs_micropython
 from tests.support.places import ROOT
 

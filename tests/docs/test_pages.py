@@ -8,19 +8,19 @@ import tomllib
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import metrics
+from swarmcensus.brains import metrics
+from swarmcensus.checks import suite as conformance
 from swarmcensus.cli import commands
 from swarmcensus.cli.commands.plan import KEYS
-from swarmcensus.conformance import suite as conformance
-from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted
 from swarmcensus.results import structure
 from swarmcensus.results.measures import OURS
+from swarmcensus.robots.swarm.faults import ACTIONS
 from swarmcensus.runs.queues import Queue
-from swarmcensus.statistics.significance import fewest_trials
+from swarmcensus.search.planning.mission import Area, Free, Known, Mission, Wanted
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
-from swarmcensus.swarm.faults import ACTIONS
+from swarmcensus.support.significance import fewest_trials
 from swarmcensus.worlds.bodies import Body
 from tests.support.pages import BLOCK, PAGES, assert_shown, blocks, page_named
 from tests.support.places import ROOT

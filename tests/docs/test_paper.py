@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.files import shipped_study
-from swarmcensus.paper import report
-from swarmcensus.paper.evaluations import PAPER
-from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, check
-from swarmcensus.paper.measures import NUMBERS
+from swarmcensus.evaluation.paper import report
+from swarmcensus.evaluation.paper.evaluations import PAPER
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, check
+from swarmcensus.evaluation.paper.measures import NUMBERS
+from swarmcensus.support.files import shipped_study
 from tests.support.pages import OUR_C_LIBRARY
 from tests.support.places import DOCS
 

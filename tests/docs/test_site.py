@@ -16,7 +16,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.cli.commands import commands
-from swarmcensus.studies.schema import schema
+from swarmcensus.studies.json_schema import schema
 from tests.support.places import ROOT
 
 PAGES = sorted((ROOT / "docs").rglob("*.md"))

@@ -8,9 +8,9 @@ import pytest
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.cli.commands import main
-from swarmcensus.deployment import chips
-from swarmcensus.deployment.costs import COLUMNS, cost
-from swarmcensus.deployment.selftest import is_exact
+from swarmcensus.robots import chips
+from swarmcensus.robots.costs import COLUMNS, cost
+from swarmcensus.translation.selftest import is_exact
 from tests.support.places import DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, differs, load_busy, named
 

@@ -12,7 +12,7 @@ import struct
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.robot import runtime
+from swarmcensus.runtime import runtime
 from tests.support.boards import messages_of, needs_micropython, on_board, robot_files
 
 pytestmark = needs_micropython

@@ -12,13 +12,13 @@ from swarmcensus import brains
 from swarmcensus.brains.packing import BYTES, Format, Numbers, Precision, parts
 from swarmcensus.brains.single import codec_source, rounded_to_single
 from swarmcensus.cli.commands import main
-from swarmcensus.robot import codec
+from swarmcensus.live.robots import robot_of
+from swarmcensus.live.shows import Show
+from swarmcensus.live.simulated import Simulated
+from swarmcensus.runtime import codec
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies.tables import Measure
-from swarmcensus.watching.robots import robot_of
-from swarmcensus.watching.shows import Show
-from swarmcensus.watching.simulated import Simulated
 from tests.reference import formats as reference_formats
 from tests.reference import rounds as reference
 from tests.reference import walks as reference_walks

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.comparing.pair_tests import ContestInput, contests
-from swarmcensus.statistics.bootstrap import intervals
+from swarmcensus.analysis.comparing.pair_tests import ContestInput, contests
+from swarmcensus.support.bootstrap import intervals
 
 TABLES = 1000
 MOST = int(stats.binom.ppf(0.999, TABLES, 0.05))  # of tables with a false alarm, if the share is 5 %: 72

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.statistics.intervals import estimate
 from swarmcensus.studies.precision import Until
+from swarmcensus.support.intervals import estimate
 
 
 def right(share):

@@ -6,7 +6,7 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.tuning import generations, tuning
+from swarmcensus.search.tuning import generations, tuning
 from tests.support.long import in_two_sizes
 from tests.support.tunable import study_of
 

@@ -3,8 +3,8 @@
 import pytest
 
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.deployment import on_node
-from swarmcensus.robot import runtime
+from swarmcensus.robots import on_node
+from swarmcensus.runtime import runtime
 from tests.support.places import ROOT
 
 ROBOT = ROOT / "src" / "swarmcensus" / "robot"

@@ -3,7 +3,7 @@
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains import adversary
-from swarmcensus.metrics.metric import PLUGINS as METRICS
+from swarmcensus.brains.metrics.metric import PLUGINS as METRICS
 
 EDGES = [[0, 1], [1, 2], [2, 0], [3, 0], [0, 3]]
 NETWORKS = [

@@ -3,13 +3,13 @@
 import numpy as np
 
 from swarmcensus.brains.single import rounded_to_single
-from swarmcensus.deployment.messages import messages_of
 from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE
-from swarmcensus.robot.log import Log
-from swarmcensus.robot.runtime import Robot
+from swarmcensus.runtime.log import Log
+from swarmcensus.runtime.runtime import Robot
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies import addresses
+from swarmcensus.translation.messages import messages_of
 from tests.reference import rounds as reference
 
 FORMS = {"float32": 1, "float16": 2, "ratio16": 3, "ratio8": 4}

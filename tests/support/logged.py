@@ -4,9 +4,9 @@ import random
 
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.deployment.messages import messages_of
-from swarmcensus.robot.log import Log
-from swarmcensus.robot.runtime import Robot
+from swarmcensus.runtime.log import Log
+from swarmcensus.runtime.runtime import Robot
+from swarmcensus.translation.messages import messages_of
 
 SECOND = 1000
 

@@ -6,10 +6,10 @@ from pathlib import Path
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.deployment.folders import write_texts
-from swarmcensus.deployment.selftest import compare, first_rounds
-from swarmcensus.deployment.targets.c import translated
-from swarmcensus.robot.history import ROBOTS
+from swarmcensus.robots.folders import write_texts
+from swarmcensus.robots.targets.c import translated
+from swarmcensus.runtime.history import ROBOTS
+from swarmcensus.translation.selftest import compare, first_rounds
 from tests.support.places import EXAMPLE
 
 EXAMPLES = EXAMPLE

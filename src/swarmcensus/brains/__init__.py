@@ -5,13 +5,13 @@ Out: a Brain: its functions, memory, message, parameters and source; also for an
 Must not know: how brains are compiled, worlds, studies.
 """
 
-from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains.adversary import Adversary
 from swarmcensus.brains.adversary_source import lying_brain
 from swarmcensus.brains.brain import PLUGINS, Brain, find, is_shipped, load, parse, shipped, unloaded
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, TRACED
 from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
 from swarmcensus.brains.syntax import BELIEFS
+from swarmcensus.support.safe_source import digest, read_source
 
 __all__ = [
     "BELIEFS",

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from swarmcensus.basics import safe_source
-from swarmcensus.basics.errors import BrainError, InputError
-from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains import robot_math, robot_syntax, syntax
 from swarmcensus.brains.contract import FUNCTIONS as OF_BRAINS
 from swarmcensus.brains.contract import functions_in, require
 from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
+from swarmcensus.support import safe_source
+from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.plugins import Plugins
 
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
 FUNCTIONS = {"lie": 2}

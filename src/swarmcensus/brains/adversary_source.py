@@ -13,14 +13,14 @@ from copy import deepcopy
 from pathlib import Path
 from typing import NamedTuple
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.safe_source import names_set_by
 from swarmcensus.brains.adversary import SAYS, Adversary
 from swarmcensus.brains.brain import Brain, parse, unloaded
 from swarmcensus.brains.contract import CONSTANTS, FUNCTIONS, MAY_HAVE, confidence_of
 from swarmcensus.brains.fields import length as length_of
 from swarmcensus.brains.syntax import GIVEN_ON_ASKING, never_speaks
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.safe_source import names_set_by
 
 REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are written anew or left out
 ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it

@@ -7,9 +7,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from swarmcensus.basics import safe_source
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, Contents, read_contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
@@ -18,6 +15,9 @@ from swarmcensus.brains.packing import PLAIN, Numbers, Part, bytes_of, parts
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.single import in_single, rounded_to_single
 from swarmcensus.brains.syntax import BELIEFS, Uses
+from swarmcensus.support import safe_source
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.plugins import Plugins
 
 PLUGINS = Plugins("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot

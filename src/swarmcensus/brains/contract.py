@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from swarmcensus.basics import safe_source
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import robot_math, robot_syntax, syntax
 from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.syntax import BELIEFS
+from swarmcensus.support import safe_source
+from swarmcensus.support.errors import InputError
 
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
 CONSTANTS = ("MEMORY", "MESSAGE", "PARAMETERS", "OPTIONS", "ORACLE", "ROLES", "OPINION", "SUMS")

@@ -5,7 +5,7 @@ import unicodedata
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from swarmcensus.basics import safe_source
+from swarmcensus.support import safe_source
 
 Value = float | tuple[float, ...]
 LONGEST = 4096  # items of a vector

@@ -1,4 +1,4 @@
-"""How a message becomes bytes: which codings of `robot/codec.py` a format has for which fields of MESSAGE."""
+"""How a message becomes bytes: which codings of `runtime/codec.py` a format has for which fields of MESSAGE."""
 
 from collections.abc import Mapping
 from typing import Literal, NamedTuple, get_args
@@ -13,7 +13,7 @@ BYTES = {  # of a coding: for one number, but for "ratio16" and "ratio8", which 
 }  # fmt: skip
 STEPS = {"ratio16": 32768, "share16": 32768, "ratio8": 128, "share8": 128}
 MOST = {"whole16": 65535}
-READ = {  # of a coding: the name in the functions read_NAME and holds_NAME of `robot/codec.py`
+READ = {  # of a coding: the name in the functions read_NAME and holds_NAME of `runtime/codec.py`
     "float32": "real", "float16": "half", "ratio16": "pair", "ratio8": "pair", "share16": "share", "share8": "share",
     "log8": "log", "whole16": "whole",
 }  # fmt: skip

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from swarmcensus.basics import safe_source
-from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains.fields import Value, length, value_of
+from swarmcensus.support import safe_source
+from swarmcensus.support.hints import did_you_mean
 
 UNLOADED = "unloaded"
 

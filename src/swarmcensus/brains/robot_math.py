@@ -4,9 +4,9 @@ import ast
 import math
 from collections.abc import Iterator
 
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.safe_source import names_set_by
 from swarmcensus.brains.syntax import BrokenContract, functions_of
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.safe_source import names_set_by
 
 CONSTANTS = ("e", "inf", "nan", "pi", "tau")
 FUNCTIONS = (  # of MicroPython 1.27, without those of NOT_IN_C

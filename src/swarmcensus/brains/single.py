@@ -12,7 +12,7 @@ import functools
 from pathlib import Path
 from typing import Any
 
-from swarmcensus import robot
+from swarmcensus import runtime as robot
 from swarmcensus.brains.kinds import REAL, WHOLE, Kind, Kinds, arguments_of
 from swarmcensus.brains.syntax import functions_of
 
@@ -29,7 +29,7 @@ def rounded_to_single(x: float) -> float:
 
 @functools.cache
 def codec_source(precision: str) -> str:
-    """The source of `robot/codec.py` in this precision, "double" or "single"."""
+    """The source of `runtime/codec.py` in this precision, "double" or "single"."""
     text = (Path(robot.__file__).parent / "codec.py").read_text(encoding="utf-8")
     tree = ast.parse(text)
     return text if precision == "double" else ast.unparse(in_single(tree, Kinds(tree, {}, {})))

@@ -4,7 +4,7 @@ import ast
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.support.hints import did_you_mean
 
 BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes
 GIVEN_ON_ASKING = ("luck", "name")  # fields of `me` that exist if a brain reads them

@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics import terminal
-from swarmcensus.basics.formatting import counted, grouped
-from swarmcensus.basics.printed_tables import Column, Table
-from swarmcensus.comparing.cells import MARKS, legend
-from swarmcensus.comparing.comparison import Comparison
-from swarmcensus.comparing.groups import gap_name
-from swarmcensus.comparing.pair_tests import test_count
-from swarmcensus.comparing.showing import fitting, pairs_table, print_verdict, worlds_table
-from swarmcensus.comparing.standings import AGAINST, RANKED
+from swarmcensus.analysis.comparing.cells import MARKS, legend
+from swarmcensus.analysis.comparing.comparison import Comparison
+from swarmcensus.analysis.comparing.groups import gap_name
+from swarmcensus.analysis.comparing.pair_tests import test_count
+from swarmcensus.analysis.comparing.showing import fitting, pairs_table, print_verdict, worlds_table
+from swarmcensus.analysis.comparing.standings import AGAINST, RANKED
+from swarmcensus.support import terminal
+from swarmcensus.support.formatting import counted, grouped
+from swarmcensus.support.printed_tables import Column, Table
 
 
 def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from swarmcensus.basics import terminal
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.printed_tables import NUMBER, Column, Table, with_ends
-from swarmcensus.results.summary_table import NOTHING, coordinate_columns, varied_and_same
+from swarmcensus.results.table_of_summary import NOTHING, coordinate_columns, varied_and_same
+from swarmcensus.support import terminal
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.printed_tables import NUMBER, Column, Table, with_ends
 
 if TYPE_CHECKING:
-    from swarmcensus.explaining.agreement import Agreement, SettingAgreement
-    from swarmcensus.explaining.one_setting import Interval
+    from swarmcensus.analysis.explaining.agreement import Agreement, SettingAgreement
+    from swarmcensus.analysis.explaining.one_setting import Interval
 
 MEANS = {
     "measured": "root mean squared error of x - f after the last round",

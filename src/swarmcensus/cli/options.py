@@ -9,8 +9,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn, TypeVar
 
-from swarmcensus.basics.errors import OptionError
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.support.errors import OptionError
+from swarmcensus.support.hints import did_you_mean
 
 T = TypeVar("T")
 FORMATS = ("float32", "float16", "ratio16", "ratio8")  # of messages that have bytes
@@ -182,7 +182,7 @@ def part_of_trials(text: str) -> tuple[int, int]:
 
 def round_or_time(text: str) -> Any:
     """A whole number from 0, or a time with a unit. Raises ArgumentTypeError."""
-    from swarmcensus.basics.times import parse_time
+    from swarmcensus.support.times import parse_time
 
     if text.strip()[-1:].isalpha():  # a unit
         try:

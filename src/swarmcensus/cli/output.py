@@ -15,9 +15,9 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.printable import printable
-from swarmcensus.basics.printed_tables import tsv
-from swarmcensus.basics.readers import is_terminal
+from swarmcensus.support.printable import printable
+from swarmcensus.support.printed_tables import tsv
+from swarmcensus.support.readers import is_terminal
 
 if TYPE_CHECKING:
     from swarmcensus.runs.collect import Progress
@@ -78,7 +78,7 @@ def wrote(line: object) -> None:
 
 def answer(kind: str, about: Mapping[str, Any]) -> None:
     """Print the document of --json on stdout."""
-    from swarmcensus.basics.documents import document
+    from swarmcensus.support.documents import document
 
     print(document(kind, about, ascii_only=codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"))
 

@@ -3,11 +3,11 @@
 import math
 from dataclasses import replace
 
-from swarmcensus.basics import terminal
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.printed_tables import NUMBER, Table
-from swarmcensus.planning.mission import Mission
-from swarmcensus.planning.plans import Plan, Row
+from swarmcensus.search.planning.mission import Mission
+from swarmcensus.search.planning.plans import Plan, Row
+from swarmcensus.support import terminal
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.printed_tables import NUMBER, Table
 
 HEADS = {
     "how long": "the shortest time",

@@ -13,7 +13,7 @@ import sys
 import threading
 from typing import NoReturn
 
-from swarmcensus.basics.errors import STOPPED
+from swarmcensus.support.errors import STOPPED
 
 OBJECTS = 200_000  # new objects before garbage is collected: more than imports make
 

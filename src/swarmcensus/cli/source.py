@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     import xarray as xr
 
-from swarmcensus.basics.options import command
 from swarmcensus.cli.options import add_shared, from_zero, once
 from swarmcensus.cli.output import say
+from swarmcensus.support.options import command
 
 RESULTS_HELP = "a results file, as 'run' writes it"
 MOST_ROWS = 40  # of a table, unless --limit asks for more

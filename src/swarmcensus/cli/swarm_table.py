@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.output import say
+from swarmcensus.support.formatting import counted
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from swarmcensus.swarm.outcomes import Outcome
-    from swarmcensus.swarm.plans import Plan
-    from swarmcensus.swarm.reports import Known
-    from swarmcensus.swarm.running import Swarm
+    from swarmcensus.robots.swarm.outcomes import Outcome
+    from swarmcensus.robots.swarm.plans import Plan
+    from swarmcensus.robots.swarm.reports import Known
+    from swarmcensus.robots.swarm.running import Swarm
 
 LINES = 10  # of a run in a pipe
 EVENTS = 3  # that are shown in a terminal
@@ -35,7 +35,7 @@ def showing(plan: "Plan", options: argparse.Namespace) -> "Iterator[Callable[[Sw
     elif sys.stderr.isatty():
         from rich.live import Live
 
-        from swarmcensus.basics.terminal import console
+        from swarmcensus.support.terminal import console
 
         out = console(stderr=True)
         with Live(console=out, transient=True, auto_refresh=False) as live:
@@ -62,7 +62,7 @@ class _Lines:
 
 def _parts(swarm: "Swarm") -> list[str]:
     """How the swarm is."""
-    from swarmcensus.swarm.reports import share_heard
+    from swarmcensus.robots.swarm.reports import share_heard
 
     now = [number for number, known in enumerate(swarm.robots) if known.state == "runs" and known.last]
     parts = [f"{len(now)} of {len(swarm.robots)} at work"]
@@ -110,8 +110,8 @@ def _filled(parts: list[str], width: int) -> list[str]:
 
 def _robots(swarm: "Swarm", shown: int, width: int) -> "Table":
     """A row for each of the first robots, with the columns for which there is room."""
-    from swarmcensus.basics.printed_tables import Column
-    from swarmcensus.basics.terminal import console, fitted
+    from swarmcensus.support.printed_tables import Column
+    from swarmcensus.support.terminal import console, fitted
 
     rows = [_row(number, known) for number, known in enumerate(swarm.robots[:shown])]
     columns = []
@@ -134,7 +134,7 @@ def _row(number: int, known: "Known") -> list[str]:
 
 def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     """The end of a run, as lines."""
-    from swarmcensus.deployment.target import datagram_bytes
+    from swarmcensus.robots.target import datagram_bytes
 
     brain = plan.setting.brain
     said = {"robots": f"{outcome.at_work} of {outcome.robots} at work at the end", **_errors(plan, outcome)}

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command
-from swarmcensus.basics.printed_tables import Table
-from swarmcensus.basics.terminal import show
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import done, failed_trials, records
-from swarmcensus.results.summary_table import summary_table
+from swarmcensus.results.table_of_summary import summary_table
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command
+from swarmcensus.support.printed_tables import Table
+from swarmcensus.support.terminal import show
 
 
 def head(data: xr.Dataset, path: Path) -> str:

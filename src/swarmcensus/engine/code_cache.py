@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from filelock import FileLock, Timeout
 
-from swarmcensus.basics.files import atomic_write
+from swarmcensus.support.files import atomic_write
 
 HERE = Path(__file__).parent
 SOURCES = (

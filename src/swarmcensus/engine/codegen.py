@@ -6,10 +6,10 @@ from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, is_shipped, length, slots
+from swarmcensus.brains.metrics import Metric
 from swarmcensus.brains.packing import MOST, READ, STEPS, Part
 from swarmcensus.brains.single import ROUND
 from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID, SILENT
-from swarmcensus.metrics import Metric
 
 SIGNS = str.maketrans({"-": "minus_", "+": "plus_", "~": "not_"})
 CLIPPED, OWED = "_clipped", "_owed_{}"  # of a mind, where its messages have a format

@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.basics.errors import without_colours
 from swarmcensus.brains import Brain, is_shipped
+from swarmcensus.brains.metrics import GIVEN, Metric
 from swarmcensus.brains.single import codec_source
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
 from swarmcensus.engine.constants import PHASES
 from swarmcensus.engine.records import record_type
-from swarmcensus.metrics import GIVEN, Metric
+from swarmcensus.support.errors import without_colours
 
 LOOPS = (
     "world", "scores", "failures", "minds", "rounds", "kernel", "living", "motion", "neighbours", "walk", "riding",

@@ -15,10 +15,10 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.transforms import ScaledTranslation, Transform
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.looks import LIES
 from swarmcensus.figures.page import ink, letters, page, scale, title_letters
+from swarmcensus.support.errors import InputError
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
 LEFT, BOTTOM, ARENA = 0.25, 0.5, 5.1  # inches

@@ -18,7 +18,7 @@ from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import show_range
 from swarmcensus.results.values import metric_of, metrics_in
 from swarmcensus.studies.coordinates import OF_FIGURES
-from swarmcensus.vocabulary.quantities import QUANTITIES
+from swarmcensus.support.quantities import QUANTITIES
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis

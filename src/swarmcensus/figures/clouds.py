@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.results.selecting import require
 from swarmcensus.results.structure import finished
 from swarmcensus.results.values import robots_in
-from swarmcensus.statistics.intervals import estimate_pooled
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.intervals import estimate_pooled
 from swarmcensus.worlds.networks import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # value of the colour -> convergence, error

@@ -9,12 +9,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import derived_size, is_idle
 from swarmcensus.results.values import parameters_in
 from swarmcensus.studies.coordinates import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
 
 LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they are equivalent to `members`
 NONE = "none"  # the text of a missing value

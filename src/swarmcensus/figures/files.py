@@ -11,11 +11,11 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write
-from swarmcensus.basics.options import wrong_option
-from swarmcensus.basics.printable import printable
 from swarmcensus.figures.page import drawing
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write
+from swarmcensus.support.options import wrong_option
+from swarmcensus.support.printable import printable
 
 DPI = 150  # unless a style says otherwise
 MOST_PIXELS = 400_000_000  # 1.6 GB while a figure is drawn

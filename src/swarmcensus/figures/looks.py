@@ -12,11 +12,11 @@ from matplotlib import patheffects
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.lettering import shortened_apart
 from swarmcensus.results.labels import renamed
 from swarmcensus.studies.coordinates import title_of
+from swarmcensus.support.formatting import distinct_texts
 
 LIES = "#cc79a7"  # colour of robots that are not honest
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette

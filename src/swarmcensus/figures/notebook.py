@@ -8,9 +8,9 @@ import io
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.printed_tables import html
-from swarmcensus.basics.templates import render
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.printed_tables import html
+from swarmcensus.support.templates import render
 
 MOST_SETTINGS = 20
 
@@ -50,7 +50,7 @@ def _summary(data: Any) -> str:
     if "swarmcensus_version" not in data.attrs or "setting" not in data.dims:
         return ""
     from swarmcensus.results.summaries import done
-    from swarmcensus.results.summary_table import summary_table
+    from swarmcensus.results.table_of_summary import summary_table
 
     trials = f"{counted(int(done(data).sum()), 'trial')} of {counted(data.sizes['setting'], 'setting')}"
     title = f"{data.attrs.get('title', '')}: {trials}"

@@ -19,10 +19,10 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import wrong_option
 from swarmcensus.results.labels import with_labels
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import wrong_option
 
 WIDTHS = {"column": 3.5, "double": 7.2, "slide": 10.0}  # inches
 SLIDE_LETTERS = 13.0  # points, which the last row of a room can read

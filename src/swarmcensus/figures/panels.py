@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.results.labels import renamed, titles_in
 from swarmcensus.results.selecting import TooMuch, require
 from swarmcensus.studies.coordinates import caption_form, idle_caption
+from swarmcensus.support.formatting import distinct_texts
 
 MOST_PANELS = 24
 Names = Sequence[str] | str | None  # of coordinates

@@ -13,12 +13,12 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
-from swarmcensus.planning.plans import Plan, Row
+from swarmcensus.search.planning.plans import Plan, Row
+from swarmcensus.support.errors import InputError
 
 # All lengths are in points.
 SIZE = 5.0  # of a dot

@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.times import in_ticks, parse_time
 from swarmcensus.results import replaying
 from swarmcensus.results.selecting import check_held, require
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import loaded
 from swarmcensus.simulation import sampling
 from swarmcensus.studies.settings import Setting
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.times import in_ticks, parse_time
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.networks import MOVING
 

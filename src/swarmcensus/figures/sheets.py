@@ -16,11 +16,11 @@ from matplotlib.legend import Legend
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from matplotlib.transforms import ScaledTranslation
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import wrong_option
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
 from swarmcensus.figures.page import KEY_BELOW, RENDERING, SHEET, caption_letters, letters, page, scale, title_letters
 from swarmcensus.figures.panels import MOST_PANELS
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
 
 Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the y axis, neither
 Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure

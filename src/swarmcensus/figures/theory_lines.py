@@ -12,7 +12,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.lines import Line2D
 
-from swarmcensus.explaining.expectations import ALONE, SWARM, Line, expect
+from swarmcensus.analysis.explaining.expectations import ALONE, SWARM, Line, expect
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.figures.panels import Panel
 from swarmcensus.results.structure import finished

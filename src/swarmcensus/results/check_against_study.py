@@ -12,22 +12,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.version import __version__
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
 from swarmcensus.results.structure import BRAIN_FACTS, failures, finished
-from swarmcensus.results.values import (
-    Values,
-    additions_in,
-    edited,
-    is_missing,
-    metrics_in,
-    same_bits,
-)
+from swarmcensus.results.values import Values, additions_in, edited, is_missing, metrics_in, same_bits
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.version import __version__
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 SOURCES = ("brains", "adversaries", "metrics", "merged", "parameters")  # attributes in JSON

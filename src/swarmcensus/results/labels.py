@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import in_shell
 from swarmcensus.brains.library import TITLES, namesakes
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import in_shell
 
 LABELS = "labels"  # the table of a study file, and the attribute with the user's own
 

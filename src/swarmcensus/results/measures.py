@@ -12,11 +12,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import in_shell, option, wrong_option
 from swarmcensus.results.values import metric_of, metrics_in, robots_in
-from swarmcensus.statistics.bootstrap import Statistic, centres
-from swarmcensus.vocabulary.quantities import QUANTITIES, TRUTH, Quantity
+from swarmcensus.support.bootstrap import Statistic, centres
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import in_shell, option, wrong_option
+from swarmcensus.support.quantities import QUANTITIES, TRUTH, Quantity
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once

@@ -9,10 +9,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError, ResultsError
-from swarmcensus.basics.files import check_writable
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option
 from swarmcensus.results import structure
 from swarmcensus.results.check_against_study import MAKERS, most_trials, outline, unlike
 from swarmcensus.results.reading import packed, readable
@@ -21,6 +17,10 @@ from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import save, stored
 from swarmcensus.results.values import EVERY, blank, is_missing, kinds_in, metrics_in, metrics_label, same_bits
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.files import check_writable
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import option
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
 from swarmcensus.results import structure
 from swarmcensus.results.presence import folder_of
 from swarmcensus.results.store import checked, read, stored
 from swarmcensus.results.values import Values, blank
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 
 LOG = logging.getLogger(__name__)
 

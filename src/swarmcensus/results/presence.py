@@ -3,10 +3,10 @@
 import os
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_no_log
-from swarmcensus.basics.hints import did_you_mean_file
-from swarmcensus.basics.options import command
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import check_no_log
+from swarmcensus.support.hints import did_you_mean_file
+from swarmcensus.support.options import command
 
 
 def folder_of(out: Path) -> Path:

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.results.values import EVERY, MISSING, ArrayStore
 from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.support.errors import InputError
 from swarmcensus.worlds.sensors import start_of
 
 NOT_RUN = "{}: no such robot, or not run"  # the attribute `comment` of times

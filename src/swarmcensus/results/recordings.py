@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError, ResultsError, TableError
-from swarmcensus.basics.files import atomic_write
-from swarmcensus.basics.tables import Table, plain, read_table
 from swarmcensus.simulation.recorded import known, readings_of
+from swarmcensus.support.errors import InputError, ResultsError, TableError
+from swarmcensus.support.files import atomic_write
+from swarmcensus.support.tables import Table, plain, read_table
 from swarmcensus.worlds.edge_lists import KNOWN, LINKS, links_of
 
 ACCURACIES = ("b", "w", "accuracy")  # names of columns

@@ -5,21 +5,21 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import ResultsError
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import Format
-from swarmcensus.reliving.clocks import Clock
-from swarmcensus.reliving.folders import Day
-from swarmcensus.reliving.minds import format_of
-from swarmcensus.reliving.others import OtherDay
-from swarmcensus.reliving.traces import estimates_of, last_estimates, messages_of_robots
 from swarmcensus.results.source_study import RELIVED
 from swarmcensus.results.store import dataset
 from swarmcensus.results.values import Values
+from swarmcensus.robots.logs.clocks import Clock
+from swarmcensus.robots.logs.folders import Day
+from swarmcensus.robots.logs.minds import format_of
+from swarmcensus.robots.logs.others import OtherDay
+from swarmcensus.robots.logs.traces import estimates_of, last_estimates, messages_of_robots
 from swarmcensus.simulation.metrics import convergence, correct, error_at
 from swarmcensus.studies import addresses
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import to_toml
+from swarmcensus.support.errors import ResultsError
 
 
 def dataset_of(day: Day, lived: Sequence[OtherDay], clock: Clock, message: Format | None = None) -> xr.Dataset:

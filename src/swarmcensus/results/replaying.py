@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.conformance.quick import caution
+from swarmcensus.checks.quick import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.selecting import check_held
@@ -21,6 +20,7 @@ from swarmcensus.simulation.trials import record_estimates, record_readings, rec
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import UNNAMED
+from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.faults import NAMES, outages
 

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError, OptionError
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import in_shell, option, wrong_option
+from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import in_shell, option, wrong_option
 
 COMPARE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,

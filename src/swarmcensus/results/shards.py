@@ -23,12 +23,12 @@ import numpy as np
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError, ResultsError
-from swarmcensus.basics.files import acquire, atomic_write, is_leftover, remove_leftovers
-from swarmcensus.basics.options import option
-from swarmcensus.results.presence import folder_of as folder_of
+from swarmcensus.results.presence import folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
 from swarmcensus.studies.tables import UNNAMED
+from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.files import acquire, atomic_write, is_leftover, remove_leftovers
+from swarmcensus.support.options import option
 
 FORMAT = "swarmcensus shard 1"
 SKETCH = "study.nc"  # the dataset without trials: see `partial`

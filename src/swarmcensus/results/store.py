@@ -14,10 +14,6 @@ import xarray as xr
 from numpy.typing import NDArray
 from xarray.backends import H5NetCDFStore
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write
-from swarmcensus.basics.options import command
-from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
 from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_indices
 from swarmcensus.results.presence import check_there, folder_of
@@ -26,7 +22,11 @@ from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sou
 from swarmcensus.studies.coordinates import COORDINATES, coordinates_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
-from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write
+from swarmcensus.support.options import command
+from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
+from swarmcensus.support.version import __version__
 
 if TYPE_CHECKING:
     import pandas as pd

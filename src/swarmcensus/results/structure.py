@@ -12,9 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.safe_source import digest
-from swarmcensus.metrics import parse, variable_of
+from swarmcensus.brains.metrics import parse, variable_of
 from swarmcensus.results.values import (
     ENDLESS,
     EVERY,
@@ -29,7 +27,9 @@ from swarmcensus.results.values import (
     robots_in,
 )
 from swarmcensus.studies.coordinates import COORDINATES
-from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, stored
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, stored
+from swarmcensus.support.safe_source import digest
 from swarmcensus.worlds.networks import MOVING
 
 FORMAT = "swarmcensus results 3"

@@ -9,19 +9,19 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.documents import json_value
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import wrong_option
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.store import loaded
 from swarmcensus.results.structure import failed_in
 from swarmcensus.results.values import INTERVALS, bounds_in, is_missing, metrics_in, robots_in
-from swarmcensus.statistics.bootstrap import centres
-from swarmcensus.statistics.intervals import LEVEL, estimate
 from swarmcensus.studies.coordinates import NUMERIC
-from swarmcensus.vocabulary.quantities import QUANTITIES
+from swarmcensus.support.bootstrap import centres
+from swarmcensus.support.documents import json_value
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import LEVEL, estimate
+from swarmcensus.support.options import wrong_option
+from swarmcensus.support.quantities import QUANTITIES
 
 if TYPE_CHECKING:
     import pandas as pd

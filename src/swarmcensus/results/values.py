@@ -15,11 +15,11 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.metrics import Metric, parse
+from swarmcensus.brains.metrics import Metric, parse
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
-from swarmcensus.vocabulary.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
 
 Kind = tuple[tuple[str, ...], Any, str, str]  # a variable's dimensions, type, unit and meaning
 

@@ -22,16 +22,16 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus import brains, metrics
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import wrong_option
-from swarmcensus.basics.version import __version__
-from swarmcensus.brains import adversary
+from swarmcensus import brains
+from swarmcensus.brains import adversary, metrics
 from swarmcensus.runs.queues import NO_PAGE, Jobs, interrupted_by_signals, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import wrong_option
+from swarmcensus.support.version import __version__
 
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
 BUNDLES_PER_WORKER = 4  # at least, so that all workers finish at about the same time

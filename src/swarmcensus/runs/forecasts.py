@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.threads import interruptible
 from swarmcensus.runs.tasks import Task, metrics_of
 from swarmcensus.simulation.hanging import watched
@@ -17,6 +16,7 @@ from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import run_batch
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
 
 LONG = 300.0  # seconds: a run that takes longer is announced
 VERY_LONG = 86_400.0  # seconds: longer runs are warned of, as they may be a mistake

@@ -12,15 +12,15 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.fork import in_background
-from swarmcensus.conformance.quick import caution
+from swarmcensus.checks.quick import caution
 from swarmcensus.engine import code_cache, compiler
 from swarmcensus.engine.compiler import IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.engine.threads import interruptible
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.fork import in_background
 from swarmcensus.worlds.networks import Topology
 
 BUNDLE_SECONDS = 0.1  # long compared with the cost of handing out a bundle, short for a person who waits

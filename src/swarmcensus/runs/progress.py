@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.templates import render
 from swarmcensus.runs.collect import Progress, Report
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.templates import render
 
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
@@ -23,7 +23,7 @@ NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a bar: shorter runs need
 @contextlib.contextmanager
 def bar_or_lines(label: str) -> Iterator[Report]:
     """A callback for `run` that shows trials done, their rate and the time left: a bar on a terminal, else lines."""
-    from swarmcensus.basics.terminal import console
+    from swarmcensus.support.terminal import console
 
     out = console(stderr=True)
     if not out.is_terminal:

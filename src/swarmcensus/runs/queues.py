@@ -13,12 +13,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.hints import did_you_mean_any
-from swarmcensus.basics.options import wrong_option
 from swarmcensus.studies.tables import study_error
 from swarmcensus.studies.toml_text import read_toml
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean_any
+from swarmcensus.support.options import wrong_option
 
 GRACE_SECONDS = 30.0  # a job whose worker is gone for longer has ended; a refused job is submitted again after as long
 ASK_SECONDS = 20.0  # between two queries to Slurm about why no worker starts

@@ -11,11 +11,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import option
-from swarmcensus.basics.version import __version__
 from swarmcensus.results import store
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.values import (
@@ -33,6 +28,11 @@ from swarmcensus.results.values import (
 )
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import check_writable
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import option
+from swarmcensus.support.version import __version__
 
 
 def hint() -> str:

@@ -13,8 +13,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError, Interrupted
-from swarmcensus.basics.formatting import counted
 from swarmcensus.engine.threads import LeavableThreads
 from swarmcensus.results import store
 from swarmcensus.results.cautions import warn_of
@@ -30,6 +28,8 @@ from swarmcensus.simulation.trials import seconds
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.formatting import counted
 
 LOG = logging.getLogger(__name__)
 

@@ -7,7 +7,6 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.constants import (
     CHANGED,
     CLIPPED,
@@ -22,7 +21,7 @@ from swarmcensus.engine.constants import (
     WIDTH,
 )
 from swarmcensus.results.values import Columns, Piece
-from swarmcensus.simulation.blaming import line_of_failure
+from swarmcensus.simulation.failure_lines import line_of_failure
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Batch, Metrics, run_batch, seconds, walk_seconds
@@ -30,6 +29,7 @@ from swarmcensus.simulation.watches import MetricFails
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
 
 RIDE_BYTES = 256_000_000  # most memory for the curves of all minds on one trajectory
 EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings

@@ -11,32 +11,22 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.version import __version__
-from swarmcensus.metrics import Metric
+from swarmcensus.brains.metrics import Metric
 from swarmcensus.results import structure
 from swarmcensus.results.check_against_study import settings_of, unchecked, unlike
 from swarmcensus.results.reading import packed
 from swarmcensus.results.source_study import Brains, metrics_may_run, must_be_read, studies_of
 from swarmcensus.results.store import provenance, stored, wrong_layout
-from swarmcensus.results.values import (
-    ESTIMATES,
-    EVERY,
-    LOCAL,
-    MISSING,
-    Values,
-    blank,
-    is_missing,
-    kinds_in,
-    same_bits,
-)
+from swarmcensus.results.values import ESTIMATES, EVERY, LOCAL, MISSING, Values, blank, is_missing, kinds_in, same_bits
 from swarmcensus.runs.collect import Report
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.version import __version__
 
 RUN_ATTRIBUTES = (  # attributes that tell of the run, and not of the study
     "additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",

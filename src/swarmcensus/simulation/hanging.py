@@ -15,7 +15,7 @@ from numba.core.compiler_lock import global_compiler_lock
 from swarmcensus import brains
 from swarmcensus.brains import Brain
 from swarmcensus.engine.threads import WHILE_WAITING
-from swarmcensus.simulation.blaming import MOST_STEPS, run_in_cpython
+from swarmcensus.simulation.failure_lines import MOST_STEPS, run_in_cpython
 from swarmcensus.studies.settings import Setting
 
 PATIENCE = 5.0  # seconds that machine code may take before its brains are examined

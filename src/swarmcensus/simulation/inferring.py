@@ -9,8 +9,6 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.tables import frame_table, is_frame
 from swarmcensus.engine import compiler
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import SLACK
@@ -20,6 +18,8 @@ from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.simulation.recorded import readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
 from swarmcensus.studies.settings import KEYS
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.tables import frame_table, is_frame
 from swarmcensus.worlds.edge_lists import LINKS, from_one, links_of, unlinked
 from swarmcensus.worlds.generators import numbered
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.layout import NO_LINKS, Inputs, Radio, Sensors
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
+from swarmcensus.support.errors import InputError
 
 NO_GROUPS = np.zeros((0, 0), np.int64)
 ALL_HONEST = np.zeros((0, 0), np.bool_)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.basics.bins import right_bin
+from swarmcensus.support.bins import right_bin
 
 
 def convergence(curves: np.ndarray, delta: float = 0.01) -> np.ndarray:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError, TableError
-from swarmcensus.basics.tables import Table, plain
+from swarmcensus.support.errors import InputError, TableError
+from swarmcensus.support.tables import Table, plain
 from swarmcensus.worlds.edge_lists import from_one
 
 LONG = ("step", "robot")

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine import compiler
 from swarmcensus.engine.layout import Chunk, Inputs, Recorded
 from swarmcensus.engine.threads import interruptible
@@ -13,19 +12,13 @@ from swarmcensus.simulation import sampling
 from swarmcensus.simulation.answers import check_estimates, check_intervals, check_verdicts, check_wishes
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
-from swarmcensus.simulation.swarming import (
-    consensus_of,
-    ended,
-    fields_of,
-    minds_of,
-    swarm_of,
-    tally_of,
-)
+from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, minds_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import Batch, Metrics, blaming
 from swarmcensus.simulation.walking import Walk, set_out
 from swarmcensus.simulation.watches import Truths, Watch, results_of
 from swarmcensus.studies import addresses
 from swarmcensus.studies.settings import Setting
+from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.changing_ground import ChangingGround
 from swarmcensus.worlds.ground import Ground

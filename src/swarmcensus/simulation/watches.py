@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.basics.bins import right_bin, right_bins
-from swarmcensus.basics.errors import InputError, line_of, without_colours
-from swarmcensus.basics.formatting import counted
+from swarmcensus.brains.metrics import GIVEN, Metric
 from swarmcensus.engine.compiler import blank_record, compile_metric
-from swarmcensus.metrics import GIVEN, Metric
 from swarmcensus.studies.settings import Setting
+from swarmcensus.support.bins import right_bin, right_bins
+from swarmcensus.support.errors import InputError, line_of, without_colours
+from swarmcensus.support.formatting import counted
 
 MOST_SHOWN = 1_000_000  # estimates, to CPython
 WIDEST_CHECKED = 100  # robots

@@ -4,8 +4,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Brain
 from swarmcensus.brains.library import namesakes
 from swarmcensus.studies import members
@@ -16,6 +14,8 @@ from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables
 from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault

@@ -10,7 +10,7 @@ import numpy as np
 
 from swarmcensus.studies.keys import Coordinate
 from swarmcensus.studies.settings import KEYS, Setting, set_apart, shown
-from swarmcensus.vocabulary.quantities import QUANTITIES
+from swarmcensus.support.quantities import QUANTITIES
 
 OTHERS = (
     Coordinate(

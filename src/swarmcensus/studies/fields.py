@@ -7,8 +7,12 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationInfo
 
-from swarmcensus import brains, metrics
-from swarmcensus.basics.forms import (
+from swarmcensus import brains
+from swarmcensus.brains import adversary, metrics
+from swarmcensus.brains.fields import LARGEST as LARGEST_VALUE
+from swarmcensus.brains.packing import Format, Precision
+from swarmcensus.studies.precision import Until
+from swarmcensus.support.forms import (
     LISTED,
     ONE_OR_SEVERAL,
     Form,
@@ -20,12 +24,8 @@ from swarmcensus.basics.forms import (
     any_of,
     name_in,
 )
-from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
-from swarmcensus.basics.times import OR_TIME
-from swarmcensus.brains import adversary
-from swarmcensus.brains.fields import LARGEST as LARGEST_VALUE
-from swarmcensus.brains.packing import Format, Precision
-from swarmcensus.studies.precision import Until
+from swarmcensus.support.hints import did_you_mean, did_you_mean_any
+from swarmcensus.support.times import OR_TIME
 from swarmcensus.worlds.bodies import Positive
 from swarmcensus.worlds.changes import OR_CHANGE
 from swarmcensus.worlds.networks import TOPOLOGY, Topology, parse_topology

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.forms import Robots, Several, Table
 from swarmcensus.brains import Adversary, Brain, lying_brain
 from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.forms import Robots, Several, Table
 from swarmcensus.worlds.bodies import Least
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 

@@ -13,8 +13,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.forms import Table
 from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.studies.fields import (
@@ -34,6 +32,8 @@ from swarmcensus.studies.fields import (
 )
 from swarmcensus.studies.keys import Coordinate, Key, keys_of
 from swarmcensus.studies.members import Member
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.forms import Table
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.changes import Change, along, steady

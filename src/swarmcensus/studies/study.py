@@ -9,19 +9,19 @@ from typing import TYPE_CHECKING, Any, Self, Unpack
 
 from pydantic import ValidationError
 
-from swarmcensus import brains, metrics
-from swarmcensus.basics.errors import InputError, StudyError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command
-from swarmcensus.basics.plugins import Plugins
-from swarmcensus.basics.templates import render
-from swarmcensus.brains import Adversary, Brain, adversary
+from swarmcensus import brains
+from swarmcensus.brains import Adversary, Brain, adversary, metrics
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import Grid, grids_of
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables, study_error
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml, to_toml_value
+from swarmcensus.support.errors import InputError, StudyError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command
+from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.templates import render
 from swarmcensus.worlds import patterns, spreading, wiring
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.pictures import Picture

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_
 
 from pydantic import BaseModel, Field, ValidationError, create_model, model_validator
 
-from swarmcensus.basics.errors import StudyError, pydantic_message
-from swarmcensus.basics.forms import Number, Table
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.times import in_ticks
 from swarmcensus.studies.fields import Metrics, Name, SeveralTables, Times, Trials
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
 from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.support.errors import StudyError, pydantic_message
+from swarmcensus.support.forms import Number, Table
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.times import in_ticks
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 

@@ -11,9 +11,9 @@ import numpy as np
 from pydantic import BaseModel
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import StudyError
-from swarmcensus.basics.hints import did_you_mean_file
-from swarmcensus.metrics import Metric
+from swarmcensus.brains.metrics import Metric
+from swarmcensus.support.errors import StudyError
+from swarmcensus.support.hints import did_you_mean_file
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.networks import Topology, parse_topology
 from swarmcensus.worlds.patterns import Floor

@@ -8,8 +8,8 @@ one over their sum. Estimates that are cut to [0, 1] are biased near the ends, a
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 from swarmcensus.theory.checks import Floats, count, fitting, from_zero, numbers, positive, sensors, shares
 
 MEDIAN = 0.6744897501960817  # standard deviations: half of a normal distribution lies within

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.worlds.graphs import whole
 
 Floats = NDArray[np.float64]

@@ -18,8 +18,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 from swarmcensus.theory.checks import BLIND, Floats, count, fitting, numbers, one_share, positive, sensors, shares
 
 Drawn = Literal["exactly", "one by one"]

@@ -24,8 +24,8 @@ from collections import deque
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 from swarmcensus.theory.checks import Floats
 from swarmcensus.theory.matrices import product_with
 

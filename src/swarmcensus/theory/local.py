@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.basics.bins import right_bin
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.bins import right_bin
+from swarmcensus.support.errors import InputError
 from swarmcensus.theory.checks import (
     BLIND,
     MOST_READINGS,

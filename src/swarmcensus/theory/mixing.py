@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.theory.checks import BLIND, Floats, count, one_share, sensors, times
 from swarmcensus.theory.late_mixing import late_moments
 from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of, summed_products

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.theory.checks import Floats, count, numbers, one_number, one_share, shares, times
 from swarmcensus.theory.matrices import balance, checked, geometric, spectrum_of
 

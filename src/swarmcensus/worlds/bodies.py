@@ -6,9 +6,9 @@ from typing import Annotated
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
-from swarmcensus.basics.forms import Number, Table, any_of
-from swarmcensus.basics.times import WrittenTime, parse_time
 from swarmcensus.engine.records import record_type
+from swarmcensus.support.forms import Number, Table, any_of
+from swarmcensus.support.times import WrittenTime, parse_time
 
 # outside these bounds, squares and quotients of lengths and times would overflow
 Positive = Annotated[Number, Field(gt=0.0, ge=1e-9, le=1e9)]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, Field
 
-from swarmcensus.basics.forms import OrElse, Share, ValueTable, any_of, read, says
-from swarmcensus.basics.times import MOST, OR_TIME, Time, in_ticks
+from swarmcensus.support.forms import OrElse, Share, ValueTable, any_of, read, says
+from swarmcensus.support.times import MOST, OR_TIME, Time, in_ticks
 
 KEYS = ("from", "to", "at", "until")
 LEAST = 2  # a change in round 1 would be none

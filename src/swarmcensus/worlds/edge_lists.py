@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError, TableError
-from swarmcensus.basics.tables import Table, plain, read_table
+from swarmcensus.support.errors import InputError, TableError
+from swarmcensus.support.tables import Table, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 
 DIRECTED = (("sender", "receiver"), ("source", "target"), ("from", "to"), ("src", "dst"), ("fromnodeid", "tonodeid"))

@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, Robots, Table
-from swarmcensus.basics.times import MOST, OR_TIME
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
+from swarmcensus.support.forms import LISTED, ONE_OR_SEVERAL, Robots, Table
+from swarmcensus.support.times import MOST, OR_TIME
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 

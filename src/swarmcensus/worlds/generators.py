@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
 
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
 TRIED = 24  # small sizes that are tried first, before the graph for all robots

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.engine.constants import LISTED
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
 from swarmcensus.worlds import generators
 from swarmcensus.worlds.networks import Topology, parse_topology
 from swarmcensus.worlds.wiring import PLUGINS

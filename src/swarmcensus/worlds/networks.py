@@ -14,12 +14,12 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import ConfigDict, Field
 
-from swarmcensus.basics.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
-from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
-from swarmcensus.basics.plugins import Keys
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.engine.layout import Links
+from swarmcensus.support.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
+from swarmcensus.support.hints import did_you_mean, did_you_mean_any
+from swarmcensus.support.plugins import Keys
 from swarmcensus.worlds import generators, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked

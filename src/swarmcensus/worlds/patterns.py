@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from swarmcensus.basics.errors import BrainError, InputError
-from swarmcensus.basics.forms import Form, Schema
-from swarmcensus.basics.hints import did_you_mean_any
-from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
+from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.forms import Form, Schema
+from swarmcensus.support.hints import did_you_mean_any
+from swarmcensus.support.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import Picture

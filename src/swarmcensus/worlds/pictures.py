@@ -10,8 +10,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, ValidationInfo
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.forms import Text, any_of
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.forms import Text, any_of
 
 MOST_PIXELS = 1 << 24
 

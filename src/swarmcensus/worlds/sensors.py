@@ -14,8 +14,8 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field
 
-from swarmcensus.basics.forms import Number, Share, ValueTable, any_of, read, says
 from swarmcensus.engine.addresses import address
+from swarmcensus.support.forms import Number, Share, ValueTable, any_of, read, says
 from swarmcensus.worlds.spreading import AccuracySpread, ErrorSpread, Spread, SpreadText, parse_spread
 
 KEYS = ("start", "drift", "least", "most")

@@ -11,11 +11,11 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.forms import Form, Number, Share, any_of
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.plugins import Plugins, error_message
 from swarmcensus.engine.compiler import compile_world
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.forms import Form, Number, Share, any_of
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.plugins import Plugins, error_message
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import BrainError, InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
+from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.chance import Chance
 
 PLUGINS = Plugins("topology", "swarmcensus.topologies", "swarmcensus.worlds.topologies")

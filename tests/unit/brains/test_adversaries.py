@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import adversary
 from swarmcensus.brains.adversary_source import HELPERS
+from swarmcensus.checks.machine_code import agrees, step_by_step
 from swarmcensus.cli.commands import main
-from swarmcensus.conformance.machine_code import agrees, step_by_step
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import run_batch
+from swarmcensus.support.errors import InputError
 from tests.reference import walks as reference_walks
 from tests.support.lives import MEASURE, lived
 from tests.support.lying import RICH, adversary_of, liars, robot, worn

@@ -6,12 +6,12 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import adversary
+from swarmcensus.checks import suite
+from swarmcensus.checks.machine_code import agrees
 from swarmcensus.cli.commands import main
-from swarmcensus.conformance import suite
-from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.runs.verifying import verify
+from swarmcensus.support.errors import InputError
 from tests.support.lives import lived
 from tests.support.lying import RICH, adversary_of, robot
 from tests.support.places import EXAMPLE

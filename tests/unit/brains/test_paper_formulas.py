@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 
 MINIMALISTIC = brains.load("minimalistic")
 LEGACY = brains.load("legacy")

@@ -3,7 +3,7 @@
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from tests.support.lying import RICH
 from tests.support.second import MEANS, brain, changed
 

@@ -8,9 +8,9 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.checks import single_life, suite
+from swarmcensus.checks.lives_in_single import single_lives
 from swarmcensus.cli.commands import main
-from swarmcensus.conformance import single_life, suite
-from swarmcensus.conformance.single_lives import single_lives
 from tests.support import ring_days
 
 LONG_LIVED = ("commons", "swift", "tracking", "steadfast", "sure")

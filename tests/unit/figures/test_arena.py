@@ -14,7 +14,6 @@ from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK
 from swarmcensus.figures.files import save
@@ -25,6 +24,7 @@ from swarmcensus.figures.scenes import FLOOR, scene_of
 from swarmcensus.results.recordings import write_trace
 from swarmcensus.results.source_study import studies_of
 from swarmcensus.simulation import sampling
+from swarmcensus.support.errors import InputError
 
 STUDY = """
 name = "pictures for $2 or $3"

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.coordinates import from_nobody, varies
 from swarmcensus.figures.panels import panels_of
+from swarmcensus.support.errors import InputError
 
 pytestmark = pytest.mark.interpreted
 

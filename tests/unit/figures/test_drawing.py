@@ -15,8 +15,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import shell_options
 from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.kinds.decisions import decisions_grid
@@ -24,7 +22,9 @@ from swarmcensus.figures.kinds.scatter import label_dots, scatter_grid
 from swarmcensus.figures.looks import keyed, looks_of, palette
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.selecting import TooMuch, where
-from swarmcensus.statistics.intervals import estimate
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import estimate
+from swarmcensus.support.options import shell_options
 from tests.support.drawing import PAPER, assert_fits, drawn, forget, study, texts
 
 

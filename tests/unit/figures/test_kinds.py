@@ -16,13 +16,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.figures.kinds.lines import stretches
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
-from swarmcensus.statistics.intervals import estimate
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
 from tests.support.places import ROOT
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.figures.lettering import shortened, width_of, wrapped
+from swarmcensus.support.formatting import distinct_texts
 
 NAMES = "watts_strogatz_graph(k=4,p=0.1), my_quite_long_brain_name_of_2024.py, N = 10, f = 0.55"
 

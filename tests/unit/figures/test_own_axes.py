@@ -7,9 +7,9 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.library import TITLES
 from swarmcensus.results.labels import renamed
+from swarmcensus.support.errors import InputError
 from tests.support.contending import made_up
 from tests.support.drawing import drawn, study, texts
 

@@ -16,8 +16,8 @@ from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.evaluation.paper.reproducing import reproduce
 from swarmcensus.figures.kinds import find
-from swarmcensus.paper.reproducing import reproduce
 from tests.support.contending import made_up
 
 BELIEFS = """

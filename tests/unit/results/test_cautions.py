@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.files import shipped_study
 from swarmcensus.cli.commands import main
 from swarmcensus.results.cautions import settled_at_start, warn_of_start
+from swarmcensus.support.files import shipped_study
 
 STUDY = """
 trials = 4

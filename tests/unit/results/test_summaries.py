@@ -10,14 +10,13 @@ import pytest
 from rich.console import Console
 
 import swarmcensus as sc
-from swarmcensus.basics import terminal
-from swarmcensus.basics.printed_tables import Table
-from swarmcensus.basics.readers import AS_TERMINAL
 from swarmcensus.cli import tables
 from swarmcensus.cli.commands import main
-from swarmcensus.paper.report import rounded
+from swarmcensus.evaluation.paper.report import rounded
 from swarmcensus.results import summaries
-from swarmcensus.statistics import intervals
+from swarmcensus.support import intervals, terminal
+from swarmcensus.support.printed_tables import Table
+from swarmcensus.support.readers import AS_TERMINAL
 
 MANY = """
 trials = 6

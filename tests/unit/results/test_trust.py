@@ -13,14 +13,14 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.safe_source import digest
 from swarmcensus.cli.commands import main
 from swarmcensus.results import check_against_study, structure
 from swarmcensus.results.reading import WHOLE
 from swarmcensus.results.store import stored
 from swarmcensus.results.values import ENDLESS, EVERY
 from swarmcensus.runs import verifying
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.safe_source import digest
 from swarmcensus.worlds import networks, pictures
 from tests.support import second
 from tests.support.altering import alterations, of_the_whole

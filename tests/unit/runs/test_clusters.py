@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
 from swarmcensus.studies import addresses
+from swarmcensus.support.errors import InputError, Interrupted
 from tests.support.clusters import LONG, Once, study
 from tests.support.places import EXAMPLE
 from tests.support.results import same

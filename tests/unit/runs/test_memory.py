@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.results import shards, store
 from swarmcensus.results import values as rooms
@@ -15,6 +14,7 @@ from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools, tasks
 from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import record_estimates, record_trial
+from swarmcensus.support.errors import InputError
 from tests.support.small import SEED, settings_of
 
 ROBOTS = 60_000

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.runs.resuming import hold_output
+from swarmcensus.support.errors import InputError
 
 TABLES = {
     "name": "parts",

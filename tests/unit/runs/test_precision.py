@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.runs.running import run
-from swarmcensus.statistics import intervals
 from swarmcensus.studies.precision import GROWTH, Until, look_level
+from swarmcensus.support import intervals
+from swarmcensus.support.errors import InputError
 
 WORLD = {"topology": ["ring", "full"], "fill_ratio": [0.55]}
 SCHEDULE = {"rounds": 50}

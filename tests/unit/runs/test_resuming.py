@@ -15,8 +15,6 @@ import pytest
 from filelock import FileLock
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError, Interrupted
-from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.results import shards
@@ -26,9 +24,11 @@ from swarmcensus.results.values import EVERY, LOCAL, MARKS, Values, shapes
 from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.running import run
-from swarmcensus.runs.status import status
+from swarmcensus.runs.status_of_run import status
 from swarmcensus.simulation import answers
 from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.formatting import counted
 from tests.support.long import in_two_sizes
 from tests.support.results import same
 from tests.support.resuming import STUDY, Cut, cut_off, study
@@ -368,7 +368,7 @@ def test_a_full_disk_as_the_system_tells_it(here, whole, monkeypatch):
             raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("swarmcensus.basics.files.os.fsync", full)
+        patch.setattr("swarmcensus.support.files.os.fsync", full)
         with pytest.raises(InputError, match="No space left on device"):
             run(study(), 1, out="a.nc")
     assert len(shards.listed(folder)) == 3

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import Interrupted
 from swarmcensus.runs.tasks import plan_tasks
+from swarmcensus.support.errors import Interrupted
 
 LONG = {
     "trials": 40,

@@ -9,9 +9,9 @@ import time
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics import fork
 from swarmcensus.runs import pools, progress
 from swarmcensus.runs.collect import Progress
+from swarmcensus.support import fork
 
 NAMES = ["minimalistic", "legacy", "voter"]
 

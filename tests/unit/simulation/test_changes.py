@@ -8,10 +8,9 @@ import pandas as pd
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.bins import right_bins
+from swarmcensus.analysis.explaining import wrong_beliefs
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
-from swarmcensus.explaining import wrong_beliefs
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results import recordings
@@ -20,6 +19,7 @@ from swarmcensus.results.selecting import where
 from swarmcensus.simulation import metrics, sampling, walking
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.studies import addresses
+from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds.changes import Change, along, read_change
 from tests.reference import rounds as reference
 from tests.support.second import brain

@@ -8,15 +8,15 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.analysis.comparing import cells
+from swarmcensus.checks import suite
+from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
-from swarmcensus.comparing import cells
-from swarmcensus.conformance import suite
-from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import MEANS, brain, changed, fixed, moving
 from tests.support.small import GO, SEED

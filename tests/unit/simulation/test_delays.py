@@ -10,7 +10,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, trials
-from swarmcensus.simulation.blaming import line_of_failure
+from swarmcensus.simulation.failure_lines import line_of_failure
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of

@@ -13,10 +13,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import Interrupted
 from swarmcensus.engine import threads
 from swarmcensus.runs import tasks
 from swarmcensus.simulation import hanging
+from swarmcensus.support.errors import Interrupted
 
 ENDLESS = (
     brains.load("alone").source.replace(

@@ -10,12 +10,12 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.runs.running import run
 from swarmcensus.simulation import trials as engine
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
+from swarmcensus.support.errors import InputError
 from tests.support.second import MEANS, SAYS, WALD, brain, changed, fixed, moving
 from tests.support.small import GO, SEED, changing
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.cli.commands import main
-from swarmcensus.comparing.contenders import grid_of
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.merging import merge
 from swarmcensus.results.selecting import where

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.random import chance
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
+from swarmcensus.support.errors import InputError
 from tests.reference import rounds as reference
 from tests.support.second import ALL, LUCKY, MEANS, OURS, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED

@@ -8,7 +8,6 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import metrics, sampling
@@ -17,6 +16,7 @@ from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
+from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
 from tests.support.second import MEANS, STEER, agreed, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED

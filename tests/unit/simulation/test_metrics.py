@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from swarmcensus.basics.bins import right_bin
 from swarmcensus.simulation import metrics
+from swarmcensus.support.bins import right_bin
 
 
 def by_definition(curve, delta):

@@ -5,10 +5,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
+from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import MEANS, brain, changed, fixed, moving
 from tests.support.small import SEED

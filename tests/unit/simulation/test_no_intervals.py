@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.conformance import suite
-from swarmcensus.conformance.contract_checks import PROMISES
-from swarmcensus.conformance.machine_code import agrees, compiles
+from swarmcensus.checks import suite
+from swarmcensus.checks.contract_checks import PROMISES
+from swarmcensus.checks.machine_code import agrees, compiles
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
+from swarmcensus.support.errors import InputError
 from tests.support.second import MEANS, SAYS, brain, changed, fixed, moving
 from tests.support.small import GO, SEED
 

@@ -6,11 +6,11 @@ from scipy.optimize import brentq
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import parse
 from swarmcensus.engine.constants import SENSING
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import sampling
+from swarmcensus.support.errors import InputError
 
 ORACLE = brains.load("oracle")
 MIXED = {"black": "U(0.55, 1.0)", "white": "U(0.1, 0.9)"}

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
+from swarmcensus.support.errors import InputError
 from tests.support.second import MEANS, brain, changed, fixed
 from tests.support.small import SEED
 

@@ -9,11 +9,11 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.errors import InputError
+from swarmcensus.checks import suite
+from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
-from swarmcensus.conformance import suite
-from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import ALL, brain, changed, fixed
 from tests.support.small import GO, SEED

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
+from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.support.small import SMALL

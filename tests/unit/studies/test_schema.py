@@ -8,10 +8,10 @@ import tomllib
 import jsonschema
 import pytest
 
-from swarmcensus.basics.files import shipped_studies
 from swarmcensus.cli.commands import main
-from swarmcensus.planning import mission as of_missions
-from swarmcensus.studies.schema import schema
+from swarmcensus.search.planning import mission as of_missions
+from swarmcensus.studies.json_schema import schema
+from swarmcensus.support.files import shipped_studies
 from tests.support.pages import PAGES, blocks
 
 PLAIN = {"trials": 1, "swarm": {"robots": 5, "accuracy": 0.7}, "world": {"topology": "ring", "fill_ratio": 0.5}}

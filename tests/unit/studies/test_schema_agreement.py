@@ -11,9 +11,9 @@ from pydantic import ValidationError
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.planning import mission as of_missions
-from swarmcensus.planning.mission import Mission, mission_of
-from swarmcensus.studies import schema as of_studies
+from swarmcensus.search.planning import mission as of_missions
+from swarmcensus.search.planning.mission import Mission, mission_of
+from swarmcensus.studies import json_schema as of_studies
 from swarmcensus.studies.tables import Tables
 
 ATOMS = [

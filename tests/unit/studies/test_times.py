@@ -3,9 +3,9 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.times import parse_time
 from swarmcensus.cli.commands import main
 from swarmcensus.studies import addresses
+from swarmcensus.support.times import parse_time
 
 STUDY = {
     "trials": 1,

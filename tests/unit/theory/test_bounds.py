@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from swarmcensus import theory
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 
 
 @pytest.mark.parametrize(("b", "w", "f"), [(0.7, 0.7, 0.55), (0.9, 0.6, 0.2), (0.3, 0.3, 0.95), (1.0, 0.8, 0.5)])

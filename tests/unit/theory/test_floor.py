@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 
 from swarmcensus import theory
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.worlds.floors.clusters import kernel
 
 B, W = 0.9, 0.7

@@ -10,7 +10,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import theory
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.theory.late_mixing import fits, late_moments
 from swarmcensus.theory.mixing import moments
 from tests.support.graphs import COMMONS, GRAPHS

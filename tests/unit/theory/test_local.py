@@ -11,7 +11,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains, theory
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.theory.local import binomial
 
 SENSORS = [(0.7, 0.7), (0.9, 0.6), (1.0, 0.6), (1.0, 1.0), (0.3, 0.4), (0.0, 0.0), (0.5, 0.5), (0.2, 0.8)]

@@ -10,7 +10,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import theory
-from swarmcensus.basics.errors import InputError
+from swarmcensus.support.errors import InputError
 from swarmcensus.theory.matrices import geometric, spectrum_of
 from swarmcensus.theory.mixing import by_powers, moments
 from tests.support.graphs import COMMONS, DIRECTED, GRAPHS

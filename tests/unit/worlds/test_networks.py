@@ -9,8 +9,8 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.basics import plugins
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
+from swarmcensus.support import plugins
 from swarmcensus.worlds import networks, wiring
 
 

@@ -15,13 +15,13 @@ import traceback
 from collections.abc import Sequence
 from pathlib import Path
 
-from swarmcensus.basics.errors import STOPPED, InputError, Interrupted
-from swarmcensus.basics.options import shell_options
-from swarmcensus.basics.printable import escaping
-from swarmcensus.basics.version import __version__
 from swarmcensus.cli.options import Command, Group, Parser, UsageError, add_output_options
 from swarmcensus.cli.output import speaking
 from swarmcensus.results.presence import check_there
+from swarmcensus.support.errors import STOPPED, InputError, Interrupted
+from swarmcensus.support.options import shell_options
+from swarmcensus.support.printable import escaping
+from swarmcensus.support.version import __version__
 
 
 @functools.cache

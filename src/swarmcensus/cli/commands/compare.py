@@ -4,16 +4,16 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present, say, wrote
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from swarmcensus.comparing.comparison import Comparison
+    from swarmcensus.analysis.comparing.comparison import Comparison
 
 
 def add_compare_options(sub: argparse.ArgumentParser) -> None:
@@ -45,13 +45,13 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
 
 def compare(options: argparse.Namespace) -> int:
     """Compare brains within each world."""
-    from swarmcensus.basics.files import check_output
+    from swarmcensus.analysis.comparing.comparison import compare as compare_results
+    from swarmcensus.analysis.comparing.showing import write_latex
+    from swarmcensus.analysis.comparing.tables import write_csv
     from swarmcensus.cli import compare_tables
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.cli.tables import head
-    from swarmcensus.comparing.comparison import compare as compare_results
-    from swarmcensus.comparing.showing import write_latex
-    from swarmcensus.comparing.tables import write_csv
+    from swarmcensus.support.files import check_output
 
     if options.by and options.pairs:
         raise misplaced("by", None, "counts worlds, --pairs shows single worlds: give one of them")

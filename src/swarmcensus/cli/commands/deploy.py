@@ -4,15 +4,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.errors import OptionError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command, option, wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, once, positive, share
 from swarmcensus.cli.output import answer, say, wrote
+from swarmcensus.support.errors import OptionError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command, option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.deployment.board_tests import Comparison
-    from swarmcensus.deployment.deploying import Deployed
+    from swarmcensus.robots.board_tests import Comparison
+    from swarmcensus.robots.deploying import Deployed
 
 SHOWN = 8  # differences that are listed
 MAKING = ("target", "b", "w", "message", "precision", "hz", "parameter", "robot", "log")
@@ -42,8 +42,8 @@ def deploy(options: argparse.Namespace) -> int:
 
 
 def _deploy(options: argparse.Namespace) -> int:
-    from swarmcensus.deployment.deploying import deploy as write
-    from swarmcensus.deployment.format_errors import measured, sentence
+    from swarmcensus.robots.deploying import deploy as write
+    from swarmcensus.robots.format_errors import measured, sentence
 
     for name, value in (("FOLDER", options.folder), ("--target", options.target)):
         if value is None:
@@ -80,7 +80,7 @@ def _sizes(made: "Deployed") -> list[str]:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    from swarmcensus.deployment.board_tests import compare
+    from swarmcensus.robots.board_tests import compare
 
     given = [name for name in MAKING if getattr(options, name)]
     if options.folder or given:

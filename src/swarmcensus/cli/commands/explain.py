@@ -5,15 +5,15 @@ import math
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
-    from swarmcensus.basics.printed_tables import Column
-    from swarmcensus.explaining.one_setting import Explanation, Interval
+    from swarmcensus.analysis.explaining.one_setting import Explanation, Interval
+    from swarmcensus.support.printed_tables import Column
 
 NAMES = {
     "alone": "a robot alone",
@@ -40,7 +40,7 @@ def add_explain_options(sub: argparse.ArgumentParser) -> None:
 
 def explain(options: argparse.Namespace) -> int:
     """Explain one setting, or compare all with theory."""
-    from swarmcensus.explaining import one_setting
+    from swarmcensus.analysis.explaining import one_setting
     from swarmcensus.results.partial import say_partial
     from swarmcensus.results.summaries import asked_anew
 
@@ -64,9 +64,9 @@ def explain(options: argparse.Namespace) -> int:
 
 
 def _all(options: argparse.Namespace) -> int:
+    from swarmcensus.analysis.explaining.agreement import agreement
     from swarmcensus.cli import explain_table
     from swarmcensus.cli.tables import head
-    from swarmcensus.explaining.agreement import agreement
     from swarmcensus.results.summaries import asked_anew
 
     if options.json and options.limit is not None:
@@ -88,8 +88,8 @@ def _all(options: argparse.Namespace) -> int:
 
 def show(explanation: "Explanation", path: str) -> None:
     """Print what one setting measured and what theory expects, then what its error consists of."""
-    from swarmcensus.basics import terminal
-    from swarmcensus.basics.printed_tables import Table
+    from swarmcensus.support import terminal
+    from swarmcensus.support.printed_tables import Table
 
     title = f"{path}, setting {explanation.setting}: {explanation.what}; {counted(explanation.trials, 'trial')}"
     when = f"after {explanation.rounds:,} {explanation.unit}"
@@ -122,7 +122,7 @@ def sentences(explanation: "Explanation") -> "Iterator[str]":
 
 def records(explanation: "Explanation") -> "list[dict[str, Any]]":
     """A flat record for what was measured, and one for each line of theory; `right_K` is the share at round K."""
-    from swarmcensus.basics.printed_tables import with_ends
+    from swarmcensus.support.printed_tables import with_ends
 
     checkpoints = explanation.checkpoints
     right = {f"right_{k}": interval for k, interval in zip(checkpoints, explanation.right, strict=True)}
@@ -137,7 +137,7 @@ def records(explanation: "Explanation") -> "list[dict[str, Any]]":
 
 def _columns(explanation: "Explanation") -> "list[Column]":
     """The columns of the table; on a narrow terminal the checkpoints between the first and the last go first."""
-    from swarmcensus.basics.printed_tables import Column
+    from swarmcensus.support.printed_tables import Column
 
     last = len(explanation.checkpoints) - 1
     few = min(last, MOST_CHECKPOINTS - 1)

@@ -3,12 +3,12 @@
 import argparse
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import misplaced, wrong_option
 from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.source import RESULTS_HELP, add_source_options, read
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import misplaced, wrong_option
 
 TABLES = ("csv", "parquet")
 FORMATS = (*TABLES, "mcap")
@@ -29,10 +29,10 @@ def add_export_options(sub: argparse.ArgumentParser) -> None:
 
 def export(options: argparse.Namespace) -> int:
     """Write results as a table, or logs of robots as MCAP."""
-    from swarmcensus.basics.files import check_writable
-    from swarmcensus.reliving.folders import without_logs
-    from swarmcensus.reliving.mcap_files import logs_in
     from swarmcensus.results.presence import check_there, folder_of
+    from swarmcensus.robots.logs.folders import without_logs
+    from swarmcensus.robots.logs.mcap_files import logs_in
+    from swarmcensus.support.files import check_writable
 
     source = options.results
     logs = logs_in(source)
@@ -56,7 +56,7 @@ def export(options: argparse.Namespace) -> int:
 
 
 def _export_logs(options: argparse.Namespace, out: Path) -> int:
-    from swarmcensus.reliving.mcap_files import write_mcap
+    from swarmcensus.robots.logs.mcap_files import write_mcap
 
     for name in OF_RESULTS:
         if getattr(options, name) is not None:

@@ -5,12 +5,12 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.formatting import elapsed
 from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared
 from swarmcensus.cli.output import present, reporting, say, wrote
+from swarmcensus.support.formatting import elapsed
 
 if TYPE_CHECKING:
-    from swarmcensus.ranking.board import Board
+    from swarmcensus.evaluation.ranking.board import Board
 
 
 def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
@@ -28,9 +28,9 @@ def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
 
 def leaderboard(options: argparse.Namespace) -> int:
     """Run the leaderboard and print the ranking, and where your own brains lose most."""
-    from swarmcensus.basics.terminal import console
-    from swarmcensus.ranking.board import leaderboard
-    from swarmcensus.ranking.table import flat, print_board, sentences
+    from swarmcensus.evaluation.ranking.board import leaderboard
+    from swarmcensus.evaluation.ranking.table import flat, print_board, sentences
+    from swarmcensus.support.terminal import console
 
     begun = time.monotonic()
     with reporting("leaderboard") as progress:
@@ -53,7 +53,7 @@ def leaderboard(options: argparse.Namespace) -> int:
 
 def _as_dict(board: "Board") -> dict[str, Any]:
     """The board for JSON: brains in the order of the table."""
-    from swarmcensus.ranking.table import rows
+    from swarmcensus.evaluation.ranking.table import rows
 
     return {
         "board": board.name,

@@ -7,15 +7,15 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group
 from swarmcensus.cli.output import answer, present, say
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
-    from swarmcensus.conformance.suite import Check
-    from swarmcensus.deployment.costs import Cost
+    from swarmcensus.checks.suite import Check
+    from swarmcensus.robots.costs import Cost
 
 MODULES = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
@@ -70,8 +70,8 @@ def brains(options: argparse.Namespace) -> int:
         )
         return 0
     from swarmcensus.brains import find
-    from swarmcensus.conformance.checking import check
-    from swarmcensus.conformance.suite import brain_to_check
+    from swarmcensus.checks.checking import check
+    from swarmcensus.checks.suite import brain_to_check
 
     if options.wearing:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
@@ -109,7 +109,7 @@ def brain_rows() -> list[Row]:
     None if none does. A brain that cannot be read has only its name and `fault`, which is None otherwise.
     """
     from swarmcensus import brains
-    from swarmcensus.conformance.single_lives import single_lives
+    from swarmcensus.checks.lives_in_single import single_lives
 
     lives = single_lives()
 
@@ -154,8 +154,8 @@ def show_all(brains: list[Row], adversaries: list[Row]) -> None:
 
 def show_brains(rows: list[Row]) -> None:
     """Print brains, grouped by what they estimate."""
-    from swarmcensus.basics.printed_tables import Table
-    from swarmcensus.basics.terminal import show
+    from swarmcensus.support.printed_tables import Table
+    from swarmcensus.support.terminal import show
 
     groups: dict[str, list[tuple[str, ...]]] = {group: [] for group in GROUPS.values()}
     for row in rows:
@@ -176,8 +176,8 @@ def show_brains(rows: list[Row]) -> None:
 
 def show_adversaries(rows: list[Row]) -> None:
     """Print adversaries with their parameters."""
-    from swarmcensus.basics.printed_tables import Table
-    from swarmcensus.basics.terminal import show
+    from swarmcensus.support.printed_tables import Table
+    from swarmcensus.support.terminal import show
 
     cells = []
     for row in rows:
@@ -190,7 +190,7 @@ def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collect
     """Print the results of the conformance suite, and notes."""
     from rich.text import Text
 
-    from swarmcensus.basics.terminal import console
+    from swarmcensus.support.terminal import console
 
     out = console()
     for result in checks:
@@ -208,7 +208,7 @@ def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collect
 def measure_costs(options: argparse.Namespace) -> None:
     """Measure the brains of --cost, all shipped ones if none is named, and print what they take."""
     from swarmcensus.brains import load, shipped
-    from swarmcensus.deployment.costs import check_tools, cost
+    from swarmcensus.robots.costs import check_tools, cost
 
     brains = [load(name) for name in options.cost or shipped()]
     check_tools()
@@ -224,10 +224,10 @@ def _cost_as_dict(one: "Cost") -> dict[str, Any]:
 
 
 def _show_costs(costs: "Sequence[Cost]") -> None:
-    from swarmcensus.basics.printed_tables import Table
-    from swarmcensus.basics.terminal import show
-    from swarmcensus.deployment.chips import CLOCK, KILOBOT
-    from swarmcensus.deployment.costs import COLUMNS
+    from swarmcensus.robots.chips import CLOCK, KILOBOT
+    from swarmcensus.robots.costs import COLUMNS
+    from swarmcensus.support.printed_tables import Table
+    from swarmcensus.support.terminal import show
 
     columns = [column for column in COLUMNS if column.short]
     heads = {column.short: column not in (columns[0], columns[-1]) for column in columns}
@@ -266,8 +266,8 @@ def choices(options: argparse.Namespace) -> int:
 
 def _show_choices(kinds: Collection[str]) -> None:
     """Print a table for each kind."""
-    from swarmcensus.basics.printed_tables import Table
-    from swarmcensus.basics.terminal import show
+    from swarmcensus.support.printed_tables import Table
+    from swarmcensus.support.terminal import show
 
     for k, kind in enumerate(kinds):
         rows = list(_rows(kind))

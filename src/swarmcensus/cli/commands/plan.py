@@ -5,10 +5,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import OptionError
-from swarmcensus.basics.formatting import elapsed
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
 from swarmcensus.cli.output import present, print_schema, reporting, say
+from swarmcensus.support.errors import OptionError
+from swarmcensus.support.formatting import elapsed
 
 KEYS = {
     "side": ("area", "METRES", "side of the square in which robots move"),
@@ -95,11 +95,11 @@ def plan(options: argparse.Namespace) -> int:
     """Plan a mission, or print the schema of mission files."""
     if options.schema:
         return _schema(options)
-    from swarmcensus.basics.files import check_output
     from swarmcensus.cli.plan_table import show
-    from swarmcensus.planning.mission import load_mission, mission_of
-    from swarmcensus.planning.planning import plan as plan_of
-    from swarmcensus.planning.plans import check_lines, check_out
+    from swarmcensus.search.planning.mission import load_mission, mission_of
+    from swarmcensus.search.planning.planning import plan as plan_of
+    from swarmcensus.search.planning.plans import check_lines, check_out
+    from swarmcensus.support.files import check_output
 
     inputs = [options.mission] if options.mission else []
     where = f"mission file {options.mission}" if options.mission else "mission"
@@ -127,7 +127,7 @@ def plan(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    from swarmcensus.planning.mission import schema
+    from swarmcensus.search.planning.mission import schema
 
     if options.mission or options.out or options.plot or tables_of(options, {}):
         why = "goes with no other option: swarmcensus plan --schema > mission.schema.json"

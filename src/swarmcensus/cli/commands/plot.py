@@ -8,10 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError, OptionError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import misplaced, option, wrong_option
-from swarmcensus.cli.options import (
+from swarmcensus.cli.options import (  # fmt: skip
     Command,
     Group,
     add_shared,
@@ -22,9 +19,12 @@ from swarmcensus.cli.options import (
     positive,
     round_or_time,
     width,
-)  # fmt: skip
+)
 from swarmcensus.cli.output import LOG, wrote
 from swarmcensus.cli.source import add_source_options, read
+from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import misplaced, option, wrong_option
 
 KIND_OPTIONS = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain_file", "tick", "robot", "first", "last"),
@@ -132,7 +132,7 @@ def _styled(style: str | None) -> Iterator[None]:
         return
     import matplotlib.style
 
-    from swarmcensus.basics.hints import did_you_mean
+    from swarmcensus.support.hints import did_you_mean
 
     with contextlib.ExitStack() as stack:
         try:
@@ -147,9 +147,9 @@ def _styled(style: str | None) -> Iterator[None]:
 
 def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, Any]:
     """The options of a kind as given, or by default. Raises InputError for options that it does not have."""
-    from swarmcensus.basics.plugins import keys_of, read_keys
-    from swarmcensus.basics.times import Time
     from swarmcensus.figures.kinds import PLUGINS, find
+    from swarmcensus.support.plugins import keys_of, read_keys
+    from swarmcensus.support.times import Time
 
     with _failures(options.kind):
         known = keys_of(draw).model_fields
@@ -204,8 +204,8 @@ def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
     """Show what a kind that draws one trial waits for: the compiler, and the frames of a film."""
     from rich.progress import Progress
 
-    from swarmcensus.basics.terminal import console
     from swarmcensus.runs.progress import log_compilation
+    from swarmcensus.support.terminal import console
 
     with contextlib.ExitStack() as stack:
         if "setting" in given:
@@ -255,7 +255,7 @@ def figure_files(
 
     With `is_stem` what follows a point in the name is no suffix.
     """
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.support.files import check_writable
 
     if not out.suffix and (out.is_dir() or out.name in ("", "..")):
         raise InputError(f"cannot write {out}: it is a folder", file=out)

@@ -4,18 +4,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, round_or_time
 from swarmcensus.cli.output import answer, present, reporting, wrote
-from swarmcensus.cli.source import (
-    MOST_ROWS,
-    add_limit_option,
-    add_results,
-    add_source_options,
-    again,
-    read,
-)
+from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_results, add_source_options, again, read
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
     from swarmcensus.runs.verifying import Verification
@@ -82,8 +75,8 @@ def add_merge_options(sub: argparse.ArgumentParser) -> None:
 
 def merge(options: argparse.Namespace) -> int:
     """Merge results files into one."""
-    from swarmcensus.basics.files import check_output
     from swarmcensus.results import merging
+    from swarmcensus.support.files import check_output
 
     check_output("out", options.out, (".nc",))
     data = merging.write(options.out, options.results, fresh=options.fresh)

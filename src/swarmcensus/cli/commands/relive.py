@@ -6,16 +6,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import OptionError
-from swarmcensus.basics.options import misplaced, wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, once
 from swarmcensus.cli.output import answer, say, wrote
+from swarmcensus.support.errors import OptionError
+from swarmcensus.support.options import misplaced, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
-    from swarmcensus.reliving.folders import Day
-    from swarmcensus.reliving.lives import Life
-    from swarmcensus.reliving.others import OtherDay
+    from swarmcensus.robots.logs.folders import Day
+    from swarmcensus.robots.logs.lives import Life
+    from swarmcensus.robots.logs.others import OtherDay
 
 DIFFER = 1  # exit code where a mind was not lived again to the bit, as of `verify`
 SHOWN = 8  # lines of a list
@@ -42,11 +42,11 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
 
 def relive(options: argparse.Namespace) -> int:
     """Live the minds of a folder again."""
-    from swarmcensus.reliving import traces
-    from swarmcensus.reliving.clocks import Clock
-    from swarmcensus.reliving.folders import read_day
-    from swarmcensus.reliving.lives import relive_all
-    from swarmcensus.reliving.others import under
+    from swarmcensus.robots.logs import traces
+    from swarmcensus.robots.logs.clocks import Clock
+    from swarmcensus.robots.logs.folders import read_day
+    from swarmcensus.robots.logs.lives import relive_all
+    from swarmcensus.robots.logs.others import under
 
     _check(options)
     day = read_day(options.folder, options.brain_file, options.fill_ratio)
@@ -75,8 +75,8 @@ def relive(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> None:
     """Raise InputError for options that do not go together, before anything is lived."""
-    from swarmcensus.basics.files import check_output
     from swarmcensus.cli.commands.plot import figure_files
+    from swarmcensus.support.files import check_output
 
     for name in ("parameter", "message"):
         if getattr(options, name) and not options.brain:
@@ -151,7 +151,7 @@ def _ends(day: "Day", lived: "OtherDay") -> dict[str, float | None]:
     """The mean error of honest robots at the end and the share in the right bin; None where f is not known."""
     import numpy as np
 
-    from swarmcensus.reliving.traces import ends_of
+    from swarmcensus.robots.logs.traces import ends_of
     from swarmcensus.simulation.metrics import correct
 
     honest = np.array([member.honest for member in day.members])
@@ -168,11 +168,11 @@ def _ends(day: "Day", lived: "OtherDay") -> dict[str, float | None]:
 
 
 def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> None:
-    from swarmcensus.basics.formatting import counted
-    from swarmcensus.basics.printed_tables import Table
-    from swarmcensus.basics.terminal import show
-    from swarmcensus.reliving.folders import summary_of
-    from swarmcensus.reliving.others import TOLD, UNKNOWN
+    from swarmcensus.robots.logs.folders import summary_of
+    from swarmcensus.robots.logs.others import TOLD, UNKNOWN
+    from swarmcensus.support.formatting import counted
+    from swarmcensus.support.printed_tables import Table
+    from swarmcensus.support.terminal import show
 
     exact = sum(life.to_the_bit for life in lives)
     ticks, relived = sum(life.ticks for life in lives), sum(life.relived for life in lives)
@@ -209,7 +209,7 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
 
 def _break_lines(lives: Sequence["Life"]) -> list[str]:
     """A line for each difference; robots that ran another brain are together in one."""
-    from swarmcensus.reliving.reasons import ANOTHER
+    from swarmcensus.robots.logs.reasons import ANOTHER
 
     together: dict[str, list[int]] = {}
     for life in lives:

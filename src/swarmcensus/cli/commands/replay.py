@@ -4,12 +4,12 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import misplaced
 from swarmcensus.cli.commands.plot import brain_of, figure_files, save_figure
 from swarmcensus.cli.options import Command, Group, add_shared, positive
 from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.source import add_results
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,12 +35,12 @@ def add_replay_options(sub: argparse.ArgumentParser) -> None:
 
 def replay(options: argparse.Namespace) -> int:
     """Run one trial again and show every round."""
-    from swarmcensus.basics.files import check_output, check_writable
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings, replaying
     from swarmcensus.results.partial import opened
     from swarmcensus.runs.progress import log_compilation
+    from swarmcensus.support.files import check_output, check_writable
 
     if options.plot:
         figure_files(options.plot, ("png",), options.results)
@@ -114,13 +114,13 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
 def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded observations."""
     from swarmcensus import brains
-    from swarmcensus.basics.files import check_output
+    from swarmcensus.checks.quick import caution
     from swarmcensus.cli.tables import rounds
-    from swarmcensus.conformance.quick import caution
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings
     from swarmcensus.runs.progress import log_compilation
     from swarmcensus.simulation import inferring
+    from swarmcensus.support.files import check_output
 
     seen = options.observations if options.observations.name not in ("", "..") else options.observations.resolve()
     out = options.out or seen.parent / f"{seen.stem}-trace.csv"  # each folder keeps its own
@@ -154,8 +154,8 @@ def infer(options: argparse.Namespace) -> int:
 
 def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | None]":
     """Readings, and the messages of a bag."""
-    from swarmcensus.reliving.bags import is_bag, read_bag
     from swarmcensus.results.recordings import read_observations
+    from swarmcensus.robots.logs.bags import is_bag, read_bag
 
     path = options.observations
     if not is_bag(path):

@@ -4,11 +4,11 @@ import argparse
 import time
 from pathlib import Path
 
-from swarmcensus.basics.errors import Interrupted
-from swarmcensus.basics.formatting import counted, elapsed
-from swarmcensus.basics.options import misplaced, wrong_option
 from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared, part_of_trials
 from swarmcensus.cli.output import answer, present, reporting, say, wrote
+from swarmcensus.support.errors import Interrupted
+from swarmcensus.support.formatting import counted, elapsed
+from swarmcensus.support.options import misplaced, wrong_option
 
 
 def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
@@ -30,8 +30,8 @@ def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
 
 def reproduce(options: argparse.Namespace) -> int:
     """Run the studies of an evaluation, draw its figures and check its claims."""
-    from swarmcensus.paper import report, reproducing
-    from swarmcensus.statistics.intervals import FEWEST
+    from swarmcensus.evaluation.paper import report, reproducing
+    from swarmcensus.support.intervals import FEWEST
 
     folder = "reproduction" if options.of == "paper" else f"reproduction-{options.of}"
     with reporting("reproduce") as progress:
@@ -75,8 +75,8 @@ def add_study_options(sub: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run a study file."""
-    from swarmcensus.basics.files import check_output
     from swarmcensus.studies.study import Study
+    from swarmcensus.support.files import check_output
 
     study = Study.load(options.study)
     out = options.out or Path(options.study.stem + ".nc")
@@ -130,7 +130,7 @@ def add_status_options(sub: argparse.ArgumentParser) -> None:
 
 def status(options: argparse.Namespace) -> int:
     """Show how far a study is, and when it will end."""
-    from swarmcensus.runs.status import status as status_of
+    from swarmcensus.runs.status_of_run import status as status_of
 
     progress = status_of(options.results)
     if options.json:

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.errors import InputError, OptionError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command, misplaced, wrong_option
-from swarmcensus.basics.version import __version__
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import answer, print_schema, wrote
+from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command, misplaced, wrong_option
+from swarmcensus.support.version import __version__
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # the command to use the new file with
@@ -38,7 +38,7 @@ def add_new_options(sub: argparse.ArgumentParser) -> None:
 
 def new(options: argparse.Namespace) -> int:
     """Write a commented study or brain to start from."""
-    from swarmcensus.basics.files import atomic_write
+    from swarmcensus.support.files import atomic_write
 
     starter = Path(__file__).parents[1] / "starters" / STARTERS[options.what]
     out = options.file or _free(Path(f"my_{starter.name}"))
@@ -64,8 +64,8 @@ def add_studies_options(sub: argparse.ArgumentParser) -> None:
 
 def studies(options: argparse.Namespace) -> int:
     """List the studies that come with swarmcensus, copy one with the files that it uses, or print their schema."""
-    from swarmcensus.basics.files import shipped_studies
-    from swarmcensus.basics.hints import did_you_mean
+    from swarmcensus.support.files import shipped_studies
+    from swarmcensus.support.hints import did_you_mean
 
     if options.schema:
         return _schema(options)
@@ -73,8 +73,8 @@ def studies(options: argparse.Namespace) -> int:
     if options.name is None:
         if options.out:
             raise misplaced("out", options.out, "needs the name of a study to copy")
-        from swarmcensus.basics.printed_tables import Table
-        from swarmcensus.basics.terminal import show
+        from swarmcensus.support.printed_tables import Table
+        from swarmcensus.support.terminal import show
 
         rows = [(name, _first_words(path)) for name, path in known.items()]
         if options.json:
@@ -95,7 +95,7 @@ def studies(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    from swarmcensus.studies.schema import schema
+    from swarmcensus.studies.json_schema import schema
 
     if options.out:
         raise wrong_option("out", options.out, "a schema is printed: swarmcensus studies --schema > study.schema.json")
@@ -105,7 +105,7 @@ def _schema(options: argparse.Namespace) -> int:
 
 def _copy(study: Path, out: Path) -> None:
     """Copy a study and the files that it uses to one folder, and adapt their names in the study."""
-    from swarmcensus.basics.files import atomic_write, check_output
+    from swarmcensus.support.files import atomic_write, check_output
 
     check_output("out", out, (".toml",))
 
@@ -182,8 +182,8 @@ def doctor(options: argparse.Namespace) -> int:
     if options.json:
         answer("installation", installation.as_dict | {"faults": installation.faults})
     else:
-        from swarmcensus.basics.printed_tables import Table
-        from swarmcensus.basics.terminal import show
+        from swarmcensus.support.printed_tables import Table
+        from swarmcensus.support.terminal import show
 
         show(Table.of_rows({"part": False, "found": False}, [(k, str(v)) for k, v in installation.lines()]))
         for fault in installation.faults:

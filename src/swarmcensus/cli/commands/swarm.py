@@ -9,17 +9,17 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.errors import STOPPED, OptionError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.options import command, misplaced, option, wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, from_zero, number, positive, share
 from swarmcensus.cli.output import answer, say, wrote
+from swarmcensus.support.errors import STOPPED, OptionError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command, misplaced, option, wrong_option
 
 if TYPE_CHECKING:
+    from swarmcensus.robots.swarm.outcomes import Outcome
+    from swarmcensus.robots.swarm.plans import Air, Plan
+    from swarmcensus.robots.swarm.running import Swarm
     from swarmcensus.studies.study import Study
-    from swarmcensus.swarm.outcomes import Outcome
-    from swarmcensus.swarm.plans import Air, Plan
-    from swarmcensus.swarm.running import Swarm
 
 OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults if a study's are others
     "robots": 20, "topology": "ring", "link_success": None, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
@@ -74,12 +74,12 @@ def add_swarm_options(sub: argparse.ArgumentParser) -> None:
 def swarm(options: argparse.Namespace) -> int:
     """Run a swarm of processes."""
     from swarmcensus.cli.swarm_table import showing
-    from swarmcensus.deployment.folders import check_free
     from swarmcensus.engine.threads import interruptible
-    from swarmcensus.swarm.children import check_system
-    from swarmcensus.swarm.faults import faults_of
-    from swarmcensus.swarm.plans import plan_of
-    from swarmcensus.swarm.running import Stopped, run
+    from swarmcensus.robots.folders import check_free
+    from swarmcensus.robots.swarm.children import check_system
+    from swarmcensus.robots.swarm.faults import faults_of
+    from swarmcensus.robots.swarm.plans import plan_of
+    from swarmcensus.robots.swarm.running import Stopped, run
 
     check_system()
     folder = options.out or _free("swarm")
@@ -155,7 +155,7 @@ def _accuracy(text: str) -> Any:
 
 
 def _air(options: argparse.Namespace) -> "Air":
-    from swarmcensus.swarm.plans import Air
+    from swarmcensus.robots.swarm.plans import Air
 
     match = TIME.fullmatch(options.delay.strip())
     if match is None:
@@ -195,7 +195,7 @@ class Page:
         self._waits = bool(options.watch)
         self._serves = False
         if self._waits:
-            from swarmcensus.watching.server import bound
+            from swarmcensus.live.server import bound
 
             self._socket = self._stack.enter_context(bound(HOST, options.port or 0))
 
@@ -204,8 +204,8 @@ class Page:
         if not self._waits or not any(known.last and known.last.ticks for known in swarm.robots):
             return
         from swarmcensus.cli.commands.watch import open_browser
-        from swarmcensus.watching.offers import offer_of
-        from swarmcensus.watching.server import Served, serving, warm
+        from swarmcensus.live.offers import offer_of
+        from swarmcensus.live.server import Served, serving, warm
 
         self._waits = False
         served = Served(offer_of(self.folder), HOST, self._socket)

@@ -4,9 +4,9 @@ import argparse
 import time
 from pathlib import Path
 
-from swarmcensus.basics.formatting import counted, elapsed
 from swarmcensus.cli.options import Command, Group, add_shared, positive
 from swarmcensus.cli.output import answer, reporting, say, wrote
+from swarmcensus.support.formatting import counted, elapsed
 
 
 def add_tune_options(sub: argparse.ArgumentParser) -> None:
@@ -53,10 +53,10 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
 
 def tune(options: argparse.Namespace) -> int:
     """Search for good values of a brain's parameters, or the worst of an adversary's, and evaluate them."""
-    from swarmcensus.basics.files import check_writable
+    from swarmcensus.search.tuning.targets import target_of
+    from swarmcensus.search.tuning.tuning import files_of, tune
     from swarmcensus.studies.study import Study
-    from swarmcensus.tuning.targets import target_of
-    from swarmcensus.tuning.tuning import files_of, tune
+    from swarmcensus.support.files import check_writable
 
     study = Study.load(options.study).with_(seed=options.seed)
     target = target_of(study, options.brain, options.adversary)

@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
-from swarmcensus.basics.errors import OptionError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.options import option, wrong_option
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once
 from swarmcensus.cli.output import say, wrote
+from swarmcensus.support.errors import OptionError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.watching.days import LoggedDay
-    from swarmcensus.watching.offers import Offer
+    from swarmcensus.live.days import LoggedDay
+    from swarmcensus.live.offers import Offer
 
 
 def add_watch_options(sub: argparse.ArgumentParser) -> None:
@@ -54,8 +54,8 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C, or write it with one trial."""
-    from swarmcensus.basics.files import check_output
-    from swarmcensus.watching.offers import first_view, offer_of
+    from swarmcensus.live.offers import first_view, offer_of
+    from swarmcensus.support.files import check_output
 
     asked, is_results = _query(options), options.of is not None and options.of.suffix == ".nc"
     for name, belongs in (("brain", not is_results), ("brain_file", is_results)):
@@ -91,7 +91,7 @@ def _tell_day(logged: "LoggedDay") -> None:
 def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from urllib.parse import urlencode
 
-    from swarmcensus.watching.server import LOOPBACK, listen, serve, warm
+    from swarmcensus.live.server import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port or 0)
     with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, and no failure
@@ -120,8 +120,8 @@ def open_browser(address: str) -> None:
 def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from rich.progress import Progress
 
-    from swarmcensus.basics.terminal import console
-    from swarmcensus.watching.exporting import export
+    from swarmcensus.live.exporting import export
+    from swarmcensus.support.terminal import console
 
     silent = options.quiet or not sys.stderr.isatty()
     with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
@@ -133,7 +133,7 @@ def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], 
 
 def _query(options: argparse.Namespace) -> dict[str, str]:
     """What to show, by key: from the link of --moment, or its part behind #, and from --set and --parameter."""
-    from swarmcensus.watching.offers import KEYS, PLAYED
+    from swarmcensus.live.offers import KEYS, PLAYED
 
     text = urlsplit(options.moment).fragment or options.moment
     query = dict(parse_qsl(text.lstrip("#")))

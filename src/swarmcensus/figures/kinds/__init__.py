@@ -11,9 +11,9 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.plugins import Plugins
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.plugins import Plugins
 
 Kind = inspect.Parameter
 PLUGINS = Plugins("figure", "swarmcensus.figures", __name__)

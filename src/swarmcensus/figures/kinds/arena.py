@@ -15,8 +15,6 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from swarmcensus.basics.bins import right_bin
-from swarmcensus.basics.errors import InputError
 from swarmcensus.figures import scenes
 from swarmcensus.figures.arena_margins import (
     BLACK_TILE,
@@ -39,6 +37,8 @@ from swarmcensus.figures.scenes import FLOOR, TURNS, check_robot
 from swarmcensus.figures.sheets import Own, figure_of, own_axes
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
+from swarmcensus.support.bins import right_bin
+from swarmcensus.support.errors import InputError
 
 STROKE = 0.7, 1.7  # ends of the strokes across a failed robot, in radii from its centre: its colour stays visible
 LEAST = 0.004  # the smallest drawn radius of a robot, as a share of the arena's side

@@ -14,12 +14,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.comparing import comparison
-from swarmcensus.comparing.effects import Effect, effects
-from swarmcensus.comparing.pair_tests import in_worlds_too_few, too_few
-from swarmcensus.comparing.standings import Standings
+from swarmcensus.analysis.comparing import comparison
+from swarmcensus.analysis.comparing.effects import Effect, effects
+from swarmcensus.analysis.comparing.pair_tests import in_worlds_too_few, too_few
+from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
@@ -29,6 +27,8 @@ from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, figure_of, layout, name_axes, say_empty, sheet, show_range
 from swarmcensus.results.labels import renamed, titles_of_contenders
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 
 MOST_ROWS = 40
 NUMBERLESS = "no pair of trials has numbers"

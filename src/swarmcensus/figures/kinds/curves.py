@@ -14,9 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from swarmcensus.basics.bins import right_bin, right_bins
-from swarmcensus.basics.errors import InputError
-from swarmcensus.explaining.expectations import ALONE, SWARM, Expectation, expect
+from swarmcensus.analysis.explaining.expectations import ALONE, SWARM, Expectation, expect
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
@@ -25,6 +23,8 @@ from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, figure_o
 from swarmcensus.figures.theory_lines import STYLES, THIN, caption_without_theory, sample
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
+from swarmcensus.support.bins import right_bin, right_bins
+from swarmcensus.support.errors import InputError
 
 HALVES = {ALONE: "theory: middle half of robots alone", SWARM: "theory: middle half at the bound of the whole swarm"}
 MOST_TIMES = 40  # rounds at which theory is computed

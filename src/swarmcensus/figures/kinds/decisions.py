@@ -15,9 +15,7 @@ from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.explaining.expectations import ALONE, SWARM
+from swarmcensus.analysis.explaining.expectations import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
@@ -40,6 +38,8 @@ from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_
 from swarmcensus.figures.theory_lines import entries as theory_entries
 from swarmcensus.results.cautions import warn_of_edges
 from swarmcensus.results.labels import titles_in
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 
 MOST_CHECKPOINTS = 12  # of a panel
 GAP = 1.5  # points between a diamond and the dash over it

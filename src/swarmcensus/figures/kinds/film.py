@@ -18,8 +18,6 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.figures import scenes
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
 from swarmcensus.figures.files import checked_dpi
@@ -27,6 +25,8 @@ from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import Clock, check_tick
 from swarmcensus.figures.sheets import Own
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write, check_writable
 
 MP4_DPI, GIF_DPI = 128, 80
 LENGTH = 600  # the default number of ticks of a film

@@ -12,7 +12,6 @@ from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import names_of, places_of
 from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
@@ -25,6 +24,7 @@ from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figu
 from swarmcensus.results.labels import titles_in
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.studies.coordinates import title_of
+from swarmcensus.support.errors import InputError
 
 Z = Literal["convergence_error", "convergence_round"]
 LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers

@@ -15,8 +15,6 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
@@ -40,8 +38,10 @@ from swarmcensus.results.labels import titles_in
 from swarmcensus.results.measures import derivable, is_share, statistic_of, with_measure
 from swarmcensus.results.selecting import require
 from swarmcensus.results.values import bounds_in, robots_in
-from swarmcensus.statistics.intervals import estimate_pooled
 from swarmcensus.studies.coordinates import title_of
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.intervals import estimate_pooled
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
 ENDLESS = r"$\infty$"  # the marker of an infinite statistic

@@ -13,11 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.comparing.cells import column_head
-from swarmcensus.comparing.comparison import compare
-from swarmcensus.comparing.standings import Standings
+from swarmcensus.analysis.comparing.cells import column_head
+from swarmcensus.analysis.comparing.comparison import compare
+from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
@@ -26,7 +24,9 @@ from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Own, add_key, figure_of, name_axes, sheet, show_range
 from swarmcensus.results.labels import titles_of_contenders
-from swarmcensus.vocabulary.quantities import QUANTITIES
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
 ALIKE = 3  # digits: costs that agree to these are equal, since means over trials differ by chance

@@ -11,12 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted
-from swarmcensus.comparing.cells import p_equals
-from swarmcensus.comparing.comparison import compare
-from swarmcensus.comparing.pair_tests import Contest, in_worlds_too_few, overall_too_few
-from swarmcensus.comparing.standings import Standings
+from swarmcensus.analysis.comparing.cells import p_equals
+from swarmcensus.analysis.comparing.comparison import compare
+from swarmcensus.analysis.comparing.pair_tests import Contest, in_worlds_too_few, overall_too_few
+from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.notes import say_few, say_lacking, say_left_out
 from swarmcensus.figures.page import (
@@ -33,7 +31,9 @@ from swarmcensus.figures.page import (
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, caption_panels, figure_of, own_axes
 from swarmcensus.results.labels import renamed, titles_of_contenders
-from swarmcensus.statistics.significance import groups
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.significance import groups
 
 # Inches, with letters of the usual size:
 WIDE = 6.4  # the figure

@@ -1,0 +1,251 @@
+"""Which brain is better in which world, by how much and at what cost, and what should be kept in mind: `sc.compare`."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.analysis.comparing import groups, showing, tables
+from swarmcensus.analysis.comparing.contenders import NONE, Grid, grid_of
+from swarmcensus.analysis.comparing.pair_tests import (
+    Contest,
+    ContestInput,
+    contests,
+    in_worlds_too_few,
+    overall_too_few,
+    pairs_of,
+)
+from swarmcensus.analysis.comparing.standings import Standings
+from swarmcensus.analysis.comparing.verdicts import verdict
+from swarmcensus.results import measures, selecting
+from swarmcensus.results.cautions import settled_at_start
+from swarmcensus.results.labels import labels_in, renamed
+from swarmcensus.results.measures import COSTS, SIZES, Measure
+from swarmcensus.results.store import loaded
+from swarmcensus.results.summaries import asked_anew, cells, done, failed_trials
+from swarmcensus.support.bootstrap import centres
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import wrong_option
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+
+STILL = 0.5  # share of a contender's robots with K = 0 from which a caution is given
+
+
+class Comparison(Standings):
+    """A comparison of contenders in worlds, with `table`, `pairs`, `ranks` and `duels` as pandas tables.
+
+    `verdict` states the results in sentences. Printing a comparison shows these sentences and the cautions; its `repr`,
+    and a notebook, show the table of its worlds above them.
+    """
+
+    @property
+    def verdict(self) -> list[str]:
+        """Who is best in how many worlds, who is not told apart from the best, and the costs: one sentence each."""
+        return verdict(self)
+
+    @property
+    def table(self) -> "pd.DataFrame":
+        """A pandas table with a row for each world and contender.
+
+        Each measure has its value, the ends of its 95 % interval (`_low`, `_high`), its `_rank` in the world and its
+        `_standing`. "best" is told apart from all others, "level" is first or not told apart from the first, "behind"
+        is told apart from the first. With `against`, standings are "better", "level" or "worse". Costs and sizes
+        follow.
+        """
+        return tables.table(self)
+
+    @property
+    def pairs(self) -> "pd.DataFrame":
+        """A pandas table with a row for each measure, world and pair of contenders: the difference `one` - `other`."""
+        return tables.pairs(self)
+
+    @property
+    def ranks(self) -> "pd.DataFrame":
+        """A pandas table with a row for each measure and contender: its average rank, and where it is first."""
+        return tables.ranks(self)
+
+    @property
+    def duels(self) -> "pd.DataFrame":
+        """A pandas table with a row for each measure and pair: the share of common worlds in which one is ahead."""
+        return tables.duels(self)
+
+    def by(self, *axes: str) -> "pd.DataFrame":
+        """A pandas table: for each combination of these axes' values and contender, the number of each standing.
+
+        With `against`, each measure also has the contender's value divided by the reference's (`_ratio`), or for shares
+        their difference (`_difference`): the median over these worlds, and the worst. Raises InputError if worlds do
+        not differ in such an axis.
+        """
+        return groups.groups(self, axes)
+
+    def __str__(self) -> str:
+        """The verdict and the cautions, one sentence a line."""
+        return "\n".join(showing.said(self))
+
+    def __repr__(self) -> str:
+        """The table of its worlds with marks and intervals, the verdict and the cautions."""
+        return showing.as_text(self)
+
+    def _repr_html_(self) -> str:
+        """The same, as a notebook shows it."""
+        return showing.as_html(self)
+
+
+def compare(
+    results: xr.Dataset | str | Path,
+    metric: str | Sequence[str] = (),
+    where: str | None = None,
+    against: str | None = None,
+) -> Comparison:
+    """Compare brains, and a brain's parameters, within each world, paired trial by trial (docs/comparing.md).
+
+    `metric` names the measures that are compared and corrected for, such as "correct" or ["final_error",
+    "my_metric:low"]. By default they are the final error, the convergence, the right decisions, consensus if brains
+    decide, and metrics from files. `where` selects settings, as in `swarmcensus show`. With `against`, the name of a
+    contender, or of a brain with one contender only, all others are compared with it alone, which takes fewer tests.
+    Raises InputError, for example if there is nothing to compare.
+    """
+    return compare_dataset(loaded(results), metric, where, against, {})
+
+
+def compare_dataset(
+    whole: xr.Dataset,
+    metric: str | Sequence[str],
+    where: str | None,
+    against: str | None,
+    shown: Mapping[str, Collection[str]],
+) -> Comparison:
+    """Compare as `compare` does; `shown` names, by brain, parameters that appear in contenders' names in any case."""
+    data = selecting.where(whole, where)
+    selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
+    grid, cautions = grid_of(data, whole, shown)
+    if not isinstance(against, str | None):
+        raise wrong_option("against", against, "should be the name of a contender")
+    reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
+    measured, notes_on_measures = measures.chosen(data, metric)
+    numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
+    if all(np.isnan(each).all() for each in numbers):
+        labels = ", ".join(measure.label for measure in measured)
+        lacking = f"has numbers of {labels}" if done(data).any() else "has been run"
+        raise InputError(f"there is nothing to compare: no trial of these settings {lacking}")
+    inputs = [
+        ContestInput(each, measure.statistic, measure.low, measure.share)
+        for each, measure in zip(numbers, measured, strict=True)
+    ]
+    all_contests = [
+        _as_shown(contest, measure.name, data, grid)
+        for contest, measure in zip(contests(inputs, against=reference), measured, strict=True)
+    ]
+    costs = {
+        name: centres(grid.spread(measures.numbers(data, name)), "mean")
+        for name in COSTS
+        if not measures.lacks(data, name)
+    }
+    sizes = {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
+    settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
+    cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs)]
+    title = str(data.attrs.get("title", ""))
+    return Comparison(title, grid, measured, all_contests, costs, sizes, settings, cautions, reference)
+
+
+def _as_shown(contest: Contest, name: str, data: xr.Dataset, grid: Grid) -> Contest:
+    """A contest with the values and intervals that summaries and figures have.
+
+    Their medians are over all robots of all trials; tests pair trials, by the median robot of each.
+    """
+    value, low, high = map(grid.spread, cells(data, name))
+    return replace(contest, values=value, value_ends=(low, high))
+
+
+def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]) -> int:
+    """The place of the contender with this name or label, or of the only contender of the brain with it."""
+    if name not in contenders:
+        name = renamed(name, labels)
+    if name in contenders:
+        return contenders.index(name)
+    matches = [contender for contender in contenders if contender.startswith(f"{name} ")]
+    if len(matches) > 1:
+        raise wrong_option("against", name, f"these are several, {', '.join(matches)}: name one")
+    if not matches:
+        hint = did_you_mean(name, contenders)
+        raise wrong_option("against", name, f"{hint}there are {', '.join(contenders)}")
+    return contenders.index(matches[0])
+
+
+def _cautions(
+    data: xr.Dataset,
+    grid: Grid,
+    measured: list[Measure],
+    numbers_of: list[Floats],
+    all_contests: list[Contest],
+    costs: dict[str, Floats],
+) -> list[str]:
+    """What limits a comparison, one sentence each."""
+    cautions = []
+    failed = len(failed_trials(data))
+    if failed:
+        cautions.append(f"{counted(failed, 'trial')} failed and cannot be compared")
+    counts = all_contests[0].trials[grid.place != NONE]
+    if counts.min() < counts.max():
+        cautions.append(
+            f"contenders have {counts.min()} to {counts.max():,} trials: a pair is compared in the trials that both "
+            "have, and over all worlds in the trials that all contenders have in every world"
+        )
+    for measure, numbers in zip(measured, numbers_of, strict=True):
+        lacking = np.isnan(numbers).all(axis=2) & (grid.place != NONE)
+        if lacking.any():
+            names = [name for name, absent in zip(grid.contenders, lacking.any(axis=0), strict=True) if absent]
+            cautions.append(
+                f"{measure.label}: there are no numbers of {', '.join(names)} in {_worlds(lacking.any(axis=1))}"
+            )
+    cautions += filter(None, (in_worlds_too_few(all_contests), overall_too_few(all_contests)))
+    pairs = [(grid.contenders[i], grid.contenders[j]) for i, j in pairs_of(len(grid.contenders))]
+    cautions += [
+        f"{measure.label}: {first} and {second} are the same in every trial that both have"
+        for measure, contest in zip(measured, all_contests, strict=True)
+        if measure.unit == "1" and not measure.share  # counts and shares may be equal by chance
+        for (first, second), alike in zip(pairs, contest.alike, strict=True)
+        if alike
+    ]
+    absent = dict.fromkeys(lacked for name in COSTS if name not in costs for lacked in measures.lacks(data, name))
+    absent |= dict.fromkeys(name for name in SIZES if name not in data)
+    if absent:
+        cautions.append(f"these results do not say what brains cost: they have no {', no '.join(absent)}")
+    if "anonymous" in data:
+        seen = grid.spread(data["anonymous"].values.astype(np.float64))
+        named = [name for k, name in enumerate(grid.contenders) if (seen[:, k] == 0).any()]
+        if len(named) == 1:
+            cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
+        elif named:
+            cautions.append(f"{', '.join(named)} are not anonymous: they use their robots' names")
+    if any(measure.name == "convergence_round" for measure in measured):
+        unmoved = np.asarray(grid.spread(settled_at_start(data)) >= STILL)
+        named = [name for k, name in enumerate(grid.contenders) if unmoved[:, k].any()]
+        if named:
+            where = _worlds(np.asarray(unmoved.any(axis=1)))
+            cautions.append(
+                f"{', '.join(named)}: in {where} at least half of the robots have K = 0: their estimates never moved "
+                "by delta, so K does not tell how soon they learn"
+            )
+        if "delta" in asked_anew(data):
+            cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
+    if asked_anew(data):
+        changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in asked_anew(data))
+        cautions.append(f"computed with {changed}, which is not the study's own")
+    return cautions
+
+
+def _worlds(which: NDArray[np.bool_]) -> str:
+    numbers = np.flatnonzero(which).tolist()
+    several = ", ".join(map(str, numbers[:8])) + (", ..." if len(numbers) > 8 else "")
+    return f"world{'s' * (len(numbers) > 1)} {several}"

@@ -1,0 +1,92 @@
+"""By how much contenders differ from a reference, in each world or pooled over worlds that share some coordinates."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.analysis.comparing.groups import worlds_by
+from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, pairs_of
+from swarmcensus.analysis.comparing.standings import Standings
+from swarmcensus.results import measures
+from swarmcensus.results.measures import Measure
+from swarmcensus.support.bootstrap import centres, intervals
+from swarmcensus.support.significance import differences, holm, signed_ranks
+
+Floats = NDArray[np.float64]
+
+
+class Effect(NamedTuple):
+    """The differences of a measure between contenders and the reference, (row, contender).
+
+    `low` and `high` are the ends of 95 % intervals over trials. NaN is a missing contender, or interval.
+    """
+
+    measure: Measure
+    value: Floats
+    low: Floats
+    high: Floats
+    apart: NDArray[np.bool_]
+
+
+def effects(
+    data: xr.Dataset, standings: Standings, reference: int, by: Sequence[str] | None
+) -> tuple[list[Any], list[Effect]]:
+    """Rows of worlds, each with its common coordinates and number of worlds, and the effect of each measure.
+
+    `data` are the compared settings. Without `by` each world is a row, with the effects of `Comparison.pairs`. With
+    `by`, worlds that agree in these coordinates are one row: a trial's differences in all worlds that both contenders
+    have met are reduced to their median or mean, and tests are corrected for the number of rows, contenders and
+    measures. Raises InputError as `Comparison.by` does.
+    """
+    if by is None:
+        rows = [(world, 1) for world in standings.grid.worlds]
+        return rows, [
+            _of_worlds(measure, contest, reference)
+            for measure, contest in zip(standings.measures, standings.contests, strict=True)
+        ]
+    groups = worlds_by(standings, by)
+    pooled = [_pooled(data, standings, measure, reference, list(groups.values())) for measure in standings.measures]
+    p = holm(np.array([p for _, p in pooled]))
+    kept = [
+        effect._replace(apart=effect.apart & (corrected <= ALPHA))
+        for (effect, _), corrected in zip(pooled, p, strict=True)
+    ]
+    return [(dict(zip(by, key, strict=True)), len(worlds)) for key, worlds in groups.items()], kept
+
+
+def _of_worlds(measure: Measure, contest: Contest, reference: int) -> Effect:
+    shape = contest.values.shape
+    value, low, high = np.full((3, *shape), np.nan)
+    apart = np.zeros(shape, np.bool_)
+    for k, (first, second) in enumerate(pairs_of(shape[1])):
+        if reference not in (first, second):
+            continue
+        contender, sign = (first, 1.0) if second == reference else (second, -1.0)
+        value[:, contender] = sign * contest.difference[:, k] + 0.0
+        ends = np.stack([sign * end[:, k] for end in contest.difference_ends])
+        low[:, contender], high[:, contender] = np.sort(ends, axis=0)
+        apart[:, contender] = contest.apart[:, k]
+    return Effect(measure, value, low, high, apart)
+
+
+def _pooled(
+    data: xr.Dataset, standings: Standings, measure: Measure, reference: int, groups: Sequence[NDArray[np.intp]]
+) -> tuple[Effect, Floats]:
+    """The effect in groups of worlds, and p-values; its `apart` tells where value and test have the same sign."""
+    numbers = standings.grid.spread(measures.numbers(data, measure.name))
+    shape = len(groups), numbers.shape[1]
+    pooled = np.full((*shape, numbers.shape[2]), np.nan)
+    for row, worlds in enumerate(groups):
+        for who in range(shape[1]):
+            met = worlds[(standings.settings[worlds][:, [who, reference]] >= 0).all(axis=1)]
+            if who != reference and met.size:
+                each = differences(numbers[met, who], numbers[met, reference])
+                whole = ~np.isnan(each).any(axis=0)
+                pooled[row, who, whole] = centres(each[:, whole].T, measure.statistic)
+    value, tests = centres(pooled, measure.statistic), signed_ranks(pooled)
+    low, high = (end.reshape(shape) for end in intervals(pooled.reshape(-1, pooled.shape[-1]), measure.statistic))
+    agree = np.sign(value) * np.sign(tests.balance) >= 0
+    return Effect(measure, value, low, high, agree), np.where(np.isnan(value), np.nan, tests.p)

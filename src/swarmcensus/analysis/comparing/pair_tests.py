@@ -1,0 +1,240 @@
+"""The statistics of a comparison: paired tests of every two contenders in every world, corrected for their number."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.support.bootstrap import Statistic, centres, intervals
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.intervals import LEVEL
+from swarmcensus.support.significance import (
+    SignedRanks,
+    differences,
+    fewest_trials,
+    friedman,
+    holm,
+    midranks,
+    signed_ranks,
+)
+
+ALPHA = 1 - LEVEL
+BLOCK = 2**22  # numbers that are compared at once, to bound memory
+
+Floats = NDArray[np.float64]
+
+
+class ContestInput(NamedTuple):
+    """A measure's numbers (world, contender, trial), and the statistic over trials by which they are compared.
+
+    NaN is a missing trial; infinity is a trial in which the measured event never happened. `low` tells that low numbers
+    are better, `share` that they are between 0 and 1.
+    """
+
+    numbers: Floats
+    statistic: Statistic
+    low: bool = True
+    share: bool = False
+
+
+@dataclass(frozen=True)
+class Contest:
+    """One measure's values (world, contender) and tests (world, pair); NaN where there is none.
+
+    A pair's `difference` is its first contender minus its second. `ranks` (trial, contender) are centred, and summed
+    over the worlds that all contenders have met. `duels` (pair,) are tests over all these worlds: their number for a
+    trial is the share of worlds in which the first contender is ahead, minus the share in which it is behind.
+    `corrected` are p-values after Holm's correction for all tests in single worlds, of all measures of a comparison,
+    and `duels_corrected` for all tests over all worlds; `friedman_corrected` is the p-value of Friedman's test,
+    corrected for the measures alone.
+    """
+
+    low: bool  # whether low values are better
+    values: Floats
+    value_ends: tuple[Floats, Floats]
+    trials: NDArray[np.int64]
+    difference: Floats
+    difference_ends: tuple[Floats, Floats]
+    tests: SignedRanks
+    met: NDArray[np.bool_]  # which worlds all contenders have met, (world,)
+    ranks: Floats
+    ahead: Floats  # the mean over trials of the numbers of `duels`, (pair,)
+    duels: SignedRanks
+    friedman: tuple[float, float]  # Q and p
+    corrected: Floats
+    duels_corrected: Floats
+    friedman_corrected: float = np.nan
+
+    @property
+    def differ(self) -> bool:
+        """Whether Friedman's test finds that any contenders differ over all worlds."""
+        return self.friedman_corrected <= ALPHA
+
+    @property
+    def apart(self) -> NDArray[np.bool_]:
+        """Which pairs are told apart in which worlds, (world, pair): difference and test must have the same sign."""
+        agree = np.sign(self.difference) * np.sign(self.tests.balance) >= 0
+        return np.asarray((self.corrected <= ALPHA) & agree)
+
+    @property
+    def alike(self) -> NDArray[np.bool_]:
+        """Which pairs have the same number in every trial of every world that both have met, (pair,)."""
+        differ = (self.tests.below + self.tests.above).sum(axis=0)
+        return np.asarray((differ == 0) & (self.tests.equal.sum(axis=0) > 0))
+
+    @property
+    def average_ranks(self) -> Floats:
+        """The mean rank of each contender, 1 the best, over the trials and worlds that all have met; NaN without."""
+        if not len(self.ranks):
+            return np.full(self.values.shape[1], np.nan)
+        return np.asarray(self.ranks.mean(axis=0) / self.met.sum() + (self.values.shape[1] + 1) / 2)
+
+    @property
+    def duels_apart(self) -> NDArray[np.bool_]:
+        """Which pairs are told apart over all worlds, (pair,): `ahead` and the test must have the same sign."""
+        agree = np.sign(self.ahead) * np.sign(self.duels.balance) >= 0
+        return np.asarray((self.duels_corrected <= ALPHA) & agree)
+
+    def shares(self, pair: int) -> tuple[float, float]:
+        """The shares of trials in which the first of a pair is better, and worse, in the worlds that all have met."""
+        tests = self.tests
+        below, equal, above = (int(part[self.met, pair].sum()) for part in (tests.below, tests.equal, tests.above))
+        better, worse = (below, above) if self.low else (above, below)
+        return better / (below + equal + above), worse / (below + equal + above)
+
+
+def pairs_of(contenders: int) -> list[tuple[int, int]]:
+    """The pairs of `contenders` contenders, in the order of every array of pairs."""
+    return list(combinations(range(contenders), 2))
+
+
+def test_count(all_contests: Iterable[Contest]) -> int:
+    """The number of pair tests in single worlds of all measures, for which each is corrected."""
+    return sum(int((~np.isnan(contest.corrected)).sum()) for contest in all_contests)
+
+
+def overall_count(all_contests: Iterable[Contest]) -> int:
+    """The number of pair tests over all worlds of all measures, for which each is corrected."""
+    return sum(int((~np.isnan(contest.duels_corrected)).sum()) for contest in all_contests)
+
+
+def in_worlds_too_few(all_contests: Sequence[Contest]) -> str:
+    """What the trials are too few for in single worlds, as a sentence; empty if they are enough for some."""
+    trials = max(int(contest.trials.max()) for contest in all_contests)
+    return too_few(trials, test_count(all_contests), "compare fewer measures or worlds")
+
+
+def overall_too_few(all_contests: Sequence[Contest]) -> str:
+    """What the trials are too few for over all worlds, as a sentence; empty if they are enough for some."""
+    trials = max(len(contest.ranks) for contest in all_contests)
+    return too_few(trials, overall_count(all_contests), "compare fewer measures", " over all worlds")
+
+
+def too_few(trials: int, tests: int, advice: str, where: str = "") -> str:
+    """That no test can reach the level after correction for `tests` tests, as a sentence; empty if one can."""
+    least = fewest_trials(tests, ALPHA)
+    if not tests or trials >= least:
+        return ""
+    return (
+        f"{counted(trials, 'trial')} cannot tell anything apart{where} among {counted(tests, 'test')}: run {least} or "
+        f"more, or {advice}"
+    )
+
+
+def contests(measures: list[ContestInput], with_intervals: bool = True, against: int | None = None) -> list[Contest]:
+    """The contest of each measure. Without intervals, they and Friedman's test, which take most of the time, are NaN.
+
+    With `against` only pairs with that contender are tested. The pair tests in single worlds, of all measures, are one
+    family: if no contenders differ, any pair is told apart in at most 5 % of comparisons. So are the pair tests over
+    all worlds, and Friedman's tests, one for each measure, which find whether any contenders differ, but not which.
+    """
+    untested = [_contest(contest, with_intervals, against) for contest in measures]
+    for family in ([contest.corrected for contest in untested], [contest.duels_corrected for contest in untested]):
+        corrected, at = holm(np.concatenate([part.ravel() for part in family])) if family else np.zeros(0), 0
+        for part in family:
+            part[...] = corrected[at : at + part.size].reshape(part.shape)
+            at += part.size
+    overall = holm(np.array([contest.friedman[1] for contest in untested]))
+    return [replace(contest, friedman_corrected=float(p)) for contest, p in zip(untested, overall, strict=True)]
+
+
+def _contest(contest_input: ContestInput, with_intervals: bool, against: int | None) -> Contest:
+    numbers, statistic, low, share = contest_input
+    worlds, contenders, trials = numbers.shape
+    most = 1.0 if share else np.inf
+    first, second = np.array(pairs_of(contenders), np.intp).reshape(-1, 2).T
+    shape = worlds, len(first)
+    tested = np.full(len(first), True) if against is None else (first == against) | (second == against)
+    parts: list[tuple[Floats, Floats, Floats, SignedRanks]] = []
+    step = max(1, BLOCK // max(1, len(first) * trials))
+    for start in range(0, worlds, step):
+        block = numbers[start : start + step]
+        pair_differences = differences(block[:, first], block[:, second])
+        ends = _ends(pair_differences, statistic, with_intervals, -most, most)
+        parts.append((centres(pair_differences, statistic), *ends, signed_ranks(pair_differences)))
+    difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    tests = SignedRanks(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
+    there = tests.below + tests.equal + tests.above > 0
+    p = np.where(there & tested, tests.p, np.nan).reshape(shape)
+    met = np.asarray(np.all(np.any(~np.isnan(numbers), axis=2), axis=1))
+    ranks, ahead = _over_worlds(numbers[met], low, first, second)
+    duels = signed_ranks(ahead.T)
+    tested_overall = (
+        (duels.below + duels.equal + duels.above > 0) & (met.sum() > 1) & tested
+    )  # in one, the world's own tests say it all
+    return Contest(
+        low=low,
+        values=centres(numbers, statistic),
+        value_ends=_ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most),
+        trials=np.asarray((~np.isnan(numbers)).sum(axis=2)),
+        difference=difference,
+        difference_ends=(lowest, highest),
+        tests=tests,
+        met=met,
+        ranks=ranks,
+        ahead=centres(ahead.T, "mean"),
+        duels=duels,
+        friedman=friedman(ranks) if len(ranks) and contenders > 1 and with_intervals else (np.nan, np.nan),
+        corrected=p,
+        duels_corrected=np.where(tested_overall, duels.p, np.nan),
+    )
+
+
+def _ends(values: Floats, statistic: Statistic, wanted: bool, least: float, most: float) -> tuple[Floats, Floats]:
+    if not wanted:
+        return np.full(values.shape[:-1], np.nan), np.full(values.shape[:-1], np.nan)
+    low, high = np.clip(intervals(values.reshape(-1, values.shape[-1]), statistic), least, most)
+    return low.reshape(values.shape[:-1]), high.reshape(values.shape[:-1])
+
+
+def _over_worlds(
+    numbers: Floats, low: bool, first: NDArray[np.intp], second: NDArray[np.intp]
+) -> tuple[Floats, Floats]:
+    """Ranks and duels over worlds, in the trials that all contenders have in all of these worlds.
+
+    Returns the sums of centred ranks over the worlds (trial, contender), where the best is lowest, and the share of
+    worlds in which the first of each pair is ahead, minus the share in which it is behind (trial, pair).
+    """
+    whole = ~np.isnan(numbers).any(axis=(0, 1)) & bool(len(numbers))
+    scores = numbers[:, :, whole] if low else -numbers[:, :, whole]
+    contenders, trials = scores.shape[1:]
+    ranks, ahead = np.zeros((trials, contenders)), np.zeros((trials, len(first)))
+    step = max(1, BLOCK // max(1, len(first) * trials))
+    for start in range(0, len(scores), step):
+        block = scores[start : start + step]
+        signs = np.sign(differences(block[:, first], block[:, second]))
+        ahead -= signs.sum(axis=0).T
+        # a rank is 1 plus the number of better contenders, where equal ones count one half
+        for k, (i, j) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):
+            behind = signs[:, k].sum(axis=0) / 2
+            ranks[:, i] += behind
+            ranks[:, j] -= behind
+    return ranks, ahead / max(len(scores), 1)
+
+
+def world_ranks(values: Floats, low: bool) -> Floats:
+    """The rank of each contender's value in each world (world, contender); 1 is best, NaN is missing."""
+    return midranks(values if low else -values)

@@ -1,0 +1,251 @@
+"""What theory expects of a setting: a robot alone, its neighbourhood, mixed sums, the whole swarm.
+
+Sensors and graphs are those of the trials, drawn again from the study in the results; no brain is run. If a closed form
+does not hold, a sentence says why.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus import theory
+from swarmcensus.engine.constants import LISTED
+from swarmcensus.results.source_study import setting_of
+from swarmcensus.results.summaries import done
+from swarmcensus.simulation import sampling
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.theory.late_mixing import fits
+from swarmcensus.theory.matrices import from_links
+from swarmcensus.worlds.ground import reachable
+from swarmcensus.worlds.patterns import Floor
+
+Floats = NDArray[np.float64]
+Origin = tuple[Study, Setting]
+ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
+MOST_ROBOTS = 1000  # size of a network whose mixing is computed
+MOST_WORK = 1e9  # operations of decompositions: the number of graphs times the cube of the number of robots
+MOST_SAMPLED = 100  # sensors, or variances, that represent all of a study
+
+
+class Line(NamedTuple):
+    """What theory expects of estimates at each time (time,), over robots and trials."""
+
+    median_error: Floats
+    low: Floats  # the quartiles of estimates
+    high: Floats
+    sd: Floats
+    bias: Floats
+    right: Floats
+    variance: Floats  # the mean over robots and trials
+
+
+class Expectation(NamedTuple):
+    """The lines of theory by name, why others are absent, and what they were computed from."""
+
+    times: list[int]
+    lines: dict[str, Line]
+    absent: dict[str, str]
+    setting: Setting
+    stationary: float  # variance of mixed sums at the last time if all readings were fully mixed; NaN if unknown
+    relaxation: float  # the longest relaxation time of the graphs in rounds; NaN if unknown, and with message delays
+    graphs: int  # number of graphs used
+    floor: float  # variance of the floor's own share of black about f
+
+
+def expect(
+    data: xr.Dataset,
+    number: int,
+    times: Sequence[int],
+    names: Sequence[str] = (),
+    origin: Origin | None = None,
+    graphs_of: int | None = None,
+) -> Expectation:
+    """What theory expects of a setting after these rounds, or ticks: the lines of these names, or all.
+
+    `origin` is the study and the setting, if they are known. Graphs are those of the first `graphs_of` trials, or of as
+    many as `MOST_WORK` allows. Raises InputError.
+    """
+    study, setting = origin or setting_of(data, number, run=False)
+    trials = data["trial"].values[done(data.sel(setting=[number]))[0]]
+    if not trials.size:
+        raise InputError(f"setting {number}: none of its trials has been run", key="setting", value=number)
+    first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
+    drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
+    absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
+    if _some_stop_early(data.sel(setting=[number])):
+        absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
+    wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
+    floor = float(floor_variance(data, setting, np.array(np.inf)))
+    out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor)
+    if not wanted:
+        return out
+    b, w = (np.broadcast_to(values, (trials.size, setting.robots)) for values in drawn[:2])
+    f, bins = setting.fill_ratio, int(data.attrs["bins"])
+    readings = np.array(times, np.float64) * setting.observations_per_round
+    if ALONE in wanted:
+        out.lines[ALONE] = _alone(readings, f, b, w, bins)
+    if SWARM in wanted:
+        bound = theory.swarm_bound(readings, f, b, w)
+        if setting.body is not None:  # robots see tiles repeatedly; best is to see all tiles equally often
+            bound = (
+                _sensing(readings, f, b, w) + floor_variance(data, setting, readings * setting.robots)[:, np.newaxis]
+            )
+        out.lines[SWARM] = normal_line(bound, f, bins)
+    if NEAR in wanted or MIXED in wanted:
+        graphs = mixing_of(setting, study.seed, trials[:graphs_of])
+        if NEAR in wanted:
+            near = [theory.neighbourhood_bound(m, readings, f, b[k], w[k]) for k, m in enumerate(graphs)]
+            out.lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
+        if MIXED in wanted:
+            out = _mixed(out, graphs, b, w, bins)
+        out = out._replace(graphs=len(graphs))
+    return out
+
+
+def _some_stop_early(data: xr.Dataset) -> bool:
+    return "done_round" in data and bool(np.isfinite(data["done_round"].values).any())
+
+
+def reasons(setting: Setting, knows: bool) -> dict[str, str]:
+    """Why theory has no value for some lines of a setting, by line; `knows` tells whether robots know their sensors."""
+    for why, holds in (
+        ("the floor changes while robots observe", setting.change is not None),
+        (
+            "sensors drift while robots observe",
+            setting.accuracy.drift is not None or any(map(_drifts, setting.members)),
+        ),
+        ("some robots lie", setting.honest < setting.robots),
+        ("parts of robots fail", bool(setting.faults)),
+        ("b + w = 1: readings say nothing of the floor", setting.accuracy.is_blind and not setting.members),
+    ):
+        if holds:
+            return dict.fromkeys((ALONE, NEAR, MIXED, SWARM), why)
+    out: dict[str, str] = {}
+    moves = setting.body is not None
+    for name, why, holds in (
+        (ALONE, "robots are wrong about their sensors", not knows),
+        (ALONE, "robots that move see tiles again, so that readings are not independent", moves),
+        (NEAR, "robots that move hear others all the time", moves),
+        (NEAR, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
+        (MIXED, "robots that move hear others all the time", moves),
+        (MIXED, "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),
+        (MIXED, "messages are late, in too large a network", not moves and not _delays_fit(setting)),
+        (MIXED, "robots are wrong about their sensors", not knows),
+        (MIXED, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
+    ):
+        if holds:
+            out.setdefault(name, why)
+    return out
+
+
+def floor_variance(data: xr.Dataset, setting: Setting, readings: Floats) -> Floats:
+    """The least variance that a floor of independent tiles leaves after so many readings of the whole swarm.
+
+    It is reached if all tiles are seen equally often, or each reading is of another tile. It is 0, which is a bound
+    too, for other floors, and on fixed networks, where each reading is of a new tile, as the sensors' bound assumes.
+    """
+    if setting.body is None or setting.floor not in (None, Floor()):
+        return np.zeros(readings.shape)
+    body = setting.body
+    arm = float(np.hypot(*body.sensor))
+    tiles = reachable(setting.arena_side / 2.0, body.radius, arm, body.tile).shape[1]
+    truth: theory.Truth = "floor" if data.attrs["truth"] == "floor" else "nominal"
+    return theory.tiles_variance(np.maximum(1.0 / readings, 1.0 / tiles), setting.fill_ratio, tiles, truth=truth)
+
+
+def normal_line(variance: Floats, f: float, bins: int) -> Line:
+    """The line of normal estimates about f with these variances (time, robots of all trials)."""
+    mean = variance.mean(axis=1)
+    sampled = np.sort(variance, axis=1)[:, _evenly_spaced(variance.shape[1])]
+    right = np.array([theory.normal_right_share(variances, f, bins).mean() for variances in sampled])
+    half = theory.normal_median_error(sampled, f)
+    return Line(
+        half, np.maximum(f - half, 0.0), np.minimum(f + half, 1.0), np.sqrt(mean), np.zeros(len(mean)), right, mean
+    )
+
+
+def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
+    pairs = np.stack([b.ravel(), w.ravel()], axis=1)
+    alike = (pairs == pairs[0]).all()
+    pairs = pairs[:1] if alike else pairs[np.lexsort(pairs.T[::-1])][_evenly_spaced(len(pairs))]  # in proportion
+    rows = []
+    for t in readings.astype(int).tolist():
+        law = theory.mixed_law([theory.local_law(t, f, *pair) for pair in pairs.tolist()])
+        middle, half = theory.error_law(law, f).quantile(0.5), (law.quantile(0.25), law.quantile(0.75))
+        right = theory.right_share(law, f, bins)
+        rows.append((middle, *half, law.variance**0.5, law.mean - f, right, law.variance))
+    return Line(*np.array(rows).T)
+
+
+def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: int) -> Expectation:
+    setting = out.setting
+    variances, late, relaxations = [], [], []
+    readings_per_round, f = setting.observations_per_round, setting.fill_ratio
+    law, relaxation = np.zeros(0), np.nan
+    for k, matrix in enumerate(graphs):
+        variances.append(
+            theory.mixing_variance(matrix, out.times, readings_per_round, f, b[k], w[k], setting.message_delay)
+        )
+        if k == 0 or matrix is not graphs[k - 1]:
+            try:
+                law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
+            except InputError:  # the graph is not connected
+                law, relaxation = np.full(setting.robots, np.nan), np.nan
+        relaxations.append(np.nan if setting.message_delay else relaxation)
+        weights = law * (b[k] + w[k] - 1.0) ** 2
+        variance = theory.reading_variance(f, b[k], w[k])
+        known = weights != 0.0
+        late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (readings_per_round * out.times[-1]))
+    out.lines[MIXED] = normal_line(np.concatenate(variances, axis=1), f, bins)
+    return out._replace(stationary=float(np.mean(late)), relaxation=float(np.max(relaxations)))
+
+
+def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
+    """The mixing matrices of the first trials, as many as `MOST_WORK` allows; one if all trials have the same."""
+    same_graph = not setting.graphs_vary
+    most = max(
+        1,
+        int(MOST_WORK / (setting.robots**3 if not setting.message_delay else setting.robots**2 * setting.rounds * 10)),
+    )
+    same_sensors = setting.accuracy.black.is_number and not setting.members
+    chosen = (
+        trials[:1]
+        if same_graph and same_sensors and (setting.accuracy.white or setting.accuracy.black).is_number
+        else trials[:most]
+    )
+    matrices: list[Floats] = []
+    for trial in chosen.tolist():
+        links = sampling.links(setting, seed, trial, 1)
+        everyone = np.full((setting.robots, setting.robots), 1.0 / setting.robots)
+        matrix = from_links(setting.robots, links.receivers, links.senders) if links.mode == LISTED else everyone
+        matrices.append(matrices[0] if same_graph and matrices else matrix)
+    return matrices
+
+
+def _delays_fit(setting: Setting) -> bool:
+    return not setting.message_delay or fits(setting.robots, setting.message_delay)
+
+
+def _sensing(readings: Floats, f: float, b: Floats, w: Floats) -> Floats:
+    """The variance that sensors leave if all readings are pooled, weighted by information: (time, trial)."""
+    slope = b + w - 1.0
+    errs = f * b * (1.0 - b) + (1.0 - f) * w * (1.0 - w)
+    with np.errstate(divide="ignore"):
+        information = np.where(np.abs(slope) < 1e-12, 0.0, slope**2 / errs)
+        return np.asarray(1.0 / np.multiply.outer(readings, information.sum(axis=1)))
+
+
+def _evenly_spaced(count: int) -> NDArray[np.intp]:
+    """At most `MOST_SAMPLED` of `count` places, evenly spaced."""
+    sampled = min(count, MOST_SAMPLED)
+    return ((np.arange(sampled) + 0.5) * count / sampled).astype(np.intp)
+
+
+def _drifts(member: object) -> bool:
+    accuracy = getattr(member, "accuracy", None)
+    return accuracy is not None and accuracy.drift is not None

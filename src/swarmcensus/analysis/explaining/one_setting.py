@@ -1,0 +1,153 @@
+"""One setting's measurements compared with theory, and what limits its precision."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.analysis.explaining.expectations import MIXED, SWARM, Expectation, Line, expect
+from swarmcensus.results import measures
+from swarmcensus.results.selecting import check_held
+from swarmcensus.results.summaries import done
+from swarmcensus.results.values import robots_in
+from swarmcensus.support import bootstrap
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import Estimate, estimate
+
+Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval; NaN with fewer than 6 trials
+NONE: Interval = (np.nan, np.nan, np.nan)
+
+
+class Explanation(NamedTuple):
+    """A setting's measurements, what theory expects, and the parts of the error.
+
+    `terms` are the parts of the mean squared error after the last round. "sensors" is what all readings of the swarm
+    leave, "floor" is how far a finite floor's share of black is from f, "time" is what mixed sums lose because readings
+    have not reached all robots yet, and "mixing" is the rest: readings that count unequally, or that the brain does not
+    pass on.
+    """
+
+    setting: int
+    what: str  # the setting in a line
+    trials: int
+    unit: str  # of time: "rounds", or "ticks" for robots that move
+    rounds: int
+    checkpoints: list[int]
+    convergence_round: Interval  # the median K over robots and trials
+    median_error: Interval  # of |x - f| after the last round
+    sd: float  # of the final estimates, over robots and trials
+    bias: float  # the mean of the final estimates minus f
+    squared_error: Interval  # the mean of (x - f)^2
+    right: list[Interval]  # the share of right robots at each checkpoint
+    theory: dict[str, Line]  # at the checkpoints, and after the last round
+    absent: dict[str, str]  # why theory has no value for a line
+    efficiency: Interval  # the bound of the swarm divided by the mean squared error
+    terms: dict[str, float]
+    relaxation: float  # relaxation time of the network, in rounds
+    limit: str  # the largest term, in words
+
+
+def explain(data: xr.Dataset, setting: int) -> Explanation:
+    """Compare a setting's measurements with theory; the result also has the efficiency, and what limits it in words.
+
+    `setting` is a value of its coordinate. The lines of theory are "alone" (the exact distribution for a robot that
+    hears nobody), "neighbourhood" (the bound for the readings of a robot and those that it hears), "mixed" (sums that
+    are mixed and divided on the same network) and "swarm" (the bound for all readings), each at the checkpoints and
+    after the last round. Raises InputError.
+    """
+    check_held(data, setting=setting)
+    selected = data.sel(setting=[setting])
+    ran = done(selected)[0]
+    if not ran.any():
+        raise InputError(f"setting {setting}: none of its trials has been run", key="setting", value=setting)
+    rounds, robots = int(selected["rounds"].values[0]), int(robots_in(selected).values[0])
+    reached = selected["checkpoint"].values <= rounds
+    checkpoints = selected["checkpoint"].values[reached].tolist()
+    expectation = expect(data, setting, [*checkpoints, rounds])
+    errors = errors_of(selected, ran, robots)
+    squared = mean_of(np.square(errors).mean(axis=1))
+    rounds_of_convergence = selected["convergence_round"].values[0][ran][:, :robots].astype(np.float64)
+    correct = selected["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
+    terms = terms_of(expectation, squared[0])
+    k, low, high = estimate(rounds_of_convergence, "median")
+    return Explanation(
+        setting=setting,
+        what=f"{expectation.setting.brain.name}: {expectation.setting}",
+        trials=int(ran.sum()),
+        unit="rounds" if expectation.setting.body is None else "ticks",
+        rounds=rounds,
+        checkpoints=checkpoints,
+        convergence_round=(k, max(low, 0.0), min(high, float(rounds))),
+        median_error=_interval(estimate(np.abs(errors), "median")),
+        sd=float(errors.std()),
+        bias=float(errors.mean()),
+        squared_error=squared,
+        right=[_interval(estimate(share[:, np.newaxis], "mean", share=True)) for share in correct],
+        theory=expectation.lines,
+        absent=expectation.absent,
+        efficiency=efficiency_of(expectation, squared),
+        terms=terms,
+        relaxation=expectation.relaxation,
+        limit=_limit_text(expectation, terms),
+    )
+
+
+def _interval(of: Estimate) -> Interval:
+    """An estimate as a plain tuple, which JSON has as a list."""
+    return of.value, of.low, of.high
+
+
+def errors_of(selected: xr.Dataset, ran: NDArray[np.bool_], robots: int) -> NDArray[np.float64]:
+    """The errors x - f after the last round, (trial, robot), in the trials that ran."""
+    final = selected["final_estimate"].transpose("setting", "trial", "robot").values[0][ran][:, :robots]
+    return np.asarray(final - measures.truth(selected)[0][ran][:, np.newaxis], np.float64)
+
+
+def mean_of(by_trial: NDArray[np.float64]) -> Interval:
+    """The mean over trials of a number that is never negative, and its bootstrap interval, cut at 0."""
+    low, high = bootstrap.intervals(by_trial[np.newaxis], "mean")
+    return float(by_trial.mean()), max(float(low[0]), 0.0), float(high[0])
+
+
+def efficiency_of(expectation: Expectation, squared: Interval) -> Interval:
+    """The bound of the whole swarm divided by the mean squared error; NaN if theory has no bound."""
+    if SWARM not in expectation.lines:
+        return NONE
+    bound = float(expectation.lines[SWARM].variance[-1])
+    value, high, low = (bound / part if part > 0.0 else np.inf if part == 0.0 else np.nan for part in squared)
+    return value, low, high
+
+
+def terms_of(expectation: Expectation, squared: float) -> dict[str, float]:
+    """The parts of the mean squared error, in the order in which they are subtracted; empty if theory has no bound."""
+    if SWARM not in expectation.lines:
+        return {}
+    floor = expectation.floor
+    terms = {"sensors": float(expectation.lines[SWARM].variance[-1]) - floor}
+    if expectation.setting.body is not None:
+        terms["floor"] = floor
+    if MIXED in expectation.lines and np.isfinite(expectation.stationary):
+        late = max(float(expectation.lines[MIXED].variance[-1]) - expectation.stationary, 0.0)
+        terms["time"] = min(late, max(squared - sum(terms.values()), 0.0))  # a brain may mix faster than the sums
+    return terms | {"mixing": max(squared - sum(terms.values()), 0.0)}
+
+
+def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
+    """A sentence on the largest part of the error, and what would reduce it."""
+    if not terms:
+        return ""
+    largest = max(terms, key=lambda name: terms[name])
+    relaxed = (
+        f", and the network relaxes in {expectation.relaxation:,.0f} rounds" if expectation.relaxation > 0.0 else ""
+    )
+    return {
+        "sensors": "the sensors: the largest part of the error would remain if all readings of the swarm were pooled. "
+        "Better sensors, more readings or more robots would help.",
+        "floor": "the floor: its own share of black differs from f. A larger floor would help, or comparing estimates "
+        'with the floor itself (truth = "floor").',
+        "time": f"time: readings have not reached all robots yet{relaxed}. More rounds, more links or a brain that "
+        "mixes faster would help.",
+        "mixing": "mixing: estimates use less than all readings of the swarm. A brain that passes on more, or a "
+        "network in which all robots count equally, would help.",
+    }[largest]

@@ -1,0 +1,127 @@
+"""The cost of a wrong belief about one's own sensor: the bias that remains, in closed form and as simulated."""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from swarmcensus.results.selecting import require
+from swarmcensus.results.values import robots_in
+from swarmcensus.support import intervals
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import Floats
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
+
+EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4, as `asymptote` assumes
+
+
+def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
+    """The limit of a robot's local estimate for many readings, if it assumes b' and w' in place of its accuracies b, w.
+
+    A share p = b f + (1 - w)(1 - f) of its readings is black, whatever it assumes. Eq. 4 of the paper turns p into
+    (p + w' - 1) / (b' + w' - 1), cut to [0, 1]; if b' + w' = 1, it is 0.5. Robots with equal sensors and beliefs have
+    the same limit, so communication does not reduce the bias. Takes numbers, or arrays of one shape.
+    """
+    b, w, assumed_b, assumed_w, f = np.broadcast_arrays(b, w, assumed_b, assumed_w, fill_ratio)
+    black = b * f + (1.0 - w) * (1.0 - f)
+    slope = assumed_b + assumed_w - 1.0
+    blind = np.abs(slope) < 1e-12
+    return np.where(blind, 0.5, np.clip((black + assumed_w - 1.0) / np.where(blind, 1.0, slope), 0.0, 1.0))
+
+
+class Cost(NamedTuple):
+    """One setting: the accuracy of its robots' sensors, what they believe, and the error of their final estimates.
+
+    `error` is the believed minus the true accuracy, None if it is drawn for each robot. `median` is the median of
+    |x - f| over robots and trials, `low` and `high` are its 95 % bootstrap interval over trials. All are NaN without a
+    finished trial, the interval also with fewer than 6. `predicted` is |asymptote - f|, NaN if robots differ or their
+    brain does not use Eq. 4.
+    """
+
+    accuracy: str
+    belief: str
+    error: float | None
+    fill_ratio: float
+    median: float
+    low: float
+    high: float
+    predicted: float
+
+
+def costs(results: xr.Dataset) -> list[Cost]:
+    """The cost of each setting's belief, in the order of the settings.
+
+    Raises InputError if a variable is missing, if all robots know their sensors, or if a belief is off by different
+    amounts for black and for white.
+    """
+    require(results, "accuracy", "assumed_accuracy", "fill_ratio", "final_estimate", "robots", "brain")
+    if (results["assumed_accuracy"].values == results["accuracy"].values).all():
+        raise InputError(
+            "all robots of these results know their sensors: set assumed_accuracy under [swarm], "
+            "such as [{error = -0.05}, {error = 0}, {error = 0.05}], and run again"
+        )
+    return costs_of(results)
+
+
+def costs_of(results: xr.Dataset) -> list[Cost]:
+    """The cost of each setting's belief, also if all robots know their sensors."""
+    return [_cost(results.isel(setting=k)) for k in range(results.sizes["setting"])]
+
+
+def _cost(selected: xr.Dataset) -> Cost:
+    accuracy, belief = str(selected["accuracy"].item()), str(selected["assumed_accuracy"].item())
+    f = float(selected["fill_ratio"])
+    true, assumed = accuracy_of(accuracy), accuracy_of(belief)
+    assert isinstance(true, Accuracy)
+    error = _error(true, assumed, accuracy, belief)
+    predicted = np.nan
+    if error is not None and _fixed(true) and selected["brain"].item() in EQ_4:
+        predicted = float(np.abs(goes_to(true, error, f) - f))
+    final = selected["final_estimate"].transpose("trial", "robot").values[:, : int(robots_in(selected))]
+    errors = np.abs(final[np.isfinite(final).all(axis=1)] - f)
+    median, low, high = np.nan, np.nan, np.nan
+    if len(errors):
+        median, low, high = intervals.interval(intervals.medians(errors, intervals.resample(len(errors))))
+    if len(errors) < intervals.FEWEST:
+        low = high = np.nan
+    return Cost(accuracy, belief, error, f, median, low, high, predicted)
+
+
+def accuracy_of(text: str) -> Accuracy | Misjudgement:
+    """An accuracy or belief from its canonical text, as stored in a dataset."""
+    sides = dict(re.findall(r"(black|white|error|drift|least|most)=(\S+)", text))
+    if "drift" in sides:
+        numbers = {key: float(value) for key, value in sides.items()}
+        return parse_accuracy({"start": text.split()[0], **numbers})
+    return parse_assumed(sides or text) if "error" in sides else parse_accuracy(sides or text)
+
+
+def _sides(accuracy: Accuracy) -> tuple[float, float]:
+    return accuracy.black.numbers[0], (accuracy.white or accuracy.black).numbers[0]
+
+
+def _fixed(accuracy: Accuracy) -> bool:
+    """Whether an accuracy is the same for all robots and rounds."""
+    return accuracy.drift is None and accuracy.black.is_number and (accuracy.white or accuracy.black).is_number
+
+
+def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, belief: str) -> float | None:
+    if isinstance(assumed, Misjudgement):
+        return assumed.error.numbers[0] if assumed.error.is_number else None
+    if not (_fixed(assumed) and _fixed(true)):
+        return None
+    black, white = (round(a - t, 9) for a, t in zip(_sides(assumed), _sides(true), strict=True))
+    if black != white:
+        raise InputError(
+            f"assumed_accuracy {belief} is off from the accuracy {accuracy} by {black:g} for black and {white:g} for "
+            "white: this figure shows one error for both, as {error = ...} gives; select others"
+        )
+    return black
+
+
+def goes_to(true: Accuracy, error: float | Floats, f: float) -> Floats:
+    """The `asymptote` of robots whose belief is the truth plus `error`, for black and for white."""
+    b, w = _sides(true)
+    return asymptote(b, w, np.clip(b + error, 0.0, 1.0), np.clip(w + error, 0.0, 1.0), f)

@@ -1,0 +1,155 @@
+"""A metric file, read and checked against its contract. See docs/metrics.md."""
+
+import ast
+import functools
+import math
+import types
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.support import safe_source
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.plugins import Plugins
+
+PLUGINS = Plugins("metric", "swarmcensus.metrics", "swarmcensus.brains.metrics.library")
+FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
+MAY_HAVE = {"after": 2}  # only in metrics of a swarm
+GIVEN = ("low", "high", "delta", "rounds", "robots")  # fields that each record has before `begin`
+BETTER = {"low": True, "high": False}
+LONGEST_LABEL = 24
+
+
+@dataclass(frozen=True)
+class Metric:
+    """One metric file that keeps the contract; it has not been run."""
+
+    name: str  # a shipped metric's name, or the file's path as the user gave it
+    path: Path
+    source: str
+    fields: tuple[str, ...]  # of its record, without GIVEN
+    unit: str
+    meaning: str
+    bounds: tuple[float, float]  # its smallest and largest possible values
+    of_swarm: bool  # whether it has one record per swarm, not per robot
+    uses: frozenset[str]  # those of GIVEN that it reads
+    low: bool | None = None  # whether low values are better; None if the file does not say
+    label: str = ""  # in tables and figures; empty for the variable's name
+
+    @property
+    def variable(self) -> str:
+        """The name of its variable in the dataset."""
+        return variable_of(self.name)
+
+    @functools.cached_property
+    def sha256(self) -> str:
+        """The hash of the source, as stored with results."""
+        return safe_source.digest(self.source)
+
+    @functools.cached_property
+    def functions(self) -> types.ModuleType:
+        """The file as a module, run by CPython. Raises InputError."""
+        return safe_source.run(safe_source.parse_checked(self.source, "metric", self.path)[0], "metric", self.path)
+
+    @functools.cached_property
+    def _record(self) -> type:
+        return type("Record", (), {"__slots__": (*GIVEN, *self.fields)})
+
+    def record(self, **given: float) -> Any:
+        """A record for CPython with values of GIVEN; it has these and the metric's fields, and no others."""
+        record = self._record()
+        for name, value in given.items():
+            setattr(record, name, value)
+        return record
+
+
+def variable_of(name: str) -> str:
+    """The name of the dataset's variable for a metric of this name."""
+    return Path(name).name.removesuffix(".py").replace("-", "_")
+
+
+def load(name: str | Path, base: Path | None = None) -> Metric:
+    """Read a metric by its name, shipped or of another package, or a metric file by its path, relative to `base`.
+
+    Raises InputError if the file is missing or breaks the contract.
+    """
+    path = find(name, base)
+    return parse(safe_source.read_source("metric", path), str(name), path)
+
+
+def find(name: str | Path, base: Path | None = None) -> Path:
+    """The path of a metric's file. Raises InputError if there is none."""
+    return safe_source.find(PLUGINS, str(name), base)
+
+
+@functools.lru_cache(maxsize=256)
+def parse(source: str, name: str, path: Path) -> Metric:
+    """Check a metric's source against the contract without running it. Raises InputError."""
+
+    def error(what: str, node: ast.stmt | ast.expr | None = None) -> InputError:
+        return InputError(f"metric file {path}{f', line {node.lineno}' if node else ''}: {what}")
+
+    tree, constants = safe_source.parse_checked(source, "metric", path)
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for known, arity in (FUNCTIONS | MAY_HAVE).items():
+        if known not in functions:
+            if known in FUNCTIONS:
+                raise error(f"the function {known} is missing")
+            continue
+        arguments = len(functions[known].args.args) + len(functions[known].args.posonlyargs)
+        if arguments != arity or functions[known].args.kwonlyargs:
+            raise error(f"{known} takes {arguments} arguments: {arity} are right", functions[known])
+    returns = [node for node in ast.walk(functions["result"]) if isinstance(node, ast.Return)]
+    if not returns or any(node.value is None for node in returns):
+        raise error("result returns no number", functions["result"])
+    texts = {}
+    for key, example in (("UNIT", '"rounds"'), ("MEANING", '"first round in the correct bin for good"')):
+        value = constants.get(key)
+        if not isinstance(value, str) or not value.strip() or not value.isprintable():
+            raise error(f"{key} is missing: a text such as {example}")
+        texts[key] = value
+    bounds = constants.get("BOUNDS", (-math.inf, math.inf))
+    if not _are_bounds(bounds):
+        raise error("BOUNDS should be two numbers, the least and the largest that the metric can be: (0.0, 1.0)")
+    better = constants.get("BETTER")
+    if better not in (None, *BETTER):
+        raise error(f'BETTER = {better!r}: should be "low" or "high"')
+    label = constants.get("LABEL", "")
+    if not isinstance(label, str) or not (label.isprintable() and len(label) <= LONGEST_LABEL):
+        raise error(f'LABEL should be a text of up to {LONGEST_LABEL} characters, such as "first right"')
+    variable = variable_of(name)
+    if not safe_source.is_name(variable):
+        raise error(f"{variable!r} cannot name a variable of the results: use letters, digits and _ before .py")
+    for function in functions.values():
+        for node in ast.walk(function):
+            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and node.attr in GIVEN:
+                raise error(f"{function.name} sets {node.attr}, which is read-only", node)
+    fields = dict.fromkeys(attribute.attr for attribute in _record_fields(functions["begin"], ast.Store))
+    for known in (*FUNCTIONS, *MAY_HAVE):
+        for attribute in _record_fields(functions[known]) if known in functions else ():
+            if attribute.attr not in fields and attribute.attr not in GIVEN:
+                where = f"its record has {', '.join((*fields, *GIVEN))}"
+                raise error(f"{known} uses {attribute.attr}, which begin does not set: {where}", attribute)
+    uses = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & {*GIVEN}
+    of_swarm = "after" in functions
+    unit, meaning, low, high = texts["UNIT"], texts["MEANING"], *map(float, bounds)
+    return Metric(
+        name, path, source, tuple(fields), unit, meaning, (low, high), of_swarm, frozenset(uses),
+        BETTER[better] if better else None, label,
+    )  # fmt: skip
+
+
+def _are_bounds(value: object) -> bool:
+    numbers = isinstance(value, tuple) and all(isinstance(v, int | float) and v == v for v in value)
+    return numbers and len(value) == 2 and value[0] < value[1]  # type: ignore[arg-type, index]
+
+
+def _record_fields(function: ast.FunctionDef, kind: type = ast.expr_context) -> Iterator[ast.Attribute]:
+    """The attributes of a function's first argument that it uses."""
+    record = (function.args.posonlyargs + function.args.args)[0].arg
+    for node in ast.walk(function):
+        if not isinstance(node, ast.Attribute) or not isinstance(node.ctx, kind):
+            continue
+        if isinstance(node.value, ast.Name) and node.value.id == record:
+            yield node

@@ -1,0 +1,55 @@
+"""Whether a brain file keeps the contract: `sc.check`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from swarmcensus.brains import PLUGINS, find
+from swarmcensus.brains.adversary import exists
+from swarmcensus.checks import suite
+from swarmcensus.checks.suite import Check
+
+
+@dataclass(frozen=True, repr=False)
+class Conformance:
+    """The checks of a brain or adversary, in order, and `notes` on what breaks no promise but should be known.
+
+    `single` is of a day at 10 Hz in single precision, if asked for: the reading at which it differs from double
+    precision by more than 0.01, "alone" and "hearing" a neighbour, None if it never does; or a text, why it ended.
+    """
+
+    name: str
+    checks: list[Check]
+    notes: list[str]
+    single: dict[str, int | None] | str | None = None
+
+    @property
+    def conforms(self) -> bool:
+        """Whether it keeps the contract."""
+        return all(check.fault is None for check in self.checks)
+
+    def __str__(self) -> str:
+        """One line for each fault and note."""
+        faults = [f"FAIL  {check.name}: {check.fault}" for check in self.checks if check.fault is not None]
+        head = f"{self.name} {'keeps' if self.conforms else 'does not keep'} the contract"
+        return "\n".join([head, *faults, *(f"note: {note}" for note in self.notes)])
+
+    def __repr__(self) -> str:
+        """The same, so that a notebook shows it."""
+        return str(self)
+
+
+def check(brain: str | Path, *, wearing: str = "", single: bool = False) -> Conformance:
+    """Check a brain or an adversary, a name or a file, against the contract, as `swarmcensus brains --check` does.
+
+    An adversary is worn by the brain `wearing`, by default the paper's. With `single`, a brain that conforms also lives
+    a day in single precision. The file is compiled and run in a process of its own, which takes up to a minute. Its
+    faults are returned, not raised; raises InputError if there is no such file, and if `wearing` cannot be worn.
+    """
+    if wearing:
+        find(wearing)  # so that a misspelt name is not reported as an error of the adversary
+    if not (str(brain) in PLUGINS or exists(str(brain), None) or Path(brain).exists()):
+        suite.brain_to_check(brain, wearing)  # raises the right error
+    found = Conformance(str(brain), suite.check(brain, wearing=wearing), suite.notes(brain, wearing))
+    if not (single and found.conforms):
+        return found
+    return Conformance(found.name, found.checks, found.notes, suite.single_life(brain, wearing))

@@ -1,0 +1,169 @@
+"""Checks whether a brain compiles, and whether machine code and CPython agree."""
+
+import types
+import warnings
+from collections.abc import Callable
+from itertools import product
+from typing import Any
+
+import numba
+import numpy as np
+import xarray as xr
+
+from swarmcensus.brains import FUNCTIONS, Brain, Vector
+from swarmcensus.checks.contract_checks import is_wish
+from swarmcensus.checks.sample_minds import ACCURACIES, SEED, Fault
+from swarmcensus.engine import codegen, compiler
+from swarmcensus.engine.compiling import INSIDE
+from swarmcensus.engine.constants import LUCK_STEER
+from swarmcensus.engine.threads import interruptible
+from swarmcensus.simulation import oracle
+from swarmcensus.simulation.inferring import infer
+from swarmcensus.simulation.swarming import swarm
+from swarmcensus.support.errors import without_colours
+from swarmcensus.worlds.bodies import Body
+
+CLOSE = 1e-12  # relative: compiled exp and log may differ from CPython's in the last digit
+EVERY = 5  # readings per round
+LUCK = np.arange(1, 5, dtype=np.uint64)  # two keys
+
+
+def compiles(brain: Brain) -> None:
+    """Compile all that `agrees` runs, without running it. Raises Fault."""
+    uses = ("recorded", "moving") if brain.steers else ("recorded",)
+    try:
+        try:
+            for use in uses:
+                compiler.compile_brain(brain, use)
+        except compiler.NotCompiled:  # compiles again, to find the line
+            for use in uses:
+                compiler.compile_brain(brain, use, exact=True)
+    except MemoryError:
+        raise
+    except Exception as error:
+        lines = [line.strip() for line in without_colours(error).splitlines() if line.strip()]
+        message_lines = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
+        where = [line for line in lines if line.startswith("File") and "brain.py" in line]
+        line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""
+        raise Fault(f"Numba cannot compile it{line}: {' '.join(message_lines[:2]) or error}") from error
+
+
+def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Accuracies b and w of 25 robots on a ring, their readings (step, robot; NaN if none) and the ring's links."""
+    random = np.random.default_rng(SEED)
+    b, w = (np.array(side) for side in zip(*product(ACCURACIES, ACCURACIES), strict=True))
+    robots = len(b)
+    readings = (random.random((60, robots)) < random.random(robots)).astype(float)
+    readings[random.random(readings.shape) < 0.1] = np.nan
+    return b, w, readings, np.stack([np.arange(robots), (np.arange(robots) + 1) % robots], axis=1)
+
+
+def agrees(brain: Brain) -> None:
+    """Run a random history in CPython and in machine code; both must agree. Raises Fault."""
+    b, w, readings, ring = history()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind on purpose
+        slow = infer(readings, ring, (b, w), EVERY, brain, compiled=False)
+        fast = infer(readings, ring, (b, w), EVERY, brain)
+    for name in (*(str(name) for name in slow.data_vars if name != "estimate"), "estimate"):
+        x, y = fast[name].values, slow[name].values
+        far = ~np.isclose(x, y, rtol=CLOSE, atol=CLOSE, equal_nan=True)
+        if far.any():
+            k, i, *item = np.argwhere(far)[0]
+            place = "".join(f"[{index}]" for index in item)
+            raise Fault(
+                f"compiled, {name}{place} is {x[k, i, *item]!r} and in CPython {y[k, i, *item]!r} "
+                f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
+            )
+    if brain.steers:
+        wishes_agree(brain, slow, b, w)
+
+
+@interruptible
+def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
+    """How minds, records (robot), steer, compiled, without limits of wheels.
+
+    Returns (3, robot): whether they steer at all, speed, turn.
+    """
+    body = Body(tick=1.0).numbers
+    body["step"] = body["turn"] = np.inf
+    wishes = np.empty((3, len(minds)))
+    made = swarm((brain,), np.zeros(len(minds), np.int64), "moving", LUCK)
+    memory = minds.view(np.uint8).reshape(len(minds), -1)
+    compiler.compile_world("riding").steer(made, memory, body, np.full(len(minds), np.inf), 0, 1, wishes)
+    return wishes
+
+
+def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
+    """Compare how the minds of a trace (round, robot) steer in CPython and in machine code. Raises Fault."""
+    luck = oracle.own_luck(LUCK, 0, 1, LUCK_STEER, len(b))
+    for k in range(trace.sizes["round"]):
+        minds = np.zeros(len(b), compiler.array_layout(brain).record)
+        wishes = []
+        for i in range(len(b)):
+            me = brain.robot(float(b[i]), float(w[i]), float(i))
+            for name, long in brain.lengths.items():
+                value = trace[name].values[k, i].tolist()
+                setattr(me, name, Vector(value) if long else value)
+            oracle.give(brain, me, luck, i)
+            for name in me.__slots__:
+                minds[name][i] = getattr(me, name)
+            wishes.append(brain.functions.steer(me))
+        if not all(map(is_wish, wishes)):
+            return  # another check reports this
+        fast = wishes_of(brain, minds).T
+        for i, wish in enumerate(wishes):
+            slow = (0.0, 0.0, 0.0) if wish is None else (1.0, *wish)
+            if not np.allclose(fast[i], slow, rtol=CLOSE, atol=CLOSE):
+                compiled = tuple(fast[i, 1:].tolist()) if fast[i, 0] else None
+                raise Fault(
+                    f"compiled, steer gives {compiled} and in CPython {wish} "
+                    f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
+                )
+
+
+def step_by_step(brain: Brain) -> Callable[[], object]:
+    """A function that runs the history of `agrees` in machine code, printing each call before it is made.
+
+    The last printed call is the one that hangs. Everything is compiled before this returns, and nothing is run.
+    """
+    b, w, readings, ring = history()
+    module = compiler.phases_of(brain)
+    real = numba.float64
+    kind = np.dtype((np.record, codegen.record_fields(brain)))  # Numba only takes records with NumPy's `data`
+    mind_and_record: dict[int, tuple[Any, Any]] = {}  # each mind, for the oracle and for Numba
+    record = numba.from_dtype(kind)
+    blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())
+    message = numba.typeof(blank)  # type: ignore[no-untyped-call]
+    given = {"observe": (real, real), "receive": (message,)}
+
+    def robot(b: float, w: float, name: float) -> Any:
+        layout = compiler.array_layout(brain)
+        minds = layout.records(layout.blank[np.newaxis].copy())
+        minds["b"], minds["w"] = b, w
+        if brain.uses.name:
+            minds["name"] = name
+        me = minds[0]
+        mind_and_record[id(me)] = me, minds.view(kind)[0]
+        return me
+
+    def logged(name: str) -> Any:
+        if name == "jam":  # compiled it is part of broadcasting, and cannot be called
+            function = brain.functions.jam
+        else:
+            inside = getattr(module, name)
+            function = numba.jit(**inside.targetoptions | dict.fromkeys(INSIDE, False))(inside.py_func)
+            function.compile((record, *given.get(name, ())))
+
+        def call(me: Any, *values: Any) -> Any:
+            print(f"{name}({', '.join(['me', *map(repr, values)])}) (b = {me.b}, w = {me.w})", flush=True)
+            return function(me if name == "jam" else mind_and_record[id(me)][1], *values)
+
+        return call
+
+    more = [name for name in ("decide", "done", "interval", "jam") if name in brain.contents.functions]
+    functions = types.SimpleNamespace(**{name: logged(name) for name in (*FUNCTIONS, *more)})
+    attributes = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
+    robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **attributes)
+    links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
+    return lambda: oracle.follow(robots, b, w, readings, EVERY, True, links, LUCK)

@@ -1,0 +1,111 @@
+"""A quick check of brain files before they are run: some of the suite's checks, in CPython, under a second.
+
+What it finds is kept in the cache of machine code, by the brain's source, so that each file is checked once.
+"""
+
+import contextlib
+import functools
+import hashlib
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Iterable
+from typing import Any
+
+from swarmcensus.brains import PLUGINS, Brain
+from swarmcensus.engine.code_cache import cache_root
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write
+from swarmcensus.support.version import __version__
+
+MOST_LINES = 1_000_000  # of a brain's file that are run in all: half a second
+MOST_IN_A_CALL = 300_000  # lines of one call, after which it seems never to end
+MOST_SECONDS = 3.0  # of the processor, where the system can tell: a line may take for ever, too
+
+
+def caution(brains: Iterable[Brain]) -> None:
+    """Warn, once each, of brain files that `swarmcensus brains --check` refuses, as far as a quick check shows."""
+    for brain in brains:
+        if brain.name not in PLUGINS.shipped and brain.is_loaded and brain.path.is_file():
+            _caution(brain.as_written)
+
+
+@functools.lru_cache(maxsize=256)
+def _caution(brain: Brain) -> None:
+    digest = hashlib.sha256(f"{__version__}\0{brain.source}".encode()).hexdigest()[:24]
+    fault = None
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        fault = (cache_root() / f"checked-{digest}.txt").read_text(encoding="utf-8")
+    if fault is None:
+        fault = quick_fault(brain)
+        with contextlib.suppress(OSError, InputError), atomic_write(cache_root() / f"checked-{digest}.txt") as file:
+            file.write_text(fault, encoding="utf-8")
+    if fault:
+        more = f"swarmcensus brains --check {brain.path} says more"
+        warnings.warn(f"brain {brain.name!r} breaks the contract: {fault}: {more}", stacklevel=4)
+
+
+def quick_fault(brain: Brain) -> str:
+    """The first fault in short histories, in a few words; empty if there is none."""
+    import numpy as np
+
+    from swarmcensus.checks.contract_checks import IN_EACH_MIND
+    from swarmcensus.checks.sample_minds import Fault, NotUsed, in_a_line, short_lives
+    from swarmcensus.checks.suite import gist
+
+    checks = {*IN_EACH_MIND.values()}
+    try:
+        with np.errstate(all="ignore"), _Lines(brain) as lines:
+            for where, me in short_lives(brain):
+                for check in tuple(checks):
+                    try:
+                        check(brain, where, me)
+                    except NotUsed:
+                        checks.remove(check)
+                if lines.run > MOST_LINES:
+                    break
+    except Fault as fault:
+        return gist(str(fault))
+    except Exception as error:
+        return in_a_line(error)
+    return ""
+
+
+class _Lines:
+    """Counts the lines of a brain's file that `run` in a `with` block, and ends a call that never ends."""
+
+    def __init__(self, brain: Brain) -> None:
+        self.file = brain.functions.estimate.__code__.co_filename
+        self.run = self.before = 0  # in all, and before the current call from outside of the file
+
+    def __enter__(self) -> "_Lines":
+        self.usual = sys.gettrace()
+        self.timed = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
+        if self.timed:
+            self.handler = signal.signal(signal.SIGVTALRM, self._late)
+            signal.setitimer(signal.ITIMER_VIRTUAL, MOST_SECONDS)
+        sys.settrace(self._enter)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        sys.settrace(self.usual)
+        if self.timed:
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+            signal.signal(signal.SIGVTALRM, self.handler)
+
+    def _late(self, *_: object) -> None:
+        raise TimeoutError(f"the check did not end within {MOST_SECONDS:g} s")
+
+    def _enter(self, frame: Any, event: str, _: Any) -> Any:
+        if frame.f_code.co_filename != self.file:
+            return None
+        if frame.f_back.f_code.co_filename != self.file:
+            self.before = self.run
+        return self._line
+
+    def _line(self, frame: Any, event: str, _: Any) -> Any:
+        self.run += event == "line"
+        if self.run - self.before > MOST_IN_A_CALL:
+            raise TimeoutError(f"it did not return within {MOST_IN_A_CALL:,} lines")
+        return self._line

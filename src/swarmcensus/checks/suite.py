@@ -1,0 +1,273 @@
+"""Runs a brain file through all checks, in a process of its own, as a brain may hang or crash it."""
+
+import ast
+import faulthandler
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from swarmcensus import brains
+from swarmcensus.brains import adversary, robot_math
+from swarmcensus.studies.checks import taken_in_results
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import wrong_option
+
+PATIENCE = 30.0  # seconds for a check, about a hundred times what it takes
+MANY_NUMBERS = 250  # numbers in a mind from which on a check gets more time
+COMPILE_PATIENCE = 300.0  # seconds; shipped brains take 8 s and 0.6 GiB, including Numba itself
+MEMORY_BYTES = 2 << 30  # that a check may use, beyond what the process has
+COMPILE_MEMORY_BYTES = 4 << 30
+DEATHS = {"SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
+KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
+CHILD = "import sys; from swarmcensus.checks import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
+DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wears if none is named
+
+Test = Callable[[brains.Brain], None]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check: its name, what is wrong (None if nothing is), and whether the brain has the part it checks."""
+
+    name: str
+    fault: str | None
+    used: bool = True
+
+
+def checks() -> dict[str, Test]:
+    """All checks by name, in order; each raises Fault."""
+    from swarmcensus.checks.contract_checks import PROMISES
+
+    def compiles(brain: brains.Brain) -> None:  # imports Numba only when it is needed
+        from swarmcensus.checks import machine_code
+        from swarmcensus.checks.sample_minds import Fault
+
+        try:
+            machine_code.compiles(brain)
+        except MemoryError:
+            raise Fault(f"Numba did not compile it within {COMPILE_MEMORY_BYTES >> 30} GiB of memory") from None
+
+    def agrees(brain: brains.Brain) -> None:
+        from swarmcensus.checks import machine_code
+
+        machine_code.agrees(brain)
+
+    return PROMISES | {COMPILES: compiles, AGREES: agrees}
+
+
+class Mismatch(InputError):
+    """An adversary and a brain do not go together, though neither file is at fault."""
+
+
+def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
+    """The brain with this name or file, or the adversary with this name or file, `wearing` a brain.
+
+    Raises InputError.
+    """
+    if not _is_adversary(path):
+        hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
+        if str(path) not in brains.PLUGINS and not Path(path).is_file() and (hint or wearing):
+            raise InputError(f"brain {str(path)!r}: {hint}there is no brain, adversary or file of this name")
+        if wearing:
+            raise wrong_option(
+                "wearing",
+                wearing,
+                f"{path} has no lie(me, x), so it is no adversary, and only adversaries wear a brain",
+            )
+        return brains.load(path)
+    lies, brain = adversary.load(path), brains.load(wearing or DEFAULT_BRAIN)
+    try:
+        return brains.lying_brain(lies, brain)
+    except ValueError as error:
+        raise Mismatch(f"{error}{': name another brain with --wearing' * (not wearing)}") from None
+
+
+def _is_adversary(path: str | Path) -> bool:
+    """Whether this is the name or file of an adversary, and of no brain."""
+    return str(path) not in brains.PLUGINS and adversary.exists(str(path), None)
+
+
+def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> list[Check]:
+    """Run all checks on a brain file, or on an adversary `wearing` one; the brain's faults are returned, not raised.
+
+    A check that does not end within `patience` seconds, or ends its process, is the last. Raises Mismatch.
+    """
+    try:
+        brain = brain_to_check(path, wearing)
+    except Mismatch:
+        raise
+    except InputError as error:
+        return [Check(KEEPS, str(error))]
+    if name := taken_in_results(brain):
+        return [Check(KEEPS, f"PARAMETERS key {name!r} is already a name in the results: choose another")]
+    patience *= max(1.0, len(brains.slots(brain.lengths)) / MANY_NUMBERS)
+    done = _child("report", path, patience, wearing)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    results = [Check(*line) for line in lines if len(line) > 1]
+    if done.returncode or len(lines[-1]) == 1:
+        begun = lines[-1][0] if lines else KEEPS
+        results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wearing))))
+    return results
+
+
+def notes(path: str | Path, wearing: str = "") -> list[str]:
+    """What somebody who puts the brain on robots should know, though it breaks no promise; empty if it is refused."""
+    try:
+        brain = brain_to_check(path, wearing)
+    except InputError:
+        return []
+    missing = robot_math.missing_on_avr(ast.parse(brain.source))
+    lacks = [f"AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks {', '.join(missing)}"] if missing else []
+    unsaid = adversary.load(path).unsaid(brain.message) if _is_adversary(path) else []
+    worn = wearing or DEFAULT_BRAIN
+    return lacks + [f"{name} says nothing: the MESSAGE of {worn} has no {name.removeprefix('say_')}" for name in unsaid]
+
+
+def gist(fault: str) -> str:
+    """A fault without the history in which it was found."""
+    return fault.rpartition(" (")[0] or fault
+
+
+def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:
+    """Run checks in this process; a known fault is not repeated, and a brain that does not compile is not run."""
+    import numpy as np
+
+    try:
+        brain = brain_to_check(path, wearing)
+    except InputError as error:
+        yield Check(KEEPS, str(error))
+        return
+    yield Check(KEEPS, None)
+    known: dict[str, str] = {}
+    for name, test in tests.items():
+        if name == AGREES and COMPILES in known:
+            continue
+        with np.errstate(all="ignore"):
+            fault, used = _outcome(test, brain)
+        yield Check(name, "the same as above" if fault and gist(fault) in known.values() else fault, used)
+        if fault:
+            known[name] = gist(fault)
+
+
+def fault_of(test: Test, brain: brains.Brain) -> str | None:
+    """What a check finds wrong, or None."""
+    return _outcome(test, brain)[0]
+
+
+def _outcome(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
+    """What a check finds wrong, or None, and whether the brain has the part that it checks."""
+    from swarmcensus.checks.sample_minds import Fault, NotUsed, in_a_line
+
+    try:
+        test(brain)
+    except NotUsed:
+        return None, False
+    except Fault as fault:
+        return str(fault), True
+    except Exception as error:
+        return in_a_line(error), True
+    return None, True
+
+
+def report(path: str, patience: float, wearing: str = "") -> None:
+    """In the child process: print each check's name before it runs, and its `Check` afterwards, as lines of JSON."""
+
+    def timed(name: str, test: Test) -> Test:
+        def run(brain: brains.Brain) -> None:
+            print(json.dumps([name]), flush=True)
+            _bound_memory(COMPILE_MEMORY_BYTES if name == COMPILES else MEMORY_BYTES)
+            faulthandler.dump_traceback_later(COMPILE_PATIENCE if name == COMPILES else patience, exit=True)
+            try:
+                test(brain)
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+
+        return run
+
+    for result in examine(path, {name: timed(name, test) for name, test in checks().items()}, wearing):
+        print(json.dumps([result.name, result.fault, result.used]), flush=True)
+
+
+def single_life(path: str | Path, wearing: str = "") -> str | dict[str, int | None]:
+    """At which reading of a day single and double precision part, by `single_life.Life`'s names; or why it ended."""
+    brain = brain_to_check(path, wearing)
+    done = _child("live", path, COMPILE_PATIENCE, wearing)
+    if done.returncode:
+        return _why_it_ended(done, brain, "", (path, COMPILE_PATIENCE, wearing))
+    lived: dict[str, int | None] = json.loads(done.stdout)
+    return lived
+
+
+def live(path: str, patience: float, wearing: str = "") -> None:
+    """In a child process: print a brain's life in single precision, as JSON."""
+    from swarmcensus.checks.single_life import life
+
+    faulthandler.dump_traceback_later(patience, exit=True)
+    print(json.dumps(life(brain_to_check(path, wearing))._asdict()))
+    faulthandler.cancel_dump_traceback_later()
+
+
+def call_by_call(path: str, patience: float, wearing: str = "") -> None:
+    """In a child process: find out which compiled function does not return."""
+    from swarmcensus.checks.machine_code import step_by_step
+
+    run = step_by_step(brain_to_check(path, wearing))
+    faulthandler.dump_traceback_later(patience, exit=True)
+    run()
+
+
+def _child(what: str, path: str | Path, patience: float, wearing: str) -> subprocess.CompletedProcess[str]:
+    folders = os.pathsep.join(folder or str(Path.cwd()) for folder in sys.path)
+    return subprocess.run(
+        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience), wearing],
+        env=os.environ | {"PYTHONPATH": folders, "PYTHONUTF8": "1"},
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        check=False,
+    )
+
+
+def _why_it_ended(
+    done: subprocess.CompletedProcess[str], brain: brains.Brain, name: str, arguments: tuple[str | Path, float, str]
+) -> str:
+    patience = arguments[1]
+    if done.returncode < 0:
+        name = signal.Signals(-done.returncode).name
+        return f"it ends its process by {name}{DEATHS.get(name, '')}"
+    if "Timeout (" not in done.stderr:
+        return f"it ends its process: {(done.stderr.strip().splitlines() or ['no more is said'])[-1]}"
+    frames = re.findall(r'File "(.*)", line (\d+) in (\w+)', done.stderr[done.stderr.rindex("Timeout (") :])
+    file = str(brain.path).encode("ascii", "backslashreplace").decode()  # as faulthandler writes it
+    own = [(line, function) for where, line, function in frames if where == file]
+    if own:
+        called = next(function for _, function in reversed(own))
+        helper = f" (in {own[0][1]})" if own[0][1] != called else ""
+        return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}"
+    if name == COMPILES:
+        return f"Numba did not compile it within {COMPILE_PATIENCE:g} s"
+    again = _child("call_by_call", *arguments) if name == AGREES else None
+    hangs = again is not None and again.returncode and again.stdout
+    if again is None or not (hangs or brain.steers):
+        return f"the check itself took longer than {patience:g} s: the brain is slow, or this machine busy"
+    last = again.stdout.splitlines()[-1] if hangs else "steer"
+    return f"compiled, {last} did not return within {patience:g} s, though in CPython it does"
+
+
+def _bound_memory(room: int) -> None:
+    """Let this process grow by at most so many bytes, if the system can tell its size."""
+    try:
+        import resource
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        _, most = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + room, most))
+    except (ImportError, OSError, ValueError):
+        return

@@ -1,6 +1,0 @@
-"""Boards with MicroPython that talk over ESP-NOW."""
-
-from swarmcensus.deployment.micropython_files import NUMBERS, micropython_files
-from swarmcensus.deployment.target import Target
-
-TARGET = Target("ESP-NOW", micropython_files, largest=250, refuses=NUMBERS)

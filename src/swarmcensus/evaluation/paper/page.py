@@ -1,0 +1,186 @@
+"""The page that `reproduce` writes: one HTML file that needs no other, with links to the files beside it."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import xarray as xr
+
+from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
+from swarmcensus.evaluation.paper.report import SIGNS, WORDS, kind, measured, tally
+from swarmcensus.support import intervals
+from swarmcensus.support.files import data_path
+from swarmcensus.support.formatting import CLOCK, counted
+from swarmcensus.support.templates import render
+from swarmcensus.support.version import __version__
+
+# the drawing of a claim, in pixels; in colours of the page
+WIDTH, HEIGHT, LEFT, MARGIN, LETTERS = 960.0, 180.0, 60.0, 12.0, 11.0
+COLOURS = {YES: "var(--yes)", NO: "var(--no)", OPEN: "var(--open)"}
+SHAPES = {YES: "dot", NO: "cross", OPEN: "ring"}
+FEWEST = 4  # settings: fewer are read as easily in their list
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What `reproduce` made: datasets by study, figures with their files, claims as measured, seconds by stage.
+
+    Without a folder `out` there are no figures, files and page.
+
+    Seconds are wall-clock time. Those of "simulate" are of all runs on these datasets together; the other stages are
+    done again each time, "compile" only where there is something to run.
+    """
+
+    out: Path | None
+    command: str
+    datasets: Mapping[str, xr.Dataset]
+    figures: Sequence[tuple[PaperFigure, Sequence[Path]]]
+    claims: Sequence[Outcome]
+    seconds: Mapping[str, float]
+    of: Evaluation = PAPER
+
+    @property
+    def page(self) -> Path | None:
+        """The page to open in a browser."""
+        return None if self.out is None else self.out / "index.html"
+
+    @property
+    def files(self) -> list[Path]:
+        """All other files that were written."""
+        if self.out is None:
+            return []
+        data = [data_path(self.out, name) for name in self.datasets]
+        drawn = [path for _, paths in self.figures for path in paths]
+        return [*data, *drawn, *([self.out / "claims.json"] if self.claims else [])]
+
+
+def html(done: Reproduction) -> str:
+    """The text of index.html: findings, figures, claims, how they were made, and files. Empty parts are left out."""
+    others = [outcome for outcome in done.claims if outcome.holds is not True]
+    return render(
+        Path(__file__).with_name("page.html.jinja"),
+        of=done.of,
+        version=__version__,
+        style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"),
+        claims=done.claims,
+        counts=Counter(map(kind, done.claims)),
+        findings=sorted(others, key=lambda outcome: outcome.holds is None),  # refuted claims first
+        figures=[_figure(done, figure, paths) for figure, paths in done.figures],
+        command=done.command,
+        versions=_versions(done),
+        seconds=done.seconds,
+        clock=CLOCK,
+        datasets=done.datasets,
+        files=[_file(done, path) for path in done.files],
+        level=intervals.LEVEL,
+        resamples=intervals.RESAMPLES,
+        words=WORDS,
+        signs=SIGNS,
+        yes=YES,
+        no=NO,
+        open=OPEN,
+        kind=kind,
+        kind_of_detail=_kind_of_detail,
+        measured=measured,
+        tally=tally,
+        counted=counted,
+        strip=strip,
+    )
+
+
+def _kind_of_detail(detail: Detail) -> str:
+    """The verdict on a claim that this setting alone would give."""
+    return {YES: HOLDS, NO: FAILS}.get(detail.verdict, OPEN)
+
+
+def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> dict[str, Any]:
+    text = figure.caption(done.datasets)
+    panels = "; ".join(f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views))
+    return {
+        "name": figure.name,
+        "title": figure.title,
+        "text": text,
+        "alt": f"{figure.title}. Panels: {panels}. {text}",
+        "image": base64.b64encode(paths[0].read_bytes()).decode(),
+        "files": [{"link": _link(done, path), "suffix": path.suffix[1:].upper()} for path in paths],
+        "claims": [outcome for outcome in done.claims if outcome.claim.id in figure.claims],
+    }
+
+
+def _versions(done: Reproduction) -> str:
+    """The versions that simulated the first dataset, and the machine; empty without datasets."""
+    for data in done.datasets.values():
+        return (
+            f"swarmcensus {data.attrs['swarmcensus_version']}, Python {data.attrs['python_version']}, "
+            f"{data.attrs['library_versions']}; {data.attrs['machine']}"
+        )
+    return ""
+
+
+def _file(done: Reproduction, path: Path) -> dict[str, Any]:
+    name = path.relative_to(done.out or "").as_posix()
+    return {"link": _link(done, path), "name": name, "megabytes": path.stat().st_size / 1e6}
+
+
+def _link(done: Reproduction, path: Path) -> str:
+    return quote(path.relative_to(done.out or "").as_posix())
+
+
+def strip(outcome: Outcome) -> str:
+    """Value and interval of each setting, with the range in which the claim holds as a shaded band, as SVG.
+
+    Each setting is a vertical interval with a dot, a ring (undecided) or a cross (on the wrong side) at its value.
+    The scale is logarithmic where all values are positive. Empty for few settings, and where values have no interval.
+    """
+    drawn = [(d, *d.interval) for d in outcome.details if d.interval and _finite(d.value, *d.interval)]
+    thresholds = [end for end in outcome.claim.right if _finite(end)]
+    ends = [end for _, low, high in drawn for end in (low, high)] + thresholds
+    if len(drawn) < FEWEST or min(ends) == max(ends):
+        return ""
+    scale = math.log if min(ends) > 0 else float
+    bottom, top = scale(min(ends)), scale(max(ends))
+
+    def y(value: float) -> float:
+        inside = min(max(value, min(ends)), max(ends))  # an open end of the band is the edge of the drawing
+        return MARGIN + (top - scale(inside)) / (top - bottom) * (HEIGHT - 2 * MARGIN)
+
+    labels: dict[float, float] = {}
+    for end in (*thresholds, min(ends), max(ends)):  # thresholds first: the others yield
+        if all(abs(y(end) - place) > LETTERS for place in labels):
+            labels[y(end)] = end
+    step = (WIDTH - LEFT) / len(drawn)
+    marks = [
+        {
+            "setting": detail.setting,
+            "shape": SHAPES[detail.verdict],
+            "colour": COLOURS[detail.verdict],
+            "x": LEFT + (i + 0.5) * step,
+            "y": y(detail.value),
+            "low": y(low),
+            "high": y(high),
+        }
+        for i, (detail, low, high) in enumerate(drawn)
+    ]
+    return render(
+        Path(__file__).with_name("strip.svg.jinja"),
+        title=outcome.claim.title,
+        width=WIDTH,
+        height=HEIGHT,
+        left=LEFT,
+        band=sorted(map(y, outcome.claim.right)),
+        thresholds=list(map(y, thresholds)),
+        labels=labels,
+        marks=marks,
+    )
+
+
+def _finite(*values: float) -> bool:
+    return all(map(math.isfinite, values))

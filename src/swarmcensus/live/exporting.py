@@ -1,0 +1,123 @@
+"""One recorded trial as an HTML file with all its frames, which opens from disk without a server."""
+
+import base64
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from swarmcensus.live.offers import Offer, wanted
+from swarmcensus.live.pages import recorded_page
+from swarmcensus.live.scenes import scene_of
+from swarmcensus.live.sessions import form_of
+from swarmcensus.live.settling import Settling
+from swarmcensus.live.shows import Show
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write
+from swarmcensus.support.formatting import counted
+
+BLOCK = 500  # frames that are compressed together
+MOST_FRAMES = 400_000_000  # bytes of frames, uncompressed
+MINDS = 1_200_000  # bytes of memories, compressed, unless fewer are asked for
+STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # rounds from one recorded memory to the next
+
+
+def export(
+    offer: Offer,
+    query: dict[str, str],
+    path: Path,
+    played: Mapping[str, str] | None = None,
+    report: Callable[[float], None] = lambda share: None,
+) -> int:
+    """Write a trial as an HTML file, as `page_of` makes it. Returns its size in bytes. Raises InputError."""
+    text = page_of(offer, query, played, report)
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return len(text.encode())
+
+
+def page_of(
+    offer: Offer,
+    query: Mapping[str, str],
+    played: Mapping[str, str] | None = None,
+    report: Callable[[float], None] = lambda share: None,
+    memories: int = MINDS,
+) -> str:
+    """The HTML of a trial, which opens as `played` says, and plays if that names no moment.
+
+    Estimates, positions, readings and links are recorded in every round; memories in every round if they fit into
+    `memories` bytes, else in every 2nd, 5th, ... (see STEPS). `report` gets the share that is done. Raises InputError
+    if the trial is too large.
+    """
+    trial = wanted(offer, query)
+    shows = [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
+    rounds, robots = shows[0].rounds, shows[0].setting.robots
+    if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
+        raise InputError(
+            f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: take fewer"
+        )
+    frames, minds, names, step = [], [], [], _step(shows[0], memories)
+    for side, show in enumerate(shows):
+        blocks, fields = [], []
+        for ticks in _blocks(rounds):
+            blocks.append(_packed(show.frames(ticks, side)))
+            if recorded := [tick for tick in ticks if tick % step == 0]:
+                fields.append(_minds(show, recorded))
+            report((side + ticks[-1] / rounds) / len(shows))
+        frames.append(blocks)
+        names.append(fields[0][0])
+        minds.append(_packed(_shuffled(np.concatenate([values for _, values in fields], axis=2))))
+    settlings = [Settling(show, trial.study.measure.delta) for show in shows]
+    for one in settlings:
+        while not one.on():
+            pass
+    recording = {
+        "scenes": [scene_of(show) for show in shows],  # of logs that grow, as they are now
+        "form": form_of(offer, trial),
+        "frames": frames,
+        "minds": minds,
+        "names": names,
+        "step": step,
+        "settled": [one.median() for one in settlings],
+        "played": dict(played or {}),
+    }
+    return recorded_page(recording)
+
+
+def _blocks(rounds: int) -> Iterator[list[int]]:
+    for first in range(0, rounds + 1, BLOCK):
+        yield list(range(first, min(first + BLOCK, rounds + 1)))
+
+
+def _step(show: Show, most: int) -> int:
+    """The step between recorded memories with which they fit into `most` bytes, estimated from the first rounds."""
+    rounds = show.rounds
+    sample = list(range(1, min(rounds, 200) + 1))
+    size = len(zlib.compress(_shuffled(_minds(show, sample)[1]), 6)) / len(sample) * (rounds + 1)
+    return next((step for step in STEPS if size / step <= most), STEPS[-1])
+
+
+def _minds(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
+    """The memories of robots at these ticks: names of fields, and values (field, robot, tick)."""
+    names, rows = [], []
+    for tick in ticks:
+        stretch, row = show.find(tick)
+        fields = show.fields(stretch, slice(row, row + 1))
+        flat = {
+            name if values.ndim == 2 else f"{name}[{k}]": values[0] if values.ndim == 2 else values[0][:, k]
+            for name, values in fields.items()
+            for k in range(1 if values.ndim == 2 else values.shape[2])
+        }
+        names = list(flat)
+        rows.append(np.stack(list(flat.values())))
+    return names, np.stack(rows, axis=2).astype("<f4")
+
+
+def _shuffled(values: np.ndarray) -> bytes:
+    """The bytes of numbers, first all first bytes, then all second ones: similar bytes compress well."""
+    return np.ascontiguousarray(values, "<f4").view(np.uint8).reshape(-1, 4).T.tobytes()
+
+
+def _packed(content: bytes) -> str:
+    return base64.b64encode(zlib.compress(content, 9)).decode()

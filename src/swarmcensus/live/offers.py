@@ -1,0 +1,403 @@
+"""What a page may show: the settings of a study or of results, with some of their values changed.
+
+A page chooses brains, floors and adversaries by name. It can read no files, except those that the server was given.
+"""
+
+import math
+import os
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from swarmcensus import brains
+from swarmcensus.brains import Adversary, adversary
+from swarmcensus.checks.quick import caution
+from swarmcensus.live.brain_files import BrainFiles
+from swarmcensus.live.simulated import Simulated
+from swarmcensus.studies import addresses
+from swarmcensus.studies.members import Member, Members, check
+from swarmcensus.studies.settings import KEYS as DECLARED
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import check_no_log
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import option
+from swarmcensus.worlds import arena, networks, patterns, sensors, wiring
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.networks import Topology
+from swarmcensus.worlds.patterns import Floor
+
+if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
+    import xarray as xr
+
+    from swarmcensus.live.days import LoggedDay
+    from swarmcensus.live.logged import Logged
+
+MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
+MOST_TILES = 1_000_000  # along a side of the arena
+MOST_PAIRS = 4_000_000  # of robots in a fully connected network
+SHOWN: dict[str, Any] = {
+    "swarm": {"brain": "minimalistic", "robots": 25, "accuracy": 0.75},
+    "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.75},
+    "schedule": {"ticks": 10_000},
+}  # the swarm that is shown without a study
+FLOORS = ("tiles", "half", {"clusters": 0.3}, {"stripes": 0.5})
+LIAR = "always-black"
+KEYS = (
+    "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
+    "link_success", "floor", "liars", "adversary", "rounds", "of",
+)  # fmt: skip
+ON_A_DAY = ("beside", "of")  # those of a logged day that may differ from what it was
+BESIDE = "beside."  # before the name of a parameter: of the brain beside
+PLAYED = (
+    "tick",
+    "robot",
+    "side",
+    "colour",
+    "zoom",
+    "centre",
+    "follow",
+    "log",
+    "full",
+    "speed",
+)  # what concerns the view
+COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
+MOST_ZOOM = 40
+AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What can be watched: settings by number, and values that can replace theirs."""
+
+    name: str
+    numbers: tuple[int, ...]
+    find: Callable[[int], tuple[Study, Setting]]
+    topologies: dict[str, Topology]
+    floors: dict[str, Floor]
+    brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
+    adversaries: dict[str, Adversary]
+    live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
+    logged: "LoggedDay | None" = None  # where robots lived the trial: only a brain beside it can be chosen
+    files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """One trial to be watched, and optionally another setting in the same world beside it."""
+
+    study: Study
+    settings: tuple[Setting, ...]
+    chosen: tuple[str, ...]  # the label of each setting's brain, without the parameters that were asked for
+    seed: int
+    trial: int
+    request: dict[str, str]  # the values that were given, by key
+    rounds: int  # how many can be shown
+    mark: str  # identifies the unchanged setting, so that links to other studies are noticed
+
+
+def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = ()) -> Offer:
+    """The offer of a study, of results, of a file of either, of a folder of robots' logs, or of a small swarm.
+
+    `given` are more brains. Raises InputError.
+    """
+    name = of.name if isinstance(of, Path) else ""
+    if isinstance(of, Path) and of.is_dir():
+        return _day(of, given)
+    if isinstance(of, Path):
+        check_no_log(of)
+    if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
+        return _results(of, name, given)
+    more = {brain.label: brain for brain in map(brains.load, given)}
+    study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
+    settings = study.settings()
+    offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
+    return replace(offer, files=BrainFiles(offer.brains.values()))
+
+
+def _day(folder: Path, given: tuple[Path, ...]) -> Offer:
+    from swarmcensus.live.days import LoggedDay
+
+    logged = LoggedDay(folder, given)
+    study, setting = logged.study, logged.setting
+    offer = _offer(logged.day.title, (0,), [study], logged.brains, lambda _: (study, setting))
+    return replace(offer, live=logged.life, logged=logged)
+
+
+def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
+    from swarmcensus.results.partial import opened
+    from swarmcensus.results.selecting import require
+    from swarmcensus.results.source_study import setting_of, studies_of
+
+    data = opened(of) if isinstance(of, Path) else of
+    require(data)
+    studies = studies_of(data, given)
+    numbers = tuple(map(int, data["setting"].values))
+    return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
+
+
+def _offer(
+    name: str,
+    numbers: tuple[int, ...],
+    studies: list[Study],
+    more: Mapping[str, brains.Brain],
+    find: Callable[[int], tuple[Study, Setting]],
+) -> Offer:
+    if not numbers:
+        raise InputError(f"{name}: there is no setting to watch", key=name)
+    grids = [grid for study in studies for grid in study.grids]
+    caution((*(brain for study in studies for brain in study.brains), *more.values()))
+    floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
+    plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
+    named = [topology for study in studies for topology in study.topologies]
+    return Offer(
+        name=name,
+        numbers=numbers,
+        find=find,
+        topologies={str(topology): topology for topology in (*named, *plain)},
+        floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(floor, None, {}) for floor in FLOORS))},
+        brains={brain.label: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
+        adversaries={liar.name: liar for study in studies for liar in study.adversaries},
+    )
+
+
+def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
+    """The trial that a request describes, key by key; other values are those of the setting. Raises InputError."""
+    number = _whole(request, "setting", offer.numbers[0], 0, 2**31)
+    if number not in offer.numbers:
+        raise InputError.at("setting", number, f"there are {offer.numbers[0]} to {offer.numbers[-1]}")
+    study, setting = offer.find(number)
+    first, began = (offer.logged.day.trial, offer.logged.day.seed) if offer.logged else (0, study.seed)
+    mark = addresses.fingerprint(setting, study.seed)[:8]
+    if request.get("of", mark) != mark:
+        raise InputError.at("of", request["of"][:40], f"this link is not for {offer.name} as it is now")
+    trial = _whole(request, "trial", first, 0, 2**31 - 1)
+    seed = _whole(request, "seed", began, 0, 2**63 - 1)
+    if offer.logged:
+        _check_day(request, {"setting": number, "trial": first, "seed": began})
+    brain = _brain(offer, "brain", request["brain"]) if request.get("brain") else offer.files.latest(setting.brain)
+    chosen = [brain.label]
+    ours = [key for key in request if key not in KEYS and not key.startswith(BESIDE)]
+    lost = {key for key in ours if offer.files.has_lost(brain, key)}  # a page may still ask for these
+    brain = _with_parameters(brain, {key: request[key] for key in ours if key not in lost})
+    changed = _changed(offer, replace(setting, brain=brain.with_numbers(setting.brain.numbers)), request)
+    rounds = offer.logged.rounds if offer.logged else changed.rounds
+    _check(changed, study, rounds)
+    settings = [changed]
+    theirs = {key: value for key, value in request.items() if key.startswith(BESIDE)}
+    if request.get("beside"):
+        beside = _brain(offer, "beside", request["beside"])
+        chosen.append(beside.label)
+        lost |= {key for key in theirs if offer.files.has_lost(beside, key.removeprefix(BESIDE))}
+        beside = _with_parameters(beside, {key: theirs[key] for key in theirs if key not in lost}, BESIDE)
+        settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
+        _check(settings[1], study, rounds)
+    elif theirs:
+        raise InputError(f"{next(iter(theirs))[:40]}: there is no brain beside: name one with beside")
+    given = {key: value for key, value in request.items() if value != "" and key not in lost}
+    return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
+
+
+def first_view(offer: Offer, asked: Mapping[str, str]) -> tuple[dict[str, str], dict[str, str]]:
+    """What a page begins with, and how it is seen; next to a recording stands the first of the brains that were given.
+
+    All that the page will ask for is tried, so that errors are raised here, and not in the browser. Raises InputError.
+    """
+    query = {key: value for key, value in asked.items() if key not in PLAYED}
+    play = {key: value for key, value in asked.items() if key in PLAYED}
+    if offer.logged and offer.logged.brains:
+        query.setdefault("beside", next(iter(offer.logged.brains)))
+    trial = wanted(offer, query)
+    check_moment(trial, play)
+    for setting in trial.settings if offer.logged else ():
+        offer.logged.under(setting.brain)  # type: ignore[union-attr]
+    return query, play
+
+
+def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
+    """Raise InputError for a request that would change what robots have lived."""
+    for key, value in request.items():
+        if value and key not in ON_A_DAY and not key.startswith(BESIDE) and value != str(was.get(key, "")):
+            raise InputError.at(key, value[:40], "this day is as its logs have it: only beside can be chosen")
+
+
+def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
+    """Raise InputError for a tick, robot, side or colouring that the page cannot show."""
+    setting = found.settings[0]
+    _whole(played, "tick", 0, 0, found.rounds)
+    _whole(played, "robot", 0, 0, setting.robots - 1)
+    _whole(played, "side", 0, 0, len(found.settings) - 1)
+    if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
+        raise InputError.at("colour", played["colour"][:40], f"should be one of {', '.join(COLOURINGS)}")
+    if "zoom" in played:
+        _number(played, "zoom", 1.0, MOST_ZOOM)
+    for key in ("follow", "log", "full"):
+        _whole(played, key, 0, 0, 1)
+    if played.get("speed", AS_FAST_AS_POSSIBLE) != AS_FAST_AS_POSSIBLE:
+        _number(played, "speed", 1, 10_000)
+    if "centre" in played and not re.fullmatch(
+        r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII
+    ):
+        raise InputError.at("centre", played["centre"][:40], "should be two numbers from 0 to 1, such as 0.25,0.5")
+
+
+def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Setting:
+    request = {key: value for key, value in request.items() if value != ""}
+    values: dict[str, Any] = {}
+    if "topology" in request:
+        values["topology"] = _one_of(offer.topologies, "topology", request["topology"])
+    moves = values.get("topology", setting.topology).moves
+    if moves != (setting.body is not None):
+        values |= {key.field: key.default for key in DECLARED.values() if key.spans and key.world != "any"}
+        values |= {"body": None, "rounds": DECLARED["rounds"].default}
+    if moves and setting.body is None:
+        values |= {"body": Body(), "density": 1.0, "floor": Floor(), "observations_per_round": 1}
+        values["rounds"] = DECLARED["ticks"].default
+    values["robots"] = _whole(request, "robots", setting.robots, 1, MOST_ROBOTS)
+    values["rounds"] = _whole(request, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
+    if "accuracy" in request:
+        try:
+            values["accuracy"] = sensors.parse_accuracy(_toml(request["accuracy"]))
+        except ValueError as error:
+            raise InputError.at("accuracy", request["accuracy"][:40], f"{str(error)[:200]}") from None
+    if "fill_ratio" in request:
+        values |= {"fill_ratio": _number(request, "fill_ratio", 0.0, 1.0), "change": None}
+    if "link_success" in request:
+        values["link_success"] = _number(request, "link_success", 0.0, 1.0)
+    for key in ("density", "floor"):
+        if key in request and not moves:
+            raise InputError.at(key, request[key][:40], "only for robots that move, not on this network")
+    if "density" in request:
+        values["density"] = _number(request, "density", 0.0, 1e6)
+    if "floor" in request:
+        values["floor"] = _one_of(offer.floors, "floor", request["floor"])
+    if "liars" in request or "adversary" in request:
+        liars = [member for member in setting.members if not member.honest]
+        known = [member.brain for member in liars if isinstance(member.brain, Adversary)]
+        share = _number(request, "liars", 0.0, 1.0) if "liars" in request else _share(liars, values["robots"])
+        liar = _adversary(offer, request["adversary"]) if "adversary" in request else next(iter(known), None)
+        lying = Member(share, liar or adversary.load(LIAR), honest=False, share=True)
+        others = tuple(member for member in setting.members if member.honest)
+        values["members"] = (*others, *([lying] if lying.count(values["robots"]) else []))
+    return replace(setting, **values)
+
+
+def _check(setting: Setting, study: Study, rounds: int) -> None:
+    """Raise InputError if values do not go together, or are too large to be watched."""
+    try:
+        if setting.robots > MOST_ROBOTS or rounds > MOST_ROUNDS:
+            raise ValueError(
+                f"{setting.robots:,} robots for {rounds:,} rounds: at most {MOST_ROBOTS:,} robots "
+                f"for {MOST_ROUNDS:,} rounds can be watched"
+            )
+        setting.topology.check(setting.robots)
+        if setting.body is not None:
+            assert setting.density is not None
+            most = arena.largest_density(setting.robots, setting.body)
+            if not 0.0 < setting.density <= most:
+                raise ValueError(f"density = {setting.density:g}: should be above 0 and at most {most:.4g} here")
+            if setting.arena_side > MOST_TILES * setting.body.tile:
+                raise ValueError(f"density = {setting.density:g}: the arena is more than {MOST_TILES:,} tiles wide")
+            (setting.floor or Floor()).check(arena.Arena(setting.arena_side, setting.body.tile))
+        elif setting.robots**2 > MOST_PAIRS and not setting.additive and setting.topology.name == "full":
+            raise ValueError(
+                f"{counted(setting.robots, 'robot')} fully connected: at most {MOST_PAIRS**0.5:,.0f} can be watched"
+            )
+        for member in setting.members:
+            given: dict[str, Any] = dict.fromkeys(Members.model_fields)
+            given |= {"robots": [member.robots], "honest": member.honest}
+            given |= {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
+            table = Members.model_construct(None, **given)
+            check((table,), [setting.brain], [setting.robots], setting.body is not None)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+
+
+def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
+    """A brain of the study, or an installed one, but never a file."""
+    if name not in offer.brains and name not in brains.PLUGINS:
+        meant = did_you_mean(name[:40], names_of(offer))
+        raise InputError.at(
+            key, name[:40], f"{meant}this is no brain of the study, nor an installed one; {option('brain')} adds a file"
+        )
+    found = offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
+    return offer.files.latest(found)
+
+
+def _with_parameters(brain: brains.Brain, request: Mapping[str, str], before: str = "") -> brains.Brain:
+    """A brain with the parameters that a request names, with `before` before each name. Raises InputError."""
+    for key, text in request.items():
+        name = key.removeprefix(before)
+        if name not in brain.parameters:
+            known = (*KEYS, *(before + one for one in brain.parameters), *PLAYED)
+            raise InputError(f"{key[:40]}: {did_you_mean(key[:40], known)}known here: {', '.join(known)}")
+        if text == "":
+            continue
+        try:
+            brain = brain.with_parameters({name: _toml(text)})
+        except ValueError as error:
+            why = str(error)[:200]
+            said = why if why.startswith(f"{name} = ") else f"{name} = {text[:40]}: {why}"
+            raise InputError(before + said) from None
+    return brain
+
+
+def names_of(offer: Offer) -> list[str]:
+    """The names of all brains that can be watched."""
+    return list(dict.fromkeys([*offer.brains, *brains.PLUGINS.names]))
+
+
+def _adversary(offer: Offer, name: str) -> Adversary:
+    if name not in offer.adversaries and name not in adversary.PLUGINS:
+        meant = did_you_mean(name[:40], adversary.PLUGINS.names)
+        raise InputError.at("adversary", name[:40], f"{meant}there is no such adversary")
+    return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
+
+
+def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
+    if name not in known:
+        raise InputError.at(key, name[:40], f"{did_you_mean(name[:40], known)}should be one of {', '.join(known)}")
+    return known[name]
+
+
+def _share(members: list[Member], robots: int) -> float:
+    return sum(member.count(robots) for member in members) / robots
+
+
+def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: int) -> int:
+    text = request.get(key, "")
+    if text == "":
+        return usual
+    if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
+        raise InputError.at(key, text[:40], f"should be a whole number from {least:,} to {most:,}")
+    return int(text)
+
+
+def _toml(text: str) -> Any:
+    """A value as in a study file: TOML's, or else the text. Raises ValueError for several lines."""
+    if "\n" in text:
+        raise ValueError("should be one value, on one line")
+    try:
+        return tomllib.loads(f"it = {text}")["it"]
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return text
+
+
+def _number(request: Mapping[str, str], key: str, least: float, most: float) -> float:
+    value = _number_or_text(request[key])
+    if isinstance(value, str) or not least <= value <= most:
+        raise InputError.at(key, request[key][:40], f"should be a number from {least:g} to {most:g}")
+    return value
+
+
+def _number_or_text(text: str) -> float | str:
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    return value if math.isfinite(value) else text

@@ -1,0 +1,61 @@
+"""One robot in full: its memory after a round, the messages that it heard, its reading and its tile."""
+
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.live.shows import Show
+from swarmcensus.simulation.living import Stretch
+from swarmcensus.support.documents import json_value
+
+LOOK_BACK = 200  # rounds that are searched for the latest messages
+
+
+def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
+    """A robot after a round: its fields as in `sc.replay`, the messages it heard, its reading and its tile."""
+    stretch, row = show.find(tick)
+    fields = show.fields(stretch, slice(row, row + 1))
+    brain = show.setting.brains[show.group[robot]]
+    b, w, believed_b, believed_w = (
+        float(side[0][robot if side.shape[1] > 1 else 0])
+        for side in (*show.life.given.sensors[:2], *show.life.given.beliefs)
+    )
+    robot_data: dict[str, Any] = {
+        "robot": robot,
+        "tick": tick,
+        "brain": brain.label,
+        "honest": bool(show.honest[robot]),
+        "estimate": json_value(stretch.estimates[row, robot]),
+        "truth": float(show.truths(np.array([tick]))[0]),
+        "sensor": {"b": b, "w": w, "believed_b": believed_b, "believed_w": believed_w},
+        "fields": {name: json_value(value[0, robot]) for name, value in fields.items()},
+        "adds": show.life.adds,
+        **last_heard(show, stretch, row, robot),
+    }
+    if not show.draws_links(stretch, row):
+        senders, carried = show.life.hears(stretch, row, robot)
+        robot_data |= {"hears": senders.tolist(), "carried": carried.tolist()}
+    ended = bool(show.ended(stretch)[row, robot])
+    if show.moves:
+        x, y, heading = map(float, stretch.poses[row, robot])
+        robot_data |= {"x": x, "y": y, "heading": heading}
+        robot_data |= {
+            "tile": json_value(stretch.colours[row, robot]),
+            "reading": None if ended else json_value(stretch.readings[row, robot]),
+        }
+    elif (read := show.life.read(tick, robot)) is not None:
+        robot_data |= {"looks": read[1], "blacks": 0.0 if ended else read[0]}
+    return robot_data
+
+
+def last_heard(show: Show, stretch: Stretch, row: int, robot: int) -> dict[str, Any]:
+    """The messages of this round, or of the last earlier round with messages, if it is still stored."""
+    tick = stretch.first + row
+    for at in range(tick, max(tick - LOOK_BACK, 0), -1):
+        kept = stretch if at >= stretch.first else show.life.kept(show.stretch_of(at))
+        if kept is None:
+            break
+        heard = show.life.heard(kept, at - kept.first, robot)
+        if heard:
+            return {"heard": heard, "heard_at": at}
+    return {"heard": [], "heard_at": None}

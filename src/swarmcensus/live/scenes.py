@@ -1,0 +1,114 @@
+"""What stays the same during a trial: its title, the floor or the network, and which robots lie."""
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.engine.constants import LISTED
+from swarmcensus.live.shows import COLUMNS, Show
+from swarmcensus.simulation import sampling
+from swarmcensus.worlds.arena import tiles_across
+
+MOST_TILES = 1024  # along a side that a page draws; a larger floor is an even grey
+MOST_LAID_OUT = 400  # robots arranged by a spring layout; more stand in rows
+
+
+def scene_of(show: Show) -> dict[str, Any]:
+    """The scene for JSON; arrays of numbers are base64."""
+    setting = show.setting
+    scene: dict[str, Any] = {
+        "title": str(setting),
+        "brain": setting.brain.label,
+        "robots": setting.robots,
+        "rounds": show.rounds,
+        "moves": show.moves,
+        "columns": COLUMNS,
+        "layers": show.layers,
+        "options": max((brain.options for brain in setting.brains if brain.decides), default=0),
+        "ends": any(brain.ends for brain in setting.brains),
+        "memory": setting.brain.memory_bytes,
+        "message": setting.brain.message_bytes,
+        "dishonest": np.flatnonzero(~show.honest).tolist(),
+    }
+    if setting.body is None:
+        return scene | {
+            "unit": "round",
+            "places": _numbers(places := places_of(show), "<f4"),
+            "edges": _numbers(show.edges, "<u2"),
+            "crowd": _columns(setting.robots) if setting.robots > MOST_LAID_OUT else 0,
+            "room": _room(places),
+        }
+    body = setting.body
+    scene |= {
+        "unit": "tick",
+        "seconds": body.tick,
+        "side": setting.arena_side,
+        "radius": body.radius,
+        "range": body.radio_range,
+        "tile": body.tile,
+        "sensor": body.sensor,
+    }
+    across = tiles_across(setting.arena_side, body.tile)
+    if across <= MOST_TILES:
+        ground = sampling.ground(setting, show.seed, show.trial)
+        scene |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles()).tobytes()).decode()}
+        turns = ground.turns()
+        if turns.size:
+            scene["turns"] = _numbers(turns, "<i4")
+    return scene
+
+
+def places_of(show: Show) -> np.ndarray:
+    """Where a page draws the robots of a fixed network (robot, 2), in [0, 1]."""
+    robots = show.setting.robots
+    if robots > MOST_LAID_OUT:  # in rows: of so many, only colours can be seen
+        columns = _columns(robots)
+        return np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1) / columns
+    links = show.life.given.links
+    degrees = np.bincount(links.receivers, minlength=robots) if links.mode == LISTED else np.full(robots, robots - 1)
+    name = show.setting.topology.name
+    if name == "ring" or degrees.min(initial=robots) == robots - 1:
+        angle = 2 * np.pi * np.arange(robots) / robots - np.pi / 2
+        return 0.5 + 0.46 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    if name == "line":
+        return _snake(robots)
+    return _springs(show.edges, robots)
+
+
+def _columns(robots: int) -> int:
+    """How many robots stand in a row of a square of them."""
+    return int(np.ceil(np.sqrt(robots)))
+
+
+def _room(places: np.ndarray) -> float:
+    """The median distance between nearest neighbours; 1 for a crowd in rows, which does not need it."""
+    if not 2 <= len(places) <= MOST_LAID_OUT:
+        return 1.0
+    distances = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
+    np.fill_diagonal(distances, np.inf)
+    return float(np.median(distances.min(axis=1)))
+
+
+def _snake(robots: int) -> np.ndarray:
+    """Robots in rows, alternately from left to right and from right to left."""
+    columns = _columns(robots)
+    row = np.arange(robots) // columns
+    column = np.where(row % 2 == 0, np.arange(robots) % columns, columns - 1 - np.arange(robots) % columns)
+    return (np.stack([column, row], axis=1) + 0.5) / columns
+
+
+def _springs(edges: np.ndarray, robots: int) -> np.ndarray:
+    import networkx
+
+    graph = networkx.Graph()
+    graph.add_nodes_from(range(robots))
+    graph.add_edges_from(edges.tolist())
+    layout = networkx.spring_layout(graph, seed=1, iterations=200 if robots <= 100 else 60)
+    places = np.array([layout[i] for i in range(robots)])
+    span = np.ptp(places, axis=0).max() or 1.0
+    return np.asarray(0.5 + 0.92 * (places - (places.max(axis=0) + places.min(axis=0)) / 2) / span)
+
+
+def _numbers(values: np.ndarray, kind: str) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, kind).tobytes()).decode()

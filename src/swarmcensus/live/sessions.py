@@ -1,0 +1,266 @@
+"""The protocol with one page: requests in JSON and their answers, independent of the transport.
+
+Only what a page requests is computed, a piece at a time, so that a slow or closed page costs nothing.
+"""
+
+import json
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from swarmcensus.brains import Brain, Value, adversary, length
+from swarmcensus.live.compilations import COMPILATIONS
+from swarmcensus.live.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_DAY, PLAYED, Offer, Wanted, names_of, wanted
+from swarmcensus.live.robots import robot_of
+from swarmcensus.live.scenes import scene_of
+from swarmcensus.live.settling import Settling
+from swarmcensus.live.shows import Show
+from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+
+MOST_FRAMES = 600  # in one answer
+MOST_BYTES = 3_000_000
+PATIENCE = 0.2  # seconds of computation before a page is told that it takes longer
+TRIED = 3.0  # the most seconds for which a new trial is tried before it is shown
+ASIDE = 0.05  # the same for what a page does not wait for
+LONGEST = 12  # numbers of a parameter that a page shows
+MOST_TEXT = 16_384  # characters of a request
+Answer = bytes | dict[str, Any]
+Spoken = bytes | str  # an answer as a socket carries it
+
+
+class Session:
+    """The session of one page."""
+
+    def __init__(self, offer: Offer) -> None:
+        """Start without a trial."""
+        self.offer = offer
+        self.shows: tuple[Show, ...] = ()
+        self.trial: Wanted | None = None
+        self.settling: tuple[Settling, ...] | None = None
+
+    def answer(self, text: str | bytes) -> list[Answer]:
+        """Answer a request; errors are answers too."""
+        number: Any = None
+        try:
+            request = _read(text)
+            number = request.get("id")
+            does = {
+                "begin": self._begin, "frames": self._frames, "robot": self._robot, "news": self._news,
+                "settled": self._settled, "saved": self._saved,
+            }  # fmt: skip
+            do = request.get("do")
+            if not isinstance(do, str) or do not in does:
+                raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
+            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
+        except InputError as error:
+            return [{"id": number, "error": str(error)}]
+        except Exception as error:  # report it to the page, which can continue
+            return [_internal_error(number, error)]
+
+    def _begin(self, request: Mapping[str, Any]) -> list[Answer]:
+        ask = request.get("ask")
+        if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
+            raise InputError("ask: should be names and texts", key="ask")
+        trial = wanted(self.offer, ask)
+        shows = self._shows(trial)
+        tick = _whole(request, "tick", 0, MOST_ROUNDS)
+        began = time.monotonic()
+        for show in shows:  # a brain that fails before this moment is refused, so that the page keeps what it shows
+            while time.monotonic() - began < TRIED and not self._reached(
+                show, min(tick, show.rounds), time.monotonic()
+            ):
+                pass
+        self.shows, self.trial, self.settling = shows, trial, None
+        return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]
+
+    def _shows(self, trial: Wanted) -> tuple[Show, ...]:
+        shows = []
+        for setting in trial.settings:
+            with COMPILATIONS.of(setting):
+                shows.append(Show(self.offer.live(setting, trial.seed, trial.trial), trial.study.measure))
+        return tuple(shows)
+
+    def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
+        """Frames of all sides, or a note that they take longer."""
+        last = self._last()
+        first, step = _whole(request, "from", 0, last), _whole(request, "step", 1, last or 1)
+        most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
+        count = min(_whole(request, "count", 1, MOST_FRAMES), most)
+        ticks = list(range(first, min(last, first + (count - 1) * step) + 1, step))
+        began = time.monotonic()
+        done: list[int] = []
+        for tick in ticks:
+            try:
+                there = all(self._reached(show, tick, began) for show in self.shows)
+            except InputError:
+                if done:  # show what came before a brain failed
+                    break
+                raise
+            if not there:
+                return self._encoded(done) if done else [{"going": True, "to": tick}]
+            done.append(tick)
+            if time.monotonic() - began > PATIENCE:
+                break
+        return self._encoded(done)
+
+    def _reached(self, show: Show, tick: int, began: float) -> bool:
+        """Compute towards a round for at most PATIENCE seconds; whether it is reached."""
+        with COMPILATIONS.of(show.setting):
+            while not show.ready(tick):
+                if time.monotonic() - began > PATIENCE:
+                    return False
+        return True
+
+    def _encoded(self, ticks: list[int]) -> list[Answer]:
+        frames: list[Answer] = []
+        for side, show in enumerate(self.shows):
+            with COMPILATIONS.of(show.setting):
+                frames.append(show.frames(ticks, side))
+        return [*frames, {"frames": len(ticks)}]
+
+    def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
+        tick = _whole(request, "tick", 0, self._last())
+        side = _whole(request, "side", 0, len(self.shows) - 1)
+        show = self.shows[side]
+        robot = _whole(request, "robot", 0, show.setting.robots - 1)
+        with COMPILATIONS.of(show.setting):
+            if not self._reached(show, tick, time.monotonic()):
+                return [{"going": True, "to": tick}]
+            return [{"told": robot_of(show, tick, robot), "side": side}]
+
+    def _news(self, request: Mapping[str, Any]) -> list[Answer]:
+        """What is new of a day whose logs grow, since the version that the page knows."""
+        day = self.offer.logged
+        if day is None or len(self.shows) != 1:
+            raise InputError("do = 'news': only of a day in logs, without another brain beside it")
+        news = day.news(_whole(request, "since", 0, 2**53))
+        return [{**news, "fixed": fixed(self.offer)}]
+
+    def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
+        """K of each side, or a note that it takes longer."""
+        self._last()
+        assert self.trial is not None
+        if self.settling is None:  # trials of their own: what is shown is not wound to and fro
+            delta = self.trial.study.measure.delta
+            self.settling = tuple(Settling(show, delta) for show in self._shows(self.trial))
+        began = time.monotonic()
+        for one in self.settling:
+            while not one.on():
+                if time.monotonic() - began > ASIDE:
+                    return [{"going": True}]
+        return [{"settled": [one.median() for one in self.settling]}]
+
+    def _saved(self, request: Mapping[str, Any]) -> list[Answer]:
+        """Whether a brain file was saved: the version of all files, and what is wrong with one that is shown."""
+        shown = [show.setting.brain for show in self.shows]
+        wrong = self.offer.files.look(shown)
+        return [{"version": self.offer.files.version, "wrong": wrong}]
+
+    def _last(self) -> int:
+        if not self.shows:
+            raise InputError("no trial yet: send begin first")
+        return min(show.rounds for show in self.shows)
+
+
+def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
+    """The choices of a page's controls, and their current values."""
+    setting = trial.settings[0]
+    liars = [member for member in setting.members if not member.honest]
+    now = {
+        "setting": trial.request.get("setting", str(offer.numbers[0])),
+        "trial": str(trial.trial),
+        "seed": str(trial.seed),
+        "brain": trial.chosen[0],
+        "beside": trial.chosen[1] if len(trial.chosen) > 1 else "",
+        "robots": str(setting.robots),
+        "accuracy": form if isinstance(form := setting.accuracy.form, str) else to_toml_value(form),
+        "fill_ratio": f"{setting.fill_ratio:g}",
+        "topology": str(setting.topology),
+        "density": "" if setting.density is None else f"{setting.density:g}",
+        "link_success": f"{setting.link_success:g}",
+        "floor": "" if setting.body is None else str(setting.floor),
+        "liars": f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}",
+        "adversary": liars[0].brain.name if liars and liars[0].brain else trial.request.get("adversary", ""),
+        "rounds": str(trial.rounds),
+    }
+    return {
+        "name": offer.name,
+        "now": now,
+        "unit": "round" if setting.body is None else "tick",
+        "asked": trial.request,
+        "mark": trial.mark,
+        "parameters": [one for side, part in enumerate(trial.settings) for one in parameters(part.brain, side)],
+        "version": offer.files.version,
+        "watched": any(offer.files.watches(part.brain) for part in trial.settings),
+        "fixed": fixed(offer),
+        "grows": offer.logged is not None and offer.logged.may_grow and len(trial.settings) == 1,
+        "settings": [offer.numbers[0], offer.numbers[-1]],
+        "trials": trial.study.trials,
+        "choices": {
+            "brain": names_of(offer),
+            "beside": ["", *names_of(offer)],
+            "topology": list(offer.topologies),
+            "floor": list(offer.floors) if setting.body else [],
+            "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])),
+        },
+    }
+
+
+def parameters(brain: Brain, side: int) -> list[dict[str, str]]:
+    """The parameters that a page's fields can change, each with its key and its value."""
+    return [
+        {"key": f"{BESIDE * side}{name}", "name": name, "brain": brain.name, "now": to_toml_value(_plain(value))}
+        for name, value in brain.parameters.items()
+        if name not in (*KEYS, *PLAYED) and length(value) <= LONGEST
+    ]
+
+
+def _plain(value: Value) -> Any:
+    return list(value) if isinstance(value, tuple) else value
+
+
+def fixed(offer: Offer) -> list[str]:
+    """The controls that cannot be changed: on a day in logs all but the brain beside it, and that while it grows."""
+    day = offer.logged
+    return [key for key in KEYS if key not in ON_A_DAY or (day.grows and key == "beside")] if day else []
+
+
+def spoken(answers: list[Answer]) -> list[Spoken]:
+    """Answers as a socket sends them; one that cannot be written as JSON becomes an error for the page."""
+    try:
+        return [part if isinstance(part, bytes) else json.dumps(part, allow_nan=False) for part in answers]
+    except (TypeError, ValueError) as error:
+        number = next((part["id"] for part in answers if isinstance(part, dict)), None)
+        return [json.dumps(_internal_error(number, error))]
+
+
+def _internal_error(number: Any, error: Exception) -> dict[str, Any]:
+    return {"id": number, "error": f"internal error: {type(error).__name__}: {str(error)[:200]}"}
+
+
+def _read(text: str | bytes) -> dict[str, Any]:
+    if isinstance(text, bytes) or len(text) > MOST_TEXT:
+        raise InputError(f"a request should be JSON of at most {MOST_TEXT:,} characters")
+    try:
+        request = json.loads(text)
+    except (ValueError, RecursionError):
+        raise InputError("a request should be JSON") from None
+    if not isinstance(request, dict):
+        raise InputError("a request should be a JSON object")
+    number = request.get("id")
+    if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
+        raise InputError("id: should be a whole number", key="id")
+    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
+        raise InputError(
+            f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
+        )
+    return request
+
+
+def _whole(request: Mapping[str, Any], key: str, least: int, most: int) -> int:
+    value = request.get(key, least)
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise InputError.at(key, str(value)[:40], f"should be a whole number from {least:,} to {most:,}")
+    return value

@@ -1,0 +1,259 @@
+"""One trial as a page sees it: frames as bytes.
+
+A message of frames is little-endian. It begins with eight 32-bit words: `KIND`, side, number of frames, of robots, of
+columns, the layers present, number of links, 0. Then follow, for all frames, the numbers (f64, see COLUMNS), rounds
+(u32), start of each frame's links and their end (u32), layers (u16, robot by robot), flags and headings (u8, robot by
+robot), and links: pairs of robots (u16) if they move, else one number per edge (u8), 1 if it carried a message.
+"""
+
+from collections import OrderedDict
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from swarmcensus.engine.constants import LISTED, SLACK
+from swarmcensus.live.simulated import Simulated
+from swarmcensus.simulation import sampling
+from swarmcensus.simulation.intervals import ENDS
+from swarmcensus.simulation.living import Stretch
+from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
+from swarmcensus.simulation.trials import blaming
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.tables import Measure
+from swarmcensus.support.bins import right_bins
+
+if TYPE_CHECKING:  # imported late, as in offers.py
+    from swarmcensus.live.logged import Logged
+
+KIND = 0x53574152
+COLUMNS = (
+    "truth", "mean", "deviation", "lowest", "low", "median", "high", "highest", "right", "sent", "heard", "bytes",
+    "interval_low", "interval_high", "decided", "decided_right", "done",
+)  # fmt: skip  # of the honest robots that have an estimate; only the numbers of messages are of all robots
+QUARTERS = ("lowest", "low", "median", "high", "highest")
+COUNTS = ("sent", "heard", "bytes")
+HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
+LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper four bits are its option + 1
+SCALE = 65_535
+NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
+MOST_LINKS = 20_000  # in a frame
+KEPT = 4  # stretches whose frames are kept
+Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+class Show:
+    """One trial of a setting that is watched, simulated or logged."""
+
+    def __init__(self, life: "Simulated | Logged", measure: Measure) -> None:
+        """Prepare the trial; `measure` gives the truth and the bins."""
+        self.life, self.bins = life, measure.bins
+        self.setting: Setting = life.setting
+        self.seed: int = life.seed
+        self.trial: int = life.trial
+        setting = self.setting
+        given = life.given
+        self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
+        self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
+        self.moves = setting.body is not None
+        self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
+        self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
+        self._ground = sampling.ground(setting, self.seed, self.trial) if self.moves else None
+        self._on_floor = measure.truth == "floor" and self.moves
+        names = {name for brain in setting.brains for name in brain.memory}
+        self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
+
+    @property
+    def rounds(self) -> int:
+        """How many rounds there are, for now if logs still grow."""
+        return self.life.rounds
+
+    def stretch_of(self, tick: int) -> int:
+        """The stretch that contains a round; -1 for round 0."""
+        return (tick - 1) // self.life.length
+
+    def ready(self, tick: int) -> bool:
+        """Compute one stretch towards a round; whether the round is reached."""
+        return tick <= 0 or self.life.approach(self.stretch_of(tick))
+
+    def find(self, tick: int) -> tuple[Stretch, int]:
+        """The stretch that contains a round, and the row of the round in it."""
+        k = self.stretch_of(tick)
+        stretch = self.life.start if k < 0 else self.life.at(k)
+        return stretch, tick - stretch.first
+
+    def frames(self, ticks: list[int], side: int = 0) -> bytes:
+        """The frames of these rounds as bytes."""
+        numbers, layers, flags, links, starts = [], [], [], [], [0]
+        for tick in ticks:
+            stretch, row = self.find(tick)
+            stretch_numbers, stretch_layers, stretch_flags = self._encode(stretch)
+            numbers.append(stretch_numbers[row])
+            layers.append(stretch_layers[:, row])
+            flags.append(stretch_flags[:, row])
+            links.append(self._links(stretch, row))
+            starts.append(starts[-1] + len(links[-1]))
+        kind = np.uint16 if self.moves else np.uint8
+        words = [KIND, side, len(ticks), self.setting.robots, len(COLUMNS), self.layers, starts[-1], 0]
+        return b"".join(
+            part.tobytes()
+            for part in (
+                np.array(words, "<u4"), np.array(numbers, "<f8"), np.array(ticks, "<u4"), np.array(starts, "<u4"),
+                np.array(layers, "<u2"), np.array(flags, np.uint8), *(np.asarray(pairs, kind) for pairs in links),
+            )
+        )  # fmt: skip
+
+    @property
+    def layers(self) -> int:
+        """The layers of a frame beside estimates: positions if robots move, intervals, decisions."""
+        brains = self.setting.brains
+        intervals = HAS_INTERVALS * any(brain.has_interval for brain in brains)
+        return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in brains) + MOVES * self.moves
+
+    def _encode(self, stretch: Stretch) -> Encoded:
+        """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
+        known, encoded = self._encoded.get(stretch.first, (None, None))
+        if known is not stretch or encoded is None:
+            encoded = self._encode_anew(stretch)
+            self._encoded[stretch.first] = stretch, encoded
+            while len(self._encoded) > KEPT:
+                self._encoded.popitem(last=False)
+        return encoded
+
+    def _encode_anew(self, stretch: Stretch) -> Encoded:
+        x = stretch.estimates
+        x = np.where((x >= -SLACK) & (x <= 1.0 + SLACK), x, np.nan)  # where it is no fill ratio there is no estimate
+        rounds = np.arange(len(stretch.estimates)) + stretch.first
+        truths = self.truths(rounds)
+        fields = {} if not self.layers & ~MOVES else self.fields(stretch, slice(None))
+        decided, done, low, high = (fields.get(name, np.full(x.shape, np.nan)) for name in self._names)
+        layers = [np.where(np.isnan(x), NO_ESTIMATE, np.clip(x, 0.0, 1.0) * (NO_ESTIMATE - 1))]
+        if self.moves:
+            half = self.setting.arena_side / 2.0
+            layers += [np.clip((stretch.poses[..., axis] + half) / (2.0 * half), 0.0, 1.0) * SCALE for axis in (0, 1)]
+        if self.layers & HAS_INTERVALS:
+            layers += [np.clip(np.nan_to_num(end), 0.0, 1.0) * SCALE for end in (low, high)]
+        flags = np.zeros((2, *x.shape), np.uint8)
+        if self.moves:
+            readings = np.where(self.ended(stretch), np.nan, stretch.readings)
+            flags[0] = LOOKED * ~np.isnan(readings) + READ_BLACK * (readings == 1.0)
+            flags[0] += (ON_BLACK * (stretch.colours == 1.0)).astype(np.uint8)
+            flags[1] = np.round(stretch.poses[..., 2] % (2 * np.pi) / (2 * np.pi) * 256).astype(np.int64) % 256
+        flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
+        flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
+        honest = self.honest
+        read = rounds > 0  # before any reading nobody is right: an estimate is only the brain's first value
+        own, there = x[:, honest], ~np.isnan(x[:, honest])
+        values = {
+            "truth": truths,
+            "mean": (mean := mean_of(own, there)),
+            "deviation": np.sqrt(mean_of((own - mean[:, np.newaxis]) ** 2, there)),
+            **dict(zip(QUARTERS, quarters_of(own, there), strict=True)),
+            "right": np.where(read, right(own, there, truths, self.bins), np.nan),
+            "sent": stretch.messages[:, 0],
+            "heard": stretch.messages[:, 1],
+            "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
+            "interval_low": mean_of(low[:, honest], there),
+            "interval_high": mean_of(high[:, honest], there),
+            "decided": share(decided[:, honest], there, decided[:, honest] >= 0.0),
+            "decided_right": np.where(read, self._decided_right(decided[:, honest], there, truths), np.nan),
+            "done": share(done[:, honest], there, done[:, honest] == 1.0),
+        }
+        # single precision suffices for a picture, and compresses better; counts stay exact
+        exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
+        numbers = np.stack([np.broadcast_to(exact[name], truths.shape) for name in COLUMNS], axis=1)
+        return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+
+    def _decided_right(self, decided: np.ndarray, there: np.ndarray, truths: np.ndarray) -> np.ndarray:
+        return share(decided, there, decided == self.options_right(truths)[:, np.newaxis])
+
+    def ended(self, stretch: Stretch) -> np.ndarray:
+        """Robots that were done before a round, and so make no reading in it (round, robot)."""
+        before = np.zeros(stretch.estimates.shape, np.bool_)
+        if any(brain.ends for brain in self.setting.brains):
+            before[0] = stretch.done
+            before[1:] = self.fields(stretch, slice(None))[self._names[1]][:-1] == 1.0
+        return before
+
+    def options_right(self, truths: np.ndarray) -> np.ndarray:
+        """The right option for these fill ratios; NaN if no brain decides."""
+        options = [brain.options for brain in self.setting.brains if brain.decides]
+        return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
+
+    def truths(self, rounds: np.ndarray) -> np.ndarray:
+        """The true fill ratio of these rounds, which robots are judged by."""
+        if self._on_floor and self._ground is not None:
+            return self._ground.truth(rounds)
+        return self.setting.fill_ratios(np.maximum(rounds, 1))
+
+    def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
+        """The fields of all minds after some rounds of a stretch, as in a trace; vectors have one more axis.
+
+        They are NaN where a mind is not known.
+        """
+        parts = (a[rows] for a in (stretch.history, stretch.estimates))
+        again = stretch.first > 0  # fields_of takes the first row for the start, before any decision
+        history, estimates = (np.concatenate([part[:again], part]) for part in parts)
+        with blaming(self.setting, self.life.given.first):  # intervals are computed in every round here
+            fields = fields_of(self.setting.brains, self.life.swarm, history, estimates)
+        fields = {name: values[int(again) :] for name, values in fields.items()}
+        if stretch.known is None:
+            return fields
+        known = stretch.known[rows]
+        return {
+            name: np.where(known if values.ndim == 2 else known[..., np.newaxis], values, np.nan)
+            for name, values in fields.items()
+        }
+
+    def draws_links(self, stretch: Stretch, row: int) -> bool:
+        """Whether the links of a round are in its frame; of more than MOST_LINKS only those of a chosen robot are."""
+        if not self.moves:
+            return bool(self.edges.size)
+        begin, end = np.searchsorted(stretch.links[:, 0], [stretch.first + row, stretch.first + row + 1])
+        return bool(end - begin <= MOST_LINKS)
+
+    def _links(self, stretch: Stretch, row: int) -> np.ndarray:
+        """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
+        tick = stretch.first + row
+        if self.moves:
+            begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
+            return stretch.links[begin:end, 1:].ravel() if self.draws_links(stretch, row) else np.zeros(0)
+        return self.life.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
+
+
+def mean_of(values: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """The mean of each row over those that are there; NaN where nobody is."""
+    count = there.sum(axis=1)
+    total = np.where(there, values, 0.0).sum(axis=1)
+    return np.asarray(np.divide(total, count, out=np.full(len(values), np.nan), where=count > 0))
+
+
+def quarters_of(x: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """The least number, quartiles and greatest number of each row over those that are there (quarter, row)."""
+    steps = np.linspace(0.0, 1.0, len(QUARTERS))
+    if there.all():
+        return np.asarray(np.quantile(x, steps, axis=1))
+    rows = [np.quantile(row[some], steps) if some.any() else steps + np.nan for row, some in zip(x, there, strict=True)]
+    return np.array(rows).T
+
+
+def right(x: np.ndarray, there: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
+    """The share of each row in the bin of the truth, of those that are there."""
+    ends = right_bins(truths, bins)
+    return mean_of((x >= ends[:, :1]) & (x < ends[:, 1:]), there)
+
+
+def share(known: np.ndarray, there: np.ndarray, holds: np.ndarray) -> np.ndarray:
+    """The share of each row in which `holds` is true, of those that are there; NaN where all of `known` is NaN."""
+    return np.where(np.isnan(known).all(axis=1), np.nan, mean_of(holds, there))
+
+
+def edges_of(show: Show) -> np.ndarray:
+    """The links that a page draws as receiver and sender (link, 2); none if there are too many."""
+    links, robots = show.life.given.links, show.setting.robots
+    if links.mode == LISTED:
+        pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
+    elif robots * (robots - 1) <= MOST_LINKS:
+        pairs = np.argwhere(~np.eye(robots, dtype=np.bool_))
+    else:
+        pairs = np.zeros((0, 2), np.int64)
+    return pairs if len(pairs) <= MOST_LINKS else pairs[:0]

@@ -1,0 +1,239 @@
+"""The table of a summary for people: a row for each setting, and what its columns mean."""
+
+import json
+import tomllib
+from itertools import chain
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.results.labels import labels_in
+from swarmcensus.results.summaries import SHORT, asked_anew, done, restated, table_of
+from swarmcensus.results.values import metrics_in, parameters_in, robots_in
+from swarmcensus.studies.coordinates import COORDINATES, NUMERIC
+from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
+from swarmcensus.support.intervals import FEWEST
+from swarmcensus.support.printed_tables import INTERVALS, NUMBER, Column, Table
+from swarmcensus.support.quantities import QUANTITIES
+from swarmcensus.worlds.networks import MOVING
+
+COLUMNS = {quantity.column: quantity for quantity in QUANTITIES.values() if quantity.column}
+SURE = {
+    name: quantity.name for name, quantity in COLUMNS.items() if name not in SHORT
+}  # only with brains that state intervals
+MOST_NAMED = 8  # settings in a note
+TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.items()}
+DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
+MOST_CHECKPOINTS = 8  # named in the legend
+MOST_DECIMALS = 6
+SPARE = {"K": 0, "right": 0, "error": NUMBER + 2, "final error": NUMBER + 1}  # the larger, the sooner left out
+DIGITS = {"K": 1}  # significant digits of an interval's width; 2 for other columns
+
+
+def summary_table(data: xr.Dataset, limit: int, checkpoint: int | None, title: str, more: str) -> Table:
+    """One row per setting, at most `limit` (0: all): medians over robots and trials, intervals over trials.
+
+    `more` says where the settings are that are left out.
+    """
+    frame = table_of(data.isel(setting=slice(limit or None)), checkpoint)
+    varied, same = varied_and_same(data)
+    columns = [Column("setting", frame["setting"].astype(str).tolist())]
+    columns += [*coordinate_columns(varied, len(frame)), *_numbers(data, frame)]
+    one_sided = Table(columns).has_one_sided
+    some = f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; {more}"
+    return Table(
+        columns, title=title, above=same, more=some * (len(frame) < data.sizes["setting"]),
+        notes=lambda left_out: _legend(data, frame, INTERVALS not in left_out, one_sided),
+    )  # fmt: skip
+
+
+def varied_and_same(data: xr.Dataset) -> tuple[dict[str, list[str]], list[str]]:
+    """The coordinates that differ between settings, as text, and a line on those that do not, if there are any."""
+    columns = coordinates(data)
+    varied = {name: values.tolist() for name, values in columns.items() if (values != values[0]).any()}
+    same = [f"{name} {values[0]}" for name, values in columns.items() if name not in varied and values[0] != NOTHING]
+    return varied, [f"all with {', '.join(same)}"] * bool(same)
+
+
+def coordinate_columns(varied: dict[str, list[str]], rows: int) -> list[Column]:
+    """The columns of coordinates, of the first rows; on a narrow terminal the last ones are left out first."""
+    return [Column(name, values[:rows], number=False, spare=k) for k, (name, values) in enumerate(varied.items(), 1)]
+
+
+NOTHING = "-"  # shown where a coordinate has no value
+
+
+def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
+    """The coordinates of settings as text, without those that another one implies and links that lose nothing."""
+    along = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
+    values_of = {name: values for name, values in along.items() if name not in ("setting", *NUMERIC)}
+    columns = {name: np.array([grouped(value) for value in values]) for name, values in values_of.items()}
+    labels = labels_in(data)
+    columns["brain"] = np.array([labels.get(name, name) for name in columns["brain"].tolist()])
+    if (columns["assumed_accuracy"] == columns["accuracy"]).all():
+        del columns["assumed_accuracy"]
+    for name, coordinate in COORDINATES.items():
+        if coordinate.unsaid is not None and (data[name] == coordinate.unsaid).all():
+            del columns[name]
+    for name in restated(data):
+        columns.pop(name, None)
+    columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
+    for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
+        columns[name] = _parameter(data[name].values)
+        if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # the same for all brains that have it
+            del columns[name]
+    return columns
+
+
+def _parameter(values: np.ndarray) -> np.ndarray:
+    """A parameter's values as text; "-" for brains without it."""
+    if values.dtype.kind == "f":
+        return np.array(["-" if np.isnan(value) else f"{value:g}" for value in values.tolist()])
+    return np.array([value or "-" for value in values.tolist()])
+
+
+def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
+    """The columns of numbers of a summary."""
+    trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
+    sure = {name: column for name, column in SURE.items() if column in frame}
+    columns = [
+        _values(frame, name, stored, spare=SPARE.get(name, NUMBER))
+        for name, stored in {**SHORT, **sure, **watched}.items()
+    ]
+    for name, head in (("consensus_right", "exit %"), ("done", "done %")):
+        if name in frame:
+            cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
+            columns.append(Column(head, cells, spare=NUMBER))
+    if "half_width" in frame or (frame["trials"] < trials).any():
+        columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], spare=NUMBER))
+    if frame["failed"].any():
+        columns.append(Column("failed", [f"{n:,}" for n in frame["failed"]], spare=NUMBER))
+    if "half_width" in frame:
+        decimals = decimals_for(frame["half_width"].min())
+        cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
+        columns.append(Column("+-", cells, spare=NUMBER))
+    return columns
+
+
+def _values(frame: Any, name: str, column: str, spare: int) -> Column:
+    """A column of values with their intervals."""
+    times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
+    ends = [times * frame[column + end] for end in ("", "_low", "_high")]
+    widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
+    usual = max(decimals_for(widths.median(), digits), int(times > 1.0))  # more for a narrow interval
+    if name not in TIMES:  # values of a metric may be whole, infinite, or equal up to rounding
+        finite = ends[0][np.isfinite(ends[0])]
+        usual = 0 if widths.isna().all() and (finite == finite.round()).all() else min(usual, MOST_DECIMALS)
+    texts = []
+    for value, low, high in zip(*ends, strict=True):
+        if np.isnan(low):
+            form = f".{DECIMALS[name]}f" if name in DECIMALS else ",.5g"
+            texts.append(("-" if np.isnan(value) else f"{value:{form}}", ""))
+        else:
+            finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
+            texts.append(rounded(value, low, high, max(usual, finest), 100.0 if times > 1.0 else np.inf))
+    values, intervals = map(list, zip(*texts, strict=True))
+    head = f"{name} %" if times > 1.0 else name
+    return Column(head, values, spare=spare, intervals=intervals)
+
+
+def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> list[str]:
+    checkpoints = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
+    unit = "tick" if (data["topology"].values == MOVING).all() else "round"
+    when = f"after {unit} {checkpoints.pop():,}" if len(checkpoints) == 1 else "at the last checkpoint"
+    known = frame["convergence_round_low"].notna().any()
+    floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
+    return [
+        f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} "
+        f"(medians, {pooled_in_rows(data)}){floor}",
+        f"right: robots in the correct bin {when}"
+        + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
+        *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
+        *(
+            [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
+            if "coverage" in frame
+            else []
+        ),
+        *(["exit: trials whose first consensus is on the right option"] if "consensus_right" in frame else []),
+        *(["done: robots that had finished by the end"] if "done" in frame else []),
+        *disturbances(data),
+        *(["robots that are not honest are left out"] if "honest" in data else []),
+        *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
+        *_clipped(data),
+        *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
+        *(_remeasured(data, key) for key in asked_anew(data)),
+        *(
+            [
+                f"+-: half the interval of the rule {data['half_width'].attrs['rule']}: wider than those above, "
+                "because the rule is checked repeatedly"
+            ]
+            if "half_width" in data
+            else []
+        ),
+    ]
+
+
+def pooled_in_rows(data: xr.Dataset) -> str:
+    """What each row of `show` is pooled over."""
+    trials, robots = done(data).sum(axis=1), robots_in(data).values
+    spans = [
+        f"{low:,} to {counted(high, noun)}" if low < high else counted(high, noun)
+        for low, high, noun in (
+            (int(trials.min()), int(trials.max()), "trial"),
+            (int(robots.min()), int(robots.max()), "robot"),
+        )
+    ]
+    return f"pooled over {' of '.join(spans)}"
+
+
+def _clipped(data: xr.Dataset) -> list[str]:
+    """A sentence on settings with messages that their format could not hold."""
+    if "messages_clipped" not in data:
+        return []
+    clipped, sent = (data[name].mean(("trial", "robot")).values for name in ("messages_clipped", "messages_sent"))
+    numbers = data["setting"].values[clipped > 0.0]
+    if not numbers.size:
+        return []
+    most = 100.0 * np.nanmax(clipped / np.maximum(sent, 1.0))
+    which = ", ".join(map(str, numbers[:MOST_NAMED])) + ", ..." * (numbers.size > MOST_NAMED)
+    return [
+        f"setting {which}: a number was too large for the message format and was sent as the largest, in up to "
+        f"{most:.3g} % of the messages (messages_clipped)"
+    ]
+
+
+def _named(data: xr.Dataset) -> list[str]:
+    """The brains that use the names of their robots."""
+    return list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
+
+
+def _remeasured(data: xr.Dataset, key: str) -> str:
+    """What --bins or --delta recomputed from kept estimates."""
+    if key == "bins":
+        return f"bins {data.attrs['bins']}, recomputed: right counts these bins"
+    known = data["checkpoint"].values.tolist()
+    first = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
+    more = [] if len(first) == len(known) else ["...", str(known[-1])]
+    return (
+        f"delta {data.attrs['delta']:g}, recomputed: K is the first of the checkpoints {', '.join(first + more)} from "
+        "which on all estimates stay within delta"
+    )
+
+
+def disturbances(data: xr.Dataset) -> list[str]:
+    """A line for each kind of fault in the studies, and one for the adversaries in the settings."""
+    texts = json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
+    faults = [_fault_text(fault) for text in texts for fault in tomllib.loads(text).get("faults", [])]
+    liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
+    return [*dict.fromkeys(faults), *([f"adversaries among the robots: {', '.join(liars)}"] if liars else [])]
+
+
+def _fault_text(fault: dict[str, Any]) -> str:
+    """One fault as text, such as "faults: 3 robots stop sensing and talking, from 50 on"."""
+    robots, stop, at = fault["robots"], fault["stop"], fault["at"]
+    who = f"{100 * robots:g} % of robots stop" if isinstance(robots, float) else f"{counted(robots, 'robot')} stop"
+    who = "1 robot stops" if robots == 1 and isinstance(robots, int) else who
+    what = stop if isinstance(stop, str) else " and ".join(stop)
+    until = f" until {fault['until']}" if "until" in fault else " on"
+    return f"faults: {who} {what}, from {at}{until}"

@@ -1,0 +1,172 @@
+"""What a brain takes of an ATmega328P, which Kilobots and many Arduinos have: flash, RAM, stack and cycles.
+
+Each figure is that of a program that lives many ticks, less that of the same program around an empty brain. A tick is a
+reading, `broadcast`, two messages received, `fuse` and `estimate`. The chip's own timer counts cycles.
+"""
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from swarmcensus.brains import Brain
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.robots import chips
+from swarmcensus.support.errors import BrainError, OptionError
+from swarmcensus.translation.headers import header
+from swarmcensus.translation.pieces import filled, piece
+
+NUMBERS = Numbers(precision="single", message="ratio16")
+TICKS = 200
+LEAST_STACK = 256  # bytes of RAM beside a program's memory; no shipped brain needs more
+LUCKY = 16  # a tick's luck, in sixteenths
+KILOBOT_FLASH = 32768 - 4096 - 7168  # less its bootloader, and its library with rules for its radio
+KILOBOT_RAM = 2048 - 256  # less the variables of the library, and what interrupts put on the stack
+KILOBOT_MESSAGE = 9 - 6  # bytes of its messages, less a header by which robots are told apart and losses are noticed
+
+
+class Cost(NamedTuple):
+    """What a brain takes of an ATmega328P: alone, and with its messages as bytes (ratio16)."""
+
+    name: str
+    flash: int  # bytes of program and tables
+    cycles: int  # a tick, on average
+    coded_flash: int  # with messages as bytes
+    coded_cycles: int
+    longest: int  # cycles of the longest tick, with messages as bytes
+    ram: int  # bytes of memory, and what the compiler puts beside it
+    stack: int  # bytes, at most
+    message: int  # bytes
+    chip: str  # on which cycles were counted: a larger one of the same core if its memory has no room here
+
+    @property
+    def milliseconds(self) -> float:
+        """A tick with messages as bytes, at 8 MHz."""
+        return 1000.0 * self.coded_cycles / chips.CLOCK
+
+    @property
+    def too_large(self) -> tuple[str, ...]:
+        """What a Kilobot has no room for; empty if it has room."""
+        needs = {
+            "flash": self.coded_flash > KILOBOT_FLASH,
+            "RAM": self.ram + self.stack > KILOBOT_RAM,
+            "message": self.message > KILOBOT_MESSAGE,
+        }
+        return tuple(name for name, is_too_large in needs.items() if is_too_large)
+
+    @property
+    def kilobot(self) -> str:
+        """Whether a Kilobot has room for it, and if not, what for."""
+        return f"no: {', '.join(self.too_large)}" if self.too_large else "yes"
+
+
+class Column(NamedTuple):
+    """A column of the table of costs."""
+
+    name: str  # on a page, where the table has all columns
+    short: str  # in a terminal; empty if there is no room for it
+    text: Callable[[Cost], str]
+
+
+COLUMNS = (
+    Column("brain", "brain", lambda one: one.name),
+    Column("flash", "", lambda one: f"{one.flash:,}"),
+    Column("cycles", "", lambda one: f"{one.cycles:,}"),
+    Column("flash with bytes", "flash", lambda one: f"{one.coded_flash:,}"),
+    Column("cycles with bytes", "cycles", lambda one: f"{one.coded_cycles:,}"),
+    Column("longest tick", "longest", lambda one: f"{one.longest:,}"),
+    Column("RAM", "RAM", lambda one: f"{one.ram:,}"),
+    Column("stack", "stack", lambda one: f"{one.stack:,}"),
+    Column("message", "message", lambda one: f"{one.message:,}"),
+    Column("ms a tick", "ms", lambda one: f"{one.milliseconds:.1f}"),
+    Column("Kilobot", "Kilobot", lambda one: one.kilobot),
+)
+
+
+class _Figures(NamedTuple):
+    """Of one program."""
+
+    flash: int
+    ram: int
+    cycles: int
+    stack: int
+    longest: int
+
+
+def check_tools() -> None:
+    """Raise InputError if a program that measures is not installed."""
+    if lacking := chips.missing(chips.AVR):
+        names = " and ".join(filter(None, (", ".join(lacking[:-1]), lacking[-1])))
+        verb = "is" if len(lacking) == 1 else "are"
+        raise OptionError(
+            f"--cost: {names} {verb} not installed: Debian's packages gcc-avr, avr-libc and simavr have them",
+            key="cost",
+        )
+
+
+def cost(brain: Brain) -> Cost:
+    """What a brain takes of an ATmega328P. Raises InputError if it has no translation, or a tool is missing."""
+    for chip in (chips.KILOBOT, chips.LARGE):
+        try:
+            return _cost_on(brain.with_numbers(NUMBERS), chip)
+        except chips.NoRoom:
+            continue
+    flash, ram = chips.FLASH[chips.LARGE] // 1024, chips.RAM[chips.LARGE] // 1024
+    raise BrainError(
+        f"brain {brain.name}: an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small",
+        key="brain",
+        value=brain.name,
+    )
+
+
+def _cost_on(brain: Brain, chip: str) -> Cost:
+    with tempfile.TemporaryDirectory() as folder:
+        programs = (header(brain), False), (piece("no_brain.h"), True)
+        (plain, coded), (nothing, nothing_coded) = (
+            [_measure(text, brain, Path(folder), chip, coded=coded, empty=empty) for coded in (False, True)]
+            for text, empty in programs
+        )
+    own = _Figures(*(one - other for one, other in zip(plain, nothing, strict=True)))
+    talking = _Figures(*(one - other for one, other in zip(coded, nothing_coded, strict=True)))
+    return Cost(
+        brain.name, own.flash, own.cycles, talking.flash, talking.cycles, talking.longest, talking.ram, talking.stack,
+        brain.message_bytes, chip,
+    )  # fmt: skip
+
+
+def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empty: bool = False) -> _Figures:
+    """Compile and run the program around a brain."""
+    (folder / "brain.h").write_text(text)
+    source = folder / "cost.c"
+    lucky = brain.uses.luck and not empty
+    source.write_text(
+        filled(
+            "cost.c",
+            ticks=TICKS,
+            start=", 1" if brain.uses.name and not empty else "",
+            luck=f"cost_me.luck = ((number)(tick % {LUCKY}) + 0.5f) / {LUCKY}.0f;" if lucky else "",
+            talk=CODED if coded else PLAIN,
+        )
+    )
+    program = chips.for_avr(source, chip)
+    size = chips.avr_size(program)
+    if size.ram + LEAST_STACK > chips.RAM[chip]:  # where the stack overwrites memory, a program may never end
+        raise chips.NoRoom(f"brain {brain.name}: its memory has no room on an {chip}")
+    printed = chips.in_simavr(program, chip).split()
+    if len(printed) != 3:  # the stack has overwritten the program's memory
+        raise chips.NoRoom(f"brain {brain.name}: its stack has no room on an {chip}")
+    total, stack, longest = map(int, printed)
+    return _Figures(size.flash, size.ram, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
+
+
+PRESCALER = 8  # the timer counts every so many cycles
+PLAIN = """\
+        if (broadcast(&cost_me, &cost_said)) {
+            receive(&cost_me, &cost_said);
+            receive(&cost_me, &cost_said);
+        }"""
+CODED = """\
+        if (brain_send(&cost_me, cost_bytes)) {
+            brain_hear(&cost_me, cost_bytes);
+            brain_hear(&cost_me, cost_bytes);
+        }"""

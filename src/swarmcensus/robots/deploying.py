@@ -1,0 +1,67 @@
+"""Writes a brain's files for a robot, or as C."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.brains import Brain, load
+from swarmcensus.checks.quick import caution as check_quickly
+from swarmcensus.robots.folders import check_free, new_folder, write_texts
+from swarmcensus.robots.format_errors import caution
+from swarmcensus.robots.target import Order, order_of
+from swarmcensus.robots.targets import find
+
+
+@dataclass(frozen=True)
+class Deployed:
+    """The files that were written, and what they need of a robot, in bytes; None where that is not known."""
+
+    order: Order
+    folder: Path
+    files: tuple[str, ...]
+    flash_bytes: int | None = None
+    ram_bytes: int | None = None
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """What was made, for JSON; the brain's numbers take `memory_bytes`, and more on MicroPython."""
+        order, brain = self.order, self.order.brain
+        return {
+            "brain": brain.label, "target": order.name, "folder": self.folder, "files": self.files,
+            "message": brain.numbers.message, "precision": brain.numbers.precision,
+            "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes,
+            "memory_bytes": brain.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
+            "mark": order.mark,
+        }  # fmt: skip
+
+
+def deploy(
+    brain: Brain | str | Path, folder: str | Path, target: str, *, b: float | None = None, w: float | None = None,
+    message: str | None = None, precision: str | None = None, hz: float | None = None,
+    parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
+) -> Deployed:  # fmt: skip
+    """Write a brain's files for a target into a new folder, whole or not at all.
+
+    `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", or "c". `b` and `w` are the shares
+    of the sensor's right readings on black and on white; "c" needs none. `message` is the format of messages,
+    "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz` the ticks
+    a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that it may
+    keep. A folder with C may be written again. Warns of a format that is wrong for the brain. Raises InputError.
+    """
+    folder, kind = Path(folder), find(target)
+    check_free(folder, kind.may_replace)
+    loaded = brain if isinstance(brain, Brain) else load(brain)
+    order = order_of(
+        loaded, target, kind, b=b, w=w, message=message, precision=precision, hz=hz, parameters=parameters,
+        robot=robot, log=log,
+    )  # fmt: skip
+    check_quickly([order.brain])
+    texts = kind.files(order)
+    flash, ram = kind.measure(order, texts)
+    with new_folder(folder, kind.may_replace) as made:
+        write_texts(made, texts)
+    if said := caution(order):
+        warnings.warn(said, stacklevel=2)
+    return Deployed(order, folder, tuple(texts), flash, ram)

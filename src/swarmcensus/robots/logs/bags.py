@@ -1,0 +1,318 @@
+"""Readings and messages that ROS 2 has recorded in a bag, for `infer`."""
+
+import contextlib
+import io
+import re
+import sqlite3
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import option, wrong_option
+
+STORAGES = (".mcap", ".db3")
+ROBOT = "{robot}"
+NUMBERS = (*(f"{sign}nt{bits}" for sign in ("I", "UI") for bits in (8, 16, 32, 64)),)
+READINGS = ("Bool", *NUMBERS, "Float32", "Float64")
+MESSAGES = (*NUMBERS, *(f"{name}MultiArray" for name in NUMBERS), "String")
+MOST_STEPS = 10_000_000
+MOST_LACKING = 2**32  # bytes of a cut file that are made up; more is a damaged number
+NANO = 10**9
+# of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length is told
+CHUNK_HEAD, COMPRESSION, COMPRESSION_END = 49, 37, 41
+
+
+class Raw(NamedTuple):
+    """A message as it is in a bag."""
+
+    topic: str
+    kind: str  # such as std_msgs/msg/Bool
+    time: int  # ns
+    data: bytes
+
+
+class Recorded(NamedTuple):
+    """What `infer` takes, and what there is to tell of the bag."""
+
+    readings: np.ndarray  # (step, robot) of 0, 1 and NaN
+    messages: np.ndarray | None  # (message, 3): step, sender, receiver
+    names: list[str]  # of the robots, as {robot} stands for them
+    notes: list[str]
+
+
+class _Events:
+    """What was read so far: of each event its time, its robots and its value."""
+
+    def __init__(self) -> None:
+        self.seen: list[tuple[int, str, float]] = []
+        self.heard: list[tuple[int, str, str, str]] = []  # time, sender, receiver, topic
+        self.undecoded = 0
+
+
+def is_bag(path: Path) -> bool:
+    """Whether a path is a folder with a bag, or a file of one."""
+    return path.is_dir() or path.suffix in STORAGES
+
+
+def read_bag(path: str | Path, readings: str, messages: str | None, period: float) -> Recorded:
+    """Read a bag of rosbag2, whole or as much of it as is readable.
+
+    path: its folder, or one file of it. readings, messages: topics, in which {robot} stands for a robot's name.
+    period: seconds of a step; a step begins half a period before its time, counted from the first event. Of several
+    readings of a robot in a step the last one counts. Robots are numbered by their names, whole numbers first.
+
+    Raises InputError for what is no bag, topics that are not there or of other types, values that are none, too many
+    steps, and if the library rosbags is missing.
+    """
+    path = Path(path)
+    for name, template in (("readings", readings), ("messages", messages)):
+        if template is not None and template.count(ROBOT) != 1:
+            raise wrong_option(name, template, f"should name a robot once as {ROBOT}, as /robot_{ROBOT}/floor")
+    if not 1e-9 <= period < 1e9:
+        raise wrong_option("period", period, "should be the seconds of a step, above 0")
+    raw, topics, notes = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
+    wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]] = {}
+    _choose(path, topics, readings, "readings", READINGS, _reading, wanted)
+    if messages is not None:
+        _choose(path, topics, messages, "messages", MESSAGES, _heard, wanted)
+    events = _decoded(raw, wanted)
+    if events.undecoded:
+        notes.append(f"{path}: {counted(events.undecoded, 'message')} could not be decoded")
+    if not events.seen:
+        raise ResultsError.of(path, f"no readings on the topics of {option('readings', readings)}")
+    return _steps(path, events, messages is not None, round(period * NANO), notes)
+
+
+def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[list[Raw], dict[str, str], list[str]]:
+    """The messages of topics of these patterns, the types of all topics, and what is damaged. Raises InputError."""
+    try:
+        from rosbags.rosbag2 import Reader
+    except ImportError:
+        raise InputError("bags need the package rosbags: pip install 'swarmcensus[ros]'") from None
+
+    if not path.exists():
+        raise ResultsError.of(path, "there is no such bag")
+    raw: list[Raw] = []
+    topics: dict[str, str] = {}
+    try:
+        raw += _read(Reader(path), topics, patterns)
+    except Exception:  # a damaged bag raises anything
+        files = sorted(p for p in path.iterdir() if p.suffix in STORAGES) if path.is_dir() else [path]
+        if not files:
+            raise ResultsError.of(path, "no bag of rosbag2, which has files that end in .mcap or .db3") from None
+        raw.clear()
+        for file in files:
+            _salvage(file, raw, topics, patterns)
+        if not topics:
+            raise ResultsError.of(path, "no message of it could be read") from None
+        return raw, topics, [f"{path}: the bag is cut or damaged: {counted(len(raw), 'message')} could be read"]
+    return raw, topics, []
+
+
+def _read(reader: Any, topics: dict[str, str], patterns: list[re.Pattern[str]]) -> Iterator[Raw]:
+    """The messages that a reader of rosbags reads. Raises anything."""
+    with reader:
+        topics.update({c.topic: c.msgtype for c in reader.connections})
+        wanted = [c for c in reader.connections if any(p.fullmatch(c.topic) for p in patterns)]
+        for connection, time, data in reader.messages(wanted) if wanted else ():
+            yield Raw(connection.topic, connection.msgtype, time, data)
+
+
+def _salvage(file: Path, raw: list[Raw], topics: dict[str, str], patterns: list[re.Pattern[str]]) -> None:
+    """Add what is readable of one file."""
+    with contextlib.suppress(Exception):  # here the damage begins
+        for one in _records(file, topics) if file.suffix == ".mcap" else _rows(file, topics):
+            if any(pattern.fullmatch(one.topic) for pattern in patterns):
+                raw.append(one)
+
+
+def _rows(file: Path, topics: dict[str, str]) -> Iterator[Raw]:
+    """The messages of an SQLite file, from both ends up to the damage. Raises anything."""
+    content = bytearray(file.read_bytes())
+    page, pages = int.from_bytes(content[16:18], "big"), int.from_bytes(content[28:32], "big")
+    content[18:20] = 1, 1  # no second file is asked for newer rows
+    lacking = max(0, page * pages - len(content))
+    content += bytes(lacking if lacking < MOST_LACKING else 0)  # SQLite opens no file that is shorter than it should be
+    with contextlib.closing(sqlite3.connect(":memory:")) as base:
+        base.deserialize(bytes(content))
+        kinds = {key: (topic, kind) for key, topic, kind in base.execute("SELECT id, name, type FROM topics")}
+        kinds = {key: names for key, names in kinds.items() if all(isinstance(name, str) for name in names)}
+        topics.update(kinds.values())
+        last = 0
+        for order in ("ASC", "DESC"):
+            limit = "id > ?" if order == "DESC" else "id >= ?"
+            rows = base.execute(
+                f"SELECT id, topic_id, timestamp, data FROM messages WHERE {limit} ORDER BY id {order}", [last]
+            )
+            with contextlib.suppress(sqlite3.DatabaseError):
+                for key, topic, time, data in rows:
+                    last = key if order == "ASC" else last
+                    if topic in kinds:
+                        yield Raw(*kinds[topic], time, data)
+
+
+def _records(file: Path, topics: dict[str, str]) -> Iterator[Raw]:
+    """The messages of an MCAP file in their order, without its index, which a cut file lacks. Raises anything."""
+    from mcap.records import Channel, Message, Schema
+
+    schemas: dict[int, str] = {}
+    channels: dict[int, str] = {}
+    for record in _whole_records(file):
+        if isinstance(record, Schema):
+            schemas[record.id] = record.name
+        elif isinstance(record, Channel):
+            channels[record.id] = record.topic
+            topics[record.topic] = schemas.get(record.schema_id, "")
+        elif isinstance(record, Message) and record.channel_id in channels:
+            topic = channels[record.channel_id]
+            yield Raw(topic, topics[topic], record.log_time, record.data)
+
+
+def _whole_records(file: Path) -> Iterator[Any]:
+    """All whole records, also of a chunk that is cut, unless it is compressed. Raises anything."""
+    from mcap.opcode import Opcode
+    from mcap.records import Chunk
+    from mcap.stream_reader import StreamReader, breakup_chunk
+
+    size = file.stat().st_size
+    with file.open("rb") as stream:
+        at = 0
+        try:
+            for record in StreamReader(stream, emit_chunks=True, record_size_limit=size).records:
+                at = stream.tell()
+                if not isinstance(record, Chunk):
+                    yield record
+                    continue
+                with contextlib.suppress(Exception):  # a damaged chunk; the next ones may be whole
+                    yield from breakup_chunk(record, validate_crc=True)
+        except Exception:
+            stream.seek(at)
+            head = stream.read(CHUNK_HEAD)
+            if head[:1] == bytes([Opcode.CHUNK]) and not any(head[COMPRESSION:COMPRESSION_END]):
+                yield from StreamReader(io.BytesIO(stream.read()), skip_magic=True, record_size_limit=size).records
+
+
+def _choose(
+    path: Path,
+    topics: dict[str, str],
+    template: str,
+    name: str,
+    kinds: Iterable[str],
+    add: Callable[[_Events, Raw, str, Any], None],
+    wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]],
+) -> None:
+    """Add the topics that a template means to those that are wanted."""
+    pattern = _pattern(template)
+    found = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}
+    if not found:
+        there = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(topics.items())[:20]) or "none"
+        raise ResultsError.of(path, f"no topic matches {option(name, template)}: there are {there}")
+    for topic, robot in found.items():
+        package, _, kind = topics[topic].rpartition("/")
+        if package != "std_msgs/msg" or kind not in kinds:
+            raise ResultsError.of(
+                path, f"{topic} is of {topics[topic]}: {option(name)} should be of std_msgs, {', '.join(kinds)}"
+            )
+        wanted[topic] = add, robot
+
+
+def _pattern(template: str) -> re.Pattern[str]:
+    """What matches the topics of a template, with the robot's name as a group."""
+    before, _, after = template.partition(ROBOT)
+    return re.compile(f"{re.escape(before)}([^/]+){re.escape(after)}")
+
+
+def _decoded(raw: list[Raw], wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]]) -> _Events:
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.LATEST)  # std_msgs are the same in all
+    events = _Events()
+    for one in raw:
+        if one.topic not in wanted:
+            continue
+        try:
+            if not isinstance(one.time, int) or not isinstance(one.data, bytes):  # of a damaged row
+                raise TypeError
+            value: Any = store.deserialize_cdr(one.data, one.kind)
+        except Exception:  # rosbags raises anything for bytes that do not fit
+            events.undecoded += 1
+            continue
+        add, robot = wanted[one.topic]
+        add(events, one, robot, value.data)
+    return events
+
+
+def _reading(events: _Events, raw: Raw, robot: str, value: Any) -> None:
+    if value == value and value not in (0, 1):
+        raise InputError(f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)")
+    events.seen.append((raw.time, robot, float(value)))
+
+
+def _heard(events: _Events, raw: Raw, robot: str, value: Any) -> None:
+    if isinstance(value, str):
+        senders = [name for name in re.split(r"[\s,;]+", value) if name]
+    else:
+        senders = [str(int(sender)) for sender in np.atleast_1d(value)]
+    events.heard += [(raw.time, sender, robot, raw.topic) for sender in senders]
+
+
+def _steps(path: Path, events: _Events, talks: bool, period: int, notes: list[str]) -> Recorded:
+    """Events put into steps."""
+    names = sorted({robot for _, robot, _ in events.seen}, key=_by_number)
+    index = {name: k for k, name in enumerate(names)}
+    times = [time for time, *_ in events.seen] + [time for time, *_ in events.heard]
+    first = min(times)
+    steps = _step(max(times), first, period) + 1
+    if steps > MOST_STEPS:
+        raise ResultsError.of(
+            path,
+            f"{(max(times) - first) / NANO:,.0f} s are {steps:,} steps of {option('period', period / NANO)}: "
+            f"{MOST_STEPS:,} at most",
+        )
+    readings = np.full((steps, len(names)), np.nan)
+    taken: Counter[tuple[int, int]] = Counter()
+    for time, robot, value in sorted(events.seen, key=lambda event: event[0]):
+        if value == value:
+            place = _step(time, first, period), index[robot]
+            readings[place] = value
+            taken[place] += 1
+    if extra := sum(taken.values()) - len(taken):
+        notes.append(
+            f"{path}: of several readings in a step the last one counts: {extra:,} of {sum(taken.values()):,} are left "
+            f"out, which a shorter {option('period')} would keep"
+        )
+    if names != [str(k) for k in range(len(names))]:
+        notes.append(f"{path}: robots 0 to {len(names) - 1} are {', '.join(names)}")
+    return Recorded(readings, _messages(path, events, index, first, period, notes) if talks else None, names, notes)
+
+
+def _messages(
+    path: Path, events: _Events, index: dict[str, int], first: int, period: int, notes: list[str]
+) -> np.ndarray:
+    rows, own = [], 0
+    for time, sender, receiver, topic in events.heard:
+        for name in (sender, receiver):
+            if name not in index:
+                raise ResultsError.of(
+                    path, f"{topic} names {name}, of which there are no readings: robots are {', '.join(index)}"
+                )
+        if sender == receiver:  # some radios hear themselves
+            own += 1
+            continue
+        rows.append((_step(time, first, period), index[sender], index[receiver]))
+    if own:
+        notes.append(f"{path}: {counted(own, 'message')} that a robot heard from itself are left out")
+    return np.array(rows, np.int64).reshape(-1, 3)
+
+
+def _step(time: int, first: int, period: int) -> int:
+    return (time - first + period // 2) // period
+
+
+def _by_number(name: str) -> tuple[int, int, str]:
+    return (0, int(name), name) if name.isdecimal() and name.isascii() else (1, 0, name)

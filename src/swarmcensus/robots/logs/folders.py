@@ -1,0 +1,257 @@
+"""A folder of robots' logs: who the robots were, which brain each had, and what is known of the day."""
+
+import contextlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from swarmcensus import brains
+from swarmcensus.brains import Brain
+from swarmcensus.robots.logs.logs import RobotLog, read_log
+from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.files import check_no_log
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.safe_source import digest, read_source
+
+ABOUT = "swarm.json"
+OWN = "brain.py"
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Member:
+    """One robot: its log, the brain that it ran, and whether it was honest."""
+
+    number: int
+    log: RobotLog
+    brain: Brain
+    honest: bool = True
+    adversary: str | None = None  # that its brain wore, if it is known
+    is_swarm: bool = True  # whether its brain is that of most robots
+
+
+@dataclass(frozen=True)
+class Day:
+    """All robots of a folder, by their numbers, and what is known of their world."""
+
+    folder: Path
+    title: str  # the folder's name
+    brain: Brain  # of the honest robots, with its parameters
+    members: tuple[Member, ...]
+    fill_ratio: float | None
+    bins: int
+    delta: float
+    seed: int
+    trial: int
+    about: Mapping[str, Any]  # the rest of swarm.json
+    absent: tuple[str, ...]  # logs that swarm.json names and that are not there, or hold nothing
+
+
+def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Day:
+    """Read a folder. `brain_file` is the brain of robots whose brain the folder does not hold. Raises InputError."""
+    of = Folder(folder, brain_file, fill_ratio)
+    logs, absent = [], []
+    for name in of.names():
+        try:
+            logs.append(read_log(folder / name))
+        except InputError as error:
+            absent.append(str(error))
+    if not logs:
+        raise InputError(f"{folder}: no robot's log can be read: {absent[0]}" if absent else without_logs(folder))
+    return of.day(logs, absent)
+
+
+class Folder:
+    """A folder of logs, before they are read."""
+
+    def __init__(self, path: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> None:
+        """Read what swarm.json says. Raises InputError."""
+        check_no_log(path)
+        if not path.is_dir():
+            raise ResultsError.of(path, "should be a folder of robots' logs")
+        self.path = path
+        self.about = about_of(path)
+        self.fill_ratio = self.about.get("fill_ratio") if fill_ratio is None else fill_ratio
+        self._entries = {str(entry["log"]): entry for entry in self.about.get("robots", [])}
+        self._brains = Brains(path, brain_file, self.about)
+
+    def names(self) -> list[str]:
+        """The logs that swarm.json names, and others that are there."""
+        return list(dict.fromkeys([*self._entries, *(path.name for path in sorted(self.path.glob("*.log")))]))
+
+    def day(self, logs: Sequence[RobotLog], absent: Sequence[str] = ()) -> Day:
+        """The day of these logs. Raises InputError."""
+        numbers = [log.number for log in logs]
+        twice = next((number for number in numbers if numbers.count(number) > 1), None)
+        if twice is not None:
+            raise ResultsError.of(self.path, f"two logs are of robot {twice}: each robot has one")
+        members = _with_adversaries([self._member(log) for log in logs], self.about)
+        members.sort(key=lambda member: member.number)
+        swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
+        about, known = self.about, self.fill_ratio
+        return Day(
+            self.path, self.path.resolve().name, swarm, tuple(members),
+            None if known is None else float(known), int(about.get("bins", 10)), float(about.get("delta", 0.01)),
+            int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
+        )  # fmt: skip
+
+    def _member(self, log: RobotLog) -> Member:
+        entry, kept = self._entries.get(log.path.name, {}), self._brains
+        of_swarm = str(entry.get("brain", kept.file)) == kept.file
+        brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
+        adversary = entry.get("adversary")
+        return Member(log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm)
+
+
+def without_logs(folder: Path) -> str:
+    """What is wrong with a folder that holds no log."""
+    return f"{folder}: it holds no log: should be a folder with files such as robot-0.log"
+
+
+class Brains:
+    """The brains of a folder: its files, a file that is given, or shipped ones with the hashes that logs name."""
+
+    def __init__(self, folder: Path, given: str | Path | None, about: Mapping[str, Any]) -> None:
+        """`about` is the content of swarm.json; empty without it."""
+        self.folder, self.given = folder, given
+        named = about.get("brain", {})
+        self.file = str(named.get("file", OWN))
+        self.name = str(named.get("name", ""))
+        self.values = {k: tuple(v) if isinstance(v, list) else v for k, v in named.get("parameters", {}).items()}
+        self.read: dict[str, Brain] = {}
+
+    def swarm(self, log: RobotLog) -> Brain:
+        """The brain of the honest robots."""
+        if self.given is not None:
+            if OWN not in self.read:
+                self.read[OWN] = self._with_values(brains.load(self.given))
+            return self.read[OWN]
+        if (self.folder / self.file).is_file():
+            return self.of_file(self.file)
+        return self._shipped(log)
+
+    def of_file(self, name: str) -> Brain:
+        """The brain in a file of the folder."""
+        if name not in self.read:
+            path = self.folder / name
+            source = read_source("brain", path)
+            label = self.name if name == self.file and self.name else _name_of(source) or path.stem
+            brain = brains.parse(source, label, path)
+            self.read[name] = self._with_values(brain) if name == self.file else brain
+        return self.read[name]
+
+    def _shipped(self, log: RobotLog) -> Brain:
+        mark = log.states[0].brain
+        for name in brains.shipped():
+            if digest(read_source("brain", brains.find(name))).startswith(mark.hex()):
+                if name not in self.read:
+                    self.read[name] = self._with_values(brains.load(name))
+                return self.read[name]
+        raise ResultsError.of(
+            log.path,
+            f"the robot's brain has a hash that begins with {mark.hex()}, and no shipped brain has it: "
+            f"put its file into the folder as {OWN}, or name it with --brain-file",
+        )
+
+    def _with_values(self, brain: Brain) -> Brain:
+        try:
+            return brain.with_parameters(self.values)
+        except ValueError:  # another brain was given: its own values are right for it
+            return brain
+
+
+def _with_adversaries(members: list[Member], about: Mapping[str, Any]) -> list[Member]:
+    """The same robots; the study tells which adversary a brain wears, where swarm.json names none."""
+    honest = next((member.brain for member in members if member.is_swarm), None)
+    unknown = any(not (member.honest or member.is_swarm or member.adversary) for member in members)
+    study = study_of(about) if unknown and honest is not None else None
+    if study is None or honest is None:
+        return members
+    made = {}
+    for liar in study.adversaries:
+        with contextlib.suppress(ValueError):
+            made[brains.lying_brain(liar, honest.as_written).sha256] = liar.name
+    return [
+        member if member.honest or member.adversary else replace(member, adversary=made.get(member.brain.sha256))
+        for member in members
+    ]
+
+
+def study_of(about: Mapping[str, Any]) -> Study | None:
+    """The study in swarm.json, without its files; None if there is none that can be read."""
+    text = about.get("study")
+    try:
+        if isinstance(text, str):
+            return Study.parse(text, context={"base": None})
+        return Study(**text) if isinstance(text, dict) else None
+    except (InputError, TypeError):
+        return None
+
+
+def _name_of(source: str) -> str | None:
+    """The name of the shipped brain with this source."""
+    mark = digest(source)
+    for name in brains.shipped():
+        if digest(read_source("brain", brains.find(name))) == mark:
+            return name
+    return None
+
+
+def about_of(folder: Path) -> dict[str, Any]:
+    """The content of a folder's swarm.json; empty if there is none. Raises InputError."""
+    path = folder / ABOUT
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise ResultsError.of(path, f"{error.strerror}") from None
+    except ValueError as error:
+        raise ResultsError.of(path, f"cannot be read as JSON: {error}") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        found = content.get("format") if isinstance(content, dict) else content
+        raise ResultsError.of(path, f"its format is {found!r}: this swarmcensus reads {FORMAT}")
+    _check(path, content)
+    return content
+
+
+def _check(path: Path, content: dict[str, Any]) -> None:
+    """Raise InputError if what is used of swarm.json is not what it should be."""
+    robots = content.get("robots", [])
+    if not isinstance(robots, list) or not all(isinstance(one, dict) and "log" in one for one in robots):
+        raise ResultsError.of(path, "robots should be a list of tables, each with a log", key="robots")
+    for robot in robots:
+        for key in ("log", "brain"):
+            _check_name(path, key, robot.get(key, OWN))
+    ratio = content.get("fill_ratio")
+    if ratio is not None and not (isinstance(ratio, int | float) and 0.0 <= ratio <= 1.0):
+        raise ResultsError.of(
+            path, f"fill_ratio = {ratio!r}: should be from 0 to 1, or null", key="fill_ratio", value=ratio
+        )
+    brain = content.get("brain", {})
+    if not isinstance(brain, dict) or not isinstance(brain.get("parameters", {}), dict):
+        raise ResultsError.of(
+            path, "brain should be a table with the key file, and its parameters another one", key="brain"
+        )
+    _check_name(path, "brain.file", brain.get("file", OWN))
+    for key, kind in (("bins", int), ("delta", int | float), ("seed", int), ("trial", int), ("setting", int)):
+        if key in content and not isinstance(content[key], kind):
+            raise ResultsError.of(path, f"{key} = {content[key]!r}: should be a number", key=key, value=content[key])
+
+
+def _check_name(path: Path, key: str, name: object) -> None:
+    """Raise InputError if a name leads out of the folder."""
+    if not isinstance(name, str) or not re.fullmatch(r"[^/\\\0]+", name) or name in (".", ".."):
+        raise ResultsError.of(
+            path, f"{key} = {name!r}: should be the name of a file in the folder", key=key, value=name
+        )
+
+
+def summary_of(day: Day) -> str:
+    """Who there was, in a line."""
+    liars = sum(not member.honest for member in day.members)
+    return counted(len(day.members), "robot") + (f", {liars} of them not honest" if liars else "")

@@ -1,0 +1,220 @@
+"""A robot's life, lived again from its log by the brain that it ran: whether every bit is that of the robot."""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+from swarmcensus.robots.logs.folders import Day, Member
+from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
+from swarmcensus.robots.logs.minds import Mind, Unfit, checksum_of, mind_of
+from swarmcensus.robots.logs.reasons import reason_of, said_before, unfit_reason
+from swarmcensus.support.fork import in_background
+from swarmcensus.support.formatting import counted
+
+LARGE = 20_000  # blocks of all logs, from which on a second process is worth its start
+
+
+class Start(NamedTuple):
+    """How a robot came to its memory when it started."""
+
+    at: int  # the block of its state
+    boot: int
+    tick: int
+    kind: Literal["blank", "resumed", "unknown"]
+    source: int = -1  # the block after which the memory was saved; -1 where none is known
+    source_boot: int = -1
+
+
+class Break(NamedTuple):
+    """A tick that was not lived again to the bit, and the likeliest reason."""
+
+    boot: int
+    tick: int
+    reason: str
+
+
+class Lost(NamedTuple):
+    """A part of a life that the log does not hold."""
+
+    boot: int
+    after: int  # the last tick before it
+    before: int | None  # the first one after it; None: the log ends
+    reason: str
+
+
+@dataclass
+class Life:
+    """What came of living a log again."""
+
+    number: int
+    ticks: int = 0  # whole ones in the log
+    relived: int = 0  # of these, to the bit
+    starts: list[Start] = field(default_factory=list)
+    breaks: list[Break] = field(default_factory=list)
+    lost: list[Lost] = field(default_factory=list)
+    memory: dict[int, list[float]] = field(default_factory=dict)  # numbers after a block, if they are wanted
+
+    @property
+    def to_the_bit(self) -> bool:
+        """Whether all that the log holds was lived again to the bit."""
+        return self.relived == self.ticks and not self.breaks
+
+    def differs(self, boot: int, tick: int, reason: str) -> None:
+        """Note that a tick was not lived again; a reason for the whole log is told once, not at each state."""
+        if not said_before(reason, [one.reason for one in self.breaks]):
+            self.breaks.append(Break(boot, tick, reason))
+
+
+def relive(member: Member, keep: bool = False) -> Life:
+    """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
+    life = Reliving(member, keep).go_on()
+    life.starts = starts_of(member)
+    life.lost = list(_lost(member.log))
+    return life
+
+
+class Reliving:
+    """A life on its way through its log, which may still grow."""
+
+    def __init__(self, member: Member, keep: bool = False) -> None:
+        """Start before the first block."""
+        self.member, self.keep = member, keep
+        self.life = Life(member.number)
+        self._at = 0  # the next block
+        self._mind: Mind | None = None
+        self._first = -1  # the block from whose state the mind came
+        self._boot = 0
+
+    def go_on(self) -> Life:
+        """Live the blocks that were not lived yet."""
+        blocks = self.member.log.blocks
+        while self._at < len(blocks):
+            block = blocks[self._at]
+            if isinstance(block, Gap):
+                self._mind = None
+            elif isinstance(block, State):
+                self._become(block)
+            else:
+                self._live(block)
+            self._at += 1
+        return self.life
+
+    def _become(self, state: State) -> None:
+        """Check a mind against a saved state, or take over a state after a start, a gap or a difference."""
+        self._boot = state.boot
+        mind = self._mind
+        if mind is not None and not state.starts:
+            if mind.ticks != state.tick:  # ticks are missing
+                mind = None
+            elif mind.checksum != checksum_of((*state.numbers, *state.owed)):
+                self.life.differs(self._boot, state.tick, "its saved memory is not what its ticks lead to")
+                mind = None
+        if mind is None or state.starts:
+            self._first = self._at
+            try:
+                mind = mind_of(self.member.brain, state)
+            except Unfit as why:
+                self.life.differs(self._boot, state.tick, unfit_reason(self.member, state, str(why)))
+                mind = None
+        self._mind = mind
+
+    def _live(self, tick: Tick) -> None:
+        """Live a tick, if the mind before it is known."""
+        mind, life = self._mind, self.life
+        life.ticks += 1
+        if mind is None:
+            return
+        if mind.ticks + 1 != tick.tick:
+            self._mind = None
+            return
+        before, estimate, stuck = mind.kept(), mind.estimate, mind.stuck
+        if lives(mind, tick):
+            life.relived += 1
+            if self.keep:
+                life.memory[self._at] = mind.numbers()
+            return
+        mind.become(before, tick.tick - 1)
+        mind.estimate, mind.stuck = estimate, stuck
+        life.differs(self._boot, tick.tick, reason_of(self.member, self._first, self._at, mind, lives))
+        self._mind = None
+
+
+def relive_all(day: Day, keep: bool = False) -> list[Life]:
+    """Live all lives of a day again, half of them in another process where that is possible."""
+    half = len(day.members) // 2
+    if sum(len(member.log.blocks) for member in day.members) < LARGE:
+        half = len(day.members)
+    rest = in_background(lambda: [relive(member, keep) for member in day.members[half:]])
+    return [relive(member, keep) for member in day.members[:half]] + rest()
+
+
+def lives(mind: Mind, tick: Tick) -> bool:
+    """Live one tick; returns whether what was said, the estimate and the memory are those of the log."""
+    mind.lots, mind.lacked = list(tick.luck), 0
+    if mind.first_half(tick) != tick.said:
+        return False
+    for heard in tick.heard:
+        mind.hear(heard.code)
+    mind.think()
+    if mind.checksum != tick.checksum or mind.lots or mind.lacked:
+        return False
+    return struct.pack("<d", mind.estimate) == struct.pack("<d", tick.estimate)
+
+
+def starts_of(member: Member) -> list[Start]:
+    """How each start of a log came to its memory: blank, or saved after an earlier tick of the same robot."""
+    known: dict[tuple[int, int], tuple[int, int]] = {}  # tick and checksum: block and boot
+    starts, boot = [], 0
+    for at, block in enumerate(member.log.blocks):
+        if isinstance(block, Tick):
+            known[block.tick, block.checksum] = at, boot
+        elif isinstance(block, State):
+            boot, saved = block.boot, (block.tick, checksum_of((*block.numbers, *block.owed)))
+            if not block.starts:
+                known.setdefault(saved, (at, boot))
+            elif _is_blank(member, block):
+                starts.append(Start(at, boot, block.tick, "blank"))
+            elif saved in known:
+                starts.append(Start(at, boot, block.tick, "resumed", *known[saved]))
+            else:
+                starts.append(Start(at, boot, block.tick, "unknown"))
+    return starts
+
+
+def _is_blank(member: Member, state: State) -> bool:
+    if state.tick or any(state.owed):
+        return False
+    try:
+        mind = mind_of(member.brain, state)
+    except Unfit:
+        return False
+    mind._give(mind.brain.MEMORY)
+    return checksum_of(mind.kept()) == checksum_of((*state.numbers, *state.owed))
+
+
+def _lost(log: RobotLog) -> Iterator[Lost]:
+    """What a log lacks: what was cut or damaged, and ticks that were never written."""
+    boot, last, gap = 0, 0, None
+    for block in log.blocks:
+        if isinstance(block, Gap):
+            gap = block
+            continue
+        if isinstance(block, State) and (block.starts or block.boot != boot):
+            if gap:
+                yield Lost(boot, last, None, _damage(gap))
+            boot, last, gap = block.boot, block.tick, None
+            if not block.starts:
+                yield Lost(boot, 0, block.tick + 1, "its start is damaged")
+            continue
+        tick = block.tick - isinstance(block, Tick)  # the last one that should be known by now
+        if tick != last or gap:
+            yield Lost(boot, last, tick + 1, _damage(gap) if gap else "they were not written, as by a full log")
+        last, gap = block.tick, None
+    if gap:
+        yield Lost(boot, last, None, _damage(gap))
+
+
+def _damage(gap: Gap) -> str:
+    what = "the file was cut" if gap.is_last and gap.length < 4096 else "the file is damaged"
+    return f"{what}: {counted(gap.length, 'byte')} from byte {gap.at} on"

@@ -1,0 +1,150 @@
+"""A mind outside its robot: the very runtime of robots, fed with the readings, messages and luck of a log."""
+
+import functools
+import struct
+from binascii import crc32
+from collections.abc import Sequence
+from typing import Any
+
+from swarmcensus.brains import Brain
+from swarmcensus.brains.packing import FORMATS, Format, Numbers, Precision, bytes_of, parts
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.robots.logs.logs import State, Tick
+from swarmcensus.runtime.log import numbers_of
+from swarmcensus.runtime.runtime import HEADER, Robot
+from swarmcensus.support.formatting import counted
+from swarmcensus.translation.messages import messages_of
+
+
+class Unfit(Exception):
+    """A brain cannot have written a log: its memory, parameters or messages are of other sizes."""
+
+
+class Mind(Robot):  # type: ignore[misc]
+    """A robot's runtime without sensor, radio and clock."""
+
+    def __init__(self, brain: Brain, b: float, w: float, number: int, parameters: dict[str, Any], period: int) -> None:
+        """A blank mind."""
+        self.seen = 0.0, 0.0  # readings that say black, and all
+        self.lots: list[float] = []  # luck for the next calls
+        self.lacked = 0  # calls for which there was none
+        self.said: bytes | None = None
+        self.is_single = brain.numbers.precision == "single"
+        luck = self.lot if brain.uses.luck else None
+        super().__init__(
+            brain.functions, messages_of(brain), None, self, lambda: 0, b, w, number, period, 1, parameters, luck
+        )
+        self.lacked = 0
+
+    def _look(self) -> tuple[float, float]:
+        return self.seen
+
+    def send(self, datagram: bytes) -> None:
+        """Keep what is said."""
+        self.said = datagram[HEADER:]
+
+    def lot(self) -> float:
+        """The luck of the next call."""
+        if self.lots:
+            return self.lots.pop(0)
+        self.lacked += 1
+        return 0.5
+
+    def first_half(self, tick: Tick) -> bytes | None:
+        """Observe and broadcast; returns what is said."""
+        self.seen = float(tick.blacks), float(tick.looks)
+        self.said = None
+        self.ticks = tick.tick - 1
+        self.speak()
+        return self.said
+
+    def hear(self, code: bytes) -> None:
+        """Receive a message, unless it holds a number that is not finite."""
+        if len(code) == self.messages.body and (message := self.messages.read(code)) is not None:
+            self._do(self.brain.receive, message)
+
+    def kept(self) -> list[float]:
+        """All numbers that the robot would save."""
+        numbers: list[float] = [float(x) for x in self.numbers()] + self.messages.owed
+        return numbers
+
+    def become(self, numbers: Sequence[float], ticks: int) -> None:
+        """Take over numbers as they are saved, after so many ticks."""
+        self.restore(list(numbers))
+        self.ticks = ticks
+        self._ask()
+
+    @property
+    def checksum(self) -> int:
+        """The checksum of the memory and of what is owed, as a log has it."""
+        return crc32(numbers_of(self)) & 0xFFFFFFFF
+
+
+def checksum_of(numbers: Sequence[float]) -> int:
+    """The checksum of numbers that a robot saved."""
+    return crc32(struct.pack(f"<{len(numbers)}d", *numbers)) & 0xFFFFFFFF
+
+
+def format_of(brain: Brain, state: State) -> Format:
+    """The message format of a log; where it is not told, the first one in which messages have their size."""
+    if 0 < state.form < len(FORMATS):
+        return FORMATS[state.form]
+    sizes = {one: bytes_of(parts(brain.message, brain.roles, one)) for one in FORMATS[1:]}
+    return next((one for one, size in sizes.items() if size == state.code_bytes), "float32")
+
+
+@functools.lru_cache(maxsize=256)
+def in_numbers(brain: Brain, precision: Precision, format: Format, feedback: bool) -> Brain:
+    """A brain in number formats; made once, because that takes milliseconds."""
+    return brain.with_numbers(Numbers(precision, format, feedback))
+
+
+def logged_brain(brain: Brain, state: State, single: bool | None = None) -> Brain:
+    """A brain in the number formats of a log, or in another precision."""
+    precision: Precision = "single" if (state.single if single is None else single) else "double"
+    return in_numbers(brain.as_written, precision, format_of(brain, state), state.feedback)
+
+
+def mind_of(brain: Brain, state: State, single: bool | None = None) -> Mind:
+    """The mind of a robot as it is in a state of its log. Raises Unfit."""
+    brain = logged_brain(brain, state, single)
+    mind = Mind(brain, state.b, state.w, state.number, _parameters(brain, state), state.period)
+    if mind.messages.body != state.code_bytes:
+        raise Unfit(f"its messages have {counted(mind.messages.body, 'byte')}, and those of the log {state.code_bytes}")
+    if len(mind.numbers()) != len(state.numbers) or len(mind.messages.owed) != len(state.owed):
+        raise Unfit(
+            f"its memory has {counted(len(mind.numbers()), 'number')}, and that of the log {len(state.numbers)}"
+        )
+    mind.become((*state.numbers, *state.owed), state.tick)
+    return mind
+
+
+def other_mind(brain: Brain, state: State) -> Mind:
+    """A blank mind of another brain, in its number formats, with the sensor of a robot."""
+    return Mind(brain, state.b, state.w, state.number, _rounded(brain), state.period)
+
+
+def _rounded(brain: Brain) -> dict[str, Any]:
+    """The parameters of a brain that differ from its file, in its precision."""
+    given = dict(brain.overrides)
+    if brain.numbers.precision == "double":
+        return given
+    return {
+        name: tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
+        for name, value in given.items()
+    }
+
+
+def _parameters(brain: Brain, state: State) -> dict[str, Any]:
+    values, at = {}, 0
+    for name in sorted(brain.parameters):
+        default = brain.parameters[name]
+        size = len(default) if isinstance(default, tuple) else 1
+        given = state.parameters[at : at + size]
+        if len(given) < size:
+            raise Unfit("it has more parameters than the log")
+        values[name] = given if isinstance(default, tuple) else given[0]
+        at += size
+    if at < len(state.parameters):
+        raise Unfit("it has fewer parameters than the log")
+    return values

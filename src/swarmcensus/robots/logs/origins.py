@@ -1,0 +1,54 @@
+"""Which tick of which robot a logged message is from. Messages have the low bytes of boot count and tick only."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+
+from swarmcensus.robots.logs.clocks import Clock
+from swarmcensus.robots.logs.folders import Member
+from swarmcensus.robots.logs.logs import Heard, State, Tick
+
+Place = tuple[int, int]  # a robot's number, and the block of its tick
+
+
+class Origins:
+    """Finds the sender's tick of each message, from the logs of all robots."""
+
+    def __init__(self, members: tuple[Member, ...], clock: Clock) -> None:
+        """Note what each robot said in each tick."""
+        self.clock = clock
+        self.said: dict[tuple[int, int, int], list[int]] = defaultdict(list)  # as a message names its tick: blocks
+        self.blocks: Mapping[int, Sequence[object]] = {member.number: member.log.blocks for member in members}
+        self.last: dict[tuple[int, int], int] = {}  # receiver and sender: the block of the last message
+        for member in members:
+            boot = 0
+            for at, block in enumerate(member.log.blocks):
+                if isinstance(block, State):
+                    boot = block.boot
+                elif isinstance(block, Tick):
+                    self.said[member.number, boot & 0xFF, block.tick & 0xFFFF].append(at)
+
+    def of(self, receiver: int, at: int, heard: Heard) -> Place | str:
+        """The tick in which a message was said that `receiver` heard in its block `at`, or why it is not known.
+
+        Of several ticks with the same low bytes it is the one with these bytes that is nearest in time, or, without a
+        common clock, the next one after the last message of this sender. Ask in the order of the receiver's log.
+        """
+        known = self.said.get((heard.sender, heard.boot, heard.tick))
+        if not known:
+            return "missing"
+        blocks = self.blocks[heard.sender]
+        same = [one for one in known if blocks[one].said == heard.code]  # type: ignore[attr-defined]
+        if not same:
+            return "forged"
+        chosen = self._nearest(receiver, at, heard.sender, same)
+        self.last[receiver, heard.sender] = chosen
+        return heard.sender, chosen
+
+    def _nearest(self, receiver: int, at: int, sender: int, known: list[int]) -> int:
+        if len(known) == 1:
+            return known[0]
+        here = self.clock.time(receiver, at)
+        last = self.last.get((receiver, sender))
+        if self.clock.is_common or last is None:
+            return min(known, key=lambda one: abs(self.clock.time(sender, one) - here))
+        return next((one for one in known if one > last), known[-1])

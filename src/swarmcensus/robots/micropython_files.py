@@ -1,0 +1,83 @@
+"""The files of a robot that runs MicroPython: its brain, codec, runtime, settings, main program and self-test."""
+
+import pprint
+from pathlib import Path
+
+from swarmcensus.brains.packing import FORMATS
+from swarmcensus.robots.target import Order
+from swarmcensus.runtime import codec, log, runtime
+from swarmcensus.translation.comments import quoted
+from swarmcensus.translation.pieces import filled, piece
+
+NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
+HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
+
+{imports}
+
+import brain
+import settings
+from runtime import WRAP, Messages, Robot
+'''
+
+
+def micropython_files(order: Order) -> dict[str, str]:
+    """The texts of all files by name."""
+    radio = piece(f"radio_{order.name}.py")
+    needed, _, rest = radio.partition("\n\n")
+    imports = "\n".join(sorted([*needed.splitlines(), "from binascii import crc32", "import random", "import time"]))
+    parts = [
+        HEAD.format(brain=quoted(order.brain.label), radio=order.target.what, imports=imports),
+        piece("sensor.py"),
+        rest.strip("\n") + "\n\n",
+        piece("loop.py"),
+    ]
+    checked = (
+        f"{runtime.CHECKSUM} of them are a checksum" if order.target.checked else "the radio has a checksum of its own"
+    )
+    readme = filled(
+        "micropython.md", brain=quoted(order.brain.label), radio=order.target.what, body=order.brain.message_bytes,
+        size=order.datagram_bytes, checked=checked, save=order.save_every,
+        logged="\n" + filled("logged.md", log=f"{order.log:,}").rstrip() if order.log else "",
+    )  # fmt: skip
+    logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if order.log else {}
+    return {
+        "brain.py": order.brain.source,
+        "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
+        "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
+        **logged,
+        "settings.py": settings_text(order),
+        "main.py": "\n".join(parts),
+        "selftest.py": piece("selftest.py"),
+        "README.md": readme,
+    }
+
+
+def settings_text(order: Order) -> str:
+    """The settings of a robot, as constants of Python."""
+    brain = order.brain
+    values: dict[str, tuple[object, str]] = {
+        "BRAIN": (brain.name, ""),
+        "NUMBER": (order.robot, "of this robot, 0 to 65535, another one for each"),
+        "B": (order.b, "share of right readings on black"),
+        "W": (order.w, "and on white"),
+        "PERIOD": (order.period, "milliseconds a tick"),
+        "READINGS": (1, "a tick"),
+        "SAVE_EVERY": (order.save_every, "ticks: memory cells wear out"),
+        "PARAMETERS": (dict(brain.overrides), "of the brain, that differ from its file"),
+        "LUCK": (brain.uses.luck, "whether the brain uses luck"),
+        "LENGTHS": (tuple(brain.message.values()), "of the message's fields, 0 for a number"),
+        "PLAN": (tuple(tuple(part) for part in brain.parts), "coding, numbers of the message, owed"),
+        "MARK": (order.mark, "of brain and format"),
+        "CHECKED": (order.target.checked, "whether a checksum is sent"),
+    }
+    if order.log:
+        values |= {
+            "LOG": (order.log, "bytes of robot.log at the most"),
+            "HASH": (bytes.fromhex(brain.sha256[:16]), "of the brain's file, how it begins"),
+            "FORM": (FORMATS.index(brain.numbers.message), "of messages: 1 float32, 2 float16, 3 ratio16, 4 ratio8"),
+        }
+    lines = [
+        f"{name} = {pprint.pformat(value, width=100)}{f'  # {what}' if what else ''}"
+        for name, (value, what) in values.items()
+    ]
+    return "\n".join([f'"""The settings of a robot with the brain {quoted(brain.label)}."""', "", *lines, ""])

@@ -1,0 +1,183 @@
+"""The folder of a swarm: the files that its robots run, and swarm.json, which tells what the swarm was."""
+
+import json
+import pprint
+import py_compile
+import shutil
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.brains.fields import Value
+from swarmcensus.brains.packing import FORMATS
+from swarmcensus.brains.single import MODULE, ROUND, codec_source, rounded_to_single
+from swarmcensus.robots.folders import new_folder, write_texts
+from swarmcensus.robots.swarm.plans import Member, Plan
+from swarmcensus.runtime import log, runtime
+from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.support.documents import json_value
+from swarmcensus.support.files import atomic_write
+
+FORMAT = 1
+ROUNDING = "rounding"
+OURS = Path(__file__).parent
+ON_MICROPYTHON = OURS / "on_micropython.mjs"
+BOARD_SOCKETS = OURS / "board_sockets.py"
+PROGRAMS = (OURS / "node.py", OURS / "air.py", OURS / f"{ROUNDING}.py", Path(log.__file__), Path(runtime.__file__))
+RUN = "run"  # the folder in it with what robots run, their readings and memories
+SAVED = 2.0  # seconds from one saving of a memory to the next, or FEWEST ticks if that is longer
+FEWEST = 20
+
+
+def write_folder(plan: Plan, folder: Path, command_port: int, token: str) -> None:
+    """Write all that robots need, whole or not at all. Raises InputError if the folder exists and is not empty."""
+    with new_folder(folder) as made:
+        run = made / RUN
+        run.mkdir()
+        precision = plan.setting.precision
+        texts = {path.name: path.read_text(encoding="utf-8") for path in PROGRAMS}
+        texts["codec.py"] = _alone(codec_source(precision))
+        for member in plan.members:
+            texts[f"{_module(member.file)}.py"] = _alone(member.brain.running_source)
+        write_texts(run, texts)
+        if any(member.on_micropython for member in plan.members):
+            files = (ON_MICROPYTHON, BOARD_SOCKETS)
+            write_texts(run, {path.name: path.read_text(encoding="utf-8") for path in files})
+        for name in texts:  # so that not each robot compiles them
+            py_compile.compile(str(run / name), doraise=True)
+        write_texts(made, {member.file: member.brain.source for member in plan.members})
+        looks = plan.readings.astype(np.uint8)
+        for member in plan.members:
+            (run / f"{member.number}.readings").write_bytes(np.ascontiguousarray(looks[:, member.number]).tobytes())
+            settings = _settings(plan, member, Path(folder).resolve(), command_port, token)
+            file = run / f"{module_of(member.number)}.py"
+            file.touch(0o600)  # the token is for nobody else
+            file.write_text(settings, encoding="utf-8", newline="\n")
+        (made / "swarm.json").write_text(_summary(plan, None, {}), encoding="utf-8")
+
+
+def complete(plan: Plan, folder: Path, ended: int | None, result: Mapping[str, Any]) -> None:
+    """Write swarm.json again, with when the swarm started and ended, in milliseconds since 1970, and its result."""
+    with atomic_write(folder / "swarm.json") as path:
+        path.write_text(_summary(plan, ended, result), encoding="utf-8")
+
+
+def module_of(number: int) -> str:
+    """The module with a robot's settings."""
+    return f"robot_{number}"
+
+
+def forget(folder: Path, number: int) -> None:
+    """Delete a robot's memory; its boot count stays, so that others know that its ticks begin again."""
+    for name in ("memory", "memory.new"):
+        (folder / RUN / f"{number}.{name}").unlink(missing_ok=True)
+
+
+def clear(folder: Path) -> None:
+    """Delete what Python has compiled."""
+    shutil.rmtree(folder / RUN / "__pycache__", ignore_errors=True)
+
+
+def _alone(source: str) -> str:
+    """A source that imports nothing of swarmcensus."""
+    return source.replace(f"from {MODULE} import {ROUND}", f"from {ROUNDING} import {ROUND}")
+
+
+def _module(file: str) -> str:
+    return file.removesuffix(".py").replace("-", "_")
+
+
+def _settings(plan: Plan, member: Member, folder: Path, command_port: int, token: str) -> str:
+    brain, setting = member.brain, plan.setting
+    is_single = setting.precision == "single"
+    parameters = {name: _rounded(value) if is_single else value for name, value in brain.overrides}
+    beside = folder / RUN / f"{member.number}"
+    values = {
+        "NUMBER": member.number,
+        "HOST": plan.air.host,
+        "COMMAND": command_port,
+        "TOKEN": token,
+        "BRAIN": _module(member.file),
+        "HASH": bytes.fromhex(brain.sha256)[:8],
+        "FORM": FORMATS.index(brain.numbers.message),
+        "SINGLE": is_single,
+        "LENGTHS": tuple(brain.message.values()),
+        "PLAN": tuple(tuple(part) for part in brain.parts),
+        "MARK": plan.mark,
+        "FEEDBACK": brain.numbers.feedback,
+        "PARAMETERS": parameters,
+        "B": member.b,
+        "W": member.w,
+        "PERIOD": plan.period,
+        "LOOKS": setting.observations_per_round,
+        "ROUNDS": setting.rounds,
+        "READINGS": f"{beside}.readings",
+        "MEMORY": f"{beside}.memory",
+        "SAVE_EVERY": max(FEWEST, round(SAVED * 1000.0 / plan.period)),
+        "LOG": str(folder / log_of(member.number)),
+        "SEED": plan.chance,
+        "LUCK": plan.luck if brain.uses.luck else None,
+        "LOSS": plan.loss,
+        "DUPLICATE": plan.air.duplicate,
+        "DELAY": plan.delay,
+        "JITTER": plan.air.jitter,
+    }
+    return "\n".join([f"{name} = {pprint.pformat(value, width=110)}" for name, value in values.items()]) + "\n"
+
+
+def _rounded(value: Value) -> Value:
+    return tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
+
+
+def log_of(number: int) -> str:
+    """The name of a robot's log."""
+    return f"robot-{number}.log"
+
+
+def _summary(plan: Plan, ended: int | None, result: Mapping[str, Any]) -> str:
+    setting, brain, measure = plan.setting, plan.setting.brain, plan.study.measure
+    started = result.get("started", round(time.time() * 1000))
+    about = {
+        "format": FORMAT,
+        "title": f"{plan.study.name}: {brain.name}, {setting}",
+        "brain": {"file": "brain.py", "name": brain.name, "parameters": dict(brain.overrides)},
+        "message": brain.numbers.message,
+        "precision": setting.precision,
+        "feedback": brain.numbers.feedback,
+        "fill_ratio": setting.fill_ratio,
+        "seed": plan.seed,
+        "trial": plan.trial,
+        "setting": plan.number,
+        "rounds": setting.rounds,
+        "observations_per_round": setting.observations_per_round,
+        "period": plan.period,
+        "bins": measure.bins,
+        "delta": measure.delta,
+        "chance": {
+            "seed": plan.chance, "loss": plan.loss, "duplicate": plan.air.duplicate, "delay": plan.delay,
+            "jitter": plan.air.jitter,
+        },
+        "robots": [
+            {
+                "number": m.number, "log": log_of(m.number), "brain": m.file, "honest": m.honest, "b": m.b, "w": m.w,
+                "adversary": m.adversary, "runs_on": "micropython" if m.on_micropython else "cpython",
+            }
+            for m in plan.members
+        ],
+        "links": plan.links,
+        "started": started,
+        "ended": ended,
+        "study": _study_text(plan),
+        **{key: value for key, value in result.items() if key != "started"},
+    }  # fmt: skip
+    return json.dumps(json_value(about), indent=1) + "\n"
+
+
+def _study_text(plan: Plan) -> str:
+    """The study; a brain file that is the swarm's own is named as it is in the folder."""
+    brain, text = plan.setting.brain, plan.study.text
+    own = brain.name.endswith(".py")
+    return text.replace(to_toml_value(brain.name), to_toml_value("brain.py")) if own else text

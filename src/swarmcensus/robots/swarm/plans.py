@@ -1,0 +1,222 @@
+"""What a swarm of processes is to be: one setting of a study, one trial, and clocks and radios of real time."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from swarmcensus.brains import Adversary, Brain
+from swarmcensus.brains.packing import FORMATS, Format
+from swarmcensus.checks.quick import caution
+from swarmcensus.engine.constants import LISTED
+from swarmcensus.engine.layout import Inputs
+from swarmcensus.robots import on_node
+from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
+from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.trials import record_readings
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import wrong_option
+
+PLAIN_FORMAT: Format = "float32"  # in place of "double", which no datagram holds
+MOST_ROBOTS = 1000
+MOST_LOOKS = 0xFFFF  # observations a tick
+MOST_BYTES = 65507  # of a datagram of UDP
+HIGHEST_HZ = 500.0  # two milliseconds a tick: the clocks of robots count whole ones
+
+
+@dataclass(frozen=True)
+class Air:
+    """What becomes of messages, and how uneven clocks are."""
+
+    hz: float = 10.0
+    delay: int = 0  # milliseconds, beside the rounds of a study
+    duplicate: float = 0.0  # share of messages that are heard twice
+    jitter: float = 0.1  # a tick comes late by up to this share of a period
+    host: str = "127.0.0.1"
+
+
+@dataclass(frozen=True)
+class Member:
+    """One robot."""
+
+    number: int
+    brain: Brain
+    file: str  # of its brain's source
+    honest: bool
+    b: float  # what it believes of its sensor
+    w: float
+    on_micropython: bool = False
+    adversary: str | None = None  # the name of what it lies by
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A swarm to be started."""
+
+    study: Study
+    setting: Setting
+    number: int  # of the setting in the study
+    seed: int
+    trial: int
+    air: Air
+    members: tuple[Member, ...]
+    links: tuple[tuple[int, int], ...]  # receiver, sender
+    readings: np.ndarray  # (observation, robot), 1 black
+    chance: int  # 32 bits, the seed of what happens to messages
+    luck: int | None  # the same for brains, if any uses luck
+
+    @property
+    def period(self) -> int:
+        """Milliseconds a tick."""
+        return round(1000.0 / self.air.hz)
+
+    @property
+    def delay(self) -> int:
+        """Milliseconds from a message to its hearing."""
+        return self.air.delay + self.setting.message_delay * self.period
+
+    @property
+    def loss(self) -> float:
+        """The share of messages that are lost."""
+        return 0.0 if self.setting.brain.is_oracle else round(1.0 - self.setting.link_success, 12)
+
+    @property
+    def seconds(self) -> float:
+        """From the first tick to the last."""
+        return self.setting.rounds * self.period / 1000.0
+
+    @property
+    def on_micropython(self) -> frozenset[int]:
+        """The robots that run MicroPython."""
+        return frozenset(member.number for member in self.members if member.on_micropython)
+
+    @property
+    def mark(self) -> int:
+        """Of the datagrams of this swarm, also those of its members with other brains."""
+        return mark_of(self.setting.brain)
+
+
+def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> Plan:
+    """The plan of one trial of a setting. Raises InputError if it cannot be run as processes."""
+    settings = study.settings()
+    if not 0 <= number < len(settings):
+        raise wrong_option("setting", number, f"{study.name} has {counted(len(settings), 'setting')}, numbered from 0")
+    setting = _in_bytes(settings[number])
+    _check(setting, study, air)
+    caution(study.brains)
+    _check_delay(setting, air)
+    given = inputs_of(setting, seed, trial)
+    members = _members(setting, given, micropython)
+    links = _links(given, setting.robots)
+    readings = record_readings(setting, seed, trial)
+    luck = _words("luck", given.luck, trial) if given.luck.size else None
+    chance = _words("messages", given.radio.key, trial, seed)
+    return Plan(study, setting, number, seed, trial, air, members, links, readings, chance, luck)
+
+
+def _in_bytes(setting: Setting) -> Setting:
+    """The setting with messages that have bytes."""
+    numbers = setting.brain.numbers
+    if numbers.message != FORMATS[0]:
+        return setting
+    return replace(setting, brain=setting.brain.with_numbers(numbers._replace(message=PLAIN_FORMAT)))
+
+
+def _check(setting: Setting, study: Study, air: Air) -> None:
+    if setting.body is not None:
+        raise InputError(
+            f"{study.name}: robots that move have no fixed neighbours: a swarm of processes needs a fixed network, "
+            'such as topology = "ring"'
+        )
+    if setting.faults:
+        raise InputError(f"{study.name}: [[faults]] are not run by processes: --fault makes robots fail")
+    check_is_no_bound(setting.brain)
+    if any(brain.jams for brain in setting.brains):
+        raise InputError(f"{study.name}: a robot jams others' messages, which no robot does over sockets")
+    if setting.robots > MOST_ROBOTS:
+        raise InputError(f"{setting.robots:,} robots: {MOST_ROBOTS:,} processes are the most on one machine")
+    if setting.observations_per_round > MOST_LOOKS:
+        raise InputError(
+            f"{setting.observations_per_round:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
+        )
+    size = max(map(datagram_bytes, setting.brains))
+    if size > MOST_BYTES:
+        raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
+    check_hz(air.hz, HIGHEST_HZ)
+    for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
+        if not 0.0 <= value <= 0.9:
+            raise wrong_option(name, value, "should be a share, from 0 to 0.9")
+
+
+def _check_delay(setting: Setting, air: Air) -> None:
+    """Raise InputError if no message could arrive before the end."""
+    seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
+    if air.delay >= 1000.0 * seconds > 0.0:
+        raise OptionError(
+            f"--delay {air.delay / 1000.0:g}s: the run takes {seconds:g} s, so that no message would arrive: should be "
+            "shorter than the run",
+            key="delay",
+            value=air.delay / 1000.0,
+        )
+
+
+def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member, ...]:
+    if not 0 <= micropython <= setting.robots:
+        raise wrong_option("micropython", micropython, f"the swarm has {counted(setting.robots, 'robot')}")
+    if micropython and not on_node.micropython():
+        raise wrong_option("micropython", micropython, f"needs {on_node.NEEDED}")
+    group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
+    honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
+    b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)
+    names = _names(setting, group, honest)
+    worn = _adversaries(setting)
+    return tuple(
+        Member(
+            k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython,
+            worn.get(setting.brains[group[k]]),
+        )
+        for k in range(setting.robots)
+    )  # fmt: skip
+
+
+def _adversaries(setting: Setting) -> dict[Brain, str]:
+    """The names of adversaries by the brains that wear them."""
+    liars = [member for member in setting.members if isinstance(member.brain, Adversary)]
+    brains = (liar.brain_in(setting.brain).with_numbers(setting.brain.numbers) for liar in liars)
+    return {brain: liar.brain.name for brain, liar in zip(brains, liars, strict=True) if liar.brain}
+
+
+def _names(setting: Setting, group: np.ndarray, honest: np.ndarray) -> list[str]:
+    """The files of brains: liar-K.py for those whom metrics do not count."""
+    names = ["brain.py"]
+    for k in range(1, len(setting.brains)):
+        lies = not honest[group == k].any()
+        names.append(f"{'liar' if lies else 'brain'}-{k}.py")
+    return names
+
+
+def _links(given: Inputs, robots: int) -> tuple[tuple[int, int], ...]:
+    """Who hears whom, receiver and sender."""
+    if given.links.mode == LISTED:
+        pairs = zip(given.links.receivers.tolist(), given.links.senders.tolist(), strict=True)
+        return tuple((int(i), int(j)) for i, j in pairs)
+    return tuple((i, j) for i in range(robots) for j in range(robots) if i != j)
+
+
+def _words(purpose: str, *content: object) -> int:
+    """32 bits from a key of random numbers."""
+    text = " ".join([purpose, *(str(np.asarray(part).tolist()) for part in content)])
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest())
+
+
+def hearers(plan: Plan, cuts: Sequence[frozenset[int]]) -> list[list[int]]:
+    """For each robot, who hears it while the swarm is cut into these groups and the rest."""
+    heard_by: list[list[int]] = [[] for _ in plan.members]
+    for receiver, sender in plan.links:
+        if all((receiver in group) == (sender in group) for group in cuts):
+            heard_by[sender].append(receiver)
+    return heard_by

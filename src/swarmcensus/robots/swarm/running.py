@@ -1,0 +1,332 @@
+"""Running a swarm: processes are started, told who hears them, disturbed, watched and ended."""
+
+import contextlib
+import itertools
+import logging
+import random
+import secrets
+import select
+import socket
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from swarmcensus.robots.swarm.children import Children, check_system, seconds_of_children
+from swarmcensus.robots.swarm.faults import Fault, late_starters
+from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
+from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
+from swarmcensus.robots.swarm.plans import Plan, hearers
+from swarmcensus.robots.swarm.reports import Known, read_report
+from swarmcensus.robots.target import datagram_bytes
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
+
+LOG = logging.getLogger(__name__)
+LOOPBACK = "127."
+AHEAD = 0.3  # seconds from the last robot's first report to the start
+PATIENCE = 30.0  # seconds in which robots must report for the first time, and more for each of them
+A_ROBOT = 0.2
+AFTER = 2.0  # seconds that robots may take longer than their rounds should
+LOOK = 0.05  # seconds from one look at processes and faults to the next
+SHOW = 0.25
+TELL_AGAIN = 0.2  # seconds until a robot that has not heard what it was told is told again
+WEIGH = 5.0  # seconds from one look at memory to the next
+FLOOD = 1.0  # seconds that garbage comes
+FLOODED = 300  # datagrams that a robot gets in it
+FAR = 1 << 20  # bytes of the socket for reports
+
+
+@dataclass
+class Flood:
+    """Garbage that comes to some robots; the same seed sends the same bytes."""
+
+    began: float  # of the clock `time.monotonic`
+    robots: tuple[int, ...]
+    chance: random.Random
+    sent: int = 0  # datagrams to each
+
+
+@dataclass
+class Swarm:
+    """A swarm that runs."""
+
+    plan: Plan
+    folder: Path
+    faults: Sequence[Fault]
+    command: socket.socket
+    children: Children
+    robots: list[Known]
+    started: float = 0.0  # of the clock `time.monotonic`
+    cuts: list[frozenset[int]] = field(default_factory=list)
+    version: int = 0
+    told: dict[int, float] = field(default_factory=dict)  # when each robot was told something last
+    happened: list[str] = field(default_factory=list)
+    floods: list[Flood] = field(default_factory=list)
+    memory: int = 0  # bytes, at the peak
+    ports: dict[int, int] = field(default_factory=dict)
+    token: str = ""  # with which reports begin, so that nobody else can report
+
+    @property
+    def seconds(self) -> float:
+        """Since the start."""
+        return time.monotonic() - self.started
+
+
+class Stopped(KeyboardInterrupt):
+    """Raised when Ctrl-C stops a swarm; `outcome` is what had come of it, `rounds` how many it had lived."""
+
+    def __init__(self, outcome: Outcome, rounds: int) -> None:
+        """Keep what there is."""
+        super().__init__()
+        self.outcome, self.rounds = outcome, rounds
+
+
+def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm], None] = lambda _: None) -> Outcome:
+    """Run a swarm to its end and write its folder; `show` is called some times a second.
+
+    Raises InputError if robots cannot be started, and Stopped after Ctrl-C, when all of them have ended.
+    """
+    check_system()
+    command = _socket(plan.air.host)
+    if not command.getsockname()[0].startswith(LOOPBACK):  # a name such as localhost is its address here
+        LOG.info("Anyone who can reach %s can send messages in the name of any robot.", plan.air.host)
+    before = seconds_of_children()
+    began = time.monotonic()
+    stopped = False
+    with command:
+        token = secrets.token_hex(16)
+        write_folder(plan, folder, command.getsockname()[1], token)
+        children, robots = Children(folder, plan.on_micropython), [Known() for _ in plan.members]
+        swarm = Swarm(plan, folder, faults, command, children, robots, token=token)
+        at = round(time.time() * 1000)
+        try:
+            _start(swarm)
+            at = round((time.time() + AHEAD) * 1000)
+            _go_on(swarm, show)
+        except KeyboardInterrupt:
+            stopped = True
+        finally:
+            _weigh(swarm)
+            last = time.monotonic()
+            swarm.children.end()
+            used = seconds_of_children() - before
+            outcome = outcome_of(plan, swarm.robots, used, last - began, swarm.memory, last)
+            clear(folder)
+            complete(
+                plan, folder, round(time.time() * 1000), {"started": at, "happened": swarm.happened, "result": outcome}
+            )
+    if stopped:
+        rounds = max((known.last.round for known in swarm.robots if known.last), default=0)
+        raise Stopped(outcome, max(0, min(rounds, plan.setting.rounds)))
+    return outcome
+
+
+def _socket(host: str) -> socket.socket:
+    made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    try:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, FAR)
+        made.bind((host, 0))
+    except OSError as error:
+        made.close()
+        raise wrong_option("host", host, f"{error.strerror or error}: should be an address of this machine") from None
+    made.setblocking(False)
+    return made
+
+
+def _start(swarm: Swarm) -> None:
+    """Start all robots but late ones, and wait until each has reported."""
+    late = late_starters(swarm.faults)
+    first = [number for number in range(len(swarm.robots)) if number not in late]
+    for number in first:
+        _begin_life(swarm, number)
+    until = time.monotonic() + PATIENCE + A_ROBOT * len(first)
+    while missing := [number for number in first if swarm.robots[number].address is None]:
+        _listen(swarm, LOOK)
+        for number, why in swarm.children.dead():
+            raise InputError(f"robot {number} cannot be started: {why}")
+        if time.monotonic() > until:
+            raise InputError(f"robot {missing[0]} does not report: the machine may be too busy for so many processes")
+    swarm.started = time.monotonic() + AHEAD
+    _tell_all(swarm)
+
+
+def _go_on(swarm: Swarm, show: Callable[[Swarm], None]) -> None:
+    """Until all robots have lived their rounds."""
+    waiting = list(swarm.faults)
+    looked = shown = 0.0
+    weighed = time.monotonic()
+    while not _is_over(swarm, waiting):
+        _listen(swarm, 0.01 if swarm.floods else LOOK)
+        now = time.monotonic()
+        while waiting and waiting[0].seconds <= swarm.seconds:
+            _happen(swarm, waiting.pop(0))
+        _flood(swarm)
+        if now - looked >= LOOK:
+            looked = now
+            _bury(swarm)
+            _tell_again(swarm)
+        if now - shown >= SHOW:
+            shown = now
+            show(swarm)
+        if now - weighed >= WEIGH:
+            weighed = now
+            _weigh(swarm)
+    show(swarm)
+
+
+def _is_over(swarm: Swarm, waiting: Sequence[Fault]) -> bool:
+    if not swarm.children.running and not waiting:
+        return True
+    rounds = swarm.plan.setting.rounds
+    if swarm.seconds < swarm.plan.seconds - swarm.plan.period / 1000:
+        return False
+    if swarm.seconds > swarm.plan.seconds * 1.01 + AFTER:
+        return True
+    at_work = [known for known in swarm.robots if known.state == "runs"]
+    return all(known.last is not None and known.last.round >= rounds for known in at_work)
+
+
+def _listen(swarm: Swarm, wait: float) -> None:
+    """Read all reports that have come; wait so many seconds if there is none."""
+    if not select.select([swarm.command], [], [], wait)[0]:
+        return
+    while True:
+        try:
+            datagram, address = swarm.command.recvfrom(2048)
+        except (BlockingIOError, ConnectionRefusedError):
+            return
+        report = read_report(datagram, swarm.token)
+        if report is None or not 0 <= report.number < len(swarm.robots):
+            continue
+        known = swarm.robots[report.number]
+        if report.life != swarm.children.lives.get(report.number) or report.number not in swarm.children.running:
+            continue  # of a process that has ended
+        if known.address not in (None, address):
+            continue  # of somebody else
+        known.last, known.seen = report, time.monotonic()
+        _tell_of_life(swarm, known)
+        if known.address is None:
+            known.address = address
+            swarm.ports[report.number] = report.port
+            if swarm.started:
+                _tell_all(swarm)
+
+
+def _tell_of_life(swarm: Swarm, known: Known) -> None:
+    """Note with what memory a robot has begun again."""
+    report = known.last
+    if report is None or report.round < 0 or report.life <= known.began:
+        return
+    known.began = report.life
+    how = f"goes on from its tick {report.resumed:,}" if report.resumed else "starts blank"
+    swarm.happened.append(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
+
+
+def _begin_life(swarm: Swarm, number: int) -> None:
+    swarm.robots[number].new_life()
+    swarm.children.start(number)
+    swarm.robots[number].state = "runs"
+
+
+def _end_life(swarm: Swarm, number: int, state: str, why: str = "") -> None:
+    known = swarm.robots[number]
+    known.address, known.state, known.why = None, state, why
+    swarm.ports.pop(number, None)
+    _tell_all(swarm)
+
+
+def _tell_all(swarm: Swarm) -> None:
+    """Tell each robot when the swarm starts and who hears it."""
+    swarm.version += 1
+    heard_by = hearers(swarm.plan, swarm.cuts)
+    for number in range(len(swarm.robots)):
+        _tell(swarm, number, heard_by[number])
+
+
+def _tell(swarm: Swarm, number: int, heard_by: Sequence[int]) -> None:
+    address = swarm.robots[number].address
+    if address is None:
+        return
+    ports = ",".join(str(swarm.ports[other]) for other in heard_by if other in swarm.ports)
+    swarm.told[number] = time.monotonic()
+    with contextlib.suppress(OSError, OverflowError):  # it is told again
+        swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
+
+
+def _tell_again(swarm: Swarm) -> None:
+    """Tell those again that have not heard it, as after they were stopped."""
+    now = time.monotonic()
+    deaf = [
+        number
+        for number, known in enumerate(swarm.robots)
+        if known.address and known.last and known.last.version < swarm.version
+        and known.state == "runs" and now - swarm.told.get(number, 0.0) > TELL_AGAIN
+    ]  # fmt: skip
+    if deaf:
+        heard_by = hearers(swarm.plan, swarm.cuts)
+        for number in deaf:
+            _tell(swarm, number, heard_by[number])
+
+
+def _happen(swarm: Swarm, fault: Fault) -> None:
+    children = swarm.children
+    swarm.happened.append(f"{fault.seconds:g} s: {fault.what}")
+    if fault.action in ("kill", "restart"):
+        _weigh(swarm)  # afterwards its memory is gone
+    for number in fault.robots if fault.action in ("kill", "restart", "stop", "continue", "start") else ():
+        if fault.action in ("kill", "restart"):
+            children.kill(number)
+            _end_life(swarm, number, "killed")
+        if fault.action == "restart" and fault.blank:
+            forget(swarm.folder, number)
+        if fault.action in ("restart", "start"):
+            _begin_life(swarm, number)
+        if fault.action == "stop" and swarm.robots[number].state == "runs":
+            children.stop(number)
+            swarm.robots[number].state = "stopped"
+        if fault.action == "continue" and swarm.robots[number].state == "stopped":
+            children.resume(number)
+            swarm.robots[number].state = "runs"
+    if fault.action == "partition":
+        swarm.cuts.append(frozenset(fault.robots))
+        _tell_all(swarm)
+    elif fault.action == "heal":
+        swarm.cuts.clear()
+        _tell_all(swarm)
+    elif fault.action == "garbage":
+        chance = random.Random(f"{swarm.plan.chance} {fault.text}")
+        swarm.floods.append(Flood(time.monotonic(), fault.robots, chance))
+
+
+def _flood(swarm: Swarm) -> None:
+    """Send what is due of random datagrams, from a socket that no robot knows; some begin as messages do."""
+    if not swarm.floods:
+        return
+    plan = swarm.plan
+    size = datagram_bytes(plan.setting.brain)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        stranger.bind((plan.air.host, 0))
+        stranger.setblocking(False)
+        for flood in swarm.floods:
+            due = min(FLOODED, int(FLOODED * (time.monotonic() - flood.began) / FLOOD))
+            for _, number in itertools.product(range(due - flood.sent), flood.robots):
+                like = flood.chance.random() < 0.5
+                noise = flood.chance.randbytes(size if like else flood.chance.randrange(64))
+                noise = bytes([plan.mark & 0xFF]) + noise[1:] if like else noise
+                if number in swarm.ports:
+                    with contextlib.suppress(OSError, OverflowError):
+                        stranger.sendto(noise, (plan.air.host, swarm.ports[number]))
+            flood.sent = due
+    swarm.floods = [flood for flood in swarm.floods if flood.sent < FLOODED]
+
+
+def _bury(swarm: Swarm) -> None:
+    """Note which robots have died by themselves."""
+    for number, why in swarm.children.dead():
+        _end_life(swarm, number, "died", why)
+        swarm.happened.append(f"{swarm.seconds:.1f} s: robot {number} died by itself, {why}")
+
+
+def _weigh(swarm: Swarm) -> None:
+    swarm.memory = max(swarm.memory, swarm.children.memory())

@@ -1,0 +1,154 @@
+"""What is to be put onto a robot, checked: a brain, its sensor's accuracies, a target and a message format."""
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from swarmcensus.brains import Brain
+from swarmcensus.brains.packing import FORMATS, Numbers
+from swarmcensus.runtime.runtime import CHECKSUM, HEADER
+from swarmcensus.support.errors import BrainError, OptionError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import misplaced, option, wrong_option
+
+SENT = FORMATS[1:]  # all but "double", which is a simulation's
+HIGHEST_HZ = 1000.0
+LOWEST_HZ = 0.001
+USUAL_HZ = 10.0
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a brain's files are for: a kind of board with its radio, or a language.
+
+    A target is a file in `robots/targets`, or of another package in the group `swarmcensus.targets`, which has a
+    constant `TARGET`.
+    """
+
+    what: str  # in sentences: "UDP", "a Kilobot's infrared"
+    files: "Callable[[Order], dict[str, str]]"  # the texts of all files by name
+    largest: int | None = None  # bytes of a datagram; None where others make the datagrams
+    checked: bool = True  # whether a datagram carries our checksum
+    message: str = "float32"  # the format of messages, unless another one is asked for
+    precisions: tuple[str, ...] = ()  # of numbers, the usual one first; none where the board decides
+    refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
+    may_replace: tuple[str, ...] = ()  # files that the folder may hold already
+    measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
+    # and RAM, in bytes. Raises InputError if there is too little
+
+
+@dataclass(frozen=True)
+class Order:
+    """A robot to be made. `b` and `w` are None where the target does not need them."""
+
+    brain: Brain  # with its number formats
+    target: Target
+    name: str  # of the target
+    b: float | None
+    w: float | None
+    hz: float
+    robot: int | None  # its number; None takes the chip's
+    log: int | None = None  # bytes of the robot's log at the most; None: it keeps none
+    save_every: int = 600  # ticks
+
+    @property
+    def period(self) -> int:
+        """Milliseconds a tick."""
+        return max(1, round(1000.0 / self.hz))
+
+    @property
+    def datagram_bytes(self) -> int | None:
+        """The size of a datagram; None where others make it."""
+        return None if self.target.largest is None else datagram_bytes(self.brain, self.target.checked)
+
+    @property
+    def mark(self) -> int:
+        """32 bits that another brain or format hardly has too."""
+        return mark_of(self.brain)
+
+
+def order_of(
+    brain: Brain, name: str, target: Target, *, b: float | None = None, w: float | None = None,
+    message: str | None = None, precision: str | None = None, hz: float | None = None,
+    parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
+) -> Order:  # fmt: skip
+    """Check what is asked of a target, and add what is usual. Raises InputError."""
+    asked: dict[str, Any] = {"b": b, "w": w, "precision": precision, "hz": hz, "robot": robot, "log": log}
+    for key, why in target.refuses.items():
+        if asked[key] is not None:
+            raise misplaced(key, asked[key], f"does not go with {option('target', name)}: {why}")
+    message = message or target.message
+    if message not in SENT:
+        raise wrong_option("message", message, f"{did_you_mean(message, SENT)}should be one of {', '.join(SENT)}")
+    if precision is not None and precision not in target.precisions:
+        raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
+    for key in ("b", "w"):
+        if key not in target.refuses:
+            _check_accuracy(key, asked[key])
+    if b is not None and w is not None and abs(b + w - 1.0) < 1e-12:
+        both = f"{option('b', b)} {option('w', w)}"
+        raise OptionError(f"{both}: b + w = 1: such a sensor says the same of black and white", key="b", value=b)
+    hz = USUAL_HZ if hz is None else float(hz)
+    check_hz(hz)
+    if robot is not None and not 0 <= robot <= 0xFFFF:
+        raise wrong_option("robot", robot, "should be from 0 to 65535")
+    check_is_no_bound(brain)
+    precision = precision or next(iter(target.precisions), "double")
+    try:
+        brain = brain.with_parameters(parameters or {}).with_numbers(Numbers(precision, message))  # type: ignore[arg-type]
+    except ValueError as error:
+        raise OptionError(f"{option('parameters')}: {error}", key="parameters") from None
+    _check_size(brain, target)
+    return Order(brain, target, name, b, w, hz, robot, log)
+
+
+def _check_accuracy(key: str, value: float | None) -> None:
+    if value is None:
+        raise OptionError(f"{option(key)} is missing: how often the sensor is right, such as 0.9", key=key)
+    if not 0.0 <= value <= 1.0:
+        raise wrong_option(key, value, "should be a share of right readings, from 0 to 1")
+
+
+def check_hz(hz: float, highest: float = HIGHEST_HZ) -> None:
+    """Raise InputError unless a robot can make so many ticks a second."""
+    if not LOWEST_HZ <= hz <= highest:
+        raise wrong_option("hz", hz, f"should be ticks a second, from {LOWEST_HZ:g} to {highest:g}")
+
+
+def check_is_no_bound(brain: Brain) -> None:
+    """Raise InputError for a brain that no robot can run."""
+    if brain.is_oracle:
+        raise BrainError(
+            f"the brain {brain.name!r} is a bound: no robot hears all others and knows every sensor",
+            key="brain", value=brain.name
+        )  # fmt: skip
+
+
+def _check_size(brain: Brain, target: Target) -> None:
+    """Raise InputError if a brain's datagrams are too large for a target."""
+    size = datagram_bytes(brain, target.checked)
+    if target.largest is not None and size > target.largest:
+        sizes = [f"{option('message', format_)} makes {bytes_}" for format_, bytes_ in fitting(brain, target).items()]
+        raise BrainError(
+            f"the brain {brain.name!r} sends datagrams of {size} bytes as {brain.numbers.message}, a header of "
+            f"{HEADER} with them, and {target.what} holds {target.largest}: "
+            f"{' and '.join(sizes) or 'no format makes it small enough'}",
+            key="message", value=brain.numbers.message
+        )  # fmt: skip
+
+
+def mark_of(brain: Brain) -> int:
+    """32 bits of a brain and its message format, which datagrams begin with."""
+    return int(hashlib.sha256(f"{brain.sha256} {brain.numbers.message}".encode()).hexdigest()[:8], 16)
+
+
+def datagram_bytes(brain: Brain, checked: bool = True) -> int:
+    """The size of a brain's datagrams, with our checksum or without."""
+    return HEADER + brain.message_bytes + (CHECKSUM if checked else 0)
+
+
+def fitting(brain: Brain, target: Target) -> dict[str, int]:
+    """The message formats in which a brain's datagrams fit a target, and their sizes."""
+    sizes = {one: datagram_bytes(brain.with_numbers(Numbers(message=one)), target.checked) for one in SENT}  # type: ignore[arg-type]
+    return {one: size for one, size in sizes.items() if target.largest is None or size <= target.largest}

@@ -1,0 +1,18 @@
+"""Targets that brains are deployed to, one file each; another package's are entry points of `swarmcensus.targets`."""
+
+from swarmcensus.robots.target import Target
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import wrong_option
+from swarmcensus.support.plugins import Plugins
+
+PLUGINS = Plugins("target", "swarmcensus.targets", "swarmcensus.robots.targets")
+
+
+def find(name: str) -> Target:
+    """The target of this name. Raises InputError."""
+    if name not in PLUGINS:
+        hint = did_you_mean(name, PLUGINS.names)
+        raise wrong_option("target", name, f"{hint}should be one of {', '.join(PLUGINS.names)}")
+    target = PLUGINS.module(name)
+    found: Target = getattr(target, "TARGET", target)
+    return found

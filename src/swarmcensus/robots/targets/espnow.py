@@ -1,0 +1,6 @@
+"""Boards with MicroPython that talk over ESP-NOW."""
+
+from swarmcensus.robots.micropython_files import NUMBERS, micropython_files
+from swarmcensus.robots.target import Target
+
+TARGET = Target("ESP-NOW", micropython_files, largest=250, refuses=NUMBERS)

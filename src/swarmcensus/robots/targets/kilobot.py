@@ -1,0 +1,83 @@
+"""The files of a Kilobot: its brain as C, a main program for Kilobot's own library, and a Makefile."""
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.robots.chips import KILOBOT, avr_size, for_avr, missing
+from swarmcensus.robots.folders import write_texts
+from swarmcensus.robots.target import Order, Target
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
+from swarmcensus.translation.comments import quoted
+from swarmcensus.translation.headers import header
+from swarmcensus.translation.pieces import filled, piece
+
+TICKS_A_SECOND = 32  # of a Kilobot's clock
+FLASH, RAM = 20_000, 1_300  # bytes left beside Kilobot's own library, its boot loader and a stack
+FLAGS = ("-funsigned-char", "-funsigned-bitfields", "-fpack-struct", "-fshort-enums")  # those of Kilobot's library
+
+
+def kilobot_files(order: Order) -> dict[str, str]:
+    """The texts of all files by name. Raises InputError if the brain has no translation to C."""
+    brain = order.brain
+    assert order.b is not None
+    assert order.w is not None
+    if order.hz > TICKS_A_SECOND:
+        raise wrong_option("hz", order.hz, f"a Kilobot has at most {TICKS_A_SECOND} ticks a second")
+    settings = filled(
+        "kilobot_settings.h", brain=quoted(brain.label), b=_literal(order.b), w=_literal(order.w),
+        period=max(1, round(TICKS_A_SECOND / order.hz)), second=TICKS_A_SECOND, mark=f"{order.mark & 0xFF:02x}",
+        luck=int(brain.uses.luck), named=int(brain.uses.name),
+        done="done(&me)" if brain.ends else "false",
+    )  # fmt: skip
+    return {
+        "brain.h": header(brain),
+        "settings.h": settings,
+        "main.c": piece("kilobot.c"),
+        "Makefile": piece("kilobot.mk"),
+        "README.md": filled("kilobot.md", brain=quoted(brain.label), body=order.brain.message_bytes),
+    }
+
+
+def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int | None]:
+    """The bytes of flash and of memory beside Kilobot's own library; None without avr-gcc. Raises InputError."""
+    name = order.brain.name
+    if order.brain.memory_bytes > RAM:
+        raise InputError(
+            f"the brain {name!r} remembers {order.brain.memory_bytes:,} bytes, and a Kilobot has {RAM:,} for it: it is "
+            "too large"
+        )
+    if missing(("avr-gcc", "avr-size")):
+        return None, None
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        write_texts(folder, texts)
+        write_texts(folder, {"kilolib.c": piece("no_kilolib.c"), "kilolib.h": piece("kilolib.h")})
+        program = for_avr(folder / "main.c", KILOBOT, *FLAGS, f"-I{folder}", str(folder / "kilolib.c"))
+        flash, ram = avr_size(program)
+    if flash > FLASH or ram > RAM:
+        raise InputError(
+            f"the brain {name!r} needs {flash:,} bytes of flash and {ram:,} of memory, and a Kilobot has {FLASH:,} and "
+            f"{RAM:,} beside its own library: it is too large"
+        )
+    return flash, ram
+
+
+def _literal(value: float) -> str:
+    """A number in C, with the digits that a float holds."""
+    text = f"{rounded_to_single(value):.9g}"
+    return text if "." in text or "e" in text else f"{text}.0"
+
+
+TARGET = Target(
+    "a Kilobot's infrared",
+    kilobot_files,
+    largest=9,
+    checked=False,  # its own library adds a checksum
+    message="ratio16",
+    precisions=("single",),
+    refuses={"robot": "a Kilobot has a number of its own", "log": "a Kilobot has no files"},
+    measure=check_fits,
+)

@@ -1,0 +1,131 @@
+"""The progress of a study, from its output and the shards beside it, while it runs or after it was cut off."""
+
+import json
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.results import shards
+from swarmcensus.results.presence import folder_of
+from swarmcensus.results.store import stored
+from swarmcensus.results.structure import failures, finished
+from swarmcensus.runs.progress import clock
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import command
+
+HOW_TO_CONTINUE = "the same swarmcensus run goes on from here"
+
+
+@dataclass(frozen=True)
+class Status:
+    """The progress of a study."""
+
+    study: str
+    settings: int
+    done: int  # trials
+    total: int
+    running: str = ""  # the process that runs it; empty if none does
+    seconds_left: float | None = None  # of the running process; None if unknown
+    damaged: list[Path] = field(default_factory=list)
+    failed: int = 0
+    rule: str = ""  # the rule until which trials are still added
+    share: str = ""  # the progress of a machine's share
+    how_to_continue: str = ""  # how to continue, if the study is neither running nor done
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """The status as plain data, by the names that a summary uses."""
+        return {
+            "title": self.study, "settings_total": self.settings, "trials_done": self.done, "trials_total": self.total,
+            "trials_failed": self.failed, "running": self.running or None, "seconds_left": self.seconds_left,
+            "rule": self.rule or None, "share": self.share or None, "how_to_continue": self.how_to_continue or None,
+            "damaged": self.damaged,
+        }  # fmt: skip
+
+    @property
+    def lines(self) -> list[str]:
+        """The status in sentences."""
+        part = f" ({100 * self.done / self.total:.1f} %)" if self.total and not self.rule else ""
+        trials = counted(self.done, "trial") if self.rule else f"{self.done:,} of {counted(self.total, 'trial')}"
+        out = [f"{self.study}: {counted(self.settings, 'setting')}; {trials} done{part}"]
+        out += [f"trials are added until: {self.rule}"] if self.rule else []
+        out += [self.share] if self.share else []
+        if self.running:
+            out.append(f"running: {self.running}")
+            if self.seconds_left is not None:
+                end = time.strftime("%Y-%m-%d %H:%M", time.localtime(time.time() + self.seconds_left))
+                out.append(f"about {clock(self.seconds_left)} left{' of this stage' * bool(self.rule)}: ends {end}")
+        elif self.how_to_continue:
+            out.append(f"not running: {self.how_to_continue}")
+        out += [f"{path} is damaged: what it held will be run again" for path in self.damaged]
+        if self.failed:
+            out.append(f"{counted(self.failed, 'trial')} failed: see the attribute `failed`")
+        return out
+
+
+def status(out: str | Path) -> Status:
+    """The progress of the study that writes `out`. Raises InputError if there are no results and no run."""
+    out = Path(out)
+    if out.is_dir():
+        raise InputError(f"results file {out}: it is a folder")
+    folder = folder_of(out)
+    if (folder / "run.json").is_file():
+        return _status_of_run(out, folder)
+    if not out.is_file():
+        raise InputError.of(out, "there is no such file, and no run that writes it")
+    data = stored(out)
+    done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failures(data))
+    rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""
+    share, how_to_continue = "", HOW_TO_CONTINUE if done < total else ""
+    if "merged" in data.attrs and how_to_continue:
+        texts = json.loads(data.attrs["merged"])
+        which = "its study" if len(texts) == 1 else f"one study that holds all settings of the {len(texts)} merged"
+        how_to_continue = f"swarmcensus run of {which}, with {command('--out', out)}, goes on from here"
+    elif "share" in data.attrs and how_to_continue:
+        finished_count, wanted = _share_progress(data)
+        share = f"share {data.attrs['share']}: {finished_count:,} of its {counted(wanted, 'trial')} done"
+        if finished_count == wanted:
+            how_to_continue = "this share is done, swarmcensus merge puts it together with the others"
+    return Status(
+        str(data.attrs["title"]), data.sizes["setting"], done, total, failed=failed, rule=rule, share=share,
+        how_to_continue=how_to_continue,
+    )  # fmt: skip
+
+
+def _share_progress(data: xr.Dataset) -> tuple[int, int]:
+    """How many trials of a machine's share are finished, and how many it has."""
+    k, n = map(int, data.attrs["share"].split("/"))
+    trials = int(data.attrs["trials_total"]) // data.sizes["setting"]
+    in_share = np.isin(data["trial"].values, np.arange(trials)[trials * (k - 1) // n : trials * k // n])
+    return int(finished(data)[:, in_share].sum()), int(in_share.sum()) * data.sizes["setting"]
+
+
+def _status_of_run(out: Path, folder: Path) -> Status:
+    try:
+        about = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        found, total = int(about["found"]), int(about["total"])
+        before, work = set(about["shards"]), float(about["work"])
+        name, settings, rule = str(about["study"]), int(about["settings"]), str(about["rule"])
+        holder = f"process {about['process']} on {about['host']}, since {about['since']}"
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{folder / 'run.json'} is damaged ({error!r}): the same swarmcensus run mends it") from None
+    damaged, wall, worked = [], 0.0, 0.0
+    for path in shards.listed(folder):
+        shard = shards.read(path)
+        if shard is None:
+            damaged.append(path)
+        elif path.name not in before:
+            found += sum(len(piece.columns["convergence_round"]) for piece in shard.found if not piece.local)
+            wall += shard.about["wall_seconds"]
+            worked += shard.about["work"]
+    running = holder if shards.is_busy(folder) else ""
+    left = max(0.0, (work - worked) * wall / worked) if running and worked else None
+    share = f"share {about['share']}: these are its trials" if about.get("share") else ""
+    return Status(
+        name, settings, found, total, running, left, damaged, rule=rule, share=share, how_to_continue=HOW_TO_CONTINUE
+    )

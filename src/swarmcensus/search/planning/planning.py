@@ -1,0 +1,97 @@
+"""Plans missions: `sc.plan`."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.runs.collect import Report
+from swarmcensus.runs.pools import thread_count
+from swarmcensus.runs.progress import showing
+from swarmcensus.search.planning.areas import NoNetwork
+from swarmcensus.search.planning.mission import Mission, load_mission, mission_of, text_of
+from swarmcensus.search.planning.plans import Plan, Question, Row
+from swarmcensus.search.planning.predictions import with_worst_accuracy
+from swarmcensus.search.planning.search import Search, Unreachable
+from swarmcensus.search.planning.shortest_time import shortest
+from swarmcensus.search.planning.smallest_swarm import enough, smallest
+from swarmcensus.support.errors import StudyError
+from swarmcensus.support.formatting import counted
+
+SIZES = 5  # swarm sizes of a trade-off
+
+
+def plan(
+    mission: Mapping[str, Any] | str | Path,
+    jobs: int | None = None,
+    progress: Report | bool = True,
+    *,
+    where: str = "mission",
+    base: Path | None = None,
+) -> Plan:
+    """Find how long a mission takes, how many robots it needs, or the trade-off between both.
+
+    `mission` is a mission file, or its tables, whose files are searched in `base`. The question follows from what is
+    given: a number of robots asks for the shortest time, a number of minutes for the smallest swarm, a range of robots
+    for the trade-off, and a number of both for whether they are enough. Theory predicts the answer, and simulation
+    confirms it in the mission's number of `trials`, with the same seeds for all brains. `jobs` is the number of
+    threads, by default one per core; the numbers do not depend on it. `progress` is as for `run`. Raises InputError,
+    also if the goal cannot be reached.
+    """
+    if isinstance(mission, str | Path):
+        where, base, tables = f"mission file {mission}", Path(mission).parent, load_mission(mission)
+    else:
+        tables = dict(mission)
+    checked = mission_of(tables, where, base)
+    question, rows = question_of(checked), []
+    with showing(progress, "mission") as show:
+        for world in with_worst_accuracy(checked).worlds:
+            try:
+                rows += _rows(Search(world, thread_count(jobs), show), question)
+            except Unreachable as reason:
+                raise StudyError.within(where, f"the goal cannot be reached, because {reason}") from None
+            except NoNetwork as error:
+                raise StudyError.within(where, error) from None
+    if question != "enough" and all(row.answer == "not reached" for row in rows):
+        raise StudyError.within(where, f"the goal cannot be reached, because {_how_close(checked, rows)}")
+    return Plan(question, checked, rows, text_of(tables))
+
+
+def question_of(mission: Mission) -> Question:
+    """The question that a mission asks, from what it gives."""
+    robots, minutes = mission.free.robots, mission.free.minutes
+    timed = minutes is not None and minutes[0] == minutes[1]
+    if robots is not None and robots[0] == robots[1]:
+        return "enough" if timed else "how long"
+    return "how many" if timed else "trade-off"
+
+
+def _rows(search: Search, question: Question) -> list[Row]:
+    robots, minutes = search.mission.free.robots, search.mission.free.minutes
+    if question == "how long":
+        assert robots is not None
+        return shortest(search, robots[0])
+    if question == "enough":
+        assert robots is not None
+        assert minutes is not None
+        return [enough(search, brain, robots[0], minutes[0]) for brain in search.mission.brains]
+    if question == "how many":
+        assert minutes is not None
+        return [smallest(search, brain, minutes[0]) for brain in search.mission.brains]
+    sizes = np.unique(np.geomspace(*search.sizes, SIZES).round().astype(int)).tolist()
+    return [row for size in sizes for row in shortest(search, size)]
+
+
+def _how_close(mission: Mission, rows: list[Row]) -> str:
+    """How close the best row comes to the goal, in words."""
+    best = max(rows, key=lambda row: row.share.value if row.share else 0.0)
+    assert best.share is not None
+    value, low, high = (100 * part for part in best.share)
+    among = f" among {100 * mission.known.lying:g} % of liars ({best.lie})" if best.lie else ""
+    longer = "" if mission.free.minutes or best.lie else ": free.minutes allows more"
+    return (
+        f"in {best.minutes:.3g} min only {value:.1f} % [{low:.1f}, {high:.1f}] of {counted(best.robots, 'robot')} with "
+        f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}{among}, not "
+        f"{100 * mission.wanted.confidence:g} %{longer}"
+    )

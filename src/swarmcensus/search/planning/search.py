@@ -1,0 +1,142 @@
+"""What all searches share: the mission, its worst cases, and simulations of a number of robots for some time."""
+
+import logging
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from swarmcensus.brains import Brain
+from swarmcensus.runs.collect import Progress
+from swarmcensus.search.planning.areas import capacity, check_network, fewest
+from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
+from swarmcensus.search.planning.predictions import (
+    MOST_READINGS,
+    REFERENCE,
+    Prediction,
+    inner_fill_ratios,
+    least_deviation,
+    predict,
+    readings_needed,
+    worst_fill_ratios,
+)
+from swarmcensus.search.planning.simulating import Case, Curve, Show, affordable, curves, study_of
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.seeds import seed_for
+
+MOST_ROBOTS = 1000  # largest swarm to try, if the mission does not say
+MOST_SECONDS = 3600.0  # predicted, on one core, for one run
+CONFIRMED = 3  # fill ratios that are simulated in all trials, of those that may be the worst
+
+
+LOG = logging.getLogger(__name__)
+
+
+class Unreachable(Exception):
+    """The goal cannot be reached with any number of readings; the message says why."""
+
+
+class TooLong(Exception):
+    """A run would take longer than `MOST_SECONDS`."""
+
+
+def cases_to_confirm(cases: Sequence[Case]) -> list[Case]:
+    """The cases at the first `CONFIRMED` fill ratios of `cases`, which has the worst first."""
+    fill_ratios = list(dict.fromkeys(case.fill_ratio for case in cases))[:CONFIRMED]
+    return [case for case in cases if case.fill_ratio in fill_ratios]
+
+
+@dataclass
+class Search:
+    """A mission in one world, and the cases to simulate; the first case's fill ratio is the worst by theory."""
+
+    mission: Mission
+    jobs: int
+    show: Show
+    cases: list[Case] = field(init=False)
+    inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
+    worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
+    checked: set[int] = field(default_factory=set)  # sizes whose networks are connected
+
+    def __post_init__(self) -> None:
+        """Find the cases."""
+        sized, lies = self.mission.sized(REFERENCE), self.mission.lies
+        self.inner = inner_fill_ratios(sized)
+        fill_ratios = worst_fill_ratios(sized) + self.inner
+        self.cases = [Case(fill_ratio, lie) for fill_ratio in fill_ratios for lie in lies or (None,)]
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """The smallest and the largest swarm."""
+        if self.mission.free.robots is not None:
+            return self.mission.free.robots
+        if not self.mission.moves:
+            return 1, MOST_ROBOTS
+        if self.mission.density is not None:
+            return fewest(self.mission), MOST_ROBOTS
+        return 1, min(MOST_ROBOTS, capacity(self.mission))
+
+    def predict(self, robots: int) -> Prediction:
+        """Theory's prediction for so many robots, in rounds; infinite if no number of readings is enough."""
+        self.check_network(robots)
+        mission = self.mission.sized(robots)
+        return predict(mission, robots, readings_needed(mission, self.cases[0].fill_ratio))
+
+    def check_network(self, robots: int) -> None:
+        """Raise NoNetwork if so many robots have no connected network."""
+        if robots not in self.checked and not self.mission.moves:
+            check_network(self.mission, robots)
+            self.checked.add(robots)
+
+    def check_reach(self, robots: int) -> None:
+        """Raise Unreachable if no number of readings is enough, for example on too small a floor."""
+        mission, fill_ratio = self.mission.sized(robots), self.cases[0].fill_ratio
+        if math.isfinite(readings_needed(mission, fill_ratio)):
+            return
+        goal, side = mission.goal, mission.side
+        if side is None or mission.on_floor:
+            raise Unreachable(
+                f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}"
+            )
+        percent_off = 100 * (1 - goal.normal_share(least_deviation(mission, fill_ratio), fill_ratio))
+        far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
+        raise Unreachable(
+            f"in so small an area, {side:.3g} m x {side:.3g} m, {percent_off:.2g} % of floors with f = {fill_ratio:g} "
+            f'have a share of black of their own that is {far}: compare estimates with it by wanted.truth = "floor"'
+        )
+
+    def run(
+        self,
+        robots: int,
+        brains: Sequence[Brain],
+        cases: Sequence[Case],
+        times: Sequence[int],
+        trials: int,
+        fresh: bool = False,
+    ) -> list[Curve]:
+        """Run `trials` trials, or fewer if they would take too long.
+
+        `fresh` trials are others than those of the search, and independent of those of other sizes.
+        Raises TooLong if fewer than `FEWEST_TRIALS` are affordable.
+        """
+        self.check_network(robots)
+        mission = self.mission
+        seed = seed_for(mission.seed, f"fresh trials of {robots} robots", command="plan") if fresh else mission.seed
+        study = study_of(mission, robots, brains, cases, times, trials, seed)
+        most = affordable(study, MOST_SECONDS)
+        if most < FEWEST_TRIALS:
+            raise TooLong
+        if most < trials:
+            study = study_of(mission, robots, brains, cases, times, most, seed)
+        minutes = times[-1] * mission.round_minutes
+        what = "first look" if trials < mission.trials else "confirming"
+        stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
+
+        def show(progress: Progress) -> None:  # how many steps follow depends on what this one finds
+            self.show(replace(progress, stage=stage, part="this step"))
+
+        found_curves = curves(mission, study, self.jobs, show)
+        for curve in found_curves:
+            lie = f" among {curve.case.lie.label}" if curve.case.lie else ""
+            right = f"{100 * curve.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
+            LOG.debug("%s, f = %g%s: %s, in %s trials", curve.brain, curve.case.fill_ratio, lie, right, study.trials)
+        return found_curves

@@ -1,0 +1,169 @@
+"""Simulates missions: the share of right robots at many times of one run, with its interval over trials."""
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.brains import Adversary, Brain
+from swarmcensus.engine.constants import NEVER, SENSING
+from swarmcensus.results.summaries import failed_trials
+from swarmcensus.runs.collect import Progress
+from swarmcensus.runs.running import predicted_seconds, run
+from swarmcensus.search.planning.mission import Mission
+from swarmcensus.simulation import sampling
+from swarmcensus.simulation.answers import NO_ESTIMATE
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.intervals import estimate, expected_share
+
+if TYPE_CHECKING:
+    from swarmcensus.studies.typed import ScheduleTable
+
+STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
+LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory
+LEVEL = 0.95
+Floats = NDArray[np.float64]
+Show = Callable[[Progress], None]
+
+
+class Case(NamedTuple):
+    """A fill ratio, and what liars do; None if nobody lies."""
+
+    fill_ratio: float
+    lie: Adversary | None = None
+
+
+class Share(NamedTuple):
+    """A share of robots, and its 95 % interval over trials."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The shares of right robots, (time, trial), with one brain in one case."""
+
+    brain: str
+    case: Case
+    rounds: list[int]
+    shares: Floats
+
+    def at(self, k: int, level: float = LEVEL) -> Share:
+        """The share at the k-th time, with its interval of this level."""
+        return Share(*estimate(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
+
+    def expected(self, k: int) -> float:
+        """The share to expect in other trials at the k-th time, if these trials were used to choose the time."""
+        return expected_share(self.shares[k])
+
+
+def study_of(
+    mission: Mission,
+    robots: int,
+    brains: Sequence[Brain],
+    cases: Sequence[Case],
+    times: Sequence[int],
+    trials: int,
+    seed: int,
+) -> Study:
+    """The study that measures the share of right robots at these times, in every case. Raises InputError."""
+    known, topology = mission.known, mission.free.topology[0]
+    fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
+    world: Any = {
+        "topology": topology,
+        "fill_ratio": fill_ratios,
+        "link_success": known.link_success,
+        "message": known.message,
+    }
+    schedule: ScheduleTable = {"ticks": times[-1]}
+    if mission.moves:
+        wide = {"side": mission.side} if mission.density is None else {"density": mission.density}
+        world |= {**wide, "body": mission.body}
+        world |= {"floor": mission.area.floor[0]} if mission.area.floor else {}
+    else:
+        schedule = {"rounds": times[-1], "observations_per_round": mission.readings_per_round}
+    stop: Any = ["moving"] * mission.moves + ["sensing", "talking"]
+    fails, liars = mission.failing(robots), mission.lying(robots)
+    return Study(
+        name=mission.name,
+        seed=seed,
+        trials=trials,
+        swarm={"robots": robots, "accuracy": mission.accuracy, "brain": list(brains), "precision": known.precision},
+        world=world,
+        schedule=schedule,
+        measure={"estimates": True, "checkpoints": list(times), "truth": "floor" if mission.on_floor else "nominal"},
+        faults=[{"at": 1, "robots": fails, "stop": stop}] if fails else [],
+        members=[{"robots": liars, "brain": lies, "honest": False}] if liars else [],
+    )
+
+
+def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list[Curve]:
+    """Run a study: a curve for each brain and case. Raises InputError.
+
+    If robots lie, numbers may diverge to infinity; in such a trial nobody is right.
+    """
+    if mission.known.lying:
+        data = _among_liars(study, jobs, show)
+    else:
+        data = run(study, jobs, show, cautions=False)
+        if "failed" in data.attrs:
+            raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
+    found_curves = []
+    for number, setting in enumerate(study.settings()):
+        if data is None:
+            right = np.zeros((len(study.checkpoints), study.trials, setting.honest), np.bool_)
+        else:
+            truths = np.full(study.trials, setting.fill_ratio)
+            if mission.on_floor:
+                truths = data["true_fill_ratio"].values[number]
+            right = mission.goal.right(data["estimates"].values[number], truths)
+        shares = _of_working(setting, study.seed, right)
+        lies = next((member.brain for member in setting.members), None)
+        assert not isinstance(lies, Brain)
+        found_curves.append(Curve(setting.brain.label, Case(setting.fill_ratio, lies), study.checkpoints, shares))
+    return found_curves
+
+
+def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | None:
+    """Run a study in which numbers may diverge; such trials are missing. None if they diverge in all trials."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*failed", UserWarning)
+        try:
+            data = run(study, jobs, show, cautions=False)
+        except InputError as error:
+            if NO_ESTIMATE in str(error):
+                return None
+            raise
+    for failure in failed_trials(data):
+        if NO_ESTIMATE not in failure["why"]:
+            raise InputError(f"some trials of the plan failed: {failure['why'][:200]}")
+    return data
+
+
+def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats:
+    """The share of right robots among honest ones that did not fail, (time, trial)."""
+    if not setting.faults:
+        return np.asarray(right.mean(axis=2))
+    trials = range(right.shape[1])
+    honest = sampling.groups(setting, seed, 0, len(trials)) == 0
+    works = np.array([(sampling.stops(setting, seed, trial)[SENSING] == NEVER)[honest[trial]] for trial in trials])
+    return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
+
+
+def times_until(first: float, last: int, robots: int) -> list[int]:
+    """Rounds at equal ratios from `first` to `last`, fewer in large swarms."""
+    begin, steps = min(max(first, 1.0), last), min(STEPS, max(FEWEST_STEPS, STEPS * LARGE_SWARM // robots))
+    return [*np.unique(np.geomspace(begin, last, steps).round().astype(int)).tolist()]
+
+
+def affordable(study: Study, most: float) -> int:
+    """How many trials of a study take at most so many predicted seconds on one core."""
+    return int(most / predicted_seconds(study, study.settings()) * study.trials)

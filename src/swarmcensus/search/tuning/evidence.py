@@ -1,0 +1,192 @@
+"""The evidence for a search's result: it against the original, on trials that the search never saw."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.analysis.comparing.cells import NEVER, p_equals, range_text
+from swarmcensus.analysis.comparing.comparison import Comparison, compare_dataset
+from swarmcensus.analysis.comparing.verdicts import win_shares
+from swarmcensus.brains import Adversary, Brain
+from swarmcensus.brains.packing import PLAIN
+from swarmcensus.results.summaries import is_idle
+from swarmcensus.search.tuning.plans import Plan
+from swarmcensus.studies.members import Member
+from swarmcensus.studies.settings import Setting
+from swarmcensus.support.formatting import counted, decimals_for, grouped, rounded
+
+BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The comparison of what was found with the original, and `all_brains`, that of all brains of the study.
+
+    If an adversary was searched, both are of adversaries, and say how the brain that hears them fares; "worse" is then
+    what was searched. `all_brains` is None if the study has no others. Both are None if the search ended at the
+    original values, and `why` gives the reason.
+    """
+
+    tuned: str
+    before: str
+    comparison: Comparison | None
+    all_brains: Comparison | None
+    why: str = ""
+    harms: bool = False  # whether an adversary was searched
+
+    @property
+    def is_found(self) -> bool:
+        """Whether the search has found what it was for: a better brain, or a worse adversary."""
+        return self.verdict == (WORSE if self.harms else BETTER)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the tuned brain is "better" than the original over all worlds, "worse", or "not told apart".
+
+        Of an adversary it is how the swarm fares with it. It is "not compared" if the values stay as they were.
+        """
+        if self.comparison is None:
+            return NONE
+        [contest] = self.comparison.contests
+        if contest.met.sum() > 1:
+            apart, ahead = bool(contest.duels_apart[0]), float(contest.ahead[0])
+        else:
+            apart, ahead = bool(contest.apart[0, 0]), float(contest.tests.balance[0, 0]) * (-1 if contest.low else 1)
+        if not apart or not ahead:
+            return LEVEL
+        return BETTER if (ahead > 0) == self._first else WORSE
+
+    @property
+    def _first(self) -> bool:
+        """Whether the tuned brain is the first of the pair."""
+        assert self.comparison is not None
+        return self.comparison.contenders[0] == self.tuned
+
+    @property
+    def sentences(self) -> list[str]:
+        """One sentence on all worlds, one on each world, and one on the study's other brains."""
+        if self.comparison is None:
+            return [f"{self.why}: the values stay as they were, and there is nothing to compare: {self.before}"]
+        measure = self.comparison.measures[0]
+        pairs = self.comparison.pairs.to_dict("records")
+        whom = " for the swarm" * self.harms
+        phrase = {LEVEL: "is not told apart from", BETTER: f"is better{whom} than", WORSE: f"is worse{whom} than"}
+        over = ""
+        for row in self.comparison.duels.to_dict("records"):
+            better, worse = self.comparison.contests[0].shares(0)
+            shares_text = win_shares(better, worse) if self._first else win_shares(worse, better)
+            over = f" over all {counted(len(pairs), 'world')}: {shares_text}, p {p_equals(row['p_holm'])}"
+        only_world = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
+        lines = [f"{measure.full_label}: {self.tuned} {phrase[self.verdict]} {self.before}{over}{only_world}"]
+        if over:
+            lines += [
+                f"world {row['world']}{_world_text(self.comparison, row)}: {self._of_world(row)}" for row in pairs
+            ]
+        if self.all_brains is not None and self.harms:
+            lines.append(f"beside the study's other liars: {_harm_of_each(self.all_brains)}")
+        elif self.all_brains is not None:
+            lines += [
+                f"beside the study's others: {line}" for line in self.all_brains.verdict[:2] if "cost" not in line
+            ]
+        return lines
+
+    def _of_world(self, row: dict[str, Any]) -> str:
+        """A phrase such as "median of differences -0.0021 [-0.0030, -0.0011], better in 83% of 30 trials, p < 0.001".
+
+        Differences of shares are in percentage points, because tables show shares in percent.
+        """
+        assert self.comparison is not None
+        measure = self.comparison.measures[0]
+        times = (1.0 if self._first else -1.0) * (100.0 if measure.share else 1.0)
+        ends = sorted((times * row["difference_low"], times * row["difference_high"]))
+        difference = times * row["difference"] + 0.0
+        unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
+        if np.isfinite([difference, *ends]).all():
+            text = " ".join(rounded(difference, ends[0], ends[1], decimals_for(ends[1] - ends[0])))
+        else:
+            text = f"{difference:.3g}"
+        superiority = row["superiority"] if self._first else 1 - row["superiority"]
+        apart = "" if row["told_apart"] else ", not told apart"
+        how = f"worse in {1 - superiority:.0%}" if self.harms else f"better in {superiority:.0%}"
+        trials = f"{row['trials']:,} trials, p {p_equals(row['p_holm'])}{apart}"
+        return f"{measure.statistic} of differences {text}{unit}, {how} of {trials}"
+
+
+def _harm_of_each(comparison: Comparison) -> str:
+    """The values of the measure with each adversary, such as "median 0.02 to 0.03 with creeper", the worst first."""
+    measure, contest = comparison.measures[0], comparison.contests[0]
+    times = 100.0 if measure.share else 1.0
+    means = np.where(np.isnan(contest.values), 0.0, contest.values).mean(axis=0)
+    order = np.argsort(-means if measure.low else means, kind="stable")
+    unit = " %" if measure.share else "" if measure.unit == "1" else f" {measure.unit}"
+    each = [f"{range_text(times * contest.values[:, k]) or NEVER}{unit} with {comparison.contenders[k]}" for k in order]
+    return f"{measure.full_label}, {measure.statistic} in a world: {', '.join(each)}"
+
+
+def evidence_of(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+    """Compare what was found with the original in the results of an evaluation with these settings, then with all.
+
+    Names of both contain all searched parameters, also those whose value did not change.
+    """
+    if plan.target.harms:
+        return _evidence_of_harm(data, settings, plan, tuned)
+    before = plan.target.brain
+    assert isinstance(tuned, Brain)
+    shown = {before.name: plan.searched}
+    rows = [k for k, setting in enumerate(settings) if setting.brain.with_numbers(PLAIN) in (tuned, before)]
+    comparison = compare_dataset(data.isel(setting=rows), plan.metric, None, None, shown)
+    names = _contender_names(data, settings, rows, comparison, (tuned, before))
+    all_brains = compare_dataset(data, plan.metric, None, None, shown) if len(rows) < len(settings) else None
+    return Evidence(*names, comparison, all_brains)
+
+
+def _evidence_of_harm(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+    """The same of adversaries: they are the contenders, and the brain is a part of the world."""
+    assert plan.target.table is not None
+    table = {*plan.study.members[plan.target.table].every()}
+    brain, pair = plan.target.brain.as_written, (plan.before, tuned)
+
+    def liar_in(setting: Setting) -> Member | None:
+        if setting.brain.with_numbers(PLAIN).as_written != brain:
+            return None
+        return next((m for m in setting.members if m in table or m.brain == tuned), None)
+
+    liars = [(k, setting, liar) for k, setting in enumerate(settings) if (liar := liar_in(setting))]
+    rows = [k for k, _, _ in liars]
+    names = [plan.label(m.brain) if m.brain in pair else m.brain.label for _, _, m in liars if m.brain]
+    adversaries = data.isel(setting=rows).assign_coords(brain=("setting", names))
+    adversaries = adversaries.assign_attrs(parameters="{}")  # those of the brain are a part of the world
+    if len(plan.study.members) > 1:
+        members = [
+            "; ".join(str(replace(m, brain=None) if m == liar else m) for m in s.members) for _, s, liar in liars
+        ]
+        adversaries = adversaries.assign_coords(members=("setting", members))
+    else:  # worlds differ in the number of liars alone
+        adversaries = adversaries.drop_vars(["members", "adversary"])
+    both = [k for k, (_, _, liar) in enumerate(liars) if liar.brain in pair]
+    comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})
+    everyone = compare_dataset(adversaries, plan.metric, None, None, {}) if len(both) < len(liars) else None
+    return Evidence(plan.label(tuned), plan.label(plan.before), comparison, everyone, harms=True)
+
+
+def _contender_names(
+    data: xr.Dataset, settings: list[Setting], rows: list[int], comparison: Comparison, pair: tuple[Brain, Brain]
+) -> tuple[str, str]:
+    """The comparison's names of the two brains of `pair`."""
+    numbers = data["setting"].values[rows].tolist()
+    brain_of = {number: settings[k].brain.with_numbers(PLAIN) for number, k in zip(numbers, rows, strict=True)}
+    names_by_brain: dict[Brain, str] = {}
+    for world in comparison.settings.tolist():
+        names_by_brain |= {
+            brain_of[number]: name for number, name in zip(world, comparison.contenders, strict=True) if number >= 0
+        }
+    return names_by_brain[pair[0]], names_by_brain[pair[1]]
+
+
+def _world_text(comparison: Comparison, row: dict[str, Any]) -> str:
+    """A world's coordinates that differ among worlds, in parentheses."""
+    world = comparison.grid.worlds[row["world"]]
+    phrase = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
+    return f" ({phrase})" if phrase else ""

@@ -1,0 +1,206 @@
+"""Runs the search: evaluates each generation on its own trials, logs it, and resets parameters without effect."""
+
+import logging
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.runs.collect import Progress
+from swarmcensus.search.tuning.logs import Evaluation, Log, hint
+from swarmcensus.search.tuning.optimiser import Search
+from swarmcensus.search.tuning.plans import Plan
+from swarmcensus.search.tuning.training import Training, loss, scales_of
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import wrong_option
+from swarmcensus.support.seeds import seed_for
+
+LOG = logging.getLogger(__name__)
+Floats = NDArray[np.float64]
+Values = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """The result of a search: the values found, and all evaluations."""
+
+    values: Values
+    evaluations: list[Evaluation]
+    generations: int
+    drawn: int  # generations drawn from the whole ranges, because no candidates had differed before
+    narrowed: bool  # whether the search converged before its budget was spent
+    flat: bool  # whether no generation had candidates that differ in the metric; then `values` are the start's
+
+
+class _SearchRun:
+    """A running search; candidates in the log are not evaluated again."""
+
+    def __init__(self, plan: Plan, log: Log, training: Training, show: Callable[[Progress], None]) -> None:
+        self.plan, self.log, self.training, self.show = plan, log, training, show
+        self.done = 0  # evaluations of the log that the optimiser has received
+        self.compiled = False
+        self.before = log.evaluations[-1].seconds if log.evaluations else 0.0
+        self.begun = time.monotonic()
+
+    @property
+    def seconds(self) -> float:
+        """How long the search has been running, without interruptions."""
+        return self.before + time.monotonic() - self.begun
+
+    def evaluate(self, generation: int, candidates: Sequence[Values]) -> list[Values]:
+        """The losses of some candidates, from the log as far as it has them."""
+        logged = self.log.evaluations[self.done : self.done + len(candidates)]
+        for k, (evaluation, values) in enumerate(zip(logged, candidates, strict=False), start=self.done):
+            if evaluation.values != values or evaluation.generation != generation:
+                raise InputError.of(
+                    self.log.path,
+                    f"evaluation {k} has the values {evaluation.values} there and {values} here, "
+                    f"because the machine or versions of libraries differ. {hint()}",
+                )
+        if len(logged) < len(candidates):
+            self._try(generation, candidates[len(logged) :])
+        self.done += len(candidates)
+        return [evaluation.losses for evaluation in self.log.evaluations[self.done - len(candidates) : self.done]]
+
+    def _try(self, generation: int, candidates: Sequence[Values]) -> None:
+        if not self.compiled:
+            self.training.compile(self.show)
+            self.compiled = True
+            self.begun = time.monotonic()  # compiling does not count as search time
+        plan, log = self.plan, self.log
+
+        def keep(place: int, numbers: Floats) -> None:
+            if log.usual is None:
+                if np.isnan(numbers[0]).all():
+                    return  # reported below
+                log.set_usual(
+                    np.array([
+                        scales_of(measured, plan.worlds, measure, least)
+                        for measured, measure, least in zip(numbers, plan.measures, plan.least, strict=True)
+                    ])
+                )  # fmt: skip
+            assert log.usual is not None
+            losses = tuple(
+                loss(measured, measure, usual)
+                for measured, measure, usual in zip(numbers, plan.measures, log.usual, strict=True)
+            )
+            values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, candidates[place], strict=True))
+            losses_text = ", ".join(f"{each:.6g}" for each in losses)
+            LOG.debug("generation %s: %s: loss %s", generation, values_text, losses_text)
+            seconds = round(self.seconds, 3)  # as in the log: a budget of time ends equally when resuming from it
+            log.add(Evaluation(generation, candidates[place], losses, int(np.isnan(numbers[0]).sum()), seconds))
+
+        failures = self.training.run(
+            [plan.candidate(values) for values in candidates],
+            seed_for(plan.study.seed, "training", generation),
+            keep,
+            self._showing(f"generation {generation}"),
+        )
+        if log.usual is None:
+            why = failures[0] if failures else "no trial has a number of it: the measure means nothing for this brain"
+            raise wrong_option("metric", plan.metric, f"{why}")
+
+    def _showing(self, stage: str) -> Callable[[Progress], None]:
+        """A callback that shows the progress of one generation as progress of the whole search."""
+        each = len(self.plan.worlds) * self.plan.trials
+        budget, before = self.plan.budget, len(self.log.evaluations) * each
+        total, cost = (budget.evaluations or 0) * each, self.training.cost()
+
+        def show(progress: Progress) -> None:
+            done = before + progress.done
+            if budget.seconds is not None:
+                work = min(self.seconds, budget.seconds), budget.seconds
+            else:
+                work = before / each * cost + progress.work_done, total / each * cost
+            self.show(
+                replace(
+                    progress,
+                    done=done,
+                    total=total or done,
+                    work_done=work[0],
+                    work_total=work[1],
+                    stage=stage,
+                    part="the search",
+                )
+            )
+
+        return show
+
+
+def new_search(plan: Plan) -> Search:
+    """A search before its first generation. Raises InputError if the budget is too small for one generation."""
+    search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
+    if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
+        raise wrong_option(
+            "budget",
+            plan.budget.evaluations,
+            f"the {plan.before.kind} as it is and one generation take {counted(1 + search.size, 'evaluation')}",
+        )
+    return search
+
+
+def run_search(
+    plan: Plan, search: Search, log: Log, training: Training, show: Callable[[Progress], None]
+) -> SearchResult:
+    """Search, or resume from the log, until the budget is spent or the search has converged.
+
+    Raises InputError if the original program fails in all trials.
+    """
+    course = _SearchRun(plan, log, training, show)
+    course.evaluate(0, [plan.start])
+    generation = 0
+    while generation == 0 or (
+        not search.ended and plan.budget.allows(course.done, search.size, log.evaluations[course.done - 1].seconds)
+    ):
+        generation += 1
+        search.tell(course.evaluate(generation, search.ask()))
+    done = log.evaluations[: course.done]
+    flat = len({(evaluation.generation, evaluation.loss) for evaluation in done}) == generation + 1
+    values = plan.start if flat else search.favourite
+    return SearchResult(values, done, generation, search.drawn, search.ended, flat)
+
+
+def reset_idle(
+    plan: Plan, values: Values, training: Training, show: Callable[[Progress], None]
+) -> tuple[Values, list[str]]:
+    """Reset values that change no number of any trial to what they were, and name their parameters.
+
+    Each changed value is reset by itself, then all that have no effect together. If that changes a number, because one
+    of them can stand for another, they are reset one by one, as long as nothing changes.
+    """
+    changed = [k for k, (value, was) in enumerate(zip(values, plan.start, strict=True)) if value != was]
+    if not changed or len(values) == 1:  # if a search finds anything, its only parameter has an effect
+        return values, []
+
+    def reset(*places: int) -> Values:
+        return tuple(plan.start[k] if k in places else value for k, value in enumerate(values))
+
+    def no_effect(places: list[int]) -> bool:
+        [numbers] = _numbers_of(plan, [reset(*places)], training, show)
+        return np.array_equal(numbers_found, numbers, equal_nan=True)
+
+    numbers_found, *numbers_reset = _numbers_of(plan, [values, *map(reset, changed)], training, show)
+    idle = [
+        k
+        for k, numbers in zip(changed, numbers_reset, strict=True)
+        if np.array_equal(numbers_found, numbers, equal_nan=True)
+    ]
+    if len(idle) > 1 and not no_effect(idle):
+        candidates, idle = idle, []
+        for k in candidates:
+            if no_effect([*idle, k]):
+                idle.append(k)
+    return reset(*idle), [plan.ranges[k].label for k in idle]
+
+
+def _numbers_of(
+    plan: Plan, candidates: list[Values], training: Training, show: Callable[[Progress], None]
+) -> list[Floats]:
+    """The numbers (measure, world, trial) of each candidate, all on the same training trials."""
+    kept: dict[int, Floats] = {}
+    programs = [plan.candidate(values) for values in candidates]
+    training.run(programs, seed_for(plan.study.seed, "influence"), kept.__setitem__, show)
+    return [kept[place] for place in range(len(candidates))]

@@ -1,0 +1,147 @@
+"""The plan of a search: what is searched, worlds, ranges, measure and budget."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from swarmcensus.brains import Adversary, Brain, Value
+from swarmcensus.results.measures import Measure
+from swarmcensus.search.tuning.optimiser import library
+from swarmcensus.search.tuning.ranges import Range, ranges_of, start_of, with_values
+from swarmcensus.search.tuning.targets import Target, target_of
+from swarmcensus.search.tuning.training import measures_of
+from swarmcensus.studies import addresses
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import wrong_option
+from swarmcensus.support.times import UNITS, parse_time
+from swarmcensus.support.version import __version__
+
+MOST_TRIALS = 100_000  # in each world, for a candidate
+MOST_BUDGET = 10_000_000  # evaluations, or units of time
+
+
+@dataclass(frozen=True)
+class Budget:
+    """A number of evaluations, or of seconds; the other is None."""
+
+    evaluations: int | None
+    seconds: float | None
+    text: str
+
+    def allows(self, done: int, more: int, seconds: float) -> bool:
+        """Whether `more` evaluations are allowed after `done` evaluations in so many seconds."""
+        if self.evaluations is not None:
+            return done + more <= self.evaluations
+        assert self.seconds is not None
+        return seconds < self.seconds
+
+
+def budget_of(given: int | str) -> Budget:
+    """Read 200, "200" or "10 min". Raises InputError."""
+    text = str(given).strip()
+    if text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= MOST_BUDGET:
+        return Budget(int(text), None, f"{counted(int(text), 'evaluation')}")
+    try:
+        time = parse_time(text)
+        if not 0 < time.number < MOST_BUDGET:
+            raise ValueError
+    except ValueError:
+        raise wrong_option(
+            "budget", given, 'should be a number of evaluations, as 200, or a time, as "10 min" (s, min or h)'
+        ) from None
+    return Budget(None, time.number * UNITS[time.unit], str(time))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that defines a search."""
+
+    study: Study
+    target: Target
+    worlds: list[Setting]
+    ranges: list[Range]
+    metric: str  # the name that was given
+    measures: list[Measure]  # of that name, and the one that breaks its ties, if any; for harm both are turned round
+    least: list[float]  # the smallest possible number of each measure
+    budget: Budget
+    trials: int
+
+    @property
+    def before(self) -> Brain | Adversary:
+        """What is searched, with the parameters that the study gives first; worlds have the number formats."""
+        return self.target.program
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """The present values, one for each range."""
+        return start_of(self.ranges, self.before)
+
+    @property
+    def searched(self) -> list[str]:
+        """The names of the searched parameters; a vector appears once."""
+        return list(dict.fromkeys(each.name for each in self.ranges))
+
+    def label(self, program: Brain | Adversary) -> str:
+        """A program's name, its searched parameters, and other parameters that differ from its file."""
+        values = {name: program.parameters[name] for name in self.searched} | dict(program.overrides)
+        return " ".join([program.name, *(f"{name}={_value_text(value)}" for name, value in values.items())])
+
+    @property
+    def losses(self) -> list[str]:
+        """The columns of the log for a candidate's loss by each measure."""
+        return ["loss", *(f"{each.name}_loss" for each in self.measures[1:])]
+
+    def candidate(self, values: Sequence[float]) -> Brain | Adversary:
+        """The program with these values of the searched parameters."""
+        return with_values(self.before, self.ranges, values)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What determines a search: with an equal identity and equal losses it proposes the same candidates."""
+        worlds = "".join(addresses.fingerprint(world, self.study.seed) for world in self.worlds)
+        measure = self.study.measure
+        measured = (worlds, measure.delta, measure.bins, measure.truth, self.study.checkpoints)
+        files = [metric.sha256 for metric in measure.metrics]
+        harm = {"adversary": self.before.label} if self.target.harms else {}
+        return {
+            "brain": self.target.brain.name if self.target.harms else self.before.label,
+            **harm,
+            "source": self.before.sha256[:16],
+            "parameters": " ".join(map(str, self.ranges)),
+            "metric": self.metric,
+            "seed": self.study.seed,
+            "trials": self.trials,
+            "worlds": hashlib.blake2b(repr((measured, files)).encode(), digest_size=8).hexdigest(),
+            "version": __version__,
+            "cma": str(library().__version__),
+        }
+
+
+def _value_text(value: Value) -> str:
+    return f"[{', '.join(map(_value_text, value))}]" if isinstance(value, tuple) else f"{value:.15g}"
+
+
+def plan_of(
+    study: Study,
+    parameters: Sequence[str] | str,
+    brain: str | None,
+    metric: str,
+    budget: Budget,
+    trials: int,
+    adversary: str | None = None,
+) -> Plan:
+    """Check the request against the study. Raises InputError, naming what the study lacks and what it has."""
+    if not 1 <= trials <= MOST_TRIALS:
+        raise wrong_option("trials", trials, f"a candidate has 1 to {MOST_TRIALS:,} trials in each world")
+    target = target_of(study, brain, adversary)
+    ranges = ranges_of(parameters, target.program)
+    worlds = target.worlds(study)
+    measures = measures_of(study, worlds, metric)
+    lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
+    least = [lows.get(each.name, 0.0) for each in measures]
+    if target.harms:
+        measures = [replace(measure, low=not measure.low) for measure in measures]
+    return Plan(study, target, worlds, ranges, metric, measures, least, budget, trials)

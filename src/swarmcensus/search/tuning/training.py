@@ -1,0 +1,173 @@
+"""Runs candidates on training trials, a generation at a time, in threads, and computes their losses."""
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.brains import Adversary, Brain
+from swarmcensus.engine.threads import LeavableThreads
+from swarmcensus.results import store
+from swarmcensus.results.measures import OURS, Measure, chosen, inputs_of, lacks, numbers
+from swarmcensus.results.values import LOCAL, Values
+from swarmcensus.runs import pools
+from swarmcensus.runs.collect import Progress, State, run_bundles
+from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
+from swarmcensus.search.tuning.targets import world_with
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+
+Floats = NDArray[np.float64]
+ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer to
+    "convergence_round", "final_estimate", "true_fill_ratio", "right_option",
+)  # fmt: skip
+FAILED_LOSS = 1.0  # of a trial that failed
+COMPANIONS = {  # for measures that are often equal for different values: the measure that breaks their ties
+    "consensus_right": "decided_right", "consensus_round": "decided_right", "decided_right": "final_error",
+    "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
+    "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
+}  # fmt: skip
+MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or 1
+Keep = Callable[[int, Floats], None]  # takes a candidate's place and numbers (measure, world, trial); NaN has failed
+
+
+def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measure]:
+    """The measure of this name, and the measure that breaks its ties, if these worlds have it.
+
+    Raises InputError if these worlds do not have the measure, or if it does not say whether low or high is better.
+    """
+    blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
+    [measure], _ = chosen(blank, [metric])
+    companion = COMPANIONS.get(measure.name, "")
+    return [measure, *([OURS[companion]] if companion and not lacks(blank, companion) else [])]
+
+
+class Training:
+    """Runs candidates in worlds; the threads live as long as the `with` block."""
+
+    def __init__(self, study: Study, worlds: list[Setting], measures: list[Measure], trials: int, jobs: int) -> None:
+        """Give each candidate `trials` trials in each world."""
+        self.study, self.worlds, self.measures, self.trials, self.jobs = study, worlds, measures, trials, jobs
+        self.local = any(measure.name in LOCAL for measure in measures)
+
+    def __enter__(self) -> Self:
+        """Create the threads."""
+        self._executor = LeavableThreads(self.jobs)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End them."""
+        self._executor.shutdown()
+
+    def compile(self, show: Callable[[Progress], None]) -> None:
+        """Compile what the worlds need, once: candidates differ in numbers only."""
+        pools.compile_for(
+            [(self.study, self.worlds)], lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
+        )
+
+    def cost(self) -> float:
+        """The predicted seconds of a candidate on one core."""
+        every = np.ones((len(self.worlds), self.trials), np.bool_)
+        local = every if self.local else None
+        return sum(task.cost for task in plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS))
+
+    def run(
+        self, programs: Sequence[Brain | Adversary], seed: int, keep: Keep, show: Callable[[Progress], None]
+    ) -> list[str]:
+        """Run all candidates on the same trials; `keep` is called for each in order, as soon as it is finished.
+
+        Returns why trials failed, a text for each. Raises KeyboardInterrupt after Ctrl-C; finished candidates are kept.
+        """
+        seeded = copy.copy(self.study)
+        seeded.seed = seed
+        settings = [world_with(world, program) for program in programs for world in self.worlds]
+        values = Values(seeded, settings, self.trials, self.local)
+        wanted = np.ones((len(settings), self.trials), np.bool_)
+        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
+        tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate after the other
+        kept = 0
+
+        def report(progress: Progress) -> None:
+            nonlocal kept
+            finished = self._finished_candidates(state)
+            while kept < len(programs) and finished[kept]:
+                end = kept + int(np.argmin(np.append(finished[kept:], False)))
+                for place, candidate_numbers in enumerate(
+                    self._numbers(seeded, settings, values, kept, end), start=kept
+                ):
+                    keep(place, candidate_numbers)
+                    kept = place + 1
+            show(progress)
+
+        state = State(seeded, settings, values, report, None, np.zeros(0), slice(None))
+        state.total, state.work_total = wanted.size, sum(task.cost for task in tasks)
+        pool = pools.Threads(self._executor, self.jobs, seeded, settings)
+        try:
+            stopped = run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool)
+        except BaseException:
+            pool.halt()
+            raise
+        report(Progress(state.done, state.total, state.work_done, state.work_total))
+        if stopped:
+            raise KeyboardInterrupt
+        return [failure.why for failure in state.failures]
+
+    def _finished_candidates(self, state: State) -> NDArray[np.bool_]:
+        """Which candidates have run all their trials, (candidate,)."""
+        ended = state.values.finished()
+        for failure in state.failures:
+            ended[failure.setting, failure.trial] = True
+        return np.asarray(ended.reshape(-1, len(self.worlds) * self.trials).all(axis=1))
+
+    def _numbers(self, study: Study, settings: list[Setting], values: Values, first: int, last: int) -> Floats:
+        """The numbers of candidates `first` to `last` - 1, (candidate, measure, world, trial)."""
+        rows = slice(first * len(self.worlds), last * len(self.worlds))
+        part = copy.copy(values)
+        needed = {*ALWAYS_NEEDED, *(name for measure in self.measures for name in inputs_of(measure.name))}
+        part.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
+        part_settings = settings[rows]
+        data = store.dataset(study, part_settings, [""] * len(part_settings), part)
+        stacked = np.stack([numbers(data, measure.name) for measure in self.measures])
+        return stacked.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)
+
+
+def scales_of(numbers: Floats, worlds: Sequence[Setting], measure: Measure, least: float) -> Floats:
+    """The scale of each world (world, 2), a middle and a width, from the first candidate's trials (world, trial).
+
+    `least` is the smallest possible number of the measure. If it is not negative, the middle is the median of finite
+    numbers above 0, and the width is 0, because ratios to the middle count; without such numbers it is 1, or the
+    world's number of rounds if the measure is a time. Otherwise they are the median and the mean distance from it.
+    """
+    scales = np.zeros((len(worlds), 2))
+    for k, (row, world) in enumerate(zip(numbers, worlds, strict=True)):
+        finite = row[np.isfinite(row)]
+        if least >= 0:
+            above = finite[finite > 0]
+            alone = float(world.rounds) if measure.unit == "rounds" else 1.0
+            scales[k] = (np.median(above) if above.size else alone), 0.0
+        else:
+            middle = float(np.median(finite)) if finite.size else 0.0
+            width = float(np.abs(finite - middle).mean()) if finite.size else 0.0
+            scales[k] = middle, width or 1.0
+    return scales
+
+
+def loss(numbers: Floats, measure: Measure, scales: Floats) -> float:
+    """The loss of a candidate's trials (world, trial), in [0, 1], where lower is better; a NaN is a failed trial.
+
+    A share counts as it is. For other measures a trial's number v counts as v / (v + m), with the middle m of its
+    world's scale: 0 stays 0, the middle is 1/2, infinity ("never") is 1. If a measure may be negative, v counts as the
+    logistic function of its distance from the middle, in widths.
+    """
+    middle, width = scales[:, :1], scales[:, 1:]
+    if measure.share:
+        bad = numbers if measure.low else 1.0 - numbers
+    else:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratio = np.where(np.isposinf(numbers), 1.0, numbers / (numbers + middle))
+            distance = np.clip((numbers - middle) / np.where(width > 0, width, 1.0), -MOST_WIDTHS, MOST_WIDTHS)
+        above = np.where(width > 0, 1.0 / (1.0 + np.exp(-distance)), ratio)
+        bad = above if measure.low else 1.0 - above
+    return float(np.where(np.isnan(numbers), FAILED_LOSS, bad).mean())

@@ -1,0 +1,233 @@
+"""Searches for good parameters of a brain, or the worst of an adversary, and evaluates them: `sc.tune`."""
+
+import contextlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from swarmcensus.brains import Adversary, Brain, Value
+from swarmcensus.results import store
+from swarmcensus.results.presence import folder_of
+from swarmcensus.runs import pools
+from swarmcensus.runs.collect import Report
+from swarmcensus.runs.progress import showing
+from swarmcensus.runs.running import run
+from swarmcensus.search.tuning.evidence import Evidence, evidence_of
+from swarmcensus.search.tuning.generations import SearchResult, new_search, reset_idle, run_search
+from swarmcensus.search.tuning.logs import Evaluation, Log
+from swarmcensus.search.tuning.plans import Plan, budget_of, plan_of
+from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
+from swarmcensus.search.tuning.training import Training
+from swarmcensus.studies.study import Study
+from swarmcensus.studies.toml_text import read_toml
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write, check_output, check_writable
+from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import option
+
+MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """The result of a search: the brain or adversary with the values found, all evaluations, and the evidence."""
+
+    brain: Brain  # with the values found; where an adversary was searched, the brain that it harms
+    adversary: Adversary | None  # with the values found, if one was searched
+    before: Brain | Adversary  # what was searched, as it was
+    values: dict[str, float]  # the values found, by parameter or item, such as "prior" or "weights[0]"
+    evaluations: list[Evaluation]
+    evidence: Evidence
+    course: str  # how the search went and why it ended, in a sentence
+    notes: list[str]  # further sentences on these values
+    text: str  # a fragment of a study file, with the evidence as comments
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """All parameters of the brain or adversary that was searched."""
+        return (self.adversary or self.brain).parameters
+
+    @property
+    def verdict(self) -> str:
+        """Whether the tuned brain is "better" than it was, "worse", "not told apart", or "not compared".
+
+        Where an adversary was searched, it is how the swarm fares: "worse" if it does more harm.
+        """
+        return self.evidence.verdict
+
+    @property
+    def as_dict(self) -> dict[str, Any]:
+        """The result as plain data: values before and after, the verdict, and the comparison pair by pair."""
+        found = self.evidence.comparison
+        return {
+            "brain": self.brain.name, "adversary": self.adversary and self.adversary.name, "values": self.values,
+            "parameters": self.parameters,
+            "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "course": self.course,
+            "verdict": self.verdict, "sentences": self.evidence.sentences, "notes": self.notes,
+            "worlds": [] if found is None else found.grid.worlds,
+            "pairs": [] if found is None else found.pairs.to_dict("records"),
+        }  # fmt: skip
+
+    def __str__(self) -> str:
+        """The evidence and the notes, one sentence a line."""
+        return "\n".join([*self.evidence.sentences, *self.notes])
+
+
+def tune(
+    study: Study | str | Path,
+    parameters: Sequence[str] | str,
+    brain: str | None = None,
+    metric: str = "final_error",
+    *,
+    budget: int | str = 200,
+    trials: int = 10,
+    jobs: int | None = None,
+    out: str | Path | None = None,
+    fresh: bool = False,
+    progress: Report | bool = True,
+    say: Callable[[str], None] | None = None,
+    adversary: str | None = None,
+) -> Tuned:
+    """Search for good values of a brain's parameters in a study's worlds, and compare the result with the original.
+
+    With `adversary`, the name of one in the study's members, its parameters are searched for those with which the
+    swarm is worst by the metric; `brain` is then the one that hears it, and needed if several do.
+
+    `parameters` are ranges, such as ["prior=1:100:log", "weights[0]=0:1"]. `brain` is needed if several of the study's
+    brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
+    `trials` trials in each world, with seeds that the study does not use. With `out`, a .toml file, a fragment of a
+    study file is written there; beside it are the log (.csv), from which the same call continues unless `fresh`, and
+    the results of the evaluation (.nc), if there is one. `progress` and `say` are as for `run`. Raises InputError, and
+    KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
+    """
+    study = study if isinstance(study, Study) else Study.load(study)
+    plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials, adversary)
+    files = files_of(out)
+    if files:
+        check_replaceable(files[".nc"])
+    jobs, search = pools.thread_count(jobs), new_search(plan)
+    with (
+        showing(progress, f"tuning {plan.target.program.name}") as show,
+        Log(
+            files.get(".csv"), plan.identity, [parameter.label for parameter in plan.ranges], plan.losses, fresh
+        ) as log,
+        Training(study, plan.worlds, plan.measures, trials, jobs) as training,
+    ):
+        if log.evaluations and say:
+            say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
+        result = run_search(plan, search, log, training, show)
+        values, idle = reset_idle(plan, result.values, training, show)
+        tuned = plan.candidate(values)
+        evidence = _evidence(plan, tuned, result, files.get(".nc"), jobs, show, say, fresh)
+        notes = notes_of(plan, idle)
+        text = report(plan, tuned, result, evidence, notes, files)
+        if files:
+            with atomic_write(files[".toml"]) as temporary:
+                temporary.write_text(text, encoding="utf-8")
+    found = dict(zip((parameter.label for parameter in plan.ranges), values, strict=True))
+    course = course_text(plan, result)
+    liar = tuned if isinstance(tuned, Adversary) else None
+    of = plan.target.brain if isinstance(tuned, Adversary) else tuned
+    return Tuned(of, liar, plan.before, found, result.evaluations, evidence, course, notes, text)
+
+
+def files_of(out: str | Path | None) -> dict[str, Path]:
+    """The files of a search by suffix. Raises InputError if they cannot be written."""
+    if out is None:
+        return {}
+    check_output("out", out, (".toml",))
+    files = {suffix: Path(out).with_suffix(suffix) for suffix in (".toml", ".csv", ".nc")}
+    for path in files.values():
+        check_writable(path)
+    return files
+
+
+def _evidence(
+    plan: Plan,
+    tuned: Brain | Adversary,
+    result: SearchResult,
+    out: Path | None,
+    jobs: int,
+    show: Report,
+    say: Callable[[str], None] | None,
+    fresh: bool,
+) -> Evidence:
+    if tuned == plan.before:
+        harms, why = plan.target.harms, why_unchanged(plan, result)
+        return Evidence(plan.label(tuned), plan.label(plan.before), None, None, why, harms)
+    study = evaluation_of(plan, tuned)
+    data: Any = evaluate(study, out, jobs, show, say, fresh)
+    return evidence_of(data, study.settings(), plan, tuned)
+
+
+def evaluation_of(plan: Plan, tuned: Brain | Adversary) -> Study:
+    """The study with what was found added wherever the original appears, and with the largest number of trials.
+
+    Its label becomes part of the study's name.
+    """
+    study = plan.study
+    tables = read_toml(study.text, "study")
+    changes: dict[str, Any] = {"name": f"{MARK}{plan.label(tuned)}, {study.name}", "trials": study.trials}
+    if isinstance(tuned, Adversary):
+        members = [
+            given | {"brain": [*table.brain, tuned]}
+            if n == plan.target.table and table.brain and tuned not in table.brain
+            else given
+            for n, (given, table) in enumerate(zip(tables["members"], study.members, strict=True))
+        ]
+        return study.with_(**changes, members=members)
+    if tuned not in study.swarm.brain and _has(study.swarm.brain, tuned):
+        changes["swarm"] = tables["swarm"] | {"brain": [*study.swarm.brain, tuned]}
+    cases = [
+        table | {"brain": [*case.brain, tuned]} if case.brain and tuned not in case.brain and _has(case.brain, tuned)
+        else table
+        for table, case in zip(tables.get("case", []), study.case, strict=True)
+    ]  # fmt: skip
+    return study.with_(**changes, case=cases or None)
+
+
+def _has(brains: list[Brain], original: Brain) -> bool:
+    return any(brain.as_written == original.as_written for brain in brains)
+
+
+def evaluate(
+    study: Study,
+    out: Path | None,
+    jobs: int,
+    show: Report,
+    say: Callable[[str], None] | None,
+    fresh: bool,
+) -> xr.Dataset:
+    """Run an evaluation; with `out` finished trials are kept there and not run again. Raises Interrupted."""
+    if out is None:
+        return run(study, jobs, show, cautions=False)
+    return run(study, jobs, show, out=out, fresh=fresh or _is_of_another(out, study), say=say, cautions=False)
+
+
+def check_replaceable(out: Path) -> None:
+    """Raise InputError if `out`, or an unfinished run that writes it, holds results other than an evaluation."""
+    for title in _titles(out):
+        if not title.startswith(MARK):
+            raise InputError(
+                f"{out} holds results that no evaluation of a search made: write elsewhere with {option('out')}",
+                file=out,
+            )
+
+
+def _is_of_another(out: Path, study: Study) -> bool:
+    """Whether `out` holds the finished or unfinished evaluation of other values."""
+    return any(title != study.name for title in _titles(out)[-1:])
+
+
+def _titles(out: Path) -> list[str]:
+    """The names of the study whose results `out` holds, and of the study of an unfinished run, as far as they exist."""
+    titles = []
+    if out.exists():
+        titles.append(str(store.load(out).attrs.get("title", "")))
+    with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
+        titles.append(str(json.loads((folder_of(out) / "run.json").read_text(encoding="utf-8"))["study"]))
+    return titles

@@ -1,0 +1,100 @@
+"""Errors for people, and the text of errors that other libraries raise."""
+
+import linecache
+import re
+import traceback
+from pathlib import Path
+from typing import Any, Self
+
+from swarmcensus.support.formatting import counted
+
+MEANT = re.compile(r"""did you mean (['"])(.+?)\1\?""")  # as `did_you_mean` writes it
+STOPPED = 130  # the usual exit code of a program that was stopped with Ctrl-C
+
+
+class InputError(ValueError):
+    """Bad input. The message names the file, the key, the value and what would be right.
+
+    The fields say the same to programs, and are None where they do not apply: `file`, a path as it was given; `key`,
+    the name of a key, option or argument; `value`, what it has; `hint`, the name that was probably meant.
+    """
+
+    def __init__(
+        self, message: str = "", *, file: object = None, key: str | None = None, value: Any = None,
+        hint: str | None = None,
+    ) -> None:  # fmt: skip
+        """Keep the message and the fields; a suggestion in the message, as `did_you_mean` writes it, is the hint."""
+        super().__init__(message)
+        suggested = MEANT.search(message)
+        self.file = None if file is None else str(file)
+        self.key, self.value = key, value
+        self.hint = hint if hint is not None or suggested is None else suggested[2]
+
+    @classmethod
+    def of(cls, file: object, what: object, key: str | None = None, value: Any = None) -> Self:
+        """The error of a file: "ring.nc: cannot be read". The fields of an error in place of `what` are kept."""
+        error = what if isinstance(what, InputError) else cls(key=key, value=value)
+        return cls(f"{file}: {what}", file=file, key=error.key, value=error.value, hint=error.hint)
+
+    @classmethod
+    def at(cls, key: str, value: Any, what: object) -> Self:
+        """The error of a key: "rounds = 0: should be above 0"."""
+        return cls(f"{key} = {value}: {what}", key=key, value=value)
+
+
+class OptionError(InputError):
+    """A wrong option of a command, or argument of a function; `key` is its name with underscores, as in Python."""
+
+
+class StudyError(InputError):
+    """A study, mission or other TOML file, or tables in Python, with a wrong key or value."""
+
+    @classmethod
+    def within(cls, where: str, what: object, key: str | None = None, value: Any = None) -> Self:
+        """The error of tables; `where` is "study file ring.toml", or "study" for tables in Python."""
+        return cls(f"{where}: {what}", file=where.partition(" file ")[2] or None, key=key or None, value=value)
+
+
+class BrainError(InputError):
+    """A file of code with a fault: a brain, an adversary, a metric or another plugin."""
+
+
+class ResultsError(InputError):
+    """A results file, or a robot's log, that is damaged or lacks what is needed."""
+
+
+class TableError(InputError):
+    """A table of a user's, such as recorded observations or links, with a wrong row, column or cell."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """Raised when Ctrl-C stops a run; `results` is the dataset of the trials that were completed."""
+
+    def __init__(self, results: object, done: int, total: int) -> None:
+        """Keep the partial dataset, and how many trials are done."""
+        super().__init__(f"stopped after {done:,} of {counted(total, 'trial')}")
+        self.results = results
+        self.done = done
+        self.total = total
+
+
+def without_colours(error: object) -> str:
+    """The text of an error without colour codes, which Numba adds if colorama is installed."""
+    return re.sub(r"\x1b\[[0-9;]*m", "", str(error))
+
+
+def line_of(error: BaseException, path: Path) -> str:
+    """Where an error occurred in a file: ", at my_brain.py, line 12: x = 1 / me.n"; empty if it was elsewhere."""
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if frame.filename == str(path):
+            line = (frame.line or linecache.getline(frame.filename, frame.lineno or 0)).strip()
+            return f", at {frame.filename}, line {frame.lineno}: {line}"
+    return ""
+
+
+def pydantic_message(message: str) -> str:
+    """Pydantic's message about a wrong value in our wording: "should be less than 1,000"."""
+    text = message.removeprefix("Value error, ").replace("Input should", "should")
+    text = text.replace("should be a valid boolean", "should be true or false")
+    text = re.sub(r".*at least 1 item.*", "should be a list of at least one", text)
+    return re.sub(r"(?<=than |l to )\d{4,}", lambda number: f"{int(number[0]):,}", text)

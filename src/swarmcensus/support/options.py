@@ -1,0 +1,63 @@
+"""Names of options in messages: `--against` for the command line, `against=` for Python."""
+
+import contextlib
+import os
+import shlex
+from collections.abc import Collection, Iterator
+from contextvars import ContextVar
+
+from swarmcensus.support.errors import OptionError
+
+_OPTIONS: ContextVar[Collection[str] | None] = ContextVar("options", default=None)
+
+
+@contextlib.contextmanager
+def shell_options(options: Collection[str]) -> Iterator[None]:
+    """In this block, messages are for the command line; `options` are those of the current command."""
+    before = _OPTIONS.set(options)
+    try:
+        yield
+    finally:
+        _OPTIONS.reset(before)
+
+
+def in_shell() -> bool:
+    """Whether messages are for the command line."""
+    return _OPTIONS.get() is not None
+
+
+def command(*words: object) -> str:
+    """A command to be copied into a shell, quoted as the shells of this system read it."""
+    texts = list(map(str, words))
+    if os.name != "nt":
+        return shlex.join(texts)
+    from subprocess import list2cmdline  # slow to import
+
+    return list2cmdline(texts)
+
+
+def option(name: str, value: object = None) -> str:
+    """An option as the user would write it: `--against swift`, or `against='swift'` in Python; True is a flag.
+
+    If the command has no such option, but draws figures, the text is `--set against=swift`.
+    """
+    options = _OPTIONS.get()
+    if options is None:
+        return f"{name}=" if value is None else f"{name}={value!r}"
+    value = f"{value:g}" if isinstance(value, float) else value
+    if name not in options and name.removesuffix("s") in options:  # several in Python, repeated in a shell
+        name = name.removesuffix("s")
+    if name not in options and "set" in options:
+        return f"--set {command(f'{name}={value}') if value is not None else f'{name}='}"
+    flag = f"--{name.replace('_', '-')}"
+    return flag if value is None or value is True else f"{flag} {command(value)}"
+
+
+def wrong_option(name: str, value: object, what: object) -> OptionError:
+    """The error of an option: `--radio radar: should be udp`, or `radio='radar': should be udp` in Python."""
+    return OptionError(f"{option(name, value)}: {what}", key=name, value=value)
+
+
+def misplaced(name: str, value: object, why: str) -> OptionError:
+    """The error of an option that does not go with others: `--limit 9 does not go with --json`."""
+    return OptionError(f"{option(name, value)} {why}", key=name, value=value)

@@ -1,0 +1,240 @@
+"""Plugins, such as brains and topologies, found by name among shipped files and other packages' entry points."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import importlib
+import importlib.util
+import inspect
+import re
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_type_hints
+
+from swarmcensus.support.errors import InputError, line_of, pydantic_message
+from swarmcensus.support.hints import did_you_mean
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint, EntryPoints
+
+    from pydantic import BaseModel
+
+Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
+
+
+def entry_points(group: str) -> EntryPoints:
+    """The entry points of a group; importlib.metadata is imported late because most studies do not need it."""
+    from importlib.metadata import entry_points as of_group
+
+    return of_group(group=group)
+
+
+@dataclass(frozen=True, eq=False)
+class Plugins:
+    """The plugins of one kind: shipped files in one folder, and entry points of other packages in one group.
+
+    A shipped file `scale_free.py` has the name "scale-free". Another package names its own in its metadata:
+    `[project.entry-points."swarmcensus.topologies"]`, `torus = "its_package.torus"`.
+    """
+
+    kind: str  # in messages: "topology"
+    group: str  # of entry points: "swarmcensus.topologies"
+    package: str  # of the shipped files: "swarmcensus.worlds.topologies"
+    clashes: dict[str, str] = field(default_factory=dict, repr=False)  # names that two other packages use
+    imported_hashes: dict[str, str] = field(default_factory=dict, repr=False)  # of other packages' files, when imported
+
+    @functools.cached_property
+    def shipped(self) -> tuple[str, ...]:
+        """The names of the plugins that come with swarmcensus."""
+        spec = importlib.util.find_spec(self.package)
+        assert spec is not None
+        folders = map(Path, spec.submodule_search_locations or ())
+        stems = (path.stem for folder in folders for path in folder.glob("*.py") if path.stem[0] != "_")
+        return tuple(sorted(stem.replace("_", "-") for stem in stems))
+
+    @functools.cached_property
+    def outside(self) -> Mapping[str, EntryPoint]:
+        """The plugins of other installed packages by name, without names that are shipped."""
+        entries: dict[str, EntryPoint] = {}
+        for entry in entry_points(group=self.group):
+            if entry.name in self.shipped:
+                continue
+            first = entries.setdefault(entry.name, entry)
+            if first.value != entry.value:
+                self.clashes[entry.name] = f"{first.value}, {entry.value}"
+        return entries
+
+    def entry(self, name: str) -> EntryPoint:
+        """The entry point of another package's plugin. Raises InputError if two packages use the name."""
+        entry = self.outside[name]
+        if name in self.clashes:
+            raise InputError(f"two packages have a {self.kind} named {name!r}: {self.clashes[name]}")
+        return entry
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all plugins, shipped ones first."""
+        return [*self.shipped, *sorted(self.outside)]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is a plugin of this name; other packages are searched only if it is not shipped."""
+        return name in self.shipped or name in self.outside
+
+    @functools.cache  # noqa: B019 (there are few instances, and they live as long as the program)
+    def module(self, name: str) -> Any:
+        """The plugin itself, imported. Raises InputError if the import fails."""
+        if name in self.shipped:
+            return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
+        entry = self.entry(name)
+        try:
+            plugin = entry.load()
+        except Exception as error:
+            where = f"{self.kind} {name!r}, {entry.value} of {_package(entry)}"
+            raise InputError(f"{where}: {error_message(error)}") from error
+        self.imported_hashes[name] = _hash(self.path(name))
+        return plugin
+
+    def digest(self, name: str) -> str:
+        """The hash of another package's file, so that results of its versions differ; empty for a shipped plugin.
+
+        Raises InputError if the file has changed since it was imported.
+        """
+        if name in self.shipped:
+            return ""
+        current = _hash(self.path(name))
+        if self.imported_hashes.get(name, current) != current:
+            raise InputError(
+                f"{self.kind} {name!r}: {self.path(name)} was changed since it was imported: restart Python"
+            )
+        return current
+
+    def provider(self, name: str) -> str:
+        """The name of the package that a plugin comes from."""
+        return "swarmcensus" if name in self.shipped else _package(self.outside[name])
+
+    def origin(self, name: str) -> dict[str, str]:
+        """Where another package's plugin comes from: `package`, `version`, `sha256`."""
+        distribution = self.outside[name].dist
+        version = distribution.version if distribution is not None else ""
+        return {
+            "package": self.provider(name),
+            "version": version,
+            "sha256": self.imported_hashes.get(name) or _hash(self.path(name)),
+        }
+
+    def path(self, name: str) -> Path:
+        """The path of a plugin's file, found without running it. Raises InputError if there is none."""
+        shipped = f"{self.package}.{name.replace('-', '_')}"
+        try:
+            module = shipped if name in self.shipped else self.entry(name).module
+            spec = importlib.util.find_spec(module)
+        except InputError:
+            raise
+        except ImportError:
+            spec = None
+        except Exception as error:  # raised by the package's __init__, or by a malformed entry point
+            raise InputError(f"{self.kind} {name!r} of {self.provider(name)}: {error_message(error)}") from error
+        if spec is None or spec.origin is None or not Path(spec.origin).is_file():
+            raise InputError(f"{self.kind} {name!r}: {self.provider(name)} names {module}: there is no such file")
+        return Path(spec.origin)
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _package(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist is not None else "an installed package"
+
+
+@functools.cache
+def keys_of(function: Callable[..., Any]) -> type[BaseModel]:
+    """A pydantic model of a function's keyword-only parameters and their annotations. Raises InputError."""
+    from pydantic import ConfigDict, create_model
+
+    config = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False, arbitrary_types_allowed=True, protected_namespaces=()
+    )
+    try:
+        hints = get_type_hints(function, include_extras=True)
+        fields: dict[str, Any] = {
+            p.name: (hints.get(p.name, Any), ... if p.default is p.empty else p.default)
+            for p in inspect.signature(function).parameters.values()
+            if p.kind is p.KEYWORD_ONLY
+        }
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # about keys named like a method of pydantic's
+            return create_model("Keys", __config__=config, **fields)
+    except Exception as error:
+        name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
+        raise InputError(f"the keys of {name} cannot be read: {error_message(error)}") from error
+
+
+def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any], context: Any = None) -> Keys:
+    """Check values for a function's keyword-only arguments, and add its defaults. Raises ValueError."""
+    from pydantic import ValidationError
+
+    model = keys_of(function)
+    try:
+        checked = model.model_validate(dict(given), context=context)
+    except ValidationError as error:
+        # likely typing errors come first
+        first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "literal_error": 1}.get(e["type"], 2))
+        key, known = str(first["loc"][0]), ", ".join(model.model_fields)
+        if first["type"] == "extra_forbidden":
+            has = f"{did_you_mean(key, model.model_fields)}it has {known}" if known else "it has none"
+            raise ValueError(f"{what} has no key {key}: {has}") from None
+        if first["type"] == "missing":
+            raise ValueError(f"{what} needs the key {key}") from None
+        message = pydantic_message(first["msg"])
+        if first["type"] == "literal_error":
+            hint = did_you_mean(str(first["input"]), re.findall("'(.*?)'", first["ctx"]["expected"]))
+            message += f": {hint.rstrip()}" if hint else ""
+        unit = model.model_fields[str(first["loc"][0])].description
+        raise ValueError(f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}") from None
+    keys = tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
+    for name, value in keys:
+        if not _is_plain(value):
+            raise ValueError(f"{what}: {name} should be a number, a text, true or false, or a list of them")
+    return keys
+
+
+def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
+    """The default values of a function's optional keys."""
+    fields = keys_of(function).model_fields.items()
+    return {name: _frozen(field.default) for name, field in fields if not field.is_required()}
+
+
+def error_message(error: Exception, path: Path | None = None) -> str:
+    """An exception of a plugin in one line: the text of a ValueError, otherwise the type, the text and the line.
+
+    The line is given only if `path`, the plugin's file, is.
+    """
+    if isinstance(error, SyntaxError):
+        return f"not Python: {error.msg}, at {error.filename}, line {error.lineno}: {(error.text or '').strip()}"
+    if isinstance(error, ValueError) and not isinstance(error, UnicodeError):
+        return " ".join(str(error).split())
+    return f"{type(error).__name__}: {' '.join(str(error).split())}{line_of(error, path) if path else ''}"
+
+
+def text_of(value: Any) -> str:
+    """A key's value as datasets show it: numbers with twelve digits, pictures by their name."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{','.join(map(text_of, value))}]"
+    return f"{value:.12g}" if isinstance(value, float) else str(value)
+
+
+def _is_plain(value: Any) -> bool:
+    """Whether a value can be part of a random address; pictures and the like are represented by their digest."""
+    if isinstance(value, tuple):
+        return all(map(_is_plain, value))
+    return value is None or isinstance(value, bool | int | float | str) or hasattr(value, "digest")
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value

@@ -1,0 +1,182 @@
+"""A table as commands and pages show it: columns of texts, a title and notes; as TSV, Markdown, LaTeX and HTML.
+
+`terminal.show` prints it for people. Programs get all digits instead: `tsv` here, and JSON by `documents`.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.support.templates import render
+
+INTERVAL = "[95 %]"  # the head of a column of intervals
+INTERVALS = "intervals"  # the name of such columns among what is left out
+ENDLESS = "[>="  # how an interval begins that has a lower end only
+FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out before anything else, and of numbers
+ESCAPED = {
+    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
+    ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column: its head, its cells, whether they are numbers, and how soon it is left out.
+
+    On a narrow terminal columns with the largest `spare` are left out first, and those with 0 never: NUMBER and above
+    for numbers, below for what says which row it is. Each cell may have an interval, a mark such as "*", and may be
+    `strong`, as the best of its column.
+    """
+
+    head: str
+    cells: Sequence[str]
+    number: bool = True
+    spare: int = 0
+    intervals: Sequence[str] = ()
+    marks: Sequence[str] = ()
+    strong: Sequence[bool] = ()
+    interval_head: str = INTERVAL
+
+    def plain(self) -> Iterator["Column"]:
+        """This column with marks before its cells, and a column of its intervals if it has any."""
+        cells = self.cells
+        if any(self.marks):
+            wide = max(map(len, cells))
+            cells = [f"{mark or ' '} {cell:>{wide}}" for mark, cell in zip(self.marks, cells, strict=True)]
+        yield Column(self.head, cells, self.number, self.spare)
+        if any(self.intervals):
+            yield Column(self.interval_head, self.intervals, spare=FIRST_OUT)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table for people. Where not all `groups` of columns fit beside the first `columns`, each has its own table.
+
+    `above` are lines between title and table. `notes` gives the lines below it, from the names of columns that were
+    left out. `more` says where the rows are that are left out. A new block of rows begins at each row of `blocks`.
+    With `folds`, lines that are too long are folded, and no column is left out.
+    """
+
+    columns: Sequence[Column]
+    groups: Sequence[Sequence[Column]] = ()
+    title: str = ""
+    above: Sequence[str] = ()
+    notes: Callable[[Collection[str]], Iterable[str]] = lambda left_out: ()
+    more: str = ""
+    blocks: Collection[int] = ()
+    folds: bool = False
+
+    @classmethod
+    def of_rows(cls, heads: Mapping[str, bool], rows: Iterable[Sequence[str]], **more: Any) -> "Table":
+        """A table of rows, whose lines may be folded; `heads` says of each column whether it holds numbers."""
+        cells = list(map(list, zip(*rows, strict=True))) or [[] for _ in heads]
+        return cls(
+            [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)], folds=True, **more
+        )
+
+    @property
+    def every(self) -> list[Column]:
+        """All columns."""
+        return [*self.columns, *chain.from_iterable(self.groups)]
+
+    @property
+    def has_one_sided(self) -> bool:
+        """Whether an interval has a lower end only."""
+        return any(text.startswith(ENDLESS) for column in self.every for text in column.intervals)
+
+    def plain(self) -> "Table":
+        """The table with marks in their cells, and intervals in columns of their own."""
+        columns, *groups = ([part for one in each for part in one.plain()] for each in (self.columns, *self.groups))
+        return replace(self, columns=columns, groups=groups)
+
+
+def with_ends(row: Mapping[str, Any]) -> dict[str, Any]:
+    """A row in which each interval, a tuple of value and ends, is three entries: `name`, `name_low`, `name_high`."""
+    found: dict[str, Any] = {}
+    for name, value in row.items():
+        several = value if isinstance(value, tuple) else (value,)
+        found |= zip((name, f"{name}_low", f"{name}_high"), several, strict=False)
+    return found
+
+
+def tsv(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """Rows as lines of tab-separated columns: a line of names, those of all rows in order, then a line for each row.
+
+    Numbers have all digits and no commas; what a row lacks, and NaN, is an empty field.
+    """
+    listed = list(rows)
+    names = dict.fromkeys(chain.from_iterable(listed))
+    for line in (names, *([row.get(name) for name in names] for row in listed)):
+        yield "\t".join(map(_field, line))
+
+
+def _field(value: Any) -> str:
+    if hasattr(value, "item"):  # a number of NumPy
+        value = value.item()
+    if isinstance(value, Mapping):
+        value = [f"{name}={_field(each)}" for name, each in value.items()]
+    if isinstance(value, list | tuple):
+        value = ", ".join(map(_field, value))
+    if value is None or value != value:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return " ".join(str(value).split())
+
+
+def markdown(table: Table) -> str:
+    """The columns in Markdown; strong cells are bold."""
+    columns = table.every
+    cells = [
+        [f"**{cell}**" if strong else cell for cell, strong in zip(one.cells, one.strong, strict=True)]
+        if one.strong else one.cells for one in columns
+    ]  # fmt: skip
+    rule = ["--:" if column.number else ":--" for column in columns]
+    rows = ([column.head for column in columns], rule, *zip(*cells, strict=True))
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def html(table: Table, sentences: Iterable[str] = ()) -> str:
+    """The table as a part of a page: title, lines above, columns, notes, and perhaps a list of sentences."""
+    plain = table.plain()
+    below = [*table.notes(()), *([table.more] if table.more else [])]
+    return render(
+        Path(__file__).with_name("table.html.jinja"), title=table.title, columns=plain.every, above=table.above,
+        rows=list(zip(*(column.cells for column in plain.every), strict=True)), below=below, said=list(sentences),
+    )  # fmt: skip
+
+
+def escaped(text: str) -> str:
+    """Text with LaTeX's special characters escaped."""
+    return "".join(ESCAPED.get(letter, letter) for letter in " ".join(text.split()))
+
+
+def latex(table: Table) -> str:
+    """The columns in LaTeX, with the package booktabs. Title, and notes as comments, are for the caption."""
+    columns = table.every
+    heads = [escaped(column.head) for column in columns]
+    heads = [head.replace(r"\%", r"(\%)") if one.number else head for head, one in zip(heads, columns, strict=True)]
+    lines = [
+        *(f"% {' '.join(line.split())}" for line in (table.title, *table.notes(()))),
+        rf"\begin{{tabular}}{{{''.join('lr'[column.number] for column in columns)}}}", r"\toprule",
+        " & ".join(heads) + r" \\", r"\midrule",
+    ]  # fmt: skip
+    cells = [_latex_cells(column) if column.number else list(map(escaped, column.cells)) for column in columns]
+    for row, texts in enumerate(zip(*cells, strict=True)):
+        lines += [r"\addlinespace"] * (row in table.blocks)
+        lines.append(" & ".join(texts) + r" \\")
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}"]) + "\n"
+
+
+def _latex_cells(column: Column) -> Iterator[str]:
+    for row, cell in enumerate(column.cells):
+        text = escaped(cell).replace("-", "$-$") if cell != "-" else "--"
+        text = rf"\textbf{{{text}}}" if column.strong and column.strong[row] else text
+        text += f"$^{{{column.marks[row]}}}$" if column.marks and column.marks[row] else ""
+        interval = column.intervals[row] if column.intervals else ""
+        if interval not in ("", "-"):
+            ends = escaped(interval).replace("-", "$-$").replace(escaped(">="), r"$\geq$")
+            text += f" {{\\footnotesize {ends}}}"
+        yield text

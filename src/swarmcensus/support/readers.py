@@ -1,0 +1,22 @@
+"""Who reads standard output: people on a terminal, or programs in a file or a pipe."""
+
+import os
+import sys
+
+from swarmcensus.support.errors import InputError
+
+AS_TERMINAL = "SWARMCENSUS_TERMINAL"  # environment: columns of the terminal that a file or a pipe is treated as
+MOST = 1_000_000  # columns
+
+
+def is_terminal() -> bool:
+    """Whether people read standard output: it is a terminal, or SWARMCENSUS_TERMINAL is set. Raises InputError."""
+    return asked_columns() is not None or sys.stdout.isatty()
+
+
+def asked_columns() -> int | None:
+    """The columns that SWARMCENSUS_TERMINAL asks for, or None. Raises InputError."""
+    text = os.environ.get(AS_TERMINAL, "")
+    if text and not (text.isdecimal() and len(text) <= 7 and 0 < int(text) <= MOST):
+        raise InputError(f"{AS_TERMINAL}={text}: should be a number of columns, such as 100")
+    return int(text) if text else None

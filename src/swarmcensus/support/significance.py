@@ -1,0 +1,186 @@
+"""Significance tests: paired signed ranks for many samples at once, average ranks over trials, Holm's correction.
+
+The signed-rank test is exact also with ties, zeros and infinite values. Wilcoxon, "Individual comparisons by ranking
+methods", 1945. Zeros: Pratt, "Remarks on zeros and ties in the Wilcoxon signed rank procedures", 1959. Matched
+rank-biserial correlation: Kerby, "The simple difference formula", 2014. Correction: Holm, "A simple sequentially
+rejective multiple test procedure", 1979. Ranks: Friedman,
+"The use of ranks to avoid the assumption of normality", 1937, by permutation; trials are the blocks. If contenders met
+in several worlds, the ranks of a trial are summed over the worlds, because worlds may share its readings and networks.
+"""
+
+import math
+from statistics import NormalDist
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.support.intervals import ROUNDING
+
+EXACT = 64  # p is exact up to this number of non-zero differences, for which there are 2^64 sign patterns
+PERMUTATIONS = 9999  # of ranks within trials, in Friedman's test
+SEED = 2023
+KEPT_BITS = 2.0**30  # of a difference; differences that agree to nine digits are tied
+
+
+def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Holm's corrected p-values, in the shape of `p`; NaN stays NaN and does not count as a test.
+
+    The chance that any true null hypothesis has a corrected p-value of `a` or less is at most `a`, whatever the
+    dependence between the tests.
+    """
+    flat = p.ravel()
+    known = np.flatnonzero(~np.isnan(flat))
+    order = known[np.argsort(flat[known], kind="stable")]
+    corrected = np.full(flat.size, np.nan)
+    steps = flat[order] * np.arange(order.size, 0, -1)
+    corrected[order] = np.minimum(1.0, np.maximum.accumulate(steps))
+    return corrected.reshape(p.shape)
+
+
+def fewest_trials(tests: int, level: float) -> int:
+    """The fewest trials with which one of `tests` sign-flip tests can reach `level` after Holm's correction.
+
+    All n differences have the same sign by chance in 2 of 2^n cases.
+    """
+    return int(np.ceil(1 + np.log2(max(tests, 1) / level)))
+
+
+Floats = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+
+class SignedRanks(NamedTuple):
+    """Results of the signed-rank test; each array has the shape of the differences without their last axis.
+
+    `below`, `equal` and `above` count the trials whose difference is negative, zero and positive. `balance` is the
+    matched rank-biserial correlation in [-1, 1]: positive if differences mostly are, 0 if there are none. `p` is
+    two-sided.
+    """
+
+    below: Counts
+    equal: Counts
+    above: Counts
+    balance: Floats
+    p: Floats
+
+
+def differences(first: Floats, second: Floats) -> Floats:
+    """`first - second`: 0 where they differ by rounding or are the same infinity, NaN where either is NaN."""
+    with np.errstate(invalid="ignore"):
+        difference = first - second
+        equal = (first == second) | (np.abs(difference) <= ROUNDING * np.maximum(np.abs(first), np.abs(second)))
+    equal &= (np.isfinite(first) & np.isfinite(second)) | (first == second)
+    return np.where(equal, 0.0, difference)
+
+
+def midranks(values: Floats) -> Floats:
+    """Ranks from 1 along the last axis; equal values share the mean of their ranks, and NaN has rank NaN."""
+    order = np.argsort(values, axis=-1, kind="stable")
+    ordered = np.take_along_axis(values, order, axis=-1)
+    starts = np.ones(values.shape, np.bool_)  # the first of equal values
+    starts[..., 1:] = ordered[..., 1:] != ordered[..., :-1]
+    place = np.broadcast_to(np.arange(values.shape[-1]), values.shape)
+    first = np.maximum.accumulate(np.where(starts, place, 0), axis=-1)
+    ends = np.ones(values.shape, np.bool_)  # the last of equal values
+    ends[..., :-1] = starts[..., 1:]
+    backwards = np.where(ends, place, values.shape[-1])[..., ::-1]
+    last = np.minimum.accumulate(backwards, axis=-1)[..., ::-1]
+    ranks = np.empty(values.shape)
+    np.put_along_axis(ranks, order, (first + last) / 2 + 1, axis=-1)
+    return np.where(np.isnan(values), np.nan, ranks)
+
+
+def signed_ranks(off: Floats) -> SignedRanks:
+    """The two-sided test that differences `off` (..., trial) are symmetric about 0; NaN is ignored.
+
+    The null hypothesis is that the sign of each difference is random, as it is if two contenders are exchangeable in
+    every trial. The p-value is the share of sign patterns whose rank sums are at least as far apart as the observed
+    ones. Zeros are ranked and then dropped (Pratt). For more than 64 non-zero differences, the p-value is that of the
+    normal approximation with continuity correction. Without any difference it is 1.
+    """
+    flat = off.reshape(math.prod(off.shape[:-1]), off.shape[-1])
+    mantissa, exponent = np.frexp(np.abs(flat))
+    sizes = np.ldexp(np.rint(mantissa * KEPT_BITS), exponent)  # ties of decimal numbers stay ties
+    weights = np.rint(2 * np.nan_to_num(midranks(sizes))).astype(np.int64)  # twice the ranks, which may be halves
+    weights[(flat == 0) | np.isnan(flat)] = 0
+    above = np.where(flat > 0, weights, 0).sum(axis=1)
+    total = weights.sum(axis=1)
+    balance = (2 * above - total) / np.maximum(total, 1)
+    p = np.minimum(1.0, 2 * _tails(weights, np.minimum(above, total - above)))
+    shape = off.shape[:-1]
+    counts = [(flat < 0).sum(axis=1), (flat == 0).sum(axis=1), (flat > 0).sum(axis=1)]
+    below, equal, over = (count.reshape(shape) for count in counts)
+    return SignedRanks(below, equal, over, balance.reshape(shape), p.reshape(shape))
+
+
+def _tails(weights: Counts, least: Counts) -> Floats:
+    """The chance that a random subset of the weights (row, trial) of a row has a sum of `least` (row,) or less.
+
+    Each weight is in the subset with probability 1/2.
+    """
+    tails = np.ones(len(weights))
+    many = (weights > 0).sum(axis=1) > EXACT
+    if many.any():
+        middle, spread = weights[many].sum(axis=1) / 2, np.sqrt((weights[many] ** 2).sum(axis=1)) / 2
+        step = np.gcd.reduce(weights[many], axis=1) / 2  # half the smallest step between sums
+        z = np.minimum(least[many] + step - middle, 0.0) / spread
+        tails[many] = [NormalDist().cdf(score) for score in z.tolist()]
+    few = np.flatnonzero(~many & (weights > 0).any(axis=1))
+    if not few.size:
+        return tails
+    distinct, which = np.unique(np.sort(weights[few], axis=1), axis=0, return_inverse=True)
+    which = which.ravel()
+    grouped = np.argsort(which, kind="stable")
+    starts = np.searchsorted(which[grouped], np.arange(len(distinct) + 1))
+    for k, row in enumerate(distinct):
+        rows = few[grouped[starts[k] : starts[k + 1]]]
+        tails[rows] = _exact(row[row > 0], least[rows])
+    return tails
+
+
+def _exact(weights: Counts, least: Counts) -> Floats:
+    """`_tails` for one row of positive weights in rising order, and several sums `least`."""
+    unit = int(np.gcd.reduce(weights))
+    reach = int(least.max()) // unit + 1
+    ways = np.zeros(reach)
+    ways[0], top = 1.0, 1
+    for weight in (weights // unit).tolist():
+        top = min(top + weight, reach)
+        if weight < top:
+            ways[weight:top] += ways[: top - weight]
+    return np.asarray(np.cumsum(ways)[least // unit] / math.ldexp(1.0, len(weights)))
+
+
+def friedman(ranks: Floats, permutations: int = PERMUTATIONS) -> tuple[float, float]:
+    """The statistic Q of `ranks` (trial, contender), and its p-value by permuting contenders within trials.
+
+    Q = (k - 1) x (sum of squares of the contenders' totals about their mean) / (sum of squares of all ranks about the
+    mean of their trial). For the ranks 1 .. k of one world, this is Friedman's statistic, corrected for ties. Returns
+    NaN and 1 if all ranks are equal in every trial. The same ranks always give the same p-value.
+    """
+    off = ranks - ranks.mean(axis=1, keepdims=True)
+    spread = float((off**2).sum())
+    if spread <= 0:
+        return float("nan"), 1.0
+    contenders = ranks.shape[1]
+    observed = float((off.sum(axis=0) ** 2).sum())
+    generator, extreme = np.random.default_rng(SEED), 0
+    step = max(1, 2**21 // off.size)
+    for first in range(0, permutations, step):
+        copies = np.broadcast_to(off, (min(step, permutations - first), *off.shape))
+        sums = generator.permuted(copies, axis=2).sum(axis=1)
+        extreme += int(((sums**2).sum(axis=1) >= observed * (1 - 1e-9)).sum())
+    return (contenders - 1) * observed / spread, (1 + extreme) / (1 + permutations)
+
+
+def groups(order: list[int], apart: NDArray[np.bool_]) -> list[list[int]]:
+    """The maximal runs of two or more contenders in `order`, no two of which are `apart` (contender, contender)."""
+    runs: list[list[int]] = []
+    for start in range(len(order)):
+        end = start + 1
+        while end < len(order) and not apart[order[end], order[start:end]].any():
+            end += 1
+        if end - start > 1 and not (runs and set(order[start:end]) <= set(runs[-1])):
+            runs.append(order[start:end])
+    return runs

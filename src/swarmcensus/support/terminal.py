@@ -1,0 +1,113 @@
+"""Tables on standard output: as wide as the terminal, and in a file or pipe as wide as their content."""
+
+import io
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from itertools import product
+from typing import Any
+
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from swarmcensus.support.printable import printable
+from swarmcensus.support.printed_tables import INTERVALS, Column, Table
+from swarmcensus.support.readers import MOST, asked_columns
+
+UNFOLDED = MOST  # columns: a file or a pipe has no width
+WIDTH = 120  # columns of a table as text
+
+
+class _Console(Console):
+    """A console for printable text. It passes on a broken pipe to the command; rich would exit with code 1."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        for segment in super().render(renderable, options):
+            yield segment if segment.control else segment._replace(text=printable(segment.text))
+
+
+def console(**options: Any) -> Console:
+    """A console for standard output, or error. It folds lines only in a terminal, and prints texts without markup."""
+    stream = sys.stderr if options.get("stderr") else sys.stdout
+    width = asked_columns() or (None if stream.isatty() else UNFOLDED)
+    usual: dict[str, Any] = {"file": getattr(stream, "unescaped", stream), "width": width}
+    return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)
+
+
+def show(table: Table, out: Console | None = None, where: str = "--json has all") -> None:
+    """Print a table with its title and notes; `where` says where columns are that do not fit."""
+    out, table = out or console(), table.plain()
+    if table.title:
+        out.print(table.title)
+    for line in table.above:
+        out.print(line, style="dim")
+    pages, lacking = _pages(table, out)
+    for page in pages:
+        out.print(page)
+    if lacking:
+        out.print(f"left out, as they do not fit into {out.width} columns: {', '.join(lacking)}; {where}", style="dim")
+    for line in table.notes(lacking):
+        out.print(line, style="dim")
+    if table.more:
+        out.print(table.more, soft_wrap=True)  # to be copied
+
+
+def as_text(print_on: Callable[[Console], None], width: int = WIDTH) -> str:
+    """What is printed on a console, as text of so many columns, for the `repr` of an object."""
+    text = io.StringIO()
+    print_on(console(file=text, width=width, force_jupyter=False, force_terminal=False))  # a kernel claims to be both
+    return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
+
+
+def fitted(columns: Sequence[Column], out: Console) -> tuple[RichTable, list[str]]:
+    """A table with a line for each row, and the names of what is left out so that it fits.
+
+    Heads are put into two lines before anything is left out.
+    """
+    for most, narrow in product(sorted({column.spare for column in columns} | {0}, reverse=True), (False, True)):
+        kept = [column for column in columns if column.spare <= most]
+        rows = _grid(kept, [_in_lines(column.head) if narrow else column.head for column in kept])
+        if _fits(rows, out):
+            break
+    heads = [column.head for column in columns if column.spare > most]
+    return rows, [INTERVALS] * any(map(_of_interval, heads)) + [head for head in heads if not _of_interval(head)]
+
+
+def _pages(table: Table, out: Console) -> tuple[list[RichTable], list[str]]:
+    """All columns together, or a table for each group if they do not fit; and the names of what is left out."""
+    if table.folds:
+        return [_grid(table.every, [column.head for column in table.every])], []
+    together, lacking = fitted(table.every, out)
+    if not table.groups or (_fits(together, out) and {*lacking} <= {INTERVALS}):
+        return [together], lacking
+    pages = [fitted([*table.columns, *group], out) for group in table.groups]
+    return [page for page, _ in pages], list(dict.fromkeys(name for _, names in pages for name in names))
+
+
+def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:
+    """A table without borders."""
+    out = RichTable(box=None, pad_edge=False, header_style="bold")
+    for column, head in zip(columns, heads, strict=True):
+        justify = "right" if column.number else "left"
+        out.add_column(head, justify=justify, no_wrap=column.number, overflow="fold")  # type: ignore[arg-type]
+    for row in zip(*(column.cells for column in columns), strict=True):
+        out.add_row(*(Text(printable(cell)) for cell in row))
+    return out
+
+
+def _fits(rows: RichTable, out: Console) -> bool:
+    """Whether no line of a table is folded."""
+    return rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width
+
+
+def _of_interval(head: str) -> bool:
+    return head.startswith("[")
+
+
+def _in_lines(head: str) -> str:
+    """A head in two lines, such as "fill" above "ratio"."""
+    return head if _of_interval(head) or "\n" in head else "\n".join(head.replace("_", " ").split(" ", 1))

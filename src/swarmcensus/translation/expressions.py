@@ -1,0 +1,490 @@
+"""Expressions of a brain in C, with the meaning that they have in Python."""
+
+import ast
+import math
+
+from swarmcensus.brains.kinds import REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind
+from swarmcensus.brains.single import CONSTANTS
+from swarmcensus.translation.texts import (  # fmt: skip
+    BITS,
+    CHOICE,
+    EQUAL,
+    LESS,
+    OR,
+    PRODUCT,
+    SHIFT,
+    SUM,
+    UNARY,
+    Text,
+    joined,
+    literal,
+    signed,
+)
+from swarmcensus.translation.unit import Record, Unit, Untranslatable
+
+COMPARES = {ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
+PLAIN = {ast.Add: ("+", SUM), ast.Sub: ("-", SUM), ast.Mult: ("*", PRODUCT)}
+OF_BITS = {ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.LShift: "<<", ast.RShift: ">>"}
+WHOLES = {"floor": "floor", "ceil": "ceil", "trunc": "trunc", "int": "trunc", "round": "nearest_even"}
+TESTS = ("isnan", "isinf", "isfinite")
+SAME_NAME = """
+acos acosh asin asinh atan atan2 atanh copysign cos cosh erf erfc exp expm1 fabs fmod lgamma log10 log2 pow sin sinh
+sqrt tan tanh
+""".split()  # noqa: SIM905 - read more easily than a list
+SCALES = {"degrees": 180.0 / math.pi, "radians": math.pi / 180.0}
+
+
+class Expressions:
+    """Translates the expressions of one function."""
+
+    def __init__(self, unit: Unit, function: str) -> None:
+        """Translate for this function of a source."""
+        self.unit = unit
+        self.function = function
+        self.names = unit.kinds.names[function]
+
+    def kind(self, node: ast.expr) -> Kind:
+        """The kind of an expression."""
+        return self.unit.kinds.of(node, self.function)
+
+    def real(self, node: ast.expr) -> Text:
+        """An expression as a real number."""
+        if (value := literal(node)) is not None:
+            return signed(self.unit.real(float(value)))
+        if isinstance(node, ast.Call) and (rounding := self._rounding(node)):
+            return Text(f"{rounding.text} + {self.unit.real(0.0)}", SUM)  # whole numbers of Python have no -0
+        return self._value(node, REAL)
+
+    def whole(self, node: ast.expr) -> Text:
+        """An expression as a whole number."""
+        value = literal(node)
+        if isinstance(value, int):
+            return self._whole_literal(value, node)
+        if self.kind(node) == REAL:
+            return Text(f"{self.unit.need('to_whole')}({self.real(node).text})")
+        if isinstance(node, ast.Call) and (rounding := self._rounding(node)):
+            cut = self.real(node.args[0]) if WHOLES[_called(node)] == "trunc" else rounding
+            return Text(f"{self.unit.need('to_whole')}({cut.text})")
+        return self._value(node, WHOLE)
+
+    def truth(self, node: ast.expr) -> Text:
+        """An expression as a truth."""
+        match self.kind(node):
+            case "truth":
+                return self._value(node, TRUTH)
+            case "whole" if not isinstance(node, ast.BoolOp):
+                return Text(f"{self.whole(node).within(LESS)} != 0", EQUAL)
+            case "real" if not isinstance(node, ast.BoolOp):
+                return Text(f"{self.real(node).within(LESS)} != {self.unit.real(0.0)}", EQUAL)
+        return self._value(node, TRUTH)
+
+    def as_kind(self, node: ast.expr, kind: Kind) -> Text:
+        """An expression as a value of this kind."""
+        if kind == REAL:
+            return self.real(node)
+        if kind == WHOLE:
+            return self.whole(node)
+        if kind == TRUTH:
+            return self.truth(node)
+        if kind == VECTOR:
+            return self.vector(node)
+        return self._value(node, kind)
+
+    def vector(self, node: ast.expr) -> Text:
+        """An expression as a pointer to the items of a vector."""
+        match node:
+            case ast.Name(id=name) if name in self.names:
+                return Text(self.unit.local(name))
+            case ast.Name(id=name) if isinstance(self.unit.constants.get(name), tuple):
+                self.unit.pointed.add(name)
+                return Text(self.unit.constant(name))
+            case ast.Attribute(attr=field):
+                return Text(self._field(node, field))
+            case ast.Subscript(value=whole, slice=ast.Constant(value=int(place))) if self._is_message(whole):
+                return Text(self._item(whole, place))
+        raise Untranslatable(f"{ast.unparse(node)} is no vector that C can point to", node)
+
+    def length(self, node: ast.expr) -> int:
+        """The number of items of a vector, a table or a tuple. Raises Untranslatable if the source does not say it."""
+        match node:
+            case ast.Attribute(attr=field) if self.unit.kinds.record.get(field):
+                return self.unit.kinds.record[field]
+            case ast.Name(id=name) if name not in self.names and isinstance(self.unit.constants.get(name), tuple):
+                return len(self.unit.constants[name])
+            case ast.Subscript(value=whole, slice=ast.Constant(value=int(place))) if self._is_message(whole):
+                assert self.unit.message is not None
+                return self.unit.message.lengths[place]
+        if isinstance(kind := self.kind(node), tuple):
+            return len(kind)
+        raise Untranslatable(f"the length of {ast.unparse(node)} is not known before the program runs", node)
+
+    def record(self, node: ast.expr) -> Record | None:
+        """The struct that an expression gives; None if it gives another value."""
+        match node:
+            case ast.Name(id=name) if name in self.names:
+                kind = self.names[name]
+                if self._is_message(node):
+                    return self.unit.message
+                return self.unit.record_of(kind, node) if isinstance(kind, tuple) else None
+            case ast.Call(func=ast.Name(id=name)) if name in self.unit.functions:
+                result = self.unit.results[name]
+                return result if isinstance(result, Record) else None
+        return None
+
+    def is_never_negative(self, node: ast.expr) -> bool:
+        """Whether a whole number is surely 0 or more."""
+        match node:
+            case ast.Constant(value=int(value)):
+                return value >= 0
+            case ast.Name(id=name) if name in self.names:
+                return (self.function, name) in self.unit.counters
+            case ast.Name(id=name):
+                constant = self.unit.constants.get(name)
+                return isinstance(constant, int) and constant >= 0
+            case ast.IfExp(body=body, orelse=otherwise):
+                return self.is_never_negative(body) and self.is_never_negative(otherwise)
+            case ast.BinOp(left=left, op=ast.Add() | ast.Mult() | ast.FloorDiv(), right=right):
+                return self.is_never_negative(left) and self.is_never_negative(right)
+            case ast.BinOp(op=ast.Mod(), right=right):
+                return self.is_never_negative(right)
+            case ast.Call(func=ast.Name(id="min"), args=parts):
+                return all(map(self.is_never_negative, parts))
+            case ast.Call(func=ast.Name(id="max"), args=parts):
+                return any(map(self.is_never_negative, parts))
+            case ast.Call(func=ast.Name(id="len")):
+                return True
+        return False
+
+    def _value(self, node: ast.expr, want: Kind) -> Text:
+        """An expression, with its parts as they are needed for a value of this kind."""
+        match node:
+            case ast.Constant(value=bool(value)):
+                return Text("true" if value else "false") if want == TRUTH else Text(str(int(value)))
+            case ast.Constant(value=int(value)):
+                return self._whole_literal(value, node)
+            case ast.Constant(value=float(value)):
+                return signed(self.unit.real(value))
+            case ast.Name(id=name):
+                return self._name(node, name)
+            case ast.Attribute(value=ast.Name(id="math"), attr=name) if name in (*CONSTANTS, "nan"):
+                return Text("NAN") if name == "nan" else signed(self.unit.real(getattr(math, name)))
+            case ast.Attribute(attr=field):
+                return Text(self._field(node, field))
+            case ast.Subscript():
+                return self._subscript(node)
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                return Text(f"!{self.truth(operand).within(UNARY)}", UNARY)
+            case ast.UnaryOp(op=ast.USub(), operand=ast.Call() as operand) if want == REAL and self._rounding(operand):
+                return Text(
+                    f"{self.unit.real(0.0)} - {self.real(operand).within(PRODUCT)}", SUM
+                )  # so that 0 has no sign
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                inner = self.as_kind(operand, self._side(operand, want)).within(UNARY)
+                return Text(f"-({inner})" if inner.startswith("-") else f"-{inner}", UNARY)
+            case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+                return self.as_kind(operand, self._side(operand, want))
+            case ast.UnaryOp(op=ast.Invert(), operand=operand):
+                return Text(f"~{self.whole(operand).within(UNARY)}", UNARY)
+            case ast.BinOp():
+                return self._operation(node)
+            case ast.Compare():
+                return self._comparison(node)
+            case ast.BoolOp():
+                return self._either(node, want)
+            case ast.IfExp(test=test, body=body, orelse=otherwise):
+                first, second = self.as_kind(body, want), self.as_kind(otherwise, want)
+                return Text(f"{self.truth(test).within(OR)} ? {first.within(OR)} : {second.within(CHOICE)}", CHOICE)
+            case ast.NamedExpr(target=target, value=value):
+                return Text(f"({self.unit.local(target.id)} = {self.as_kind(value, self.names[target.id]).text})")
+            case ast.Call():
+                return self._call(node)
+        raise Untranslatable(f"{ast.unparse(node)} has no translation to C", node)
+
+    def _whole_literal(self, value: int, node: ast.AST) -> Text:
+        if abs(value) >= 2**31:
+            raise Untranslatable(f"{value:,} is no whole number of 32 bits: write {value:,}.0 for a real one", node)
+        return signed(str(value))
+
+    def _side(self, node: ast.expr, want: Kind) -> Kind:
+        """The kind in which an operand of arithmetic is worked out: a truth counts as a whole number."""
+        is_rounding = isinstance(node, ast.Call) and self._rounding(node) is not None
+        if want == REAL and (literal(node) is not None or is_rounding):
+            return REAL
+        kind = self.kind(node)
+        return WHOLE if kind == TRUTH else kind
+
+    def _name(self, node: ast.expr, name: str) -> Text:
+        if name in self.names:
+            return Text(self.unit.local(name))
+        value = self.unit.constants.get(name)
+        if isinstance(value, int | float):
+            if isinstance(value, int) and abs(value) >= 2**31:
+                raise Untranslatable(f"{name} = {value:,} is no whole number of 32 bits", node)
+            return Text(self.unit.constant(name))
+        if name in CONSTANTS:
+            return signed(self.unit.real(getattr(math, name)))
+        if isinstance(value, tuple):
+            what = f"{name} is a table: a function that is given one should be given tables of real numbers alone"
+            raise Untranslatable(what, node)
+        raise Untranslatable(f"{name} is no number", node)
+
+    def _field(self, node: ast.Attribute, field: str) -> str:
+        if not isinstance(node.value, ast.Name) or self.names.get(node.value.id) != RECORD:
+            raise Untranslatable(f"{ast.unparse(node)} has no translation to C", node)
+        if field in self.unit.parameters:
+            self.unit.used_parameters.add(field)
+            return f"parameter_{field}"
+        return f"{self.unit.local(node.value.id)}->{self.unit.field(field)}"
+
+    def _is_message(self, node: ast.expr) -> bool:
+        """Whether this is the message that `receive` was given."""
+        return isinstance(node, ast.Name) and (self.function, node.id) in self.unit.heard
+
+    def _item(self, whole: ast.expr, place: int) -> str:
+        """An item of a struct."""
+        record = self.record(whole)
+        if record is None or not -len(record.items) <= place < len(record.items):
+            raise Untranslatable(f"{ast.unparse(whole)} has no item {place}", whole)
+        if isinstance(whole, ast.Call):
+            return f"{self.as_kind(whole, record.kinds).text}.{record.items[place]}"
+        assert isinstance(whole, ast.Name)
+        arrow = "->" if self._is_message(whole) else "."
+        return f"{self.unit.local(whole.id)}{arrow}{record.items[place]}"
+
+    def _subscript(self, node: ast.Subscript) -> Text:
+        whole, index = node.value, node.slice
+        place = literal(index)
+        if self.record(whole) is not None:
+            if not isinstance(place, int):
+                what = f"{ast.unparse(node)}: an item of a tuple, or of a table of whole numbers, is chosen as it runs"
+                raise Untranslatable(what, node)
+            return Text(self._item(whole, place))
+        if isinstance(table := self._table(whole), tuple):
+            inner = self.unit.constant(whole.id) if isinstance(whole, ast.Name) else self._subscript(whole).text  # type: ignore[arg-type]
+            return Text(f"{inner}[{self._index(index, len(table))}]")
+        items = self.length(whole) if not isinstance(whole, ast.Name) else 0
+        return Text(f"{self.vector(whole).text}[{self._index(index, items)}]")
+
+    def _table(self, node: ast.expr) -> object:
+        """The value of a constant table, or of a row of one; rows are all alike."""
+        if isinstance(node, ast.Name) and node.id not in self.names:
+            return self.unit.constants.get(node.id)
+        if isinstance(node, ast.Subscript) and isinstance(rows := self._table(node.value), tuple):
+            return rows[0]
+        return None
+
+    def _index(self, index: ast.expr, items: int) -> str:
+        """An index into `items` items, 0 if their number is not known; a negative one counts from the end."""
+        place = literal(index)
+        if isinstance(place, int):
+            if items and not -items <= place < items:
+                raise Untranslatable(f"the index {place} is beyond the {items} items", index)
+            if place < 0 and not items:
+                raise Untranslatable(f"the index {place} counts from an end that is not known", index)
+            return str(place % items if items else place)
+        text = self.whole(index).text
+        if self.is_never_negative(index):
+            return text
+        if not items:
+            what = f"the index {ast.unparse(index)} may be negative, and counts from an end that is not known here"
+            raise Untranslatable(f"{what}: a whole number that counts up from 0 is right", index)
+        return f"{self.unit.need('item_at')}({text}, {items})"
+
+    def _operation(self, node: ast.BinOp) -> Text:
+        left, right, kind = node.left, node.right, self.kind(node)
+        if type(node.op) in OF_BITS:
+            if REAL in (self.kind(left), self.kind(right)):
+                raise Untranslatable(f"{ast.unparse(node)} works on bits of a number that may be real", node)
+            is_shift = isinstance(node.op, ast.LShift | ast.RShift)
+            first = self._wide(left, self.whole(left), left if is_shift else right)
+            both = f"{first.within(UNARY)} {OF_BITS[type(node.op)]} {self.whole(right).within(UNARY)}"
+            return Text(both, SHIFT if is_shift else BITS)
+        if kind == WHOLE and (value := literal(node)) is not None:
+            return self._whole_literal(int(value), node)
+        if isinstance(kind, tuple) or kind == VECTOR:
+            raise Untranslatable(f"{ast.unparse(node)}: arithmetic with tuples has no translation to C", node)
+        sides = [self.as_kind(side, self._side(side, kind)) for side in (left, right)]
+        if type(node.op) in PLAIN:
+            operator, level = PLAIN[type(node.op)]
+            if kind == WHOLE:
+                sides[0] = self._wide(left, sides[0], right)
+            return Text(f"{sides[0].within(level)} {operator} {sides[1].within(level + 1)}", level)
+        if isinstance(node.op, ast.Div):
+            dividend = sides[0].within(PRODUCT)
+            if REAL not in (self._side(left, REAL), self._side(right, REAL)):
+                dividend = f"(number){sides[0].within(UNARY)}"
+            return Text(f"{dividend} / {sides[1].within(UNARY)}", PRODUCT)
+        return self._by_helper(node, kind, sides)
+
+    def _wide(self, node: ast.expr, text: Text, other: ast.expr) -> Text:
+        """A whole number in 32 bits: C works with 16 on small chips, if neither operand has a type of ours."""
+        is_wide = not (self._is_narrow(node) and self._is_narrow(other))
+        return text if is_wide else Text(f"(int32_t){text.within(UNARY)}", UNARY)
+
+    def _is_narrow(self, node: ast.expr) -> bool:
+        """Whether C gives a whole number the type int."""
+        while isinstance(node, ast.UnaryOp):
+            node = node.operand
+        is_length = isinstance(node, ast.Call) and _called(node) == "len"
+        return is_length or isinstance(node, ast.Constant | ast.IfExp) or self.kind(node) == TRUTH
+
+    def _by_helper(self, node: ast.BinOp, kind: Kind, sides: list[Text]) -> Text:
+        """Operations whose meaning differs from C's."""
+        left, right = node.left, node.right
+        both = f"({sides[0].text}, {sides[1].text})"
+        if (
+            isinstance(node.op, ast.Mod)
+            and kind == WHOLE
+            and isinstance(left, ast.BinOp)
+            and isinstance(left.op, ast.Mult)
+        ):
+            first, second = self.whole(left.left).text, self.whole(left.right).text
+            return Text(f"{self.unit.need('whole_product_modulo')}({first}, {second}, {sides[1].text})")
+        if isinstance(node.op, ast.Mod):
+            return Text(self.unit.need("whole_modulo" if kind == WHOLE else "number_modulo") + both)
+        if isinstance(node.op, ast.FloorDiv):
+            return Text(self.unit.need("whole_floor_divide" if kind == WHOLE else "number_floor_divide") + both)
+        if isinstance(node.op, ast.Pow):
+            if kind == WHOLE:
+                return Text(self.unit.need("whole_power") + both)
+            if literal(right) == 2.0:
+                return Text(f"{self.unit.need('number_square')}({self.real(left).text})")
+            return Text(f"{self.unit.math('pow')}({self.real(left).text}, {self.real(right).text})")
+        raise Untranslatable(f"{ast.unparse(node)} has no translation to C", node)
+
+    def _comparison(self, node: ast.Compare) -> Text:
+        terms = [node.left, *node.comparators]
+        if any(not self.unit.is_pure(term) for term in terms[1:-1]):
+            raise Untranslatable(f"{ast.unparse(node)} evaluates its middle once, and C would do so twice", node)
+        links = [self._link(*each) for each in zip(terms, node.ops, terms[1:], strict=False)]
+        return joined(links, "&&")
+
+    def _link(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Text:
+        if isinstance(operator, ast.In | ast.NotIn):
+            options = right.elts if isinstance(right, ast.Tuple | ast.List) else None
+            if options is None or not self.unit.is_pure(left):
+                raise Untranslatable(f"{ast.unparse(right)}: `in` is translated for a tuple in its place only", right)
+            found = joined([self._link(left, ast.Eq(), option) for option in options], "||")
+            return found if isinstance(operator, ast.In) else Text(f"!{found.within(UNARY)}", UNARY)
+        if type(operator) not in COMPARES:
+            raise Untranslatable(f"{ast.unparse(left)} may be None, which C does not have", left)
+        if isinstance(left, ast.Tuple) or isinstance(right, ast.Tuple):
+            return self._tuples(left, operator, right)
+        sign = COMPARES[type(operator)]
+        level = EQUAL if sign in ("==", "!=") else LESS
+        is_real = REAL in (self.kind(left), self.kind(right))
+        sides = [self.real(side) if is_real else self.whole(side) for side in (left, right)]
+        return Text(f"{sides[0].within(SHIFT)} {sign} {sides[1].within(SHIFT)}", level)
+
+    def _tuples(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Text:
+        """A comparison of tuples: by their first items that differ."""
+        if not (isinstance(left, ast.Tuple) and isinstance(right, ast.Tuple) and len(left.elts) == len(right.elts)):
+            raise Untranslatable("tuples are compared item by item, if both are written in their place", left)
+        if not (self.unit.is_pure(left) and self.unit.is_pure(right)):
+            raise Untranslatable("items of compared tuples are evaluated more than once in C", left)
+        pairs = list(zip(left.elts, right.elts, strict=True))
+        equal = [self._link(one, ast.Eq(), other) for one, other in pairs]
+        if isinstance(operator, ast.Eq):
+            return joined(equal, "&&")
+        if isinstance(operator, ast.NotEq):
+            return joined([self._link(one, ast.NotEq(), other) for one, other in pairs], "||")
+        strict = ast.Lt() if isinstance(operator, ast.Lt | ast.LtE) else ast.Gt()
+        last = len(pairs) - 1
+        ways = [
+            joined([*equal[:k], self._link(*pair[:1], operator if k == last else strict, pair[1])], "&&")
+            for k, pair in enumerate(pairs)
+        ]
+        return joined(ways, "||")
+
+    def _either(self, node: ast.BoolOp, want: Kind) -> Text:
+        is_and = isinstance(node.op, ast.And)
+        if want == TRUTH or self.kind(node) == TRUTH:
+            return joined([self.truth(value) for value in node.values], "&&" if is_and else "||")
+        result = self.as_kind(node.values[-1], want)
+        for value in reversed(node.values[:-1]):  # the value of the first operand that decides
+            if not self.unit.is_pure(value):
+                raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
+            kept, test = self.as_kind(value, want), self.truth(value).within(OR)
+            first, second = (result, kept) if is_and else (kept, result)
+            result = Text(f"{test} ? {first.within(OR)} : {second.within(CHOICE)}", CHOICE)
+        return result
+
+    def _rounding(self, node: ast.Call) -> Text | None:
+        """A call of floor, ceil, int or round as a real number; None for other calls."""
+        name, arguments = _called(node), node.args
+        if name not in WHOLES or name in self.unit.functions or len(arguments) != 1 or self.kind(arguments[0]) != REAL:
+            return None
+        made = WHOLES[name]
+        function = self.unit.need(made) if made == "nearest_even" else self.unit.math(made)
+        return Text(f"{function}({self.real(arguments[0]).text})")
+
+    def _call(self, node: ast.Call) -> Text:
+        name, arguments = _called(node), node.args
+        if node.keywords or any(isinstance(argument, ast.Starred) for argument in arguments):
+            raise Untranslatable(f"{ast.unparse(node)}: C has neither named nor spread arguments", node)
+        if isinstance(node.func, ast.Name) and name in self.unit.functions:
+            return self._own(node, name)
+        if name in WHOLES and len(arguments) == 1:
+            return self.whole(arguments[0])
+        if isinstance(node.func, ast.Name) and name in ("float", "bool", "abs", "min", "max", "len"):
+            return self._builtin(node, name)
+        if name in TESTS:
+            return Text(f"{name}({self.real(arguments[0]).text})")
+        if name in SCALES:
+            return Text(f"{self.real(arguments[0]).within(PRODUCT)} * {self.unit.real(SCALES[name])}", PRODUCT)
+        if name == "ldexp":
+            return Text(
+                f"{self.unit.math(name)}({self.real(arguments[0]).text}, (int){self.whole(arguments[1]).within(UNARY)})"
+            )
+        if name == "log" and len(arguments) == 2:
+            parts = [f"{self.unit.math('log')}({self.real(argument).text})" for argument in arguments]
+            return Text(" / ".join(parts), PRODUCT)
+        if name in SAME_NAME or name in ("log", "gamma"):
+            self.unit.functions_of_math.add(name)
+            function = self.unit.math("tgamma" if name == "gamma" else name)
+            return Text(f"{function}({', '.join(self.real(argument).text for argument in arguments)})")
+        raise Untranslatable(f"{ast.unparse(node.func)} has no translation to C", node)
+
+    def _own(self, node: ast.Call, name: str) -> Text:
+        """A call of a function of the source."""
+        if self.unit.returns_record(name):
+            raise Untranslatable(f"{name} may return None, so that its result can only be returned", node)
+        function = self.unit.functions[name]
+        expected = [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]
+        kinds = self.unit.kinds.names[name]
+        given = []
+        for argument, place in zip(node.args, expected, strict=True):
+            if (name, place) in self.unit.heard:
+                given.append(self.unit.local(argument.id) if isinstance(argument, ast.Name) else "")
+                continue
+            given.append(self.as_kind(argument, kinds.get(place, REAL)).text)
+        return Text(f"{self.unit.function(name)}({', '.join(given)})")
+
+    def _builtin(self, node: ast.Call, name: str) -> Text:
+        arguments, kind = node.args, self.kind(node)
+        if name == "len":
+            return Text(str(self.length(arguments[0])))
+        if name == "float":
+            inner = self.real(arguments[0]) if arguments else Text(self.unit.real(0.0))
+            is_real = not arguments or self.kind(arguments[0]) == REAL or literal(arguments[0]) is not None
+            return inner if is_real else Text(f"(number){inner.within(UNARY)}", UNARY)
+        if name == "bool":
+            return self.truth(arguments[0])
+        if name == "abs":
+            if kind == REAL:
+                return Text(f"{self.unit.math('fabs')}({self.real(arguments[0]).text})")
+            return Text(f"{self.unit.need('whole_abs')}({self.whole(arguments[0]).text})")
+        if len(arguments) < 2:
+            raise Untranslatable(f"{ast.unparse(node)}: {name} needs two numbers or more here", node)
+        helper = self.unit.need(f"{'number' if kind == REAL else 'whole'}_{name}")
+        texts = [(self.real(each) if kind == REAL else self.whole(each)).text for each in arguments]
+        made = texts[0]
+        for text in texts[1:]:
+            made = f"{helper}({made}, {text})"
+        return Text(made)
+
+
+def _called(node: ast.Call) -> str:
+    if isinstance(node.func, ast.Attribute):
+        return node.func.attr
+    return node.func.id if isinstance(node.func, ast.Name) else ""

@@ -1,0 +1,288 @@
+"""A brain as one C header: its memory, its parameters and tables, its functions and its messages."""
+
+import ast
+import textwrap
+from typing import Any
+
+from swarmcensus.brains import Brain
+from swarmcensus.brains.fields import Value, length
+from swarmcensus.brains.kinds import REAL, VECTOR
+from swarmcensus.brains.syntax import functions_of
+from swarmcensus.support.errors import BrainError
+from swarmcensus.support.safe_source import parse_checked
+from swarmcensus.support.version import __version__
+from swarmcensus.translation import helpers, messages
+from swarmcensus.translation.comments import Comments, plain, quoted
+from swarmcensus.translation.reserved import OF_FIELDS
+from swarmcensus.translation.signatures import signature
+from swarmcensus.translation.statements import Function
+from swarmcensus.translation.unit import Record, Unit, Untranslatable, called, in_c
+
+ABOUT = """\
+// Written by swarmcensus {version}: the brain {label}, for numbers of type {number}, messages as {message}.
+//
+// Compile with -ffp-contract=off: a * b + c is then rounded twice, as in the simulator. Where Python raises an error,
+// C goes on: a division by zero gives an infinity or NaN, the square root or logarithm of a negative number NaN, and a
+// whole number beyond 32 bits is wrong. Indexes are not checked. The brain's checks in Python cover these cases.
+//
+// A robot calls brain_start once. Then it calls observe after each reading, brain_send to talk, brain_hear for each
+// message, fuse at the end of a round, and estimate when it likes.
+"""
+FEATURES = """\
+#ifndef BRAIN_H
+#define BRAIN_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__clang__) || !defined(__GNUC__)
+#pragma STDC FP_CONTRACT OFF
+#endif
+"""
+IS_DOUBLE = "\ntypedef char number_has_8_bytes[sizeof(number) == 8 ? 1 : -1];  // an AVR has no such numbers"
+IN_FLASH = """\
+#if defined(__FLASH) && !defined(__STRICT_ANSI__)  // an AVR with -std=gnu99: its tables stay in its flash
+#define BRAIN_TABLE __flash
+#else
+#define BRAIN_TABLE
+#endif
+"""
+
+
+def header(brain: Brain) -> str:
+    """The C header of a brain in its number formats; a message needs a format. Raises InputError."""
+    try:
+        return _header(brain)
+    except Untranslatable as error:
+        raise BrainError(f"brain file {brain.path}, line {error.line}: {error}", file=brain.path) from None
+
+
+def unit_of(brain: Brain) -> Unit:
+    """A brain's source as one to be translated."""
+    tree, constants = parse_checked(brain.source, "brain", brain.path)
+    lengths = tuple(brain.message.values())
+    names = tuple(in_c(name, OF_FIELDS) for name in brain.message)
+    record = Record("message", names, tuple(VECTOR if n else REAL for n in lengths), lengths)
+    return Unit(tree, brain.kinds, constants, number_type(brain), record, frozenset(brain.parameters))
+
+
+def number_type(brain: Brain) -> str:
+    """The type of C for the brain's numbers."""
+    return "float" if brain.numbers.precision == "single" else "double"
+
+
+def _header(brain: Brain) -> str:
+    comments = Comments(brain.source)
+    unit = unit_of(brain)
+    tree, number, record = unit.tree, unit.number, unit.message
+    assert record is not None
+    notes = _notes(tree, comments)
+    fields_text, given_text = _memory(brain, unit, notes), _message(unit, record)
+    body = _functions(unit, comments)
+    codec, codec_comments = messages.codec_unit(number)
+    talk = messages.in_c(brain, record, codec)
+    codec_text = _needed_codec(codec, codec_comments, talk)
+    tables = [*_parameters(brain, unit, notes), *_constants(unit, notes), *_constants(codec, {})]
+    needs = unit.needs | codec.needs
+    math = unit.functions_of_math | codec.functions_of_math
+    structs = [_struct(r) for r in unit.records.values()]
+    document = [f"// {plain(line)}".rstrip() for line in (ast.get_docstring(tree) or "").splitlines()]
+    about = ABOUT.format(version=__version__, label=quoted(brain.label), number=number, message=brain.numbers.message)
+    has_tables = any("BRAIN_TABLE" in table for table in tables)
+    parts = [
+        "\n".join([*document, "//", about.rstrip()]),
+        FEATURES.rstrip(),
+        f"typedef {number} number;" + IS_DOUBLE * (number == "double"),
+        IN_FLASH.rstrip() if has_tables else "",
+        fields_text,
+        given_text,
+        f"#define BRAIN_MESSAGE_BYTES {messages.message_bytes(brain)}",
+        *structs,
+        "\n".join(tables),
+        helpers.of_python(needs, number),
+        helpers.of_avr(math),
+        body,
+        _start(brain, unit),
+        codec_text,
+        messages.bytes_in_c(talk, number),
+        talk,
+        "#endif",
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:
+    """The comments beside constants, and beside the entries of MEMORY and PARAMETERS."""
+    notes: dict[str, str] = {}
+    for node in tree.body:
+        if not (isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)):
+            continue
+        name = node.targets[0].id
+        if isinstance(node.value, ast.Dict):
+            entries = list(zip(node.value.keys, node.value.values, strict=True))
+            for key, value in entries:
+                if isinstance(key, ast.Constant):
+                    above = " ".join(comments.above(key.lineno, node.lineno))
+                    beside = comments.at(key.lineno, value.end_lineno or key.lineno)
+                    notes[f"{name}.{key.value!s}"] = "; ".join(filter(None, (above, beside)))
+        else:
+            notes[name] = comments.at(node.lineno, node.end_lineno or node.lineno)
+    return notes
+
+
+def _remark(text: str) -> str:
+    return f"  // {text}" if text else ""
+
+
+def _memory(brain: Brain, unit: Unit, notes: dict[str, str]) -> str:
+    lines = ["// All that a robot remembers.", "struct brain {"]
+    for name, items in brain.lengths.items():
+        size = f"[{items}]" if items else ""
+        lines.append(f"    number {unit.field(name)}{size};{_remark(notes.get(f'MEMORY.{name}', ''))}")
+    lines.append("    number b;  // how often its sensor reads black right, as it believes")
+    lines.append("    number w;  // and white")
+    if brain.uses.luck:
+        lines.append("    number luck;  // a new random number in (0, 1) before each observe, receive, fuse and steer")
+    if brain.uses.name:
+        lines.append("    number name;  // which no other robot has")
+    if owed := messages.owed_numbers(brain):
+        lines.append(f"    number owed[{owed}];  // what rounding took of its messages, which is added to the next one")
+    return "\n".join([*lines, "};"])
+
+
+def _message(unit: Unit, record: Record) -> str:
+    lines = ["// What a robot says.", "struct message {"]
+    for name, items in zip(record.items, record.lengths, strict=True):
+        lines.append(f"    number {name}{f'[{items}]' if items else ''};")
+    return "\n".join([*lines, "};"])
+
+
+def _struct(record: Record) -> str:
+    types = {"real": "number", "whole": "int32_t", "truth": "bool"}
+    fields = "\n".join(f"    {types[str(kind)]} {name};" for name, kind in zip(record.items, record.kinds, strict=True))
+    return f"struct {record.name} {{\n{fields}\n}};"
+
+
+def _parameters(brain: Brain, unit: Unit, notes: dict[str, str]) -> list[str]:
+    lines = []
+    for name, value in brain.parameters.items():
+        if name in unit.used_parameters:
+            items, text = _value(unit, value)
+            remark = _remark(notes.get(f"PARAMETERS.{name}", ""))
+            lines.append(f"static const number parameter_{name}{items} = {text};{remark}")
+    return lines
+
+
+def _constants(unit: Unit, notes: dict[str, str]) -> list[str]:
+    lines = []
+    for name, value in unit.constants.items():
+        if name not in unit.used:
+            continue
+        items, text = _value(unit, value)
+        where = "BRAIN_TABLE " if isinstance(value, tuple) and name not in unit.pointed else ""
+        c_type = "int32_t" if _is_whole(value) else "number"
+        lines.append(
+            f"static const {where}{c_type} {unit.constant(name)}{items} = {text};{_remark(notes.get(name, ''))}"
+        )
+    return lines
+
+
+def _value(unit: Unit, value: Any) -> tuple[str, str]:
+    """The dimensions of a constant in C, and its value."""
+    if isinstance(value, tuple):
+        inner = [_value(unit, item) for item in value]
+        if len({items for items, _ in inner}) != 1:
+            raise Untranslatable("a table whose rows differ in length has no translation to C", unit.tree)
+        whole = _is_whole(value)
+        texts = [
+            text if whole or isinstance(item, tuple) else unit.real(float(item))
+            for item, (_, text) in zip(value, inner, strict=True)
+        ]
+        return f"[{len(value)}]{inner[0][0]}", _wrapped(texts)
+    if isinstance(value, int):
+        return "", str(int(value))
+    return "", unit.real(value)
+
+
+def _is_whole(value: Any) -> bool:
+    """Whether a constant is a whole number, or a table of such."""
+    return all(map(_is_whole, value)) if isinstance(value, tuple) else isinstance(value, int)
+
+
+def _wrapped(texts: list[str]) -> str:
+    """Items in braces, several a line."""
+    if len(texts) <= 5:
+        return f"{{{', '.join(texts)}}}"
+    lines = textwrap.wrap(", ".join(texts) + ",", 112)
+    return "{\n" + "\n".join(f"    {line}" for line in lines) + "\n}"
+
+
+def _needed_codec(unit: Unit, comments: Comments, talk: str) -> str:
+    """The functions of the codec that the messages of this brain need, in C."""
+    needed = [name for name in unit.functions if f"codec_{name}(" in talk]
+    for name in needed:
+        for node in ast.walk(unit.functions[name]):
+            is_own = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in unit.functions
+            if is_own and node.func.id not in needed:  # type: ignore[attr-defined]
+                needed.append(node.func.id)  # type: ignore[attr-defined]
+    unit.functions = {name: function for name, function in unit.functions.items() if name in needed}
+    for node in unit.tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name not in needed:
+            list(comments.above((node.end_lineno or 0) + 1))
+            comments.at(node.lineno, node.end_lineno or node.lineno)
+    return _functions(unit, comments)
+
+
+def _start(brain: Brain, unit: Unit) -> str:
+    arguments = ["struct brain *me", "number b", "number w", *(["number name"] if brain.uses.name else [])]
+    lines = [
+        "// A robot that knows nothing yet, with the accuracies of its sensor.",
+        f"static inline void brain_start({', '.join(arguments)}) {{",
+    ]
+    for name, value in brain.memory.items():
+        lines += _begin(unit, name, value)
+    if owed := messages.owed_numbers(brain):
+        lines += _loop("owed", owed, unit.real(0.0))
+    lines += [f"    me->{name} = {name};" for name in ("b", "w", *(["name"] if brain.uses.name else []))]
+    if brain.uses.luck:
+        lines.append(f"    me->luck = {unit.real(0.5)};")
+    return "\n".join([*lines, "}"])
+
+
+def _begin(unit: Unit, name: str, value: Value) -> list[str]:
+    field = unit.field(name)
+    if not length(value):
+        assert isinstance(value, float)
+        return [f"    me->{field} = {unit.real(value)};"]
+    assert isinstance(value, tuple)
+    if len(set(value)) == 1:
+        return _loop(field, len(value), unit.real(value[0]))
+    return [f"    me->{field}[{k}] = {unit.real(item)};" for k, item in enumerate(value)]
+
+
+def _loop(field: str, items: int, value: str) -> list[str]:
+    return [f"    for (int32_t k = 0; k < {items}; k++) {{", f"        me->{field}[k] = {value};", "    }"]
+
+
+def _functions(unit: Unit, comments: Comments) -> str:
+    """All functions of a source in C, in its order; those that are called before are declared first."""
+    made = {}
+    for name, function in functions_of(unit.tree).items():
+        if name in unit.functions:
+            made[name] = Function(unit, name, comments).lines()
+        else:  # nobody calls it: its comments go with it
+            [*comments.above((function.end_lineno or 0) + 1)]
+    order = list(made)
+    early = [
+        name
+        for place, name in enumerate(order)
+        if any(_calls(unit.functions[other], name) for other in order[: place + 1])
+    ]
+    declared = [f"{signature(unit, name)};" for name in early]
+    parts = ["\n".join(declared)] if declared else []
+    return "\n\n".join([*parts, *("\n".join(lines) for lines in made.values())])
+
+
+def _calls(function: ast.FunctionDef, name: str) -> bool:
+    return any(called(node) == name for node in ast.walk(function))

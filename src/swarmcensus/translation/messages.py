@@ -1,0 +1,167 @@
+"""A robot's messages as bytes: in C, and in CPython as what the C is tested against."""
+
+import ast
+import functools
+from importlib.resources import files
+from typing import Any
+
+from swarmcensus.brains import Brain
+from swarmcensus.brains.kinds import REAL, Kinds, arguments_of
+from swarmcensus.brains.packing import BYTES, MOST, READ, STEPS, Part, bytes_of
+from swarmcensus.brains.single import in_single
+from swarmcensus.brains.syntax import functions_of
+from swarmcensus.runtime.codec import LARGEST_REAL
+from swarmcensus.runtime.runtime import Messages
+from swarmcensus.support import safe_source
+from swarmcensus.translation.comments import Comments
+from swarmcensus.translation.pieces import functions
+from swarmcensus.translation.unit import Record, Unit
+
+CODE_BYTES = {"float16": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2}
+
+
+@functools.cache
+def codec(single: bool) -> tuple[ast.Module, Kinds, dict[str, Any], Any, str]:
+    """The codec's syntax tree, kinds, constants, functions in CPython, and source."""
+    path = files("swarmcensus.runtime") / "codec.py"
+    source = path.read_text(encoding="utf-8")
+    tree, constants = safe_source.parse_checked(source, "codec", path)  # type: ignore[arg-type]
+    kinds = Kinds(tree, {}, {name: (REAL,) * len(arguments_of(f)) for name, f in functions_of(tree).items()})
+    run = safe_source.run(in_single(tree, kinds) if single else tree, "codec", path)  # type: ignore[arg-type]
+    return tree, kinds, constants, run, source
+
+
+def codec_unit(number: str) -> tuple[Unit, Comments]:
+    """The codec as a source to be translated."""
+    tree, kinds, constants, _, source = codec(number == "float")
+    return Unit(tree, kinds, constants, number, prefix="codec_"), Comments(source)
+
+
+def messages_of(brain: Brain) -> Messages:
+    """Packs what one robot says, and reads what it hears, in CPython."""
+    single = brain.numbers.precision == "single"
+    return Messages([*brain.message.values()], brain.parts, 0, False, brain.numbers.feedback, codec(single)[3])
+
+
+def in_c(brain: Brain, message: Record, unit: Unit) -> str:
+    """`brain_send` and `brain_hear` in C; `unit` is that of the codec, whose functions they call."""
+    places = [f"{name}[{k}]" if items else name for name, items in _items(message) for k in range(max(items, 1))]
+    owed = {part.places[0]: k for k, part in enumerate(owing(brain))}
+    send, hear = [], []
+    at = slot = 0
+    for part in brain.parts:
+        one, other = [*(f"message.{places[p]}" for p in part.places), ""][:2]
+        owes = part.places[0] in owed
+        send += _owed_before(part, (one, other), slot) if owes else []
+        send += _send(unit, part, one, other, at)
+        hear += (received := _hear(unit, part, one, other, at))
+        if owes:
+            send += _owed_after(unit, part, (one, other), received, slot)
+            slot += len(part.places)
+        at += BYTES[part.coding]
+    declare = "    struct message message;\n"
+    return (
+        "// Writes what the robot says, BRAIN_MESSAGE_BYTES bytes, and returns whether it says anything.\n"
+        "static inline bool brain_send(struct brain *me, uint8_t *out) {\n"
+        f"{declare}    if (!broadcast(me, &message)) {{\n        return false;\n    }}\n"
+        + "\n".join(f"    {line}" for line in send)
+        + "\n    return true;\n}\n\n"
+        "// Takes in what another robot said.\n"
+        "static inline void brain_hear(struct brain *me, const uint8_t *bytes) {\n"
+        + declare
+        + "\n".join(f"    {line.replace('out[', 'bytes[')}" for line in hear)
+        + "\n    receive(me, &message);\n}"
+    )
+
+
+def owing(brain: Brain) -> list[Part]:
+    """The parts of a message whose rounding errors are carried over."""
+    return [part for part in brain.parts if part.owed and brain.numbers.feedback]
+
+
+def owed_numbers(brain: Brain) -> int:
+    """How many numbers of memory that takes."""
+    return sum(len(part.places) for part in owing(brain))
+
+
+def message_bytes(brain: Brain) -> int:
+    """The bytes of a message."""
+    return bytes_of(brain.parts)
+
+
+def _items(message: Record) -> list[tuple[str, int]]:
+    return list(zip(message.items, message.lengths, strict=True))
+
+
+def _owed_before(part: Part, names: tuple[str, str], slot: int) -> list[str]:
+    lines = []
+    for k, name in enumerate(names[: len(part.places)]):
+        lines += [f"const number said{slot + k} = {name};", f"{name} = codec_added({name}, me->owed[{slot + k}]);"]
+    return lines
+
+
+def _owed_after(unit: Unit, part: Part, names: tuple[str, str], received: list[str], slot: int) -> list[str]:
+    """What rounding took is kept; a number that the format cannot hold owes nothing."""
+    names_here = names[: len(part.places)]
+    given = STEPS.get(part.coding) or MOST.get(part.coding)
+    arguments = ", ".join([*names_here, *([] if given is None else [unit.real(given)])])
+    lines = [f"const bool holds = codec_holds_{READ[part.coding]}({arguments});"]
+    lines += [f"const number sent{k} = {name};" for k, name in enumerate(names_here)]
+    lines += received
+    for k, name in enumerate(names_here):
+        owed = f"me->owed[{slot + k}]"
+        rest = f"codec_rest(said{slot + k}, {owed}, sent{k}, {name})"
+        lines.append(f"{owed} = holds ? {rest} : {unit.real(0.0)};")
+    return ["{", *(f"    {line}" for line in lines), "}"]
+
+
+def _send(unit: Unit, part: Part, one: str, other: str, at: int) -> list[str]:
+    coding = part.coding
+    if coding == "float32":
+        return [f"codec_put_float(out + {at}, {one});"]
+    if other:
+        size = BYTES[coding] - 1
+        ratio = f"codec_ratio_code(codec_ratio_of({one}, {other}), {unit.real(STEPS[coding])})"
+        return [*_put(ratio, size, at), *_put(f"codec_log_code({other})", 1, at + size)]
+    code = {
+        "float16": f"codec_half_code({one})",
+        "log8": f"codec_log_code({one})",
+    }.get(coding) or (
+        f"codec_ratio_code({one}, {unit.real(STEPS[coding])})"
+        if coding in STEPS
+        else f"codec_whole_code({one}, {unit.real(MOST[coding])})"
+    )
+    return _put(code, CODE_BYTES[coding], at)
+
+
+def _put(code: str, size: int, at: int) -> list[str]:
+    if size == 1:
+        return [f"out[{at}] = (uint8_t){code};"]
+    return [f"codec_put_16(out + {at}, (uint16_t){code});"]
+
+
+def _hear(unit: Unit, part: Part, one: str, other: str, at: int) -> list[str]:
+    coding = part.coding
+    if coding == "float32":
+        return [f"{one} = codec_get_float(&out[{at}]);"]
+    size = BYTES[coding] - 1 if other else CODE_BYTES[coding]
+    code = f"out[{at}]" if size == 1 else f"codec_get_16(&out[{at}])"
+    if other:
+        ratio = f"codec_ratio_value({code}, {unit.real(STEPS[coding])})"
+        return [f"{other} = codec_log_value(out[{at + size}]);", f"{one} = {ratio} * {other};"]
+    if coding in STEPS:
+        return [f"{one} = codec_ratio_value({code}, {unit.real(STEPS[coding])});"]
+    if coding in MOST:
+        return [f"{one} = {code};"]
+    return [f"{one} = codec_{'half' if coding == 'float16' else 'log'}_value({code});"]
+
+
+def bytes_in_c(text: str, number: str) -> str:
+    """The functions that put numbers into bytes, as far as `text` calls them."""
+    largest = f"{LARGEST_REAL!r}{'f' if number == 'float' else ''}"
+    clamped = f"x > {largest} ? {largest} : x < -{largest} ? -{largest} : {'' if number == 'float' else '(float)'}x"
+    if number == "double":
+        clamped = f"(float)(x > {largest} ? {largest} : x < -{largest} ? -{largest} : x)"
+    return "".join(
+        code.replace("CLAMPED", clamped) for name, code in functions("bytes.h").items() if f"{name}(" in text
+    ).strip()

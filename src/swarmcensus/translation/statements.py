@@ -1,0 +1,500 @@
+"""Statements and functions of a brain in C, with their comments."""
+
+import ast
+from collections.abc import Iterator
+
+from swarmcensus.brains.kinds import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
+from swarmcensus.translation.comments import Comments, plain
+from swarmcensus.translation.expressions import PLAIN, Expressions
+from swarmcensus.translation.scopes import Scopes
+from swarmcensus.translation.signatures import out_name, signature
+from swarmcensus.translation.texts import literal
+from swarmcensus.translation.unit import Record, Unit, Untranslatable, called
+
+STEP = "    "
+SET = {**{kind: f"{sign}=" for kind, (sign, _) in PLAIN.items()}, ast.Div: "/="}
+
+
+class Function:
+    """Translates one function."""
+
+    def __init__(self, unit: Unit, name: str, comments: Comments) -> None:
+        """Begin with nothing written."""
+        self.unit = unit
+        self.name = name
+        self.node = unit.functions[name]
+        self.comments = comments
+        self.scopes = Scopes(self.node)
+        self.say = Expressions(unit, name)
+        self.names = unit.kinds.names[name]
+        self.result = unit.results[name]
+        self.fills = unit.returns_record(name)
+        self.made: list[str] = []
+        self.fresh: set[str] = set()  # names made up here that stay in force to the end of a block
+        self._note_counters()
+
+    def lines(self) -> list[str]:
+        """The function in C."""
+        above = [f"// {text}".rstrip() for text in self.comments.above(self.node.lineno)]
+        document = ast.get_docstring(self.node)
+        above += [f"// {plain(line)}".rstrip() for line in document.splitlines()] if document else []
+        beside = self.comments.at(self.node.lineno, self.node.body[0].lineno - 1)
+        body = self.node.body[1:] if document else self.node.body
+        for name in arguments_of(self.node):
+            if not self.scopes.is_read(name):
+                self._write(f"(void){self.unit.local(name)};", 1)
+        if self.fills and not any(map(_says, ast.walk(self.node))):
+            self._write(f"(void){out_name(self.unit, self.name)};", 1)
+        self._block(body, 1)
+        for text in self.comments.above((self.node.end_lineno or 0) + 1, self.node.lineno):
+            self._write(f"// {text}", 1)
+        if self.fills and not isinstance(body[-1] if body else None, ast.Return):
+            self._write("return false;", 1)
+        return [*above, f"{signature(self.unit, self.name)} {{{_remark(beside)}", *self.made, "}"]
+
+    def _note_counters(self) -> None:
+        """Find the whole numbers that are never negative, so that they can be indexes as they are."""
+        given = set(arguments_of(self.node))
+        own = {name for name, kind in self.names.items() if kind == WHOLE and name not in given}
+        self.unit.counters |= {(self.name, name) for name in own}
+        settings = list(self._settings())
+        changed = True
+        while changed:  # each name that may be negative can make others so
+            changed = False
+            for name, value in settings:
+                if (self.name, name) in self.unit.counters and not (value and self.say.is_never_negative(value)):
+                    self.unit.counters.discard((self.name, name))
+                    changed = True
+
+    def _settings(self) -> Iterator[tuple[str, ast.expr | None]]:
+        """Each name that the function sets, with its value; None if it is not known."""
+        for node in ast.walk(self.node):
+            match node:
+                case ast.Assign(targets=targets, value=value):
+                    for target in targets:
+                        for part in ast.walk(target):
+                            if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
+                                yield part.id, value if part is target else None
+                case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
+                    yield name, ast.BinOp(_loaded(target), operation, value)
+                case ast.AnnAssign(target=ast.Name(id=name), value=value):
+                    yield name, value
+                case ast.NamedExpr(target=ast.Name(id=name), value=value):
+                    yield name, value
+                case ast.For(target=ast.Name(id=name)) if _is_range(node.iter):
+                    start, end, step = self._range(node)
+                    falls = step is not None and (literal(step) or -1) < 0
+                    yield name, end if falls else start or ast.Constant(0)
+
+    def _write(self, line: str, depth: int, remark: str = "") -> None:
+        self.made.append(f"{STEP * depth}{line}{_remark(remark)}")
+
+    def _block(self, body: list[ast.stmt], depth: int) -> None:
+        for statement in body:
+            for text in self.comments.above(statement.lineno, self.node.lineno):
+                self._write(f"// {text}".rstrip(), depth)
+            for name in self.scopes.before.get(id(statement), ()):
+                if self.scopes.is_read(name):
+                    self._write(f"{self._declared(name, statement)} = {self._zero(name)};", depth)
+            self._statement(statement, depth)
+
+    def _declared(self, name: str, node: ast.AST) -> str:
+        c_type = self.unit.type_of(self.names.get(name, REAL), node)
+        return f"{c_type}{'' if c_type.endswith('*') else ' '}{self.unit.local(name)}"
+
+    def _zero(self, name: str) -> str:
+        kind = self.names.get(name, REAL)
+        if isinstance(kind, tuple):
+            return "{0}"
+        return {REAL: self.unit.real(0.0), WHOLE: "0", TRUTH: "false"}.get(kind, "0")
+
+    def _statement(self, node: ast.stmt, depth: int) -> None:
+        for part in ast.iter_child_nodes(node):
+            if isinstance(part, ast.expr):
+                self.unit.check_order(part)
+        end = node.end_lineno or node.lineno
+        match node:
+            case ast.Expr(value=ast.Constant()):
+                return
+            case ast.Pass():
+                if remark := self.comments.at(node.lineno, node.lineno):
+                    self._write(f"// {remark}", depth)
+            case ast.Expr(value=ast.IfExp(test=test, body=body, orelse=otherwise)):
+                self._if(_branches(node, test, body, otherwise), depth)
+            case ast.Expr(value=ast.BoolOp(op=operation, values=[*tests, last])):
+                test = tests[0] if len(tests) == 1 else ast.copy_location(ast.BoolOp(operation, tests), node)
+                if isinstance(operation, ast.Or):
+                    test = ast.UnaryOp(ast.Not(), test)
+                self._if(_branches(node, test, last), depth)
+            case ast.Expr(value=value):
+                text = self.say.as_kind(value, self.say.kind(value)).text
+                is_void = self.unit.results.get(called(value), REAL) == NOTHING
+                self._write(f"{text};" if is_void else f"(void){text};", depth, self.comments.at(node.lineno, end))
+            case ast.Break():
+                self._write("break;", depth, self.comments.at(node.lineno, end))
+            case ast.Continue():
+                self._write("continue;", depth, self.comments.at(node.lineno, end))
+            case ast.Return(value=value):
+                self._return(node, value, depth)
+            case ast.Assign(targets=targets, value=value):
+                read = [t for t in targets if not (isinstance(t, ast.Name) and not self.scopes.is_read(t.id))]
+                for k, target in enumerate(read or targets[:1]):
+                    self._assign(node, target, value if k == 0 else _loaded(read[0]), depth)
+            case ast.AnnAssign(target=target, value=value):
+                if value is not None:
+                    self._assign(node, target, value, depth)
+            case ast.AugAssign():
+                self._augment(node, depth)
+            case ast.If():
+                self._if(node, depth)
+            case ast.While(test=test, body=body, orelse=otherwise):
+                self._no_else(otherwise)
+                remark = self.comments.at(node.lineno, body[0].lineno - 1)
+                self._write(f"while ({self.say.truth(test).text}) {{", depth, remark)
+                self._block(body, depth + 1)
+                self._write("}", depth)
+            case ast.For():
+                self._for(node, depth)
+            case _:
+                raise Untranslatable(f"{ast.unparse(node).splitlines()[0]} has no translation to C", node)
+
+    def _no_else(self, otherwise: list[ast.stmt]) -> None:
+        if otherwise:
+            raise Untranslatable("a loop with else has no translation to C", otherwise[0])
+
+    def _if(self, node: ast.If, depth: int, word: str = "if") -> None:
+        remark = self.comments.at(node.lineno, node.body[0].lineno - 1) if node.body[0].lineno > node.lineno else ""
+        self._write(f"{word} ({self.say.truth(node.test).text}) {{", depth, remark)
+        self._block(node.body, depth + 1)
+        if not node.orelse:
+            self._write("}", depth)
+            return
+        last, first = node.body[-1].end_lineno or 0, node.orelse[0]
+        only = len(node.orelse) == 1 and isinstance(first, ast.If) and first.col_offset == node.col_offset
+        if only and not self.scopes.before.get(id(first)):
+            assert isinstance(first, ast.If)
+            self.unit.check_order(first.test)
+            for text in self.comments.above(first.lineno, last):
+                self._write(f"// {text}", depth + 1)
+            self._if(first, depth, "} else if")
+            return
+        self._write("} else {", depth, self.comments.at(last + 1, first.lineno - 1))
+        self._block(node.orelse, depth + 1)
+        self._write("}", depth)
+
+    def _range(self, node: ast.For) -> tuple[ast.expr | None, ast.expr, ast.expr | None]:
+        """The start, the end and the step of a loop over a range."""
+        assert isinstance(node.iter, ast.Call)
+        given = node.iter.args
+        if not 1 <= len(given) <= 3 or node.iter.keywords:
+            raise Untranslatable(f"{ast.unparse(node.iter)} has no translation to C", node)
+        if len(given) == 1:
+            return None, given[0], None
+        return given[0], given[1], given[2] if len(given) == 3 else None
+
+    def _for(self, node: ast.For, depth: int) -> None:
+        self._no_else(node.orelse)
+        if not isinstance(node.target, ast.Name):
+            raise Untranslatable(f"a loop over {ast.unparse(node.target)} has no translation to C", node)
+        remark = self.comments.at(node.lineno, node.body[0].lineno - 1)
+        if not _is_range(node.iter):
+            self._over_items(node, depth, remark)
+            return
+        start, end, step = self._range(node)
+        is_own = id(node) in self.scopes.private
+        name = self.unit.local(node.target.id)
+        counter = name if is_own else self._new(f"{name}_next")
+        by = 1 if step is None else literal(step)
+        if not isinstance(by, int) or by == 0:
+            raise Untranslatable(
+                f"the step of {ast.unparse(node.iter)} should be a whole number, written in its place", node
+            )
+        begin = "0" if start is None else self.say.whole(start).text
+        last, limit = self.say.whole(end).text, ""
+        if not (_is_fixed(end, self.names) or self._is_kept(end, node)):
+            limit = self._new(f"{name}_end")
+            last, limit = limit, f", {limit} = {last}"
+        change = {1: f"{counter}++", -1: f"{counter}--"}.get(by, f"{counter} += {by}")
+        sign = "<" if by > 0 else ">"
+        self._write(f"for (int32_t {counter} = {begin}{limit}; {counter} {sign} {last}; {change}) {{", depth, remark)
+        if not is_own:
+            self._write(f"{name} = {counter};", depth + 1)
+        self._block(node.body, depth + 1)
+        self._write("}", depth)
+
+    def _is_kept(self, end: ast.expr, node: ast.For) -> bool:
+        """Whether the end of a range is a local name that the loop leaves alone."""
+        return isinstance(end, ast.Name) and not any(
+            isinstance(part, ast.Name) and part.id == end.id and not isinstance(part.ctx, ast.Load)
+            for part in ast.walk(node)
+        )
+
+    def _over_items(self, node: ast.For, depth: int, remark: str) -> None:
+        """A loop over the items of a table or a vector."""
+        place = self._new("place")
+        items = self.say.length(node.iter)
+        if isinstance(self.say.kind(node.iter), tuple) and not isinstance(node.iter, ast.Name):
+            raise Untranslatable(f"a loop over {ast.unparse(node.iter)}: name the tuple as a constant", node)
+        self._write(f"for (int32_t {place} = 0; {place} < {items}; {place}++) {{", depth, remark)
+        assert isinstance(node.target, ast.Name)
+        name, is_own = self.unit.local(node.target.id), id(node) in self.scopes.private
+        declared = f"{self.unit.type_of(self.names[node.target.id], node)} {name}" if is_own else name
+        self._write(f"{declared} = {self.say.vector(node.iter).text}[{place}];", depth + 1)
+        if is_own:
+            self._write(f"(void){name};", depth + 1)
+        self._block(node.body, depth + 1)
+        self._write("}", depth)
+
+    def _new(self, like: str, stays: bool = False) -> str:
+        """A name that the function does not use; one that `stays` is not made again."""
+        taken = {self.unit.local(node.id) for node in ast.walk(self.node) if isinstance(node, ast.Name)} | self.fresh
+        name, count = like, 1
+        while name in taken:
+            count += 1
+            name = f"{like}{count}"
+        if stays:
+            self.fresh.add(name)
+        return name
+
+    def _assign(self, node: ast.stmt, target: ast.expr, value: ast.expr, depth: int) -> None:
+        remark = self.comments.at(node.lineno, node.end_lineno or node.lineno)
+        if isinstance(target, ast.Tuple | ast.List):
+            self._unpack(node, target, value, depth, remark)
+            return
+        if isinstance(target, ast.Name):
+            self._set_name(node, target.id, value, depth, remark)
+            return
+        if not self.unit.is_pure(value) and isinstance(target, ast.Subscript) and self.unit.may_change(target.slice):
+            raise Untranslatable(
+                "the index may change while the value is worked out: assign the value to a name first", node
+            )
+        place = self.say.as_kind(target, REAL).text
+        self._write(f"{place} = {self.say.real(value).text};", depth, remark)
+
+    def _set_name(self, node: ast.stmt, name: str, value: ast.expr, depth: int, remark: str) -> None:
+        kind = self.names.get(name, REAL)
+        if isinstance(value, ast.Name) and (self.name, value.id) in self.unit.heard:
+            raise Untranslatable(f"{name} would be a second name of the message", node)
+        if isinstance(kind, tuple):
+            self._set_record(node, name, kind, value, depth, remark)
+            return
+        text = self.say.as_kind(value, kind).text
+        if not self.scopes.is_read(name):
+            self._write(f"(void){self.say.as_kind(value, kind).within(9)};", depth, remark)
+            return
+        is_new = name in self.scopes.at.get(id(node), ())
+        if is_new:
+            self.scopes.at[id(node)].discard(name)
+        self._write(f"{self._declared(name, node) if is_new else self.unit.local(name)} = {text};", depth, remark)
+
+    def _set_record(
+        self, node: ast.stmt, name: str, kind: tuple[Kind, ...], value: ast.expr, depth: int, remark: str
+    ) -> None:
+        """Give a local tuple its items."""
+        record = self.unit.record_of(kind, node)
+        if name in self.scopes.at.get(id(node), ()):
+            self.scopes.at[id(node)].discard(name)
+            self._write(f"struct {record.name} {self.unit.local(name)};", depth, remark)
+        texts = self._items(node, value, len(kind), depth, kind)
+        if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
+            texts = [self._kept(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
+        for text, item in zip(texts, record.items, strict=True):
+            self._write(f"{self.unit.local(name)}.{item} = {text};", depth)
+        if not self.scopes.is_read(name):
+            self._write(f"(void){self.unit.local(name)};", depth)
+
+    def _items(
+        self, node: ast.stmt, value: ast.expr, count: int, depth: int, kinds: tuple[Kind, ...] | None = None
+    ) -> list[str]:
+        """The items of a tuple in C; a call is made once, before."""
+        match value:
+            case ast.Tuple(elts=items) | ast.List(elts=items):
+                if len(items) != count or any(isinstance(item, ast.Starred) for item in items):
+                    raise Untranslatable(f"{ast.unparse(value)} should have {count} items", node)
+                return [
+                    self.say.as_kind(item, kinds[k] if kinds else self.say.kind(item)).text
+                    for k, item in enumerate(items)
+                ]
+            case ast.Call(func=ast.Attribute(attr=name)) | ast.Call(func=ast.Name(id=name)) if (
+                name in ("frexp", "divmod", "modf") and name not in self.unit.functions
+            ):
+                return self._split(name, value, depth)
+            case ast.IfExp(test=test):
+                what = f"a choice between tuples has no translation to C: if {ast.unparse(test)}: and else: are right"
+                raise Untranslatable(what, node)
+        record = self.say.record(value)
+        if record is None or len(record.items) != count:
+            raise Untranslatable(f"{ast.unparse(value)} gives no tuple of {count}", node)
+        if isinstance(value, ast.Call):
+            name = self._new("result", stays=True)
+            text = self.say.as_kind(value, record.kinds).text
+            self._write(f"const struct {record.name} {name} = {text};", depth)
+            return [f"{name}.{item}" for item in record.items]
+        return [self.say._item(value, k) for k in range(count)]
+
+    def _split(self, function: str, value: ast.Call, depth: int) -> list[str]:
+        """The two results of a function that Python returns as a tuple."""
+        arguments = value.args
+        if function == "frexp":
+            power = self._new("exponent", stays=True)
+            self._write(f"int {power};", depth)
+            return [f"{self.unit.math('frexp')}({self.say.real(arguments[0]).text}, &{power})", power]
+        if function == "modf":
+            whole = self._new("whole", stays=True)
+            self._write(f"number {whole};", depth)
+            return [f"{self.unit.math('modf')}({self.say.real(arguments[0]).text}, &{whole})", whole]
+        if not all(map(self.unit.is_pure, arguments)):
+            raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
+        if self.say.kind(value) == (WHOLE, WHOLE):
+            texts = ", ".join(self.say.whole(argument).text for argument in arguments)
+            return [f"{self.unit.need('whole_floor_divide')}({texts})", f"{self.unit.need('whole_modulo')}({texts})"]
+        texts = ", ".join(self.say.real(argument).text for argument in arguments)
+        return [f"{self.unit.need('number_floor_divide')}({texts})", f"{self.unit.need('number_modulo')}({texts})"]
+
+    def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int, remark: str) -> None:
+        places = target.elts
+        if any(isinstance(place, ast.Starred) for place in places):
+            raise Untranslatable("a starred name takes a list, which C does not have", node)
+        own = [self.names.get(place.id, REAL) if isinstance(place, ast.Name) else REAL for place in places]
+        texts = self._items(node, value, len(places), depth, tuple(own))
+        in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # such as divmod
+        later = value.elts if isinstance(value, ast.Tuple) else [value] * len(places) if in_parts else []
+        if any(self._may_set(place, item) for k, item in enumerate(later) for place in places[:k]):
+            texts = [self._kept(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
+        for place, text in zip(places, texts, strict=True):
+            if isinstance(place, ast.Name):
+                if not self.scopes.is_read(place.id):
+                    if in_parts or not all(map(self.unit.is_pure, later)):
+                        self._write(f"(void)({text});", depth)
+                    continue
+                is_new = place.id in self.scopes.at.get(id(node), ())
+                start = self._declared(place.id, node) if is_new else self.unit.local(place.id)
+            elif isinstance(place, ast.Attribute | ast.Subscript):
+                start = self.say.as_kind(place, REAL).text
+            else:
+                raise Untranslatable("a tuple within a tuple has no translation to C", node)
+            self._write(f"{start} = {text};", depth, remark)
+            remark = ""
+
+    def _kept(self, text: str, kind: Kind, node: ast.stmt, depth: int) -> str:
+        """A name for a value that is worked out before anything is set."""
+        name = self._new("new", stays=True)
+        self._write(f"const {self.unit.type_of(kind, node)} {name} = {text};", depth)
+        return name
+
+    def _may_set(self, place: ast.expr, item: ast.expr) -> bool:
+        """Whether setting a place may change what an expression gives: of the same name, field, or any vector."""
+        parts = list(ast.walk(item))
+        if isinstance(place, ast.Name):
+            return any(isinstance(part, ast.Name) and part.id == place.id for part in parts)
+        if any(isinstance(part, ast.Call) and called(part) in self.unit.functions for part in parts):
+            return True
+        if isinstance(place, ast.Attribute):
+            return any(isinstance(part, ast.Attribute) and part.attr == place.attr for part in parts)
+        return any(isinstance(part, ast.Subscript) for part in parts)
+
+    def _augment(self, node: ast.AugAssign, depth: int) -> None:
+        target, remark = node.target, self.comments.at(node.lineno, node.end_lineno or node.lineno)
+        kind = self.names.get(target.id, REAL) if isinstance(target, ast.Name) else REAL
+        read = _loaded(target)
+        whole = ast.copy_location(ast.BinOp(read, node.op, node.value), node)
+        self.unit.check_order(whole)
+        place = self.say.as_kind(read, kind).text
+        if type(node.op) in SET and not (kind == WHOLE and self.say.kind(node.value) == REAL):
+            self._write(f"{place} {SET[type(node.op)]} {self.say.as_kind(node.value, kind).text};", depth, remark)
+        else:
+            self._write(f"{place} = {self.say.as_kind(whole, kind).text};", depth, remark)
+
+    def _return(self, node: ast.Return, value: ast.expr | None, depth: int) -> None:
+        remark = self.comments.at(node.lineno, node.end_lineno or node.lineno)
+        is_nothing = value is None or (isinstance(value, ast.Constant) and value.value is None)
+        if isinstance(self.result, Record):
+            if isinstance(value, ast.IfExp):
+                self._write(f"if ({self.say.truth(value.test).text}) {{", depth, remark)
+                self._return(node, value.body, depth + 1)
+                self._write("} else {", depth)
+                self._return(node, value.orelse, depth + 1)
+                self._write("}", depth)
+            elif is_nothing:
+                self._write("return false;", depth, remark)
+            else:
+                assert value is not None
+                self._return_record(node, self.result, value, depth, remark)
+        elif is_nothing or value is None:
+            self._write("return;", depth, remark)
+        else:
+            self._write(f"return {self.say.as_kind(value, self.result).text};", depth, remark)
+
+    def _return_record(self, node: ast.Return, record: Record, value: ast.expr, depth: int, remark: str) -> None:
+        name = out_name(self.unit, self.name)
+        other = called(value)
+        if other in self.unit.functions and self.unit.results[other] == record:
+            text = self._passed_on(value, other, name)  # type: ignore[arg-type]
+            self._write(f"return {text};", depth, remark)
+            return
+        arrow = "->" if self.fills else "."
+        if not self.fills:
+            self._write(f"struct {record.name} {name};", depth)
+        if isinstance(value, ast.Tuple) and len(value.elts) == len(record.items):
+            for item, place, kind, items in zip(value.elts, record.items, record.kinds, record.lengths, strict=True):
+                self._fill(f"{name}{arrow}{place}", item, kind, items, depth)
+        else:
+            kinds = tuple(REAL for _ in record.items)
+            texts = self._items(node, value, len(record.items), depth, kinds)
+            for text, place in zip(texts, record.items, strict=True):
+                self._write(f"{name}{arrow}{place} = {text};", depth)
+        self._write("return true;" if self.fills else f"return {name};", depth, remark)
+
+    def _passed_on(self, value: ast.Call, other: str, name: str) -> str:
+        """A call whose result is returned as it is."""
+        given = [
+            self.say.as_kind(argument, self.unit.kinds.names[other].get(place, REAL)).text
+            for argument, place in zip(value.args, arguments_of(self.unit.functions[other]), strict=True)
+        ]
+        more = [name] if self.unit.returns_record(other) else []
+        return f"{self.unit.function(other)}({', '.join([*given, *more])})"
+
+    def _fill(self, place: str, item: ast.expr, kind: Kind, items: int, depth: int) -> None:
+        """Set an item of a record, which may be a vector."""
+        if not items:
+            self._write(f"{place} = {self.say.as_kind(item, kind).text};", depth)
+        elif isinstance(item, ast.Tuple):
+            for k, part in enumerate(item.elts):
+                self._write(f"{place}[{k}] = {self.say.real(part).text};", depth)
+        else:
+            at = self._new("k")
+            self._write(f"for (int32_t {at} = 0; {at} < {items}; {at}++) {{", depth)
+            self._write(f"{place}[{at}] = {self.say.vector(item).text}[{at}];", depth + 1)
+            self._write("}", depth)
+
+
+def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
+    """A statement of one expression, of which a test chooses the part that is evaluated."""
+    parts: list[ast.stmt] = [ast.copy_location(ast.Expr(value), node) for value in values]
+    made = ast.If(test, parts[:1], parts[1:])
+    return ast.fix_missing_locations(ast.copy_location(made, node))
+
+
+def _says(node: ast.AST) -> bool:
+    """Whether a node returns anything but None."""
+    is_none = isinstance(node, ast.Return) and isinstance(node.value, ast.Constant) and node.value.value is None
+    return isinstance(node, ast.Return) and node.value is not None and not is_none
+
+
+def _remark(text: str) -> str:
+    return f"  // {text}" if text else ""
+
+
+def _is_range(node: ast.expr) -> bool:
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "range"
+
+
+def _is_fixed(node: ast.expr, names: dict[str, Kind]) -> bool:
+    """Whether the value cannot change while the program runs."""
+    is_length = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "len"
+    return literal(node) is not None or is_length or (isinstance(node, ast.Name) and node.id not in names)
+
+
+def _loaded(node: ast.expr) -> ast.expr:
+    """An expression that was assigned to, to be read."""
+    return ast.parse(ast.unparse(node), mode="eval").body

@@ -1,0 +1,255 @@
+"""What a translation to C knows about a source: kinds, constants, names in C, and helper functions that it needs."""
+
+import ast
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from swarmcensus.brains.kinds import NOTHING, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, Kinds, arguments_of
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.brains.syntax import functions_of, may_be_none
+from swarmcensus.translation.reserved import OF_FIELDS, OF_FUNCTIONS, OF_LOCALS, OURS
+
+ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
+SPECIAL = {"interval": ("low", "high"), "steer": ("speed", "turn")}  # names for what these functions return
+C_TYPES = {REAL: "number", WHOLE: "int32_t", TRUTH: "bool", NOTHING: "void"}
+
+
+class Untranslatable(Exception):
+    """A line of a source has no translation."""
+
+    def __init__(self, what: str, node: ast.AST) -> None:
+        """Keep the message and the line."""
+        super().__init__(what)
+        self.line = getattr(node, "lineno", 0)
+
+
+class Record(NamedTuple):
+    """A struct of C that holds the items of a tuple."""
+
+    name: str
+    items: tuple[str, ...]
+    kinds: tuple[Kind, ...]
+    lengths: tuple[int, ...]  # of items that are vectors; 0 for a number
+
+
+@dataclass
+class Unit:
+    """One source to be translated."""
+
+    tree: ast.Module
+    kinds: Kinds
+    constants: Mapping[str, Any]  # the values of its constants
+    number: str  # the type of real numbers in C, "float" or "double"
+    message: Record | None = None  # what `broadcast` returns and `receive` takes
+    parameters: frozenset[str] = frozenset()  # fields of the record that are constants in C
+    prefix: str = ""  # of functions and constants in C
+    needs: set[str] = field(default_factory=set)  # names of helper functions in C
+    used: set[str] = field(default_factory=set)  # constants that functions read
+    used_parameters: set[str] = field(default_factory=set)
+    functions_of_math: set[str] = field(default_factory=set)
+    pointed: set[str] = field(default_factory=set)  # constant tables that functions are given
+    counters: set[tuple[str, str]] = field(default_factory=set)  # names, by function, that are never negative
+    records: dict[str, Record] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Find what each function returns, and which functions change the record."""
+        self.functions = self._reached()
+        for function in self.functions.values():
+            for node in ast.walk(function):
+                if called(node) in self.functions:
+                    _check_plain(node)  # type: ignore[arg-type]
+        self.writers = self._writers()
+        self.heard = self._heard()  # arguments, by function, that are the message of a neighbour
+        self.speakers = self._speakers()
+        self.results = {name: self._result(name) for name in self.functions}
+
+    def _reached(self) -> dict[str, ast.FunctionDef]:
+        """The functions that others call, and those that these call; all, if it is not known which others call."""
+        functions = functions_of(self.tree)
+        reached = [name for name in functions if name in self.kinds.first] or [*functions]
+        for name in reached:
+            calls = {called(node) for node in ast.walk(functions[name])}
+            reached += sorted((calls & functions.keys()) - {*reached})
+        return {name: function for name, function in functions.items() if name in reached}
+
+    def local(self, name: str) -> str:
+        """A local name in C."""
+        return in_c(name, OF_LOCALS)
+
+    def field(self, name: str) -> str:
+        """A field of the record in C."""
+        return in_c(name, OF_FIELDS)
+
+    def function(self, name: str) -> str:
+        """The name of a function in C."""
+        return f"{self.prefix}{name}" if self.prefix else in_c(name, OF_FUNCTIONS)
+
+    def constant(self, name: str) -> str:
+        """The name of a constant in C."""
+        self.used.add(name)
+        return f"{self.prefix}{name}" if self.prefix else in_c(name, OF_FUNCTIONS)
+
+    def math(self, name: str) -> str:
+        """The name of a function of math.h for this type of numbers."""
+        return f"{name}f" if self.number == "float" else name
+
+    def need(self, name: str) -> str:
+        """A helper function, which is then written into the file."""
+        self.needs.add(name)
+        return name
+
+    def real(self, value: float) -> str:
+        """A real number as a literal."""
+        if self.number == "float":
+            value = rounded_to_single(value)
+        if math.isinf(value):
+            return "-INFINITY" if value < 0 else "INFINITY"
+        if self.number == "double":
+            return repr(float(value))
+        text = str(np.float32(value))  # the shortest decimal from which a compiler gets this float32
+        return f"{text if set(text) & set('.en') else text + '.0'}f"
+
+    def returns_record(self, name: str) -> bool:
+        """Whether a function fills a record and returns whether it has anything to say."""
+        return isinstance(self.results[name], Record) and (
+            name in self.speakers or name == "steer" or may_be_none(self.functions[name])
+        )
+
+    def type_of(self, kind: Kind, node: ast.AST) -> str:
+        """The type in C of a value of this kind. Raises Untranslatable."""
+        if isinstance(kind, tuple):
+            return f"struct {self.record_of(kind, node).name}"
+        if kind == VECTOR:
+            return "const number *"
+        if kind == RECORD:
+            return "const struct brain *"
+        return C_TYPES[kind]
+
+    def record_of(self, kind: tuple[Kind, ...], node: ast.AST) -> Record:
+        """The struct for tuples of this kind. Raises Untranslatable for tuples that hold more than numbers."""
+        if any(item not in (REAL, WHOLE, TRUTH) for item in kind) or not 0 < len(kind) <= len(ORDINALS):
+            raise Untranslatable(f"a tuple of other things than 1 to {len(ORDINALS)} numbers has no type in C", node)
+        name = "_".join(str(item) for item in kind) if len(kind) > 1 else f"one_{kind[0]}"
+        record = Record(name, ORDINALS[: len(kind)], kind, (0,) * len(kind))
+        return self.records.setdefault(name, record)
+
+    def is_pure(self, node: ast.AST) -> bool:
+        """Whether an expression changes nothing, so that it may be left out or written twice."""
+        return not any(
+            isinstance(part, ast.NamedExpr)
+            or (isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.writers)
+            for part in ast.walk(node)
+        )
+
+    def check_order(self, node: ast.AST) -> None:
+        """Raise Untranslatable if the value depends on the order of evaluation, which C leaves open."""
+        for part in ast.walk(node):
+            if isinstance(part, ast.BoolOp | ast.IfExp):
+                continue
+            sides = [side for side in ast.iter_child_nodes(part) if isinstance(side, ast.expr)]
+            for side in sides:
+                others = [other for other in sides if other is not side]
+                sets = {part.target.id for part in ast.walk(side) if isinstance(part, ast.NamedExpr)}
+                names = {part.id for other in others for part in ast.walk(other) if isinstance(part, ast.Name)}
+                if sets & names or (not self.is_pure(side) and any(map(self.may_change, others))):
+                    raise Untranslatable(
+                        f"{ast.unparse(side)} changes what the rest of the line reads, and C may evaluate them in any "
+                        "order: assign it to a name in a line before",
+                        side if isinstance(side, ast.expr) else node,
+                    )
+
+    def may_change(self, node: ast.expr) -> bool:
+        """Whether a value may change while others are evaluated."""
+        return any(isinstance(part, ast.Attribute | ast.NamedExpr) for part in ast.walk(node)) or any(
+            isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.functions
+            for part in ast.walk(node)
+        )
+
+    def _result(self, name: str) -> Record | Kind:
+        kind = self.kinds.results.get(name, NOTHING)
+        if name in self.speakers:
+            assert self.message is not None
+            return self.message
+        if name in SPECIAL and not self.prefix:
+            items = SPECIAL[name]
+            record = Record({"steer": "wish"}.get(name, name), items, (REAL,) * len(items), (0,) * len(items))
+            return self.records.setdefault(record.name, record)
+        if isinstance(kind, tuple):
+            return self.record_of(kind, self.functions[name])
+        if kind != NOTHING and may_be_none(self.functions[name]):
+            raise Untranslatable(
+                f"{name} may return a value or nothing, which C cannot tell apart", self.functions[name]
+            )
+        return kind
+
+    def _speakers(self) -> frozenset[str]:
+        """`broadcast`, and functions whose results it returns as they are."""
+        reached = ["broadcast"] if self.message and "broadcast" in self.functions else []
+        for name in reached:
+            for node in ast.walk(self.functions[name]):
+                if isinstance(node, ast.Return) and node.value is not None:
+                    reached += [called for called in self._returned(node.value) if called not in reached]
+        for name in reached[1:]:
+            calls = sum(1 for f in self.functions.values() for node in ast.walk(f) if called(node) == name)
+            returns = sum(
+                1
+                for speaker in reached
+                for node in ast.walk(self.functions[speaker])
+                if isinstance(node, ast.Return) and node.value is not None and name in self._returned(node.value)
+            )
+            if calls > returns:  # something else is done with what it returns
+                reached = reached[: reached.index(name)]
+                break
+        return frozenset(reached)
+
+    def _returned(self, value: ast.expr) -> list[str]:
+        if isinstance(value, ast.IfExp):
+            return [*self._returned(value.body), *self._returned(value.orelse)]
+        return [name] if (name := called(value)) in self.functions else []
+
+    def _heard(self) -> frozenset[tuple[str, str]]:
+        heard = [("receive", arguments_of(self.functions["receive"])[1])] if self.message else []
+        for function, name in heard:
+            for node in ast.walk(self.functions[function]):
+                if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
+                    continue
+                for place, argument in enumerate(node.args if node.func.id in self.functions else ()):
+                    if isinstance(argument, ast.Name) and argument.id == name:
+                        found = node.func.id, arguments_of(self.functions[node.func.id])[place]
+                        heard += [found] if found not in heard else []
+        return frozenset(heard)
+
+    def _writers(self) -> frozenset[str]:
+        writers: set[str] = set()
+        before = -1
+        while len(writers) != before:
+            before = len(writers)
+            for name, function in self.functions.items():
+                for node in ast.walk(function):
+                    stores = isinstance(node, ast.Attribute | ast.Subscript) and isinstance(node.ctx, ast.Store)
+                    calls = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in writers
+                    if stores or calls:
+                        writers.add(name)
+        return frozenset(writers)
+
+
+def _check_plain(node: ast.Call) -> None:
+    """Raise Untranslatable if a call names its arguments, or spreads them."""
+    if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
+        raise Untranslatable(f"{ast.unparse(node)}: C has neither named nor spread arguments", node)
+
+
+def called(node: ast.AST) -> str:
+    """The name of the function that an expression calls by its name; empty if it is something else."""
+    return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+
+
+def in_c(name: str, taken: Collection[str]) -> str:
+    """A name in C: without letters that C lacks, and with one more underscore if it is taken but for those it has."""
+    made = "".join(c if c.isascii() else f"u{ord(c):04x}" for c in name)
+    plain = made.rstrip("_") or made
+    return f"{made}_" if plain in taken or OURS.match(plain) else made

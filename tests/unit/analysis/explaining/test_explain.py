@@ -1,0 +1,329 @@
+"""`sc.explain`, `explain` and theory's curves in figures, also where theory does not hold."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import theory
+from swarmcensus.analysis.explaining.expectations import ALONE, MIXED, NEAR, SWARM, expect
+from swarmcensus.cli.commands import main
+from swarmcensus.simulation import sampling
+from swarmcensus.support.errors import InputError
+from tests.support.places import ROOT
+
+COMMONS = ROOT / "tests" / "support" / "commons.py"
+BASE = {
+    "trials": 10, "seed": 3,
+    "swarm": {"robots": 12, "accuracy": 0.8}, "world": {"topology": "ring", "fill_ratio": 0.55},
+    "schedule": {"rounds": 30, "observations_per_round": 10}, "measure": {"checkpoints": [5, 30]},
+}  # fmt: skip
+
+
+def run(**changes):
+    tables = dict(BASE)
+    for table, values in changes.items():
+        tables[table] = tables.get(table, {}) | values if isinstance(values, dict) else values
+    return sc.run(sc.Study(**tables))
+
+
+@pytest.fixture(scope="module")
+def results():
+    return run(
+        swarm={"brain": ["minimalistic", str(COMMONS)], "accuracy": [0.8, "U(0.6, 0.9)"]},
+        world={"topology": ["ring", "scale-free"]},
+    )
+
+
+def walk(truth="nominal"):
+    """Robots that move."""
+    return sc.run(
+        sc.Study(
+            trials=6, seed=3, swarm=BASE["swarm"], world={"topology": "moving", "density": 4, "fill_ratio": 0.55},
+            schedule={"ticks": 200}, measure={"truth": truth},
+        )
+    )  # fmt: skip
+
+
+def only(results, **values):
+    mask = np.logical_and.reduce([results[name].values == value for name, value in values.items()])
+    return int(results["setting"].values[mask][0])
+
+
+def test_measured_figures_are_those_of_the_results(results):
+    number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
+    found, one = sc.explain(results, number), results.sel(setting=number)
+    off = one["final_estimate"].values - 0.55
+    assert found.median_error[0] == np.median(np.abs(off))
+    assert found.squared_error[0] == pytest.approx((off**2).mean())
+    assert (found.sd, found.bias) == (pytest.approx(off.std()), pytest.approx(off.mean()))
+    assert found.convergence_round[0] == np.median(one["convergence_round"])
+    assert [share[0] for share in found.right] == pytest.approx(one["correct"].mean("trial").values.tolist())
+    assert (found.checkpoints, found.rounds, found.trials, found.unit) == ([5, 30], 30, 10, "rounds")
+
+
+def test_lines_are_theorys(results):
+    number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
+    lines = sc.explain(results, number).theory
+    assert {*lines} == {ALONE, NEAR, MIXED, SWARM}
+    ring = theory.mixing_matrix("ring", 12)
+    for k, rounds in enumerate((5, 30, 30)):
+        law = theory.local_law(10 * rounds, 0.55, 0.8)
+        assert lines[ALONE].variance[k] == pytest.approx(law.variance)
+        assert lines[ALONE].median_error[k] == theory.error_law(law, 0.55).quantile(0.5)
+        assert lines[ALONE].right[k] == pytest.approx(theory.right_share(law, 0.55))
+        mixed = theory.mixing_variance(ring, rounds, 10, 0.55, 0.8)[0]
+        assert lines[MIXED].variance[k] == pytest.approx(mixed)
+        assert lines[MIXED].right[k] == pytest.approx(float(theory.normal_right_share(mixed, 0.55)))
+        bound = float(theory.swarm_bound(10 * rounds, 0.55, 0.8, robots=12))
+        assert lines[SWARM].variance[k] == pytest.approx(bound)
+        assert lines[NEAR].variance[k] == pytest.approx(4 * bound)
+        assert lines[SWARM].median_error[k] == pytest.approx(float(theory.median_error(bound)))
+        assert (lines[SWARM].low[k] + lines[SWARM].high[k]) / 2 == pytest.approx(0.55)
+
+
+def test_explanation_uses_the_trials_own_draws(results):
+    number = only(results, brain="minimalistic", topology="scale-free", accuracy="U(0.6,0.9)")
+    study = sc.Study.parse(results.attrs["study"], context={"base": COMMONS.parent})
+    setting = study.settings()[number]
+    b, w = sampling.accuracies(setting, study.seed, 0, 10)[:2]
+    found = expect(results, number, [30])
+    assert found.graphs == 10
+    assert found.lines[SWARM].variance[0] == pytest.approx(theory.swarm_bound(300, 0.55, b, w).mean())
+    expected = []
+    for trial in range(10):
+        links = sampling.links(setting, study.seed, trial, 1)
+        matrix = theory.mixing_matrix(np.stack([links.senders, links.receivers], 1).tolist(), 12, directed=True)
+        expected.append(theory.mixing_variance(matrix, 30, 10, 0.55, b[trial], w[trial]))
+    assert found.lines[MIXED].variance[0] == pytest.approx(np.mean(expected))
+
+
+def test_what_limits_a_swarm(results):
+    """The paper's brain does not pass news on; sums that are mixed leave nothing to it."""
+    lazy = sc.explain(results, only(results, brain="minimalistic", topology="ring", accuracy="0.8"))
+    busy = sc.explain(results, only(results, brain=str(COMMONS), topology="ring", accuracy="0.8"))
+    assert max(lazy.terms, key=lazy.terms.get) == "mixing"
+    assert lazy.limit.startswith("mixing: ")
+    assert busy.efficiency[0] > 2 * lazy.efficiency[0]
+    assert sum(lazy.terms.values()) == pytest.approx(lazy.squared_error[0])
+    assert max(busy.terms, key=busy.terms.get) in ("sensors", "time")
+    low, high = lazy.squared_error[1:]
+    bound = lazy.theory[SWARM].variance[-1]
+    assert lazy.efficiency == pytest.approx((bound / lazy.squared_error[0], bound / high, bound / low))
+
+
+@pytest.mark.long
+def test_brain_faster_than_mixed_sums():
+    """`swift` beats plain mixing on a ring: what mixed sums would lose to time is not laid to its charge."""
+    data = run(swarm={"brain": "swift", "robots": 30, "accuracy": 0.6}, schedule={"rounds": 200})
+    found = sc.explain(data, 0)
+    assert found.squared_error[0] < found.theory[MIXED].variance[-1]
+    left = max(found.squared_error[0] - found.terms["sensors"], 0.0)
+    assert found.terms["time"] <= left
+    assert found.terms["mixing"] == pytest.approx(left - found.terms["time"])
+
+
+def test_under_robots_that_move_the_floor_has_its_part():
+    found = sc.explain(walk(), 0)
+    assert {*found.theory} == {SWARM}
+    assert found.unit == "ticks"
+    assert [*found.terms] == ["sensors", "floor", "mixing"]
+    assert found.terms["floor"] > 0.0
+    assert {*found.absent} == {ALONE, NEAR, MIXED}
+    assert sc.explain(walk("floor"), 0).terms["floor"] == 0.0
+
+
+NOWHERE = {ALONE, NEAR, MIXED, SWARM}
+
+
+@pytest.mark.long(but=["changes1-absent1-sensors drift", "changes7-absent7-messages are lost"])
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("changes", "absent", "why"),
+    [
+        (
+            {"world": {"fill_ratio": {"from": 0.85, "to": 0.15, "at": 9}}},
+            NOWHERE,
+            "the floor changes while robots observe",
+        ),
+        ({"swarm": {"accuracy": {"start": 0.8, "drift": -0.001}}}, NOWHERE, "sensors drift"),
+        ({"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, NOWHERE, "some robots lie"),
+        ({"faults": [{"at": 3, "robots": 2, "stop": "sensing"}]}, NOWHERE, "parts of robots fail"),
+        ({"swarm": {"brain": {"file": "sure", "within": 0.4}}}, NOWHERE, "some robots are done before the end"),
+        ({"swarm": {"accuracy": 0.5}}, NOWHERE, "b + w = 1: readings say nothing of the floor"),
+        ({"swarm": {"assumed_accuracy": 0.7}}, {ALONE, MIXED}, "robots are wrong about their sensors"),
+        ({"world": {"link_success": 0.5}}, {MIXED}, "messages are lost"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:.*carries no information:UserWarning")
+def test_where_theory_does_not_hold_it_says_why(changes, absent, why, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    data = run(trials=6, **changes)
+    found = sc.explain(data, 0)
+    assert {*found.absent} == absent
+    assert all(said.startswith(why) for said in found.absent.values())
+    assert {*found.theory} == NOWHERE - absent
+    assert bool(found.terms) == (SWARM not in absent)
+    sc.save(data, "some.nc")
+    assert main(["explain", "some.nc", "--setting", "0"]) == 0
+    printed = capsys.readouterr().out
+    assert why in printed
+    assert ("efficiency" in printed) == (SWARM not in absent)
+    for figure in (sc.plot.decisions(data, theory=True), sc.plot.scatter(data, theory=True)):
+        drawn = [line for line in figure.axes[0].lines if str(line.get_label()).startswith("theory")]
+        assert len(drawn) == len({ALONE, SWARM} - absent)
+        assert (f"no theory: {why}" in figure.axes[0].get_title(loc="left").replace("\n", " ")) == (not drawn)
+
+
+def test_it_is_printed(results, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    sc.save(results, "some.nc")
+    number = only(results, brain=str(COMMONS), topology="ring", accuracy="0.8")
+    assert main(["explain", "some.nc", "--setting", str(number)]) == 0
+    out, found = capsys.readouterr().out, sc.explain(results, number)
+    rows = {line[:20].strip(): line[20:].split() for line in out.splitlines()}
+    for said, name in (("a robot alone", ALONE), ("its neighbourhood", NEAR), ("mixed sums", MIXED)):
+        line = found.theory[name]
+        assert rows[said][0] == f"{line.median_error[-1]:.4f}"
+        assert rows[said][-1] == f"{100 * line.right[-2]:.1f}"
+    assert re.search(rf"^efficiency: {found.efficiency[0]:.3g} \[", out, re.MULTILINE)
+    assert "made of sensors" in out
+    assert f"What limits it most is {found.limit}" in out
+
+
+@pytest.fixture(scope="module")
+def file(results, tmp_path_factory):
+    path = tmp_path_factory.mktemp("explained") / "some.nc"
+    sc.save(results, path)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--setting", "99"], "setting 99: these results hold setting 0 to 7"),
+        (["--setting", "-1"], "should be a whole number from 0"),
+        (["--setting", "1", "--limit", "0"], "--limit does not go with --setting, which shows one setting"),
+        (["--json", "--limit", "3"], "--limit 3 does not go with --json, which has all settings"),
+        (["--json", "--limit", "0"], "--limit 0 does not go with --json, which has all settings"),
+        (["--where", "robots == 7"], "where"),
+    ],
+)
+def test_a_setting_that_is_not_there_is_named(file, arguments, said, capsys):
+    assert main(["explain", str(file), *arguments]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_setting_of_which_nothing_ran_is_named(results):
+    data = results.copy(deep=True)
+    data["convergence_round"].values[2] = -1
+    with pytest.raises(InputError, match="setting 2: none of its trials has been run"):
+        sc.explain(data, 2)
+
+
+@pytest.mark.long
+def test_where_nobody_errs_nothing_limits(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    certain = run(
+        trials=6, swarm={"brain": ["alone", "commons"], "robots": 2, "accuracy": 1.0}, world={"fill_ratio": [0, 1]}
+    )
+    sc.save(certain, "some.nc")
+    for number in range(4):
+        assert main(["explain", "some.nc", "--setting", str(number)]) == 0
+        out = capsys.readouterr().out
+        assert "nothing limits it" in out
+        assert "efficiency" not in out
+
+
+def test_few_trials_have_no_interval(results):
+    found = sc.explain(results.isel(trial=slice(0, 4)), 0)
+    assert np.isfinite(found.efficiency[0])
+    assert np.isnan(found.efficiency[1:]).all()
+
+
+# ---- figures
+
+
+def theory_of(axes):
+    return {str(line.get_label()): line for line in axes.lines if str(line.get_label()).startswith("theory")}
+
+
+def test_decisions_carry_expected_shares(results):
+    part = results.isel(setting=results["brain"].values == "minimalistic")
+    figure = sc.plot.decisions(part, theory=True)
+    number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
+    drawn = theory_of(figure.axes[0])
+    assert {*drawn} == {f"theory {name} {a}" for name in (ALONE, SWARM) for a in ("0.8", "U(0.6,0.9)")}
+    for name, line in sc.explain(results, number).theory.items():
+        if name in (ALONE, SWARM):
+            np.testing.assert_allclose(drawn[f"theory {name} 0.8"].get_ydata(), 100 * line.right[:2])
+    told = [text.get_text().replace("\n", " ") for text in figure.axes[1].get_legend().get_texts()]
+    assert {"theory: a robot alone", "theory: bound of the whole swarm"} <= {*told}
+    assert not theory_of(sc.plot.decisions(part).axes[0])
+
+
+def test_what_theory_says_of_several_brains_is_drawn_once(results):
+    """It is of sensors, and not of brains."""
+    part = results.isel(setting=(results["topology"].values == "ring") & (results["accuracy"].values == "0.8"))
+    number = only(part, brain="minimalistic")
+    for figure in (
+        sc.plot.decisions(part, color="brain", theory=True),
+        sc.plot.scatter(part, color="brain", theory=True),
+    ):
+        drawn = theory_of(figure.axes[0])
+        assert {*drawn} == {f"theory {name}" for name in (ALONE, SWARM)}
+        assert {line.get_color() for line in drawn.values()} == {"0.3"}
+    expected = sc.explain(part, number).theory[SWARM].median_error[-1]
+    assert drawn[f"theory {SWARM}"].get_ydata()[0] == expected
+
+
+def test_scatters_carry_expected_medians(results):
+    part = results.isel(setting=results["brain"].values == "minimalistic")
+    number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
+    drawn = theory_of(sc.plot.scatter(part, theory=True).axes[0])
+    for name in (ALONE, SWARM):
+        expected = sc.explain(results, number).theory[name].median_error[-1]
+        assert drawn[f"theory {name} 0.8"].get_ydata()[0] == expected
+
+
+def test_theory_curve_of_pooled_settings(results):
+    same = theory_of(sc.plot.decisions(results, panels=["brain"], theory=True).axes[0])
+    assert "theory alone 0.8" in same  # whatever the topology
+    sizes = run(swarm={"robots": [4, 12]})
+    drawn = theory_of(sc.plot.decisions(sizes, panels=[], theory=True).axes[0])
+    assert {*drawn} == {"theory alone 0.8"}  # and the bound is another
+
+
+def test_curves_carry_middle_halves(results):
+    number = only(results, brain="minimalistic", topology="ring", accuracy="0.8")
+    figure = sc.plot.curves(results, setting=number, theory=True)
+    lines = [line for line in figure.axes[0].lines if line.get_label() == "theory alone"]
+    law = theory.local_law(300, 0.55, 0.8)
+    assert [line.get_ydata()[-1] for line in lines] == [law.quantile(0.25), law.quantile(0.75)]
+    with pytest.raises(InputError, match="theory needs a study's results, not a trace"):
+        sc.plot.curves(sc.replay(results, number, 0), theory=True)
+
+
+def test_the_shell_lays_theory_over_three_kinds(results, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    some = results.isel(setting=results["brain"].values == "minimalistic")
+    sc.save(some, "some.nc")
+    assert main(["plot", "some.nc", "--kind", "decisions", "--theory", "--out", "d.svg"]) == 0
+    sc.plot.save(sc.plot.decisions(some, theory=True), "python.svg")
+    assert Path("d.svg").read_bytes() == Path("python.svg").read_bytes()
+    assert main(["plot", "some.nc", "--kind", "heatmap", "--theory"]) == 2
+    assert "--theory goes with --kind curves or decisions or scatter, not with heatmap" in capsys.readouterr().err
+
+
+def test_intervals_are_lists_in_json(file, capsys):
+    """Of three numbers, in every part of the document alike; and it is said whether the numbers are the run's own."""
+    assert main(["explain", str(file), "--setting", "0", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    for name in ("convergence_round", "median_error", "squared_error", "efficiency"):
+        assert len(document[name]) == 3
+        assert isinstance(document[name], list)
+    assert all(isinstance(interval, list) and len(interval) == 3 for interval in document["right"])
+    assert document["asked_anew"] == []

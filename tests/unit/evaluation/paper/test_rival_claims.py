@@ -1,0 +1,318 @@
+"""What was published about rivals: rules on made-up data, and the page has the numbers of `reproduce rivals`.
+
+Where a change was meant to alter numbers, run that, copy its claims.json to docs/rivals-claims.json, and mend the page
+as these tests say.
+"""
+
+import json
+import math
+from collections import Counter
+from dataclasses import replace
+from functools import cache, partial
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus.evaluation.paper import report, rival_explanations, rival_measures
+from swarmcensus.evaluation.paper.evaluations import RIVALS
+from swarmcensus.evaluation.paper.evidence import (
+    FAILS,
+    HOLDS,
+    NO,
+    OPEN,
+    UNMEASURED,
+    YES,
+    Detail,
+    Evidence,
+    Missing,
+    check,
+    outcome,
+)
+from swarmcensus.studies.coordinates import coordinates_of
+from swarmcensus.support.files import shipped_study
+from tests.support.pages import OUR_C_LIBRARY
+from tests.support.places import DOCS
+
+STORED = json.loads((DOCS / "rivals-claims.json").read_text(encoding="utf-8"))
+FOUND = {claim["id"]: claim for claim in STORED["claims"]}
+KNOWN = {claim.id: claim for claim in RIVALS.claims}
+STUDIES = {path.stem: path for path in shipped_study("rivals/claims").glob("*.toml")}
+VERDICTS = {HOLDS: "holds", FAILS: "**does not hold**"}
+TRIALS = 30
+QUICK = ("changing", "filters", "liars")  # seconds, on networks: the same on all machines
+
+
+# What claims are
+
+
+def test_claims_have_names_and_studies():
+    assert len(KNOWN) == len(RIVALS.claims) == len({claim.title for claim in RIVALS.claims})
+    assert {study for claim in RIVALS.claims for study in claim.studies} == set(STUDIES)
+    assert all(claim.studies and claim.sentence.endswith(".") for claim in RIVALS.claims)
+    assert all("abstract" in claim.section or "not checked" in claim.section for claim in RIVALS.claims)
+
+
+@pytest.mark.parametrize("path", STUDIES.values(), ids=STUDIES)
+def test_names_and_trials_of_claim_studies(path):
+    study = sc.Study.load(path)
+    assert study.name == path.stem
+    assert study.trials >= TRIALS
+    assert study.settings()
+
+
+@cache
+def settings_of(study):
+    """The coordinates of a study's settings."""
+    return [{"liars": 0} | coordinates_of(setting) for setting in sc.Study.load(STUDIES[study]).settings()]
+
+
+@pytest.mark.parametrize("claim", RIVALS.claims, ids=KNOWN)
+def test_all_settings_that_a_claim_asks_for_are_in_its_studies(claim, monkeypatch):
+    asked = []
+    with_numbers(monkeypatch, lambda evidence, study, where: asked.append((study, where)) or 1.0)
+    list(replaced(claim).measure(blank(), claim.right))
+    for study, where in asked:
+        assert study in claim.studies
+        assert sum(where.items() <= one.items() for one in settings_of(study)) == 1, (study, where)
+
+
+# The rules, on numbers that are made up
+
+
+def blank():
+    """Evidence without data: numbers are made up where they are asked for."""
+    return Evidence({}, trials=TRIALS)
+
+
+def with_numbers(monkeypatch, number):
+    """In place of every statistic, `number(evidence, study, where)` with a little noise by trial."""
+
+    def made_up(evidence, study, **where):
+        noise = np.random.default_rng(1).normal(0, 0.001, TRIALS)
+        return evidence.mean(number(evidence, study, where) * (1 + noise))
+
+    for name in STATISTICS:
+        monkeypatch.setattr(rival_measures, name, made_up)
+    monkeypatch.setattr(rival_measures, "_made_up", made_up, raising=False)
+
+
+STATISTICS = ("consensus_time", "right_robots")  # which rules ask for by name
+
+
+def replaced(claim):
+    """The claim with what `with_numbers` made up for a statistic that it names itself."""
+    old = claim.measure
+    if "of" not in old.keywords:
+        return claim
+    return replace(claim, measure=partial(old.func, **(old.keywords | {"of": rival_measures._made_up})))
+
+
+def is_first(claim, study, where):
+    """Whether a claim means this setting as the one that others are held against."""
+    keywords = claim.measure.keywords
+    if "first" in keywords:
+        name, brain = keywords["first"]
+        return study == name and brain.items() <= where.items()
+    if "patterned" in keywords:
+        return keywords["patterned"].items() <= where.items()
+    if claim.measure.func is rival_measures.growths:
+        return any(after.items() <= where.items() for _, after in keywords["worlds"])
+    return True
+
+
+def judged(claim, monkeypatch, first, other):
+    """The verdict where the first of a claim's settings has one number and the others another."""
+    with_numbers(monkeypatch, lambda _, study, where: first if is_first(claim, study, where) else other)
+    return outcome(replaced(claim), blank()).verdict
+
+
+def alone(claim):
+    """The claim without its reasons, which need data."""
+    return replace(claim, explanation=lambda *_: "")
+
+
+@pytest.mark.parametrize("claim", [c for c in RIVALS.claims if c.id != "three-robust"], ids=lambda claim: claim.id)
+def test_every_claim_can_hold_and_can_fail(claim, monkeypatch):
+    worlds = [(0.9, 0.3), (0.3, 0.9), (0.6, 0.6), (0.01, 0.01)]
+    assert {HOLDS, FAILS} <= {judged(alone(claim), monkeypatch, *world) for world in worlds}
+
+
+@pytest.mark.parametrize(("three", "boolean", "said"), [(0.1, 0.3, HOLDS), (0.3, 0.1, FAILS)])
+def test_who_loses_less_to_malfunction_is_the_more_robust(three, boolean, said, monkeypatch):
+    lost = {"three-valued": three, "boolean": boolean}
+    with_numbers(monkeypatch, lambda _, study, where: 0.9 - (where["liars"] > 0) * lost[study])
+    assert outcome(alone(KNOWN["three-robust"]), blank()).verdict == said
+
+
+def test_open_and_unmeasured_claims(monkeypatch):
+    claim = alone(KNOWN["direct-sooner"])
+    assert outcome(claim, blank()).verdict == UNMEASURED
+    assert judged(claim, monkeypatch, 0.9, 0.9) == f"not decided by {TRIALS} trials"
+
+
+# Statistics, by hand
+
+
+def made_up():
+    """A setting of three trials and four robots; in the third trial no option is right."""
+    never = math.inf
+    robots = ("setting", "trial", "robot")
+    data = xr.Dataset(
+        {
+            "decision": (robots, [[[1.0, 1, 1, 0], [0, 0, -1, -1], [1, 1, 1, 1]]]),
+            "decision_round": (robots, [[[1.0, 2, 3, 4], [1, 1, never, never], [2, 2, 2, 2]]]),
+            "convergence_round": (robots, [[[1, 2, 3, 4], [5, 6, 7, 8], [9, 9, 9, 9]]]),
+            "final_estimate": (robots, [[[0.5, 0.7, 0.6, 0.6], [0.2, 0.2, 0.2, 0.2], [1.0, 1, 1, 1]]]),
+            "consensus": (("setting", "trial"), [[1.0, -1.0, 1.0]]),
+            "consensus_round": (("setting", "trial"), [[4.0, never, 6.0]]),
+            "right_option": (("setting", "trial"), [[1.0, 1.0, np.nan]]),
+            "true_fill_ratio": (("setting", "trial"), [[0.6, 0.4, 0.5]]),
+        },
+        {name: ("setting", [value]) for name, value in (("robots", 4), ("rounds", 10), ("fill_ratio", 0.6))},
+        {"truth": "floor"},
+    )
+    return data
+
+
+def by_hand(name, data=None, resamples=400):
+    evidence = Evidence({"made-up": made_up() if data is None else data}, resamples)
+    return getattr(rival_measures, name)(evidence, "made-up", fill_ratio=0.6)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("consensus_time", 6.0),  # of 4, 10 and 6
+        ("decision_time", (2.5 + 5.5 + 2.0) / 3),
+        ("settling_time", 6.5),
+        ("consensus_right", 1 / 2),
+        ("none_agreed", 1 / 3),
+        ("right_robots", 3 / 8),
+        ("right_deciders", 3 / 6),
+        ("quorums", 1 / 3),
+        ("final_error", (0.05 + 0.2 + 0.5) / 3),
+    ],
+)
+def test_statistics_are_what_they_are_by_hand(name, value):
+    found = by_hand(name)
+    assert found[0] == pytest.approx(value, abs=1e-12)
+    assert np.nanstd(found[1:]) > 0
+
+
+def test_errors_against_the_nominal_fill_ratio():
+    data = made_up()
+    data.attrs["truth"] = "nominal"
+    assert by_hand("final_error", data)[0] == pytest.approx((0.05 + 0.4 + 0.4) / 3)
+
+
+def test_trials_that_were_never_run_are_missing():
+    for name in ("decision", "consensus", "consensus_round"):
+        data = made_up()
+        data[name][0, 2] = np.nan
+        statistic = {"decision": "quorums", "consensus": "none_agreed", "consensus_round": "consensus_time"}[name]
+        with pytest.raises(Missing):
+            by_hand(statistic, data)
+
+
+def test_missing_parameters_and_settings():
+    with pytest.raises(Missing):
+        Evidence({"made-up": made_up()}).setting("made-up", every=10.0)
+    with pytest.raises(Missing):
+        Evidence({"made-up": made_up()}).setting("made-up", fill_ratio=0.7)
+
+
+def test_all_trials_of_each_study_count():
+    few, many = made_up().isel(trial=[0]), made_up()
+    claim = next(iter(RIVALS.claims))
+    seen = []
+
+    def measure(evidence, right):
+        seen.append(evidence.trials)
+        yield Detail("", 0.0, None, YES)
+
+    asked = [replace(claim, studies=(name,), measure=measure) for name in ("few", "many")]
+    assert [one.verdict for one in check({"few": few, "many": many}, asked)] == [HOLDS, HOLDS]
+    assert seen == [1, 3]
+
+
+def test_settings_are_named_by_what_contenders_do_not_share():
+    one, other = ("bots", {"brain": "a", "every": 10.0}), ("bots", {"brain": "a", "every": 200.0})
+    assert rival_measures.label_of(one, other) == "every = 10"
+    assert rival_measures.label_of(("bots", {}), other) == "bots"
+    assert rival_measures.world_label({"fill_ratio": 0.5, "topology": "full", "liars": 1}) == "f = 0.5, full, 1 liar"
+
+
+# The page
+
+
+def detail(found):
+    interval = found["interval"] and tuple(found["interval"])
+    return Detail(found["setting"], found["value"], interval, found["verdict"])
+
+
+def verdict(claim):
+    return VERDICTS.get(claim["verdict"], "open")
+
+
+def table():
+    """The rows of the page's table."""
+    rows = ["| claim | value [95 %], in | needed | yes, no, open | verdict | source |", "|---|---|---|---|---|---|"]
+    for claim in FOUND.values():
+        worst = next(each for each in claim["settings"] if each["setting"] == claim["setting"])
+        said = Counter(setting["verdict"] for setting in claim["settings"])
+        value = " ".join(report.measured(detail(worst))).strip()
+        counts = ", ".join(str(said[one]) for one in (YES, NO, OPEN))
+        cells = [claim["title"], f"{value}, {worst['setting']}", claim["threshold"], counts, verdict(claim)]
+        rows.append(f"| {' | '.join([*cells, claim['section']])} |")
+    return rows
+
+
+def summary():
+    kinds = Counter(verdict(claim) for claim in FOUND.values())
+    return (
+        f"Of {len(FOUND)} claims {kinds['holds']} hold, {kinds[VERDICTS[FAILS]]} do not, and {kinds['open']} cannot be "
+        "told from these trials."
+    )
+
+
+def explanations():
+    """A paragraph for each claim that does not hold and has a reason."""
+    return [f"- **{c['title']}:** does not hold. {c['explanation']}" for c in FOUND.values() if c["verdict"] == FAILS]
+
+
+def test_stored_claims_are_complete():
+    assert list(FOUND) == [claim.id for claim in RIVALS.claims]
+    own = {name: sc.Study.load(path) for name, path in STUDIES.items()}
+    assert STORED["studies"] == {name: {"seed": s.seed, "trials": s.trials} for name, s in sorted(own.items())}
+    for claim in RIVALS.claims:
+        texts = ("title", "sentence", "section", "statistic", "threshold")
+        assert all(FOUND[claim.id][key] == getattr(claim, key) for key in texts)
+
+
+def test_the_page_has_what_the_command_prints():
+    text = (DOCS / "rivals-claims.md").read_text(encoding="utf-8")
+    assert "\n".join(table()) + "\n\n" in text
+    assert summary() in text
+    assert "\n".join(explanations()) + "\n" in text
+    assert all(claim["explanation"] for claim in FOUND.values() if claim["verdict"] == FAILS)
+
+
+@pytest.mark.long
+def test_the_engine_still_gives_the_stored_numbers(tmp_path):
+    data = {name: sc.run(sc.Study.load(STUDIES[name])) for name in QUICK}
+    quick = [claim for claim in RIVALS.claims if set(claim.studies) <= set(QUICK)]
+    assert len(quick) >= 5
+    for one in check(data, quick):
+        assert one.verdict == FOUND[one.claim.id]["verdict"]
+        close = {"abs": 1e-12} if OUR_C_LIBRARY else {"rel": 0.1, "abs": 0.01}
+        for mine, stored in zip(one.details, FOUND[one.claim.id]["settings"], strict=True):
+            assert (mine.setting, mine.verdict) == (stored["setting"], stored["verdict"])
+            assert (mine.value, *mine.interval) == pytest.approx((stored["value"], *stored["interval"]), **close)
+
+
+def test_reasons_are_given_only_where_data_are_there():
+    for name in ("quality_helps", "wrong_messages", "soon_settled"):
+        with pytest.raises(Missing):
+            getattr(rival_explanations, name)(blank(), ())

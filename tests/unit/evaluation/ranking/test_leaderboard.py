@@ -1,0 +1,362 @@
+"""The leaderboard: fixed worlds for all; scores by hand; what it keeps, and what it refuses."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.stats import rankdata
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.evaluation.ranking import board as entries
+from swarmcensus.evaluation.ranking.board import leaderboard
+from swarmcensus.evaluation.ranking.page import cell
+from swarmcensus.evaluation.ranking.scores import DIVISIONS, scores_of
+from swarmcensus.studies.coordinates import coordinates_of
+from swarmcensus.support.errors import InputError
+
+SMALL = """
+name = "leaderboard"
+seed = 4
+trials = 6
+[swarm]
+brain = ["minimalistic", "legacy"]
+robots = 20
+accuracy = [0.55, 0.9]
+[world]
+topology = ["ring", "moving"]
+side = 2.0
+fill_ratio = [0.47, 0.9]
+[schedule]
+rounds = 30
+observations_per_round = 1
+ticks = 40
+[measure]
+bins = 2
+[[members]]
+robots = [0, 0.1, 0.3]
+brain = "always-black"
+honest = false
+[[case]]
+accuracy = 0.9
+link_success = 0.5
+"""
+OPINION = '''"""An opinion: whichever colour was seen more often."""
+
+OPINION = True
+MEMORY = {"more": 0.0, "x": 0.5}
+MESSAGE = ("x",)
+
+
+def observe(me, blacks, looks):
+    me.more += 2.0 * blacks - looks
+
+
+def broadcast(me):
+    return (me.x,)
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    me.x = 0.5 if me.more == 0.0 else 1.0 if me.more > 0.0 else 0.0
+
+
+def estimate(me):
+    return me.x
+'''
+
+
+def honest():
+    """The same of one brain and without liars."""
+    before, _, after = SMALL.replace(', "legacy"', "").partition("[[members]]")
+    return before + after[after.index("[[case]]") :]
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    (tmp_path / "leaderboard.toml").write_text(SMALL)
+    monkeypatch.setattr(entries, "shipped_study", lambda name: tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    mine = brains.load("minimalistic").source
+    (tmp_path / "mine.py").write_text(mine + "\n# a copy\n")
+    (tmp_path / "votes.py").write_text(OPINION)
+    return tmp_path
+
+
+@pytest.mark.long
+def test_leaderboard_worlds_are_complete():
+    study = entries.official()
+    assert {brain.name for brain in study.brains} >= set(brains.shipped())
+    settings = study.settings()
+    worlds = [
+        {**coordinates_of(one), "liars": one.robots - one.honest} for one in settings if one.brain == settings[0].brain
+    ]
+    for division in DIVISIONS.values():
+        own = [world for world in worlds if division.holds(world)]
+        for column in division.columns:
+            assert sum(column.holds(world) for world in own) >= 2, column.name
+    assert [sum(division.holds(world) for world in worlds) for division in DIVISIONS.values()] == [22, 44, 2]
+    assert len({one.accuracy for one in settings}) == 4
+    assert {one.body is None for one in settings} == {True, False}
+    assert {(one.robots - one.honest) / one.robots for one in settings} == {0.0, 0.1, 0.3}
+
+
+def hold(scores, data, opinions):
+    """Every number of some scores, worked out once more."""
+    lying = scores.division is DIVISIONS["liars"]
+    counted = data["honest"].values if "honest" in data else np.full(data.sizes["setting"], 20)
+    final, truth = data["final_estimate"].values, data["fill_ratio"].values
+    medians, sides = np.empty(final.shape[:2]), np.empty(final.shape[:2])
+    for s, t in np.ndindex(final.shape[:2]):
+        some = final[s, t, : counted[s]]
+        medians[s, t] = np.median(np.abs(some - truth[s]))
+        sides[s, t] = np.mean([(x > 0.5) == (truth[s] > 0.5) and x != 0.5 for x in some])
+    of = data["brain"].values
+    still = data["topology"].values == "ring"
+    plain = (data["link_success"].values == 1.0) & (counted == 20)
+    thirty = (data["link_success"].values == 1.0) & (counted == 14)
+    kinds = [(1, thirty)] if lying else [(0, plain & still), (1, plain & ~still)]
+    own = (counted < 20) == lying
+    for k, name in enumerate(scores.contenders):
+        for column, some in kinds:
+            rows = some & (of == name)
+            error = np.mean(np.median(medians[rows], axis=1))
+            wanted = np.nan if name in opinions else error
+            assert scores.error.values[k, column] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
+            assert scores.side.values[k, column] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
+    by_brain = np.stack([sides[own & (of == name)] for name in scores.contenders])
+    assert scores.side.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
+    sure = np.array([name not in opinions for name in scores.contenders])
+    numbers = np.stack([medians[own & (of == name)] for name in np.array(scores.contenders)[sure]]).round(
+        14
+    )  # the same but for rounding: a tie
+    assert scores.error.ranks[sure] == pytest.approx(rankdata(numbers, axis=0).mean(axis=(1, 2)), abs=1e-9)
+    assert np.isnan(scores.error.ranks[~sure]).tolist() == [True] * len(opinions)
+
+
+@pytest.mark.long
+def test_scores_are_what_they_say(small):
+    board = leaderboard(["mine.py", "votes.py"], "out")
+    assert board.scores.contenders == ["minimalistic", "legacy", "mine.py", "votes.py"]
+    hold(board.scores, board.data, ["votes.py"])
+    hold(scores_of(board.data, ["votes.py"], board="liars"), board.data, ["votes.py"])
+    assert scores_of(board.data, ["votes.py"], board="change") is None
+    assert board.scores.error.order[0] in (0, 2)
+
+
+def test_scores_of_numbers_that_are_known(small):
+    """One brain's, half as wrong, half as wrong again, and rounded to an opinion."""
+    (small / "leaderboard.toml").write_text(honest())
+    data = leaderboard(["mine.py"], "out").data
+    data = data.isel(setting=np.flatnonzero(data["brain"].values == "minimalistic"))
+    x, truth = data["final_estimate"], data["fill_ratio"]
+    made = {
+        "wrong.py": truth + 1.5 * (x - truth), "right.py": truth + 0.5 * (x - truth), "votes.py": (x > 0.5) + 0.0 * x,
+    }  # fmt: skip
+    settings = np.arange(4 * data.sizes["setting"]).reshape(4, -1)
+    parts = [
+        data.assign(final_estimate=found.transpose(*x.dims)).assign_coords(
+            brain=("setting", [name] * truth.size), setting=numbers
+        )
+        for (name, found), numbers in zip(({"minimalistic": x} | made).items(), settings, strict=True)
+    ]
+    known = xr.concat(parts, "setting", data_vars="minimal")
+    scores = scores_of(known, ["votes.py"])
+    assert scores.contenders == ["minimalistic", *made]
+    hold(scores, known, ["votes.py"])
+    board = entries.Board(known, "honest", scores, [], small)
+    table = board.table
+    assert table["place"].isna().tolist() == [False] * 3 + [True]  # an opinion has no error, and no place
+    assert table["brain"].tolist() == ["right.py", "minimalistic", "wrong.py", "votes.py"]
+    assert table["final_error: networks"][0] == scores.error.values[2, 0]
+    assert [line.split()[1] for line in repr(board).splitlines()[2:5]] == table["brain"].tolist()[:3]
+    assert [scores.contenders[k] for k in scores.error.order][:3] == ["right.py", "minimalistic", "wrong.py"]
+
+
+@pytest.mark.long
+def test_copy_of_a_brain_is_level(small):
+    board = leaderboard(["mine.py"], "out")
+    one, other = (board.scores.contenders.index(name) for name in ("minimalistic", "mine.py"))
+    assert board.scores.error.values[one] == pytest.approx(board.scores.error.values[other], nan_ok=True)
+    (losses,) = board.losses
+    assert losses.name == "mine.py"
+    assert losses.of == 3
+    for behind in losses.columns:
+        assert behind.place == 1 + (behind.value > behind.best_value)
+    gaps = [behind.value - behind.best_value for behind in losses.columns]
+    assert gaps == sorted(gaps, reverse=True)
+    assert "minimalistic" not in [rival.name for rival in losses.rivals]
+
+
+@pytest.mark.long
+def test_only_changed_brains_are_run_again(small, capsys):
+    first = leaderboard(["mine.py"], "out")
+    page = first.page.read_bytes()
+    times = {path: path.stat().st_mtime_ns for path in (small / "out" / "data").iterdir()}
+    said = []
+    again = leaderboard(["mine.py"], "out", say=said.append)
+    assert again.page.read_bytes() == page
+    assert {path: path.stat().st_mtime_ns for path in times} == times
+    assert sum("found" in line for line in said) == 2
+    (small / "mine.py").write_text(OPINION)
+    said.clear()
+    leaderboard(["mine.py"], "out", say=said.append)
+    assert any("another version" in line for line in said)
+    changed = {path.name for path, when in times.items() if path.stat().st_mtime_ns != when}
+    assert changed == {"mine.nc"}
+    text = (small / "out" / "leaderboard.md").read_text()
+    assert "## Where mine.py loses" in text
+    assert "trials each, by `swarmcensus leaderboard mine.py`" in text
+
+
+@pytest.mark.long
+def test_why_results_are_run_again_is_the_truth(small):
+    """By the name that is given, of which results are: the same file from another folder has another one."""
+    leaderboard(["mine.py"], "out", trials=1)
+    (small / "sub").mkdir()
+    (small / "sub" / "mine.py").write_text((small / "mine.py").read_text())
+    said = []
+    leaderboard(["sub/mine.py"], "out", trials=1, say=said.append)
+    again = [line for line in said if "running again" in line]
+    assert again == [
+        "out/data/mine.nc: these results are of mine.py, the same brain as sub/mine.py by another name: running again"
+    ]
+    (small / "mine.py").write_text(OPINION)
+    said.clear()
+    leaderboard(["mine.py"], "out", trials=1, say=said.append)
+    assert "out/data/mine.nc: these results are of sub/mine.py, another brain than mine.py: running again" in said
+    with pytest.raises(InputError, match="seed"):
+        leaderboard(["mine.py"], "out", trials=1, seed=77)
+    assert sc.load("out/data/mine.nc").attrs["seed"] == 4
+
+
+@pytest.mark.long
+def test_file_named_twice_is_one_brain(small):
+    board = leaderboard(["mine.py", "./mine.py", small / "mine.py"], "out", trials=1)
+    assert board.scores.contenders == ["minimalistic", "legacy", "mine.py"]
+    text = board.page.read_text()
+    assert "1 trial each, by `swarmcensus leaderboard mine.py --trials 1`" in text
+
+
+@pytest.mark.long
+def test_who_is_ranked_is_said(small, capsys):
+    """An oracle is a bound; a brain that talks to nobody is one that can be had."""
+    toml = small / "leaderboard.toml"
+    toml.write_text(SMALL.replace('"legacy"', '"alone", "oracle"'))
+    assert main(["leaderboard", "--out", "out", "--trials", "2"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "not ranked, as bounds that no robot can reach: oracle; alone is ranked, as a robot can run it" in shown
+    text = (small / "out" / "leaderboard.md").read_text()
+    assert "The bounds" not in text
+    assert "`alone` communicates with nobody and is" in text
+    places = {row.split(" | ")[1]: row.split(" | ")[0] for row in text.splitlines() if row.startswith("| ")}
+    assert places["oracle"].strip("| ") == ""
+    assert places["alone"].strip("| ") in ("1", "2")
+
+
+@pytest.mark.long
+def test_each_board_ranks_its_own_worlds(small, capsys):
+    shown = {}
+    for board in ("honest", "liars"):
+        assert main(["leaderboard", "mine.py", "--out", "out", "--trials", "2", "--board", board, "--json"]) == 0
+        shown[board] = json.loads(capsys.readouterr().out)
+        assert shown[board]["board"] == board
+        assert [loss["board"] for loss in shown[board]["losses"]] == [board]
+    assert (shown["honest"]["worlds"], shown["liars"]["worlds"]) == (12, 24)
+    assert set(shown["liars"]["brains"][0]["final_error_by_kind"]) == {"10 % liars", "30 % liars"}
+    assert "10 % liars" not in shown["honest"]["brains"][0]["final_error_by_kind"]
+    text = (small / "out" / "leaderboard.md").read_text()  # the page has both
+    assert text.count("### Honest robots\n") == text.count("### Liars\n") == 2
+    assert "### A floor that changes" not in text
+    assert main(["leaderboard", "--out", "out", "--trials", "2", "--board", "change"]) == 2
+    assert "no world of studies/leaderboard.toml is on it" in capsys.readouterr().err
+
+
+def printed_as_kept(small, capsys, *mine):
+    """What a board prints, its page stands for and its JSON has is the same; the page's text."""
+    command = ["leaderboard", *mine, "--out", "out", "--trials", "3"]
+    assert main(command) == 0
+    shown = capsys.readouterr().out
+    assert shown.splitlines()[-1] == "out/leaderboard.md"
+    text = (small / "out" / "leaderboard.md").read_text()
+    assert "](leaderboard.png)" in text
+    assert (small / "out" / "leaderboard.png").stat().st_size > 10_000
+    assert main([*command, "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out, parse_constant=pytest.fail)
+    assert "out/leaderboard.md" in told.err
+    rows = [line.split() for line in shown.splitlines()]
+    for row in found["brains"]:
+        words = next(words for words in rows if row["brain"] in words[:2])
+        if row["final_error"] is not None:
+            assert words[:3] == [str(row["place"]), row["brain"], f"{row['rank']:.1f}"]
+            assert words[3] == cell(row["final_error"], True)
+    assert [loss["name"] for loss in found["losses"]] == [*mine]
+    for name in mine:
+        assert f"## Where {name} loses" in text
+        assert name in shown
+    return text
+
+
+def test_leaderboard_command_writes_page_and_picture(small, capsys):
+    """Of two brains that are one and of no liars, so that the machine compiles little."""
+    (small / "leaderboard.toml").write_text(honest())
+    printed_as_kept(small, capsys, "mine.py")
+
+
+@pytest.mark.long
+def test_opinions_are_on_the_board_of_sides_alone(small, capsys):
+    text = printed_as_kept(small, capsys, "mine.py", "votes.py")
+    table = text[text.index("## Errors of estimates") : text.index("## Right decisions on black or white")]
+    assert "votes.py" not in table
+    for name in ("minimalistic", "legacy", "mine.py"):
+        assert name in table
+    sides = text[text.index("## Right decisions") : text.index("## Costs")]
+    assert sides.count("votes.py") == 2  # on the boards of honest robots and of liars
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nobody.py"], "nobody.py"),
+        (["shipped.py"], "rename the file"),
+        (["mine.py", "a/mine.py"], "results of both would be named mine"),
+        (["bad.py"], "MESSAGE is missing"),
+        (["legacy"], "on the leaderboard anyway"),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_runs(small, capsys, arguments, said):
+    (small / "bad.py").write_text('MEMORY = {"x": 0.5}\n')
+    assert main(["leaderboard", *arguments, "--out", "out"]) == 2
+    shown = capsys.readouterr()
+    assert said in shown.err
+    assert len(shown.err.strip().splitlines()) == 1
+    assert not (small / "out").exists()
+
+
+def test_a_page_of_somebody_else_stays(small, capsys):
+    (small / "out").mkdir()
+    (small / "out" / "leaderboard.md").write_text("my notes")
+    assert main(["leaderboard", "--out", "out"]) == 2
+    assert "is not a page of leaderboard" in capsys.readouterr().err
+    assert (small / "out" / "leaderboard.md").read_text() == "my notes"
+
+
+def test_estimates_on_one_half_are_on_no_side():
+    with pytest.warns(UserWarning, match="no information"):
+        study = sc.Study(
+            trials=3,
+            swarm={"robots": 4, "accuracy": 0.5, "brain": ["minimalistic", "legacy"]},
+            world={"topology": "ring", "fill_ratio": [0.3, 0.5]},
+            schedule={"rounds": 5},
+        )
+    data = sc.run(study)
+    found = sc.compare(data, metric="right_side")
+    assert (found.contests[0].values[0] == 0.0).all()
+    assert np.isnan(found.contests[0].values[1:]).all()
+    assert scores_of(data, ["minimalistic", "legacy"]).side.by_world.shape[1] == 2

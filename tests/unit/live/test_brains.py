@@ -1,0 +1,175 @@
+"""Parameters and files of brains that are watched, when a trial settles, and the links of a chosen robot."""
+
+import json
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.live.offers import MOST_ZOOM, check_moment, offer_of, wanted
+from swarmcensus.live.robots import robot_of
+from swarmcensus.live.sessions import Session
+from swarmcensus.live.settling import Settling
+from swarmcensus.live.shows import COLUMNS, Show
+from swarmcensus.live.simulated import Simulated
+from swarmcensus.support.errors import InputError
+from tests.support.watching import parsed, save
+
+CENSUS = {"brain": "census", "topology": "ring", "robots": "6"}
+
+
+def ask(session, **words):
+    while True:
+        [*_, answer] = session.answer(json.dumps(words))
+        if not answer.get("going"):
+            return answer
+
+
+def test_parameters_are_set_and_shown():
+    found = wanted(offer_of(None), CENSUS | {"momentum": "0.5", "beside": "census", "beside.z": "2"})
+    first, beside = (setting.brain.parameters for setting in found.settings)
+    assert (first["momentum"], first["z"]) == (0.5, 3.5)
+    assert (beside["momentum"], beside["z"]) == (0.9, 2.0)
+    begun = ask(Session(offer_of(None)), do="begin", ask=CENSUS | {"momentum": "0.5"})
+    assert begun["form"]["now"]["brain"] == "census"
+    assert begun["form"]["parameters"][0] == {"key": "momentum", "name": "momentum", "brain": "census", "now": "0.5"}
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"momentun": "0.5"}, "momentun: did you mean 'momentum'? known here: setting"),
+        ({"momentum": "nan"}, "momentum = nan: not a number"),
+        ({"beside": "census", "beside.z": "nan"}, "beside.z = nan: not a number"),
+        ({"momentum": "[1, 2]"}, "momentum = [1, 2]: "),
+        ({"beside.z": "1"}, "beside.z: there is no brain beside"),
+        ({"beside": "census", "beside.zz": "1"}, "beside.zz: "),
+        ({"brain": "minimalistic", "momentum": "0.5"}, "momentum: known here: setting"),
+    ],
+)
+def test_a_wrong_parameter_is_told(asked, said):
+    with pytest.raises(InputError) as told:
+        wanted(offer_of(None), CENSUS | asked)
+    assert str(told.value).startswith(said)
+
+
+def test_the_command_takes_parameters(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    words = ["watch", "--set", "brain=census", "--set", "rounds=20", "--out", "run.html", "--parameter"]
+    assert main([*words, "momentum=0.5"]) == 0
+    assert "momentum = 0.5" in (tmp_path / "run.html").read_text()
+    assert main([*words, "trust=0.9"]) == 2
+    assert capsys.readouterr().err.startswith("swarmcensus: trust: known here: setting, trial")
+    for wrong, said in (
+        (["--parameter", "momentum=0.5"], "swarmcensus: --parameter gives a name twice"),
+        (["--set", "momentum=0.5"], "swarmcensus: --set momentum: "),
+        (["--set", "=1"], "swarmcensus watch: --set =1: should"),
+    ):
+        assert main([*words, "momentum=0.7", *wrong]) == 2
+        assert capsys.readouterr().err.startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("played", "said"),
+    [
+        ({"zoom": "0.5"}, f"zoom = 0.5: should be a number from 1 to {MOST_ZOOM}"),
+        ({"centre": "2,0"}, "centre = 2,0: should be two numbers from 0 to 1, such as 0.25,0.5"),
+        ({"log": "yes"}, "log = yes: should be a whole number from 0 to 1"),
+        ({"speed": "0"}, "speed = 0: should be a number from 1 to 10000"),
+    ],
+)
+def test_a_wrong_view_is_told(played, said):
+    found = wanted(offer_of(None), {})
+    check_moment(found, {"zoom": "3", "centre": "0.25,1", "follow": "1", "log": "1", "full": "0", "speed": "20"})
+    check_moment(found, {"speed": "Infinity"})  # what the page calls as fast as possible
+    with pytest.raises(InputError) as told:
+        check_moment(found, played)
+    assert str(told.value) == said
+
+
+@pytest.mark.interpreted
+def test_saved_brain_is_reloaded(tmp_path):
+    mine = tmp_path / "mine.py"
+    text = brains.load("minimalistic").source
+    save(mine, text, 100)
+    session, asked = Session(offer_of(None, (mine,))), {"brain": str(mine), "topology": "ring", "robots": "5"}
+    assert ask(session, do="begin", ask=asked)["form"]["watched"]
+    assert ask(session, do="saved") == {"id": None, "version": 0, "wrong": ""}
+
+    save(mine, text.replace("def fuse(me):", "def fuse(me:"), 200)
+    broken = ask(session, do="saved")
+    assert (broken["version"], "line" in broken["wrong"], "\n" in broken["wrong"]) == (0, True, False)
+    assert ask(session, do="begin", ask=asked)["scenes"][0]["brain"] == str(mine)  # as it was before
+
+    save(mine, text.replace("def fuse(me):\n", "def fuse(me):\n    me.t *= (200.0 - me.t) / (200.0 - me.t)\n"), 250)
+    assert ask(session, do="saved")["wrong"] == ""
+    assert "division by zero" in ask(session, do="begin", ask=asked, tick=30)["error"]
+    assert ask(session, do="robot", robot=2, tick=30)["told"]["fields"]["t"] == 300  # as it was before
+
+    save(mine, text.replace("    return me.x\n", "    return 0.25\n"), 300)
+    assert ask(session, do="saved") == {"id": None, "version": 2, "wrong": ""}
+    ask(session, do="begin", ask=asked)
+    assert ask(session, do="robot", robot=2, tick=0)["told"]["estimate"] == 0.25
+
+
+def test_parameters_survive_saving_a_brain(tmp_path):
+    mine = tmp_path / "mine.py"
+    text = brains.load("census").source
+    save(mine, text, 100)
+    offer = offer_of(None, (mine,))
+    brain = offer.brains[str(mine)].with_parameters({"momentum": 0.5, "z": 2.0})
+    save(mine, text.replace('    "z": 3.5,', '    "zz": 3.5,').replace("me.z", "me.zz"), 200)
+    assert offer.files.look([brain]) == ""
+    assert dict(offer.files.latest(brain).overrides) == {"momentum": 0.5}
+    asked = CENSUS | {"brain": str(mine), "momentum": "0.5", "z": "2", "beside": str(mine), "beside.z": "1"}
+    found = wanted(offer, asked)  # as a page asks that was open before
+    assert {"momentum"} == found.request.keys() - CENSUS.keys() - {"beside"}
+    assert [setting.brain.parameters["momentum"] for setting in found.settings] == [0.5, 0.9]
+    with pytest.raises(InputError, match=r"zzz: did you mean 'zz'"):
+        wanted(offer, asked | {"zzz": "1"})
+
+
+def test_a_trial_settles_when_its_results_say_so():
+    study = sc.Study(
+        trials=2, seed=3, swarm={"robots": 11, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.6},
+        schedule={"rounds": 450},
+    )  # fmt: skip
+    session = Session(offer_of(study))
+    ask(session, do="begin", ask={"trial": "1"})
+    data = sc.run(study, jobs=1)
+    assert ask(session, do="settled")["settled"] == [float(np.median(data["convergence_round"].values[0, 1]))]
+
+
+def test_what_never_settles_or_is_too_large_has_no_k(monkeypatch):
+    found = wanted(offer_of(None), {"topology": "ring", "robots": "5", "rounds": "30"})
+    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
+    for most, delta in ((1000, 1e-12), (100, 1.0)):
+        monkeypatch.setattr("swarmcensus.live.settling.MOST_VALUES", most)
+        settling = Settling(show, delta)
+        while not settling.on():
+            pass
+        assert settling.median() is None
+
+
+def test_before_any_reading_nobody_is_right():
+    found = wanted(offer_of(None), {"topology": "ring", "robots": "5", "fill_ratio": "0.55"})
+    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
+    right = parsed(show.frames([0, 1]))["numbers"][:, COLUMNS.index("right")]
+    assert np.isnan(right).tolist() == [True, False]
+
+
+@pytest.mark.parametrize("asked", [{"topology": "full", "robots": "150"}, {"topology": "ring", "robots": "10001"}])
+def test_links_of_a_chosen_robot(asked):
+    found = wanted(offer_of(None), asked | {"link_success": "0.5", "rounds": "3"})
+    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
+    assert not show.edges.size
+    assert show.ready(2)
+    told = robot_of(show, 2, 7)
+    assert told["hears"] == ([i for i in range(150) if i != 7] if asked["topology"] == "full" else [6, 8])
+    carried = [sender for sender, here in zip(told["hears"], told["carried"], strict=True) if here]
+    if told["heard_at"] == 2:
+        assert [one["from"] for one in told["heard"]] == carried
+    else:
+        assert carried == []

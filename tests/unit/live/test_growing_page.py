@@ -1,0 +1,96 @@
+"""The live page of a swarm that runs, in a real browser: it follows, is wound back, and is told of the end."""
+
+import re
+
+import pytest
+
+from swarmcensus.live.offers import offer_of
+from swarmcensus.live.server import listen, serving
+from tests.support.browsing import come, playwright, until
+from tests.support.browsing import pytestmark as marks
+from tests.support.growing import Day
+
+pytestmark = [*marks, pytest.mark.interpreted]
+
+
+@pytest.fixture
+def watched(page, whole, tmp_path):
+    """The page of a day that grows, and the day."""
+    day = Day(whole, tmp_path / "day")
+    served = listen(offer_of(day.folder))
+    with serving(served):
+        come(page, served.address())
+        yield page, day
+
+
+def newest(shown):
+    """Wait until the newest moment is drawn; returns its number."""
+    until(shown, "state.live && state.drawn === rounds() && !state.asking", True)
+    return shown.evaluate("rounds()")
+
+
+def grown(shown, day, share, before):
+    day.grow(share)
+    until(shown, f"rounds() > {before}", True)
+
+
+def test_curves_of_a_growing_recording(watched):
+    shown, _ = watched
+    newest(shown)
+    room, missing, value = shown.evaluate(
+        """(() => {
+            const scene = { ...state.scenes[0], rounds: 2500 };
+            const charts = new Charts(document.createElement("div"), [scene], () => {}, true);
+            const numbers = (tick) => scene.columns.map(() => tick);
+            for (let tick = 0; tick <= 2500; tick++) charts.histories[0].put({ tick, numbers: numbers(tick) });
+            scene.rounds = 2501;
+            charts.grow(2501);
+            const [history] = charts.histories;
+            return [history.room, history.missing(2501), history.of("mean")[history.at(2400)]];
+        })()"""
+    )
+    assert (room, missing, value) == (4500, None, 2400)
+
+
+@pytest.mark.parametrize("size", [(1280, 900), (390, 844)])
+def test_it_follows_is_wound_back_and_is_told_of_the_end(watched, size):
+    shown, day = watched
+    shown.set_viewport_size({"width": size[0], "height": size[1]})
+    clock, live = shown.locator("#clock"), shown.locator("#live")
+    grown(shown, day, 0.3, newest(shown))
+    at = newest(shown)
+    playwright.expect(clock).to_have_text(f"round {at} of {at}")
+    playwright.expect(live).to_have_attribute("aria-pressed", "true")
+    playwright.expect(shown.locator("#play")).to_have_text(re.compile("Pause"))
+    assert "tick=" not in shown.evaluate("fragment()")
+    assert f"tick={at}" in shown.evaluate("fragment(false)")
+
+    shown.locator("#moment").fill("3")
+    playwright.expect(clock).to_have_text(f"round 3 of {at} so far")
+    playwright.expect(live).to_have_attribute("aria-pressed", "false")
+    grown(shown, day, 0.5, at)
+    playwright.expect(clock).to_have_text(re.compile(rf"^round 3 of (?!{at} )\d+ so far$"))
+    until(shown, "state.charts.histories[0].missing(rounds() + 1) === null", True)
+
+    shown.click("#play")  # plays from there, and follows when it has caught up
+    at = newest(shown)
+    shown.click("#play")
+    grown(shown, day, 0.7, at)
+    playwright.expect(clock).to_have_text(re.compile(rf"^round {at} of \d+ so far$"))
+    live.click()
+    at = newest(shown)
+    shown.evaluate("choose(1)")
+    shown.wait_for_selector(f'#told[data-robot="1"][data-tick="{at}"]', timeout=20_000)
+
+    beside = shown.locator("#control-beside")
+    playwright.expect(beside).to_be_disabled()
+    grown(shown, day, 1.0, at)
+    day.tell({})
+    playwright.expect(live).to_be_hidden(timeout=20_000)
+    playwright.expect(beside).to_be_enabled()
+    last = shown.evaluate("rounds()")
+    playwright.expect(clock).to_have_text(f"round {last} of {last}")
+    until(shown, "state.charts.histories[0].missing(rounds() + 1) === null", True)
+    beside.select_option("voter")
+    until(shown, f"state.scenes.length === 2 && state.drawn === {last}", True)
+    assert shown.evaluate("document.documentElement.scrollWidth <= innerWidth")

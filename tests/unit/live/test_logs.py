@@ -1,0 +1,253 @@
+"""The live page of a day that robots lived: what it shows is what their logs have."""
+
+import base64
+import json
+import warnings
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.live.offers import offer_of, wanted
+from swarmcensus.live.robots import robot_of
+from swarmcensus.live.sessions import Session
+from swarmcensus.live.shows import COLUMNS, Show
+from swarmcensus.live.simulated import Simulated
+from swarmcensus.robots.logs.clocks import Clock
+from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.lives import relive_all
+from swarmcensus.robots.logs.others import under
+from swarmcensus.robots.logs.traces import as_logged, estimates_of
+from swarmcensus.simulation.trials import record_trial
+from swarmcensus.support.errors import InputError
+from tests.support.relived import SEED, logged, setting_of, told
+from tests.support.watching import parsed
+
+pytestmark = pytest.mark.interpreted
+ROUNDS = 30
+
+
+def made(folder, brain="commons", **given):
+    """A folder of a whole day without restarts, and its setting."""
+    study, setting, swarm = logged(folder, brain, robots=4, rounds=ROUNDS, looks=2, **given)
+    swarm.run()
+    swarm.close()
+    told(folder, study)
+    return setting
+
+
+@pytest.fixture(scope="module")
+def day(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("days") / "day"
+    made(folder)
+    return folder
+
+
+def show_of(folder, request=None, given=()):
+    offer = offer_of(folder, given)
+    trial = wanted(offer, request or {})
+    return [Show(offer.live(setting, trial.seed, trial.trial), trial.study.measure) for setting in trial.settings]
+
+
+@pytest.mark.parametrize(
+    ("brain", "message", "precision"), [("commons", "float32", "double"), ("voter", "ratio16", "single")]
+)
+def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precision):
+    """Robots in lockstep live what a simulation does: estimates, memories, readings, messages, links."""
+    setting = made(tmp_path / "day", brain, message=message, precision=precision)
+    [show] = show_of(tmp_path / "day")
+    simulated = Show(Simulated(setting, SEED, 0), wanted(offer_of(tmp_path / "day"), {}).study.measure)
+    ticks = list(range(ROUNDS + 1))
+    mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
+    assert (mine["layers"] == theirs["layers"]).all()
+    assert (mine["flags"] == theirs["flags"]).all()
+    np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
+    for one, other in zip(mine["links"], theirs["links"], strict=True):
+        assert one.tolist() == other.tolist()
+    for tick in (0, 1, 17, ROUNDS):
+        for robot in range(4):
+            one, other = robot_of(show, tick, robot), robot_of(simulated, tick, robot)
+            assert [heard["from"] for heard in one.pop("heard")] == [heard["from"] for heard in other.pop("heard")]
+            one.pop("adds"), other.pop("adds")
+            assert one == other
+
+
+def test_what_was_heard_is_shown_in_numbers(tmp_path):
+    setting = made(tmp_path / "day")
+    [show] = show_of(tmp_path / "day")
+    memory = record_trial(setting, SEED, 0)[0]
+    told = robot_of(show, 12, 2)
+    assert told["heard"]
+    for heard in told["heard"]:
+        assert set(heard["said"]) == set(setting.brain.message)
+        assert all(isinstance(value, float) for value in heard["said"].values())
+    assert told["fields"] == {name: memory[name][12, 2].tolist() for name in setting.brain.memory}
+
+
+def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
+    study, _, swarm = logged(tmp_path / "day", "voter", robots=4, rounds=ROUNDS, more={"saves": 4})
+    swarm.run(9)
+    swarm.kill(1)
+    swarm.run(6)
+    swarm.start(1)
+    swarm.run(8)
+    swarm.close()
+    told(tmp_path / "day", study)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        [show] = show_of(tmp_path / "day")
+        ticks = list(range(show.rounds + 1))
+        shown = parsed(show.frames(ticks))
+    known = read_day(tmp_path / "day")
+    x = estimates_of(known, as_logged(known, relive_all(known)), Clock(known.members))
+    away = np.isnan(x)
+    assert away.sum() == 5
+    assert ((shown["layers"][:, 0] == 65_535) == away).all()
+    np.testing.assert_allclose(shown["layers"][:, 0][~away] / 65_534, x[~away], atol=1 / 65_534)
+    column = dict(zip(COLUMNS, shown["numbers"].T, strict=True))
+    for name, of in (("mean", np.nanmean), ("deviation", np.nanstd), ("median", np.nanmedian), ("lowest", np.nanmin)):
+        np.testing.assert_allclose(column[name], of(x, axis=1), rtol=1e-6)
+    assert not np.isnan(column["decided"]).any()
+    gone = robot_of(show, 12, 1)
+    assert gone["estimate"] is None
+    assert set(gone["fields"].values()) == {None}
+    assert "looks" not in gone
+    json.dumps(gone, allow_nan=False)
+
+
+def test_the_same_day_under_another_brain_is_beside_it(day):
+    [mine, other] = show_of(day, {"beside": "voter"})
+    known = read_day(day)
+    lived = under(known, brains.load("voter"), keep=True)
+    x = estimates_of(known, lived, Clock(known.members))
+    ticks = list(range(ROUNDS + 1))
+    np.testing.assert_allclose(parsed(other.frames(ticks))["layers"][:, 0] / 65_534, x, atol=1 / 65_534)
+    assert parsed(other.frames([ROUNDS]))["numbers"][0][COLUMNS.index("heard")] == sum(lived.heard.values())
+    assert mine.setting.brain.label == "commons"
+    assert robot_of(other, 20, 1)["brain"] == "voter"
+
+
+def test_fixed_controls_and_frames(day):
+    session = Session(offer_of(day))
+    [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"trial": "0", "seed": str(SEED)}}))
+    assert begun["form"]["name"] == "day"
+    assert {"robots", "accuracy", "seed", "brain"} <= set(begun["form"]["fixed"])
+    assert "beside" not in begun["form"]["fixed"]
+    frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 5, "step": 1, "count": 3}))
+    assert parsed(frames)["ticks"].tolist() == [5, 6, 7]
+    assert end["frames"] == 3
+    [refused] = session.answer(json.dumps({"id": 3, "do": "begin", "ask": {"robots": "9"}}))
+    assert refused["error"] == "robots = 9: this day is as its logs have it: only beside can be chosen"
+
+
+def test_the_exported_page_holds_the_day(day, tmp_path, capsys):
+    page = tmp_path / "day.html"
+    assert main(["watch", str(day), "--out", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
+    text = page.read_text()
+    start = text.index('type="application/json">') + len('type="application/json">')
+    recording = json.loads(text[start : text.index("</script>", start)])
+    assert [scene["brain"] for scene in recording["scenes"]] == ["commons", "voter"]
+    shown = parsed(zlib.decompress(base64.b64decode(recording["frames"][0][0])))
+    known = read_day(day)
+    for column, member in enumerate(known.members):
+        logs = np.array([tick.estimate for tick in member.log.ticks])
+        np.testing.assert_allclose(shown["layers"][1:, 0, column] / 65_534, logs, atol=1 / 65_534)
+    assert recording["played"] == {"tick": "7"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["BOARDS"], "BOARDS: watch needs swarm.json with the study of the day, as swarmcensus swarm writes it"),
+        (["STRANGE"], "swarm.json: study: "),
+        (["NUMBER"], "swarm.json: setting = 7: should be from 0 to 0"),
+        (["MOVES"], "swarm.json: study: its robots move, and logs do not say where they were"),
+        (["FEW"], "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
+        (["EMPTY"], "EMPTY: it holds no log"),
+        (["DAY", "--set", "accuracy=0.9"], "accuracy = 0.9"),
+        (["DAY", "--set", "seed=99"], "seed = 99"),
+        (["DAY", "--set", "tick=31"], "tick = 31"),
+        (["DAY", "--brain", "everyone"], "everyone"),
+        (["DAY", "--brain", "oracle"], "the brain 'oracle' is a bound"),
+    ],
+)
+def test_what_cannot_be_watched_is_told_in_a_sentence(day, tmp_path, monkeypatch, capsys, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    about = json.loads((day / "swarm.json").read_text())
+    moves = about["study"].replace('topology = "ring"', 'topology = "moving"\ndensity = 1.0')
+    changes = {
+        "STRANGE": {"study": "swarm = 3"}, "NUMBER": {"setting": 7}, "MOVES": {"study": moves},
+        "FEW": {"study": about["study"].replace("robots = 4", "robots = 2")}, "BOARDS": None, "EMPTY": None,
+    }  # fmt: skip
+    for name, change in changes.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        if name != "EMPTY":
+            for path in day.glob("*.log"):
+                (folder / path.name).write_bytes(path.read_bytes())
+            (folder / "brain.py").write_text((day / "brain.py").read_text())
+        if change:
+            (folder / "swarm.json").write_text(json.dumps(about | change))
+    given = [str(day) if word == "DAY" else word for word in arguments]
+    assert main(["watch", *given, "--out", "page.html"]) == 2
+    said = capsys.readouterr().err
+    assert says in said
+    assert not list(tmp_path.glob("*.html"))
+
+
+def test_python_takes_a_folder_too(day):
+    page = sc.watch(day, brain="voter", tick=3)
+    page.stop()
+    with pytest.raises(InputError, match="is a bound"):
+        sc.watch(day, brain="oracle")
+    with pytest.raises(InputError, match="only beside can be chosen"):
+        sc.watch(day, robots=3)
+
+
+@pytest.mark.parametrize("brain", ["commons", "minimalistic"])
+def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
+    """Each robot's memory is that of its own brain, also beside under another one."""
+    folder, members = tmp_path / "day", [{"robots": 2, "brain": "forger", "honest": False}]
+    study, setting, swarm = logged(folder, "commons", robots=6, rounds=ROUNDS, members=members, topology="full")
+    swarm.run()
+    swarm.close()
+    robots = []
+    for i, own in enumerate(swarm.brains):
+        honest = own.sha256 == setting.brain.sha256
+        file = "brain.py" if honest else f"liar-{i}.py"
+        (folder / file).write_text(own.source)
+        robots.append({"number": i, "log": f"robot-{i}.log", "brain": file, "honest": honest})
+    told(folder, study, robots=robots)
+    show = show_of(folder, {"beside": brain})[-1]
+    _, as_simulated = setting_of(brain, robots=6, rounds=ROUNDS, members=members, topology="full")
+    simulated = Show(Simulated(as_simulated, SEED, 0), study.measure)
+    ticks = list(range(ROUNDS + 1))
+    mine, theirs = parsed(show.frames(ticks)), parsed(simulated.frames(ticks))
+    assert (mine["layers"] == theirs["layers"]).all()
+    np.testing.assert_array_equal(mine["numbers"], theirs["numbers"])
+    for robot in range(6):
+        one, other = robot_of(show, 20, robot), robot_of(simulated, 20, robot)
+        assert one["fields"] == other["fields"]
+        assert one["brain"] == other["brain"]
+
+
+def test_own_brain_comes_from_the_folder_of_logs(tmp_path, monkeypatch):
+    """Also where its file has changed since."""
+    monkeypatch.chdir(tmp_path)
+    mine = tmp_path / "mine.py"
+    mine.write_text(brains.load("commons").source)
+    study, _, swarm = logged(tmp_path / "day", "mine.py", robots=4, rounds=ROUNDS)
+    swarm.run()
+    swarm.close()
+    text = study.text.replace("mine.py", "brain.py")  # as swarmcensus swarm writes it
+    told(tmp_path / "day", study, brain={"file": "brain.py", "name": "mine.py"}, study=text)
+    mine.write_text(brains.load("minimalistic").source)
+    [mine_then, mine_now] = show_of(tmp_path / "day", {"beside": "mine.py (--brain)"}, (Path("mine.py"),))
+    assert mine_then.setting.brain.label == "mine.py"
+    assert mine_then.setting.brain.source == brains.load("commons").source
+    assert mine_now.setting.brain.source == brains.load("minimalistic").source
+    assert mine_then.frames([ROUNDS]) != mine_now.frames([ROUNDS])

@@ -1,0 +1,429 @@
+"""The live page in a real browser: it plays, is wound to and fro, tells what `replay` does, and is exported."""
+
+import dataclasses
+import functools
+import re
+import time
+
+import numpy as np
+import pytest
+import uvicorn
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.live import server
+from swarmcensus.live.compilations import COMPILATIONS
+from swarmcensus.live.exporting import export
+from swarmcensus.live.offers import offer_of, wanted
+from swarmcensus.live.server import listen, serving
+from swarmcensus.live.sessions import Session
+from swarmcensus.worlds.bodies import Body
+from tests.support.browsing import at, come, playwright, pytestmark, until  # noqa: F401 - marks this file
+from tests.support.watching import PAGE_STUDY
+
+COUNTED = """(() => {
+    window.asked = 0;
+    const ask = state.source.ask.bind(state.source);
+    state.source.ask = (...words) => { window.asked += 1; return ask(...words); };
+})()"""
+PUT = "const put = (key, value) => { $(`control-${key}`).value = value; change(key, value); };"
+
+
+def told(page, robot, tick):
+    """What the page says that a robot remembers."""
+    page.wait_for_selector(f'#told[data-robot="{robot}"][data-tick="{tick}"]', timeout=20_000)
+    return dict(page.locator("#told table", has_text="Memory").evaluate(
+        "table => [...table.rows].map(row => [row.cells[0].textContent, row.cells[1].textContent])"
+    ))  # fmt: skip
+
+
+def number(text):
+    return float(text.replace(",", ""))
+
+
+@pytest.mark.long(only=["0"])
+@pytest.mark.parametrize("setting", [0, 1])
+def test_a_robot_is_what_replay_says(page, served, setting):
+    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), setting, 2)
+    come(page, served.address(f"setting={setting}&trial=2&tick=120&robot=5"), 120)
+    shown = told(page, 5, 120)
+    for name in ("t", "n", "x_hat", "alpha", "x_bar", "beta", "x"):
+        assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
+
+
+@pytest.mark.long
+def test_what_a_robot_looked_at_is_where_its_sensor_was(page, served):
+    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(120 + 1))
+    come(page, served.address("trial=2&tick=120&robot=5"), 120)  # at once, and not on the way through all before
+    until(page, "state.stages[0].before.length", 121)
+    page.evaluate("state.stages[0].before.sort((a, b) => a.tick - b.tick)")
+    asked = "[look => !look.said, look => look.said, look => look.wrong]"
+    drawn = page.evaluate(f"{asked}.map(of => state.stages[0].trail.places(of))")
+    x, y, side = *trace["position"].values.T, trace.attrs["side"]
+    cos, sin = np.cos(trace["heading"].values), np.sin(trace["heading"].values)
+    ahead, left = Body().sensor
+    places = np.stack([x + ahead * cos - left * sin, -(y + ahead * sin + left * cos)], axis=1) / side + 0.5
+    looked, said, tile = (trace[name].values == 1 for name in ("looked", "reading", "tile"))
+    for found, due in zip(drawn, (looked & ~said, looked & said, looked & (said != tile)), strict=True):
+        assert due.any()
+        np.testing.assert_allclose(found, places[due], atol=1e-3)
+
+
+def test_it_plays_and_is_wound_to_and_fro(page, served):
+    come(page, served.address(), 0)
+    page.click("#play")
+    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^tick [1-9]\d+ of"), timeout=20_000)
+    page.click("#play")
+    page.keyboard.press("Home")
+    at(page, 0)
+    page.locator("#stages .stage").focus()
+    page.keyboard.press("ArrowRight")
+    at(page, 1)
+    page.keyboard.press("Shift+ArrowRight")
+    at(page, 101)
+    page.keyboard.press("ArrowLeft")
+    at(page, 100)
+    page.keyboard.press("End")
+    at(page, 300)
+    page.locator("#moment").fill("150")
+    at(page, 150)
+    page.select_option("#speed", "Infinity")
+    page.click("#play")
+    at(page, 300)
+
+
+@pytest.mark.long
+def test_a_robot_is_clicked(page, served):
+    come(page, served.address("setting=1"), 0)
+    page.keyboard.press("ArrowRight")
+    at(page, 1)
+    page.locator("#stages .stage").scroll_into_view_if_needed()  # waits until it moves no more
+    canvas = page.locator("#stages .stage").bounding_box()
+    middle, reach = canvas["width"] / 2, 0.46 * canvas["width"]
+    page.mouse.click(canvas["x"] + middle, canvas["y"] + middle - reach)  # the first of the ring stands at the top
+    told(page, 0, 1)
+    assert page.input_value("#which") == "0"
+    page.keyboard.press("n")
+    told(page, 1, 1)
+    assert "Heard in this round" in page.inner_text("#told")
+
+
+@pytest.mark.long
+def test_zoom_and_drag(page, served):
+    come(page, served.address("setting=1&tick=1"), 1)
+    page.locator("#stages .stage").scroll_into_view_if_needed()
+    box = page.locator("#stages .stage").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + 0.04 * box["width"]  # the first of the ring
+    page.mouse.move(x, y)
+    for _ in range(8):
+        page.mouse.wheel(0, -100)
+    page.mouse.down()
+    page.mouse.move(x + 60, y + 90, steps=4)
+    page.mouse.up()
+    assert page.input_value("#which") == ""  # to drag is not to choose
+    page.mouse.click(x, y)
+    assert page.input_value("#which") == ""  # it is no longer there
+    page.mouse.click(x + 60, y + 90)
+    told(page, 0, 1)
+    page.keyboard.press("0")
+    page.keyboard.press("n")
+    for key in "+++wwadsd":
+        page.keyboard.press(key)
+    seen = page.evaluate("[state.view.zoom, ...state.view.centre]")
+    assert seen == pytest.approx([1.4**3, 0.5 + 0.2 / 1.4**3, 0.5 - 0.2 / 1.4**3])
+    page.keyboard.press("0")
+    until(page, "state.stages[0].konva.scaleX() === state.stages[0].size", True)
+    page.mouse.click(x, y)
+    assert page.input_value("#which") == "0"
+
+
+@pytest.mark.long
+def test_curves_have_a_logarithmic_time(page, served):
+    come(page, served.address("setting=1&tick=300"), 300)
+    page.keyboard.press("l")
+    assert page.is_checked("#log")
+    page.locator(".uplot .u-over").first.click()  # the middle of three decades, or of two and a half
+    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1\d of"))
+    page.keyboard.press("l")
+    page.locator(".uplot .u-over").first.click()
+    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1[45]\d of"))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("way", ["End", "slider"])
+def test_jump_keeps_curves(page, served, way):
+    come(page, served.address("trial=1&rounds=2000&robot=2"), 0)
+    page.click("#play")
+    page.wait_for_timeout(1500)
+    page.click("#play")
+    if way == "End":
+        page.keyboard.press("End")
+        at(page, 2000)
+    else:
+        page.locator("#moment").fill("2000")
+        at(page, 2000)
+    until(page, "state.charts.histories[0].missing(2000)", None)
+    until(page, "state.stages[0].before.map(frame => frame.tick).sort((a, b) => a - b)", list(range(1701, 2001)))
+
+
+@pytest.mark.long
+def test_changes_accumulate_and_refusals_do_not(page, served):
+    come(page, served.address(), 0)
+    page.evaluate(f"{{ {PUT} put('robots', '20'); put('accuracy', '0.9'); put('trial', '2'); }}")
+    seen = "[state.scenes[0].robots, state.form.now.accuracy, state.form.now.trial, state.preparing]"
+    until(page, seen, [20, "0.9", "2", False])
+    page.evaluate(f"{{ {PUT} put('robots', '30'); put('accuracy', 'abc'); }}")
+    playwright.expect(page.locator("#error")).to_contain_text("accuracy = abc")
+    until(page, "[state.preparing, state.scenes[0].robots, state.frames.get(0)?.[0].estimates.length]", [False, 30, 30])
+    assert page.inner_text("#title").endswith("trial 2")
+    assert page.input_value("#control-accuracy") == "0.9"
+
+
+@pytest.mark.long
+def test_who_types_on_is_not_interrupted(page, served):
+    come(page, served.address(), 0)
+    page.focus("#control-robots")
+    page.keyboard.type("21")
+    page.fill("#control-robots", "21")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Control+a")
+    page.keyboard.type("0.8125", delay=150)
+    until(page, "state.scenes[0].robots", 21)
+    assert page.input_value("#control-accuracy") == "0.8125"
+    assert page.evaluate("document.activeElement.id") == "control-accuracy"
+
+
+@pytest.mark.long
+def test_old_curves_and_swarms_are_let_go(page, served):
+    """Each change makes new ones."""
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable")
+
+    def listeners():
+        session.send("HeapProfiler.collectGarbage")
+        told = session.send("Performance.getMetrics")["metrics"]
+        return next(one["value"] for one in told if one["name"] == "JSEventListeners")
+
+    def change(trials):
+        for trial in trials:
+            page.evaluate(f"change('trial', '{trial}')")
+            until(page, "[state.preparing, state.form.now.trial, state.drawn]", [False, str(trial), 0])
+            page.keyboard.press("l")
+        return listeners()
+
+    come(page, served.address("setting=1"), 0)
+    before = change(range(1, 5))  # a set has 30 or more, and the last few sets may be there for a while
+    assert change(range(5, 21)) < before + 8 * 30
+
+
+@pytest.mark.long
+def test_a_brain_that_fails_is_asked_once(page, folder):
+    text = sc.brains.load("minimalistic").source
+    mine = folder / "fails.py"
+    mine.write_text(text.replace("    t = me.t\n", "    t = me.t / (50.0 - me.t)\n", 1))
+    with serving(made := listen(offer_of(None, (mine,)))):
+        come(page, made.address(f"brain={mine}&topology=ring"), 0)
+        page.evaluate(COUNTED)
+        page.keyboard.press("End")
+        playwright.expect(page.locator("#error")).to_contain_text("fails in trial 0", timeout=30_000)
+        page.wait_for_timeout(1000)
+        assert page.evaluate("window.asked") < 10
+
+
+@pytest.mark.long
+def test_a_crowd_is_a_picture_whose_robots_are_clicked(page, served):
+    come(page, served.address("setting=1&robots=500&tick=2"), 2)
+    assert "each square a robot" in page.inner_text("#legend-text")
+    stage = page.locator("#stages .stage")
+    stage.scroll_into_view_if_needed()  # waits until it moves no more
+    cell = stage.bounding_box()["width"] / 23
+    stage.click(position={"x": 1.5 * cell, "y": 2.5 * cell})  # rows of 23
+    told(page, 47, 2)
+
+
+@pytest.mark.long
+def test_a_change_keeps_the_moment_and_the_address_holds_it(page, served):
+    come(page, served.address(), 0)
+    page.fill("#control-robots", "20")
+    page.keyboard.press("Tab")
+    until(page, "[state.preparing, state.scenes[0].robots, state.drawn]", [False, 20, 0])
+    assert "N = 20" in page.inner_text("#title")
+    page.keyboard.press("Escape")
+    page.locator("#stages .stage").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    at(page, 100)
+    page.keyboard.press("n")
+    before = told(page, 0, 100)
+    page.wait_for_url(re.compile(r"robots=20.*tick=100.*robot=0"))
+    come(page, page.url, 100)
+    assert told(page, 0, 100) == before
+
+
+def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
+    come(page, served.address("tick=40"), 40)
+    page.fill("#control-density", "5000")
+    page.keyboard.press("Tab")
+    playwright.expect(page.locator("#error")).to_contain_text("density = 5000: should be above 0")
+    assert page.input_value("#control-density") == "4"
+    page.keyboard.press("Home")
+    come(page, served.address("robots=many"))
+    playwright.expect(page.locator("#error")).to_contain_text("robots = many: should be a whole number")
+
+
+@pytest.mark.long
+def test_quick_changes_during_a_computation(page, folder, monkeypatch):
+    """The server wants a sign of life five times a second, in place of every 20; what is compiled is said meanwhile."""
+    often = functools.partial(uvicorn.Config, ws_ping_interval=0.2, ws_ping_timeout=0.2)
+    monkeypatch.setattr(uvicorn, "Config", often)
+    answer = Session.answer
+
+    def long(session, words):
+        monkeypatch.setattr(COMPILATIONS, "now", "commons for fixed networks")
+        time.sleep(1.5)
+        monkeypatch.setattr(COMPILATIONS, "now", "")
+        return answer(session, words)
+
+    with serving(made := listen(offer_of(folder / "study.toml"))):
+        come(page, made.address("setting=1"), 0)
+        monkeypatch.setattr(Session, "answer", long)
+        page.keyboard.press("End")  # a moment is asked for, and then another trial, and another
+        page.wait_for_timeout(100)
+        page.evaluate("change('trial', '1')")
+        page.wait_for_timeout(100)
+        page.evaluate("change('trial', '2')")
+        playwright.expect(page.locator("#waiting")).to_contain_text("Compiling commons for fixed networks")
+        until(page, "[state.preparing, state.form.now.trial, state.source.tries]", [False, "2", 0])
+        assert page.locator("#error").is_hidden()
+        page.goto("about:blank")  # a page whose server goes would say so
+
+
+@pytest.mark.long
+def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
+    """After the second time; what was there before can be watched on."""
+    begun, wishes = Session.answer, []
+
+    def deadly(session, words):
+        if '"robots":"77"' in words:
+            wishes.append(words)
+            raise RuntimeError("as of a socket that is closed")
+        return begun(session, words)
+
+    monkeypatch.setattr(Session, "answer", deadly)
+    come(page, served.address("setting=1"), 0)
+    page.evaluate(f"{{ {PUT} put('robots', '77'); }}")
+    playwright.expect(page.locator("#error")).to_contain_text("The connection was lost twice")
+    page.keyboard.press("End")
+    at(page, 300)
+    until(page, "[state.source.tries, state.source.waiting.size, state.scenes[0].robots]", [0, 0, 12])
+    assert len(wishes) == 2
+
+
+@pytest.mark.long
+def test_page_reconnects_to_a_returning_server(browser, folder, monkeypatch):
+    page = browser.new_page()
+    first = listen(offer_of(folder / "study.toml"))
+    port = first.port
+    with serving(first):
+        come(page, first.address("setting=1&tick=40"), 40)
+        page.evaluate("WAITS.splice(0, 5, 200, 200, 200)")
+    page.evaluate("seek(200)")
+    playwright.expect(page.locator("#waiting")).to_contain_text("The connection is lost. Trying again")
+    assert page.locator("#error").is_hidden()
+    playwright.expect(page.locator("#error")).to_contain_text("The server is gone")
+    again = listen(first.offer, port=port)
+    with serving(dataclasses.replace(again, token=first.token)):
+        at(page, 200)
+        assert page.locator("#error").is_hidden()
+    with serving(dataclasses.replace(listen(first.offer, port=port), token=first.token)), monkeypatch.context() as full:
+        full.setattr(server, "MOST_PAGES", 0)
+        playwright.expect(page.locator("#error")).to_contain_text("The server takes no more pages")
+    with serving(listen(first.offer, port=port)):  # begun anew, with a token of its own
+        playwright.expect(page.locator("#error")).to_contain_text("Another server answers here")
+    page.close()
+
+
+@pytest.mark.long
+def test_two_brains_go_in_step(page, served):
+    come(page, served.address("beside=commons&tick=60"), 60)
+    assert page.locator("#stages .stage").count() == 2
+    titles = page.locator("figcaption").all_inner_texts()
+    assert [title.split(":")[0] for title in titles] == ["minimalistic", "commons"]
+
+
+@pytest.mark.long(only=["0"])
+@pytest.mark.parametrize("setting", [0, 1])
+def test_an_export_opens_from_disk(page, folder, setting):
+    path = folder / f"run-{setting}.html"
+    export(offer_of(folder / "study.toml"), {"setting": str(setting), "trial": "2"}, path, {"tick": "77"})
+    text = path.read_text()
+    assert not re.search(r"(src|href)=.https?:|url\(|import ", text.split('<script id="recorded"')[0])
+    come(page, f"file://{path}", 77)
+    come(page, f"file://{path}#tick=120&robot=5", 120)
+    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), setting, 2)
+    shown = told(page, 5, 120)
+    for name in ("t", "n", "x_hat", "x"):
+        assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
+    page.click("#play")
+    at(page, 300)
+
+
+@pytest.mark.long
+def test_the_command_writes_an_export(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    assert main(["watch", "study.toml", "--set", "rounds=50", "--out", "some.html"]) == 0
+    assert re.fullmatch(r"some\.html \(0\.\d MB\)\n", capsys.readouterr().out)
+    assert "tick 50" not in (folder / "some.html").read_text()
+
+
+@pytest.mark.long(only=["dark"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out(page, served, scheme):
+    """Each text by at least 4.5 to 1 from what lies behind it, as WCAG asks."""
+    page.emulate_media(color_scheme=scheme)
+    come(page, served.address("robot=1&tick=20&beside=commons"), 20)
+    told(page, 1, 20)
+    found = page.locator("h1, h2, h3, p, label, th, td, button, option, figcaption, output, dt, summary").evaluate_all(
+        """all => all.filter(one => one.offsetParent && one.textContent.trim()).map(one => {
+            const ground = of => getComputedStyle(of).backgroundColor;
+            let behind = one;
+            while (behind.parentElement && ground(behind) === "rgba(0, 0, 0, 0)") behind = behind.parentElement;
+            return [getComputedStyle(one).color, ground(behind), one.textContent];
+        })"""
+    )
+
+    def light(colour):
+        parts = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    assert len(found) > 40
+    for text, behind, words in found:
+        low, high = sorted([light(text), light(behind)])
+        assert (high + 0.05) / (low + 0.05) >= 4.5, (text, behind, words)
+
+
+@pytest.mark.long(only=["640", "1280"])
+@pytest.mark.parametrize("width", [360, 640, 1280])
+def test_nothing_sticks_out_sideways(page, served, width):
+    """At 640 a page of 1280 is read at 200 %."""
+    page.set_viewport_size({"width": width, "height": 800})
+    come(page, served.address("robot=1&tick=20"), 20)
+    told(page, 1, 20)
+    time.sleep(0.3)
+    assert page.locator("html").evaluate("root => root.scrollWidth") <= width
+
+
+def test_each_control_has_a_name_and_is_reached_by_keys(page, served):
+    come(page, served.address(), 0)
+    names = page.locator("button, input, select").evaluate_all(
+        "all => all.map(one => one.ariaLabel || one.textContent.trim() || (one.labels[0] || {}).textContent || '')"
+    )
+    assert all(names)
+    count = page.locator("button:enabled, input:enabled, select:enabled").count()
+    seen = set()
+    page.keyboard.press("Tab")
+    for _ in range(count + 20):
+        seen.add(page.evaluate_handle("document.activeElement").get_property("id").json_value())
+        page.keyboard.press("Tab")
+    assert {"play", "speed", "moment", "control-brain", "control-seed", "which", "follow", "copy"} <= seen
+    assert wanted(served.offer, {}).settings

@@ -1,0 +1,388 @@
+"""What a page may ask for, what it is shown, and how it is answered: without a browser and without a server."""
+
+import base64
+import json
+import random
+import string
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.live.exporting import export
+from swarmcensus.live.offers import KEYS, offer_of, wanted
+from swarmcensus.live.robots import robot_of
+from swarmcensus.live.sessions import MOST_TEXT, Session, spoken
+from swarmcensus.live.shows import COLUMNS, Show
+from swarmcensus.live.simulated import Simulated
+from swarmcensus.support.errors import InputError
+from tests.support.watching import parsed
+
+STUDY = """
+trials = 3
+seed = 4
+[swarm]
+robots = [6, 9]
+accuracy = "U(0.6, 0.9)"
+brain = ["minimalistic", "sure"]
+[world]
+topology = ["ring", "moving"]
+density = 4.0
+fill_ratio = 0.6
+[schedule]
+rounds = 60
+ticks = 60
+"""
+
+
+@pytest.fixture
+def offer(tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY)
+    return offer_of(tmp_path / "study.toml")
+
+
+def test_a_small_swarm_is_offered_where_no_study_is():
+    found = wanted(offer_of(None), {})
+    assert str(found.settings[0]) == "moving, N = 25, D = 1, accuracy 0.75, f = 0.75, 10,000 ticks"
+
+
+def test_settings_are_those_of_the_study(offer):
+    settings = sc.Study.parse(STUDY).settings()
+    for number, setting in enumerate(settings):
+        assert wanted(offer, {"setting": str(number)}).settings == (setting,)
+
+
+def test_results_are_watched_too(offer, tmp_path):
+    sc.save(sc.run(sc.Study.parse(STUDY), jobs=1), tmp_path / "r.nc")
+    found = wanted(offer_of(tmp_path / "r.nc"), {"setting": "2", "trial": "1"})
+    assert found.settings[0] == sc.Study.parse(STUDY).settings()[2]
+    assert (found.seed, found.trial) == (4, 1)
+
+
+@pytest.mark.parametrize(
+    ("asked", "line"),
+    [
+        ({"brain": "commons"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
+        ({"robots": "50"}, "ring, N = 50, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
+        ({"accuracy": "0.8"}, "ring, N = 6, accuracy 0.8, f = 0.6, C = 60, R = 10"),
+        ({"topology": "moving"}, "moving, N = 6, D = 1, accuracy U(0.6,0.9), f = 0.6, 10,000 ticks"),
+        ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1,000, R = 10"),
+        ({"setting": "2", "floor": "half", "density": "2"}, "D = 2, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
+        ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
+        ({"liars": "0.5"}, "of them 0.5 always-black, not honest"),
+        ({"liars": "0.5", "adversary": "jammer"}, "of them 0.5 jammer, not honest"),
+        ({"liars": "0"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
+        ({"rounds": "7"}, "C = 7"),
+        ({"accuracy": "{black = 0.9, white = 0.6}"}, "accuracy black=0.9 white=0.6"),
+        ({"accuracy": "N(0.7, 0.05)"}, "accuracy N(0.7,0.05)"),
+    ],
+)
+def test_values_are_changed(offer, asked, line):
+    assert line in str(wanted(offer, asked).settings[0])
+
+
+@pytest.mark.parametrize(
+    "accuracy", [0.8, "U(0.6, 0.9)", {"black": 0.9, "white": 0.6}, {"start": 0.9, "drift": -0.001, "least": 0.6}]
+)
+def test_the_accuracy_that_a_page_shows_can_be_given_again(accuracy):
+    study = sc.Study(
+        trials=1, swarm={"robots": 5, "accuracy": accuracy}, world={"topology": "ring", "fill_ratio": 0.5}
+    )  # fmt: skip
+    offer = offer_of(study)
+    [begun] = Session(offer).answer('{"do": "begin", "ask": {}}')
+    shown = begun["form"]["now"]["accuracy"]
+    assert wanted(offer, {"accuracy": shown}).settings[0].accuracy == study.settings()[0].accuracy
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"brian": "commons"}, "brian: did you mean 'brain'? known here: setting, trial"),
+        ({"brain": "comons"}, "brain = comons"),
+        ({"beside": "comons"}, "beside = comons: did you mean"),
+        ({"robots": "1e3"}, "robots = 1e3"),
+        ({"robots": "-1"}, "robots = -1"),
+        ({"robots": "٣"}, "robots = ٣"),
+        ({"setting": "99"}, "setting = 99: there are 0 to 7"),
+        ({"of": "00000000"}, "of = 00000000"),
+        ({"accuracy": "1.5"}, "accuracy = 1.5"),
+        ({"fill_ratio": "nan"}, "fill_ratio = nan"),
+        ({"link_success": "2"}, "link_success = 2"),
+        ({"topology": "office.csv"}, "topology = office.csv"),
+        ({"setting": "2", "density": "1000"}, "density = 1000"),
+        ({"setting": "2", "density": "0"}, "density = 0: should be above 0"),
+        ({"setting": "2", "floor": "/etc/passwd"}, "floor = /etc/passwd"),
+        ({"density": "2"}, "density = 2"),
+        ({"setting": "2", "topology": "line", "floor": "half"}, "floor = half"),
+        ({"accuracy": "{black = 2, white = 1}"}, "accuracy = {black = 2, white = 1}"),
+        ({"accuracy": "[0.6"}, "accuracy = [0.6: "),
+        ({"liars": "1"}, "none is honest"),
+        ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic"),
+        ({"topology": "full", "brain": "voter", "robots": "9000"}, "fully connected: at most 2,000 can be watched"),
+    ],
+)
+def test_what_is_wrong_is_told(offer, asked, said):
+    with pytest.raises(InputError) as told:
+        wanted(offer, asked)
+    assert said in str(told.value)
+
+
+def test_no_file_is_run_that_a_page_names(offer, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("evil.py").write_text("raise SystemExit('it ran')\n")
+    for asked in ({"brain": "evil.py"}, {"beside": "./evil.py"}, {"liars": "0.5", "adversary": "evil.py"}):
+        with pytest.raises(InputError):
+            wanted(offer, asked)
+    assert "mine.py" not in KEYS
+    Path("mine.py").write_text(sc.Study.parse(STUDY).brains[0].source)
+    known = offer_of(tmp_path / "study.toml", (Path("mine.py"),))
+    assert wanted(known, {"brain": "mine.py"}).settings[0].brain.name == "mine.py"
+
+
+@pytest.mark.parametrize("number", [0, 2, 4])
+def test_frames_and_robots_are_those_of_the_replay(offer, number):
+    found = wanted(offer, {"setting": str(number), "trial": "2"})
+    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
+    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), number, 2)
+    ticks = [0, 1, 2, 30, 60]
+    shown = parsed(show.frames(ticks))
+    x = trace["estimate"].values[ticks]
+    assert shown["ticks"].tolist() == ticks
+    np.testing.assert_allclose(shown["layers"][:, 0] / 65_534, x, atol=1 / 65_534)
+    column = dict(zip(COLUMNS, shown["numbers"].T, strict=True))
+    np.testing.assert_allclose(column["mean"], x.mean(axis=1), rtol=1e-6)
+    np.testing.assert_allclose(column["median"], np.median(x, axis=1), rtol=1e-6)
+    np.testing.assert_allclose(column["low"], np.quantile(x, 0.25, axis=1), rtol=1e-6)
+    if number == 2:
+        half = trace.attrs["side"] / 2
+        place = (trace["position"].values[ticks] + half) / (2 * half)
+        np.testing.assert_allclose(shown["layers"][:, 1:].transpose(0, 2, 1) / 65_535, place, atol=1 / 65_535)
+        looked = ~np.isnan(trace["reading"].values[ticks])
+        assert ((shown["flags"][:, 0] & 1) == looked).all()
+        heard = [np.bincount(links, minlength=6).tolist() for links in shown["links"]]
+        assert heard[1:] == trace["neighbours"].values[ticks[1:]].tolist()
+    for tick in ticks:
+        for robot in range(6):
+            told = robot_of(show, tick, robot)
+            if number != 2 and tick:
+                assert (told["blacks"], told["looks"]) == (trace["blacks"].values[tick, robot], 10)
+            for name in show.setting.brain.memory:
+                assert told["fields"][name] == trace[name].values[tick, robot].tolist()
+            assert told["estimate"] == trace["estimate"].values[tick, robot]
+    json.dumps(robot_of(show, 60, 0), allow_nan=False)
+
+
+@pytest.mark.interpreted
+def test_who_has_no_estimate_is_told_apart(tmp_path):
+    mine = tmp_path / "none.py"
+    text = brains.load("minimalistic").source
+    mine.write_text(text.replace("    return me.x\n", "    return me.x + 1e999 - 1e999\n"))
+    found = wanted(offer_of(None, (mine,)), {"brain": str(mine), "topology": "ring", "robots": "5"})
+    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
+    assert (parsed(show.frames([3, 4]))["layers"][:, 0] == 65_535).all()
+    assert robot_of(show, 4, 2)["estimate"] is None
+
+
+@pytest.mark.parametrize("brain", ["voter", "sure"])
+def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
+    monkeypatch.setattr("swarmcensus.simulation.living.MOST_ROUNDS", 7)
+    who = {"file": "sure", "within": 0.05} if brain == "sure" else brain
+    swarm, world = {"robots": 6, "accuracy": 0.9, "brain": who}, {"topology": "full", "fill_ratio": 0.9}
+    study = sc.Study(trials=2, seed=2, swarm=swarm, world=world, schedule={"rounds": 150})
+    trace = sc.replay(sc.run(study, jobs=1), 0, 1)
+    show = Show(Simulated(study.settings()[0], 2, 1), study.measure)
+    shown = parsed(show.frames(list(range(151))))
+    flags = shown["flags"][:, 0]
+    assert ((flags >> 4).astype(int) - 1 == trace["decided"].values if brain == "voter" else flags >> 4 == 0).all()
+    assert ((flags & 8 > 0) == (trace["is_done"].values == 1 if brain == "sure" else False)).all()
+    if brain == "sure":
+        assert 0 < (flags & 8 > 0).sum() < flags.size
+        for tick in (0, 1, 7, 8, 100):
+            told = robot_of(show, tick, 2)["fields"]
+            for name in ("interval_low", "interval_high", "is_done"):
+                assert told[name] == trace[name].values[tick, 2]
+        for tick in (1, 7, 8, 100, 150):  # who is done reads nothing any more
+            for robot in range(6):
+                assert robot_of(show, tick, robot)["blacks"] == trace["blacks"].values[tick, robot]
+
+
+@pytest.mark.interpreted
+def test_after_a_failure_it_fails_again(tmp_path):
+    """And does not go on from what a brain left half-way."""
+    fuse = "def fuse(me):"
+    text = brains.load("minimalistic").source.replace(fuse, f"{fuse}\n    me.t *= (500.0 - me.t) / (500.0 - me.t)")
+    (tmp_path / "fails.py").write_text(text)
+    study = sc.Study(
+        trials=1, swarm={"robots": 5, "accuracy": 0.7, "brain": str(tmp_path / "fails.py")},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 100},
+    )  # fmt: skip
+    session = Session(offer_of(study))
+    session.answer('{"do": "begin", "ask": {}}')
+    for _ in range(4):
+        [answer] = session.answer('{"do": "frames", "from": 60, "step": 1, "count": 1}')
+        assert "fails in trial 0" in answer["error"]
+
+
+def test_what_cannot_be_watched_is_told(offer, tmp_path):
+    results = sc.run(sc.Study.parse(STUDY), jobs=1)
+    for chosen in ([], 2):
+        with pytest.raises(InputError, match="no setting"):
+            offer_of(results.isel(setting=chosen))
+    big = {"robots": 30_000, "accuracy": 0.7}
+    study = sc.Study(trials=1, swarm=big, world={"topology": "ring", "fill_ratio": 0.5})
+    with pytest.raises(InputError, match="at most 20,000 robots"):
+        wanted(offer_of(study), {})
+    with pytest.raises(InputError, match="tiles wide"):
+        wanted(offer, {"topology": "moving", "density": "1e-300"})
+
+
+def test_what_a_robot_heard_is_what_its_neighbours_said():
+    """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
+    found = wanted(offer_of(None), {"topology": "ring", "robots": "7"})
+    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
+    told = robot_of(show, 12, 3)
+    assert told["heard_at"] == 12
+    assert [one["from"] for one in told["heard"]] == [2, 4]
+    beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
+    assert told["fields"]["beta"] == pytest.approx(beta, rel=1e-12)
+    assert told["fields"]["x_bar"] == pytest.approx(sum(o["said"]["heard_x"] for o in told["heard"]) / beta, rel=1e-12)
+
+
+def test_lost_messages_are_not_lit():
+    found = wanted(offer_of(None), {"topology": "ring", "robots": "40", "link_success": "0.3"})
+    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
+    shown = parsed(show.frames(list(range(1, 101))))
+    carried = np.array([links.sum() for links in shown["links"]])
+    heard = np.diff(shown["numbers"][:, COLUMNS.index("heard")], prepend=0)
+    assert carried.tolist() == heard.tolist()
+    assert carried.mean() == pytest.approx(0.3 * 80, rel=0.1)  # 8,000 messages: six standard deviations are a tenth
+
+
+def test_a_session_answers(offer):
+    session = Session(offer)
+    [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"beside": "commons"}}))
+    assert [scene["brain"] for scene in begun["scenes"]] == ["minimalistic", "commons"]
+    assert begun["form"]["now"]["robots"] == "6"
+    *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
+    while isinstance(end, dict) and end.get("going"):
+        *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
+    assert [parsed(part)["ticks"].tolist() for part in frames] == [[10, 15, 20, 25]] * 2
+    assert [parsed(part)["side"] for part in frames] == [0, 1]
+    [told] = session.answer(json.dumps({"id": 3, "do": "robot", "side": 1, "robot": 2, "tick": 10}))
+    assert told["told"]["brain"] == "commons"
+
+
+@pytest.mark.parametrize("ratio", ["0", "0.05", "0.95", "1"])
+def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
+    """Their bins have no end on one side, and JSON has no infinity."""
+    session = Session(offer_of(None))
+    asked = {"topology": "ring", "fill_ratio": ratio, "accuracy": "1", "rounds": "100", "robots": "5"}
+    [begun] = spoken(session.answer(json.dumps({"do": "begin", "ask": asked})))
+    assert json.loads(begun)["form"]["now"]["fill_ratio"] == ratio
+    [frame, _] = session.answer(json.dumps({"do": "frames", "from": 100, "count": 1}))
+    shown = parsed(frame)
+    np.testing.assert_allclose(shown["layers"][0, 0] / 65_534, float(ratio), atol=0.04)
+    assert shown["numbers"][0, COLUMNS.index("right")] == 1.0
+    assert export(offer_of(None), asked | {"rounds": "10"}, tmp_path / "run.html") > 100_000
+
+
+def test_an_answer_that_is_no_json_becomes_an_error():
+    [told] = spoken([b"frames", {"id": 7, "end": float("inf")}])
+    assert json.loads(told)["id"] == 7
+    assert "internal error: ValueError" in json.loads(told)["error"]
+
+
+@pytest.mark.parametrize(
+    ("said", "error"),
+    [
+        ("{", "a request should be JSON"),
+        ("[]", "a request should be a JSON object"),
+        (b"\x00\x01", "a request should be JSON of at most"),
+        ("x" * (MOST_TEXT + 1), "a request should be JSON of at most"),
+        ("[" * 10_000, "should be JSON"),
+        ('{"do": []}', "do = '[]'"),
+        ('{"do": {"a": 1}}', "should be one of begin, frames, robot"),
+        ('{"do": "run"}', "do = 'run'"),
+        ('{"do": "begin", "ask": {"robots": 5}}', "ask: should be names and texts"),
+        ('{"do": "frames"}', "no trial yet"),
+        ('{"do": "begin", "file": "x"}', "file: "),
+        ('{"do": "begin", "id": 1e400, "ask": {}}', "id: should be a whole number"),
+    ],
+)
+def test_nonsense_is_answered_in_a_sentence(offer, said, error):
+    [answer] = Session(offer).answer(said)
+    assert error in answer["error"]
+
+
+@pytest.mark.parametrize("key", ["brain", "beside", "topology", "floor", "adversary", "accuracy", "robots", "x" * 5000])
+@pytest.mark.parametrize("value", ["x" * 9000, "[" * 9000])
+def test_what_is_long_is_not_said_again_in_full(offer, key, value):
+    asked = {"setting": "2", key: value}
+    [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": asked}))
+    assert f"{key[:40]}{' = ' * (key in KEYS)}" in answer["error"]
+    assert "internal error" not in answer["error"]
+    assert len(answer["error"]) < 500
+
+
+@pytest.mark.parametrize("value", ["0.5\nx = 1", "0.5\r\n[swarm]", "[0.6,\n0.8]"])
+def test_an_accuracy_is_one_value(offer, value):
+    [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": {"accuracy": value}}))
+    assert answer["error"].endswith("should be one value, on one line")
+
+
+def test_random_words_are_answered(offer):
+    """Each gets an answer that is JSON or frames, and the session goes on."""
+    chance = random.Random(3)
+    session = Session(offer)
+    session.answer('{"do": "begin", "ask": {}}')
+    numbers = [0, 1, -1, 5, 61, 2**31, 2**70, 1.5, True, None, "7", [], {}, float("nan")]
+    for _ in range(10_000):
+        kind = chance.random()
+        if kind < 0.2:
+            said = chance.randbytes(chance.randrange(40))
+        elif kind < 0.4:
+            said = "".join(chance.choices(string.printable + '{}[]":,\\\u2028\ud800', k=chance.randrange(60)))
+        else:
+            keys = chance.choices(["id", "do", "from", "step", "count", "tick", "robot", "side", "ask", "x"], k=5)
+            words = {key: chance.choice(numbers) for key in keys}
+            words["do"] = chance.choice(["frames", "robot", "begin", 3])
+            if chance.random() < 0.05:
+                words["ask"] = {chance.choice(KEYS): chance.choice(["", "-", "1", "9" * 30, "ring", "é", "../x"])}
+            said = json.dumps(words)
+        for answer in session.answer(said):
+            if isinstance(answer, bytes):
+                parsed(answer)
+            else:
+                json.dumps(answer, allow_nan=False)
+    assert session.answer('{"id": 7, "do": "begin", "ask": {}}')[0]["scenes"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "crowd"),
+    [
+        ({"topology": "ring"}, 0), ({"topology": "line"}, 0), ({"topology": "scale-free", "robots": "30"}, 0),
+        ({"topology": "full", "robots": "12"}, 0), ({"topology": "line", "robots": "410"}, 21),
+    ],
+)  # fmt: skip
+def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
+    [begun] = Session(offer_of(None)).answer(json.dumps({"do": "begin", "ask": asked}))
+    [scene] = begun["scenes"]
+    places = np.frombuffer(base64.b64decode(scene["places"]), "<f4").reshape(-1, 2)
+    assert len(np.unique(places.round(4), axis=0)) == scene["robots"]
+    assert places.min() > 0.0
+    assert places.max() < 1.0
+    assert scene["crowd"] == crowd
+    apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2) + 9.0 * np.eye(len(places))
+    assert crowd or scene["room"] == pytest.approx(np.median(apart.min(axis=1)), abs=1e-5)
+
+
+def test_a_brain_beside_has_the_number_formats_of_the_swarm():
+    study = sc.Study(
+        trials=1, swarm={"robots": 5, "accuracy": 0.7, "precision": "single"},
+        world={"topology": "ring", "fill_ratio": 0.5, "message": "ratio16"},
+    )  # fmt: skip
+    first, beside = wanted(offer_of(study), {"beside": "commons"}).settings
+    assert first.brain.numbers == beside.brain.numbers
+    assert beside.message == "ratio16"

@@ -1,0 +1,259 @@
+"""Bags of ROS 2: `infer` of a bag is, to the bit, `infer` of the same data as CSV files."""
+
+import contextlib
+import sqlite3
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from swarmcensus.cli.commands import main
+from swarmcensus.results.recordings import write_rows
+from swarmcensus.robots.logs.bags import read_bag
+from swarmcensus.support.errors import InputError
+
+pytest.importorskip("rosbags", reason="pip install 'swarmcensus[ros]'")
+
+START, PERIOD = 1_700_000_000_123_456_789, 100_000_000  # ns
+TOPICS = ["--readings", "/robot_{robot}/floor", "--messages", "/robot_{robot}/heard", "--period", "0.1"]
+ROBOTS, STEPS = 4, 40
+
+
+@pytest.fixture
+def data():
+    """Readings with gaps (step, robot), and messages as step, sender, receiver."""
+    chance = np.random.default_rng(1)
+    readings = (chance.random((STEPS, ROBOTS)) < 0.4).astype(float)
+    readings[chance.random((STEPS, ROBOTS)) < 0.2] = np.nan
+    readings[0] = 1.0
+    pairs = [(i, j) for i in range(ROBOTS) for j in range(ROBOTS) if i != j]
+    messages = [(k, *pairs[n]) for k in range(STEPS) for n in sorted(chance.choice(len(pairs), 3, replace=False))]
+    return readings, np.array(messages)
+
+
+def write(path, events, storage="SQLITE3", compressed=None):
+    """Write a bag of events: time in ns, topic, type and value."""
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    writer = Writer(path, version=9, storage_plugin=StoragePlugin[storage])
+    if compressed:
+        writer.set_compression(CompressionMode[compressed], CompressionFormat.ZSTD)
+    connections = {}
+    with writer:
+        for time, topic, kind, value in sorted(events, key=lambda event: event[0]):
+            name = f"std_msgs/msg/{kind}"
+            if topic not in connections:
+                connections[topic] = writer.add_connection(topic, name, typestore=store)
+            types = store.types
+            if kind.endswith("MultiArray"):
+                layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+                message = types[name](layout=layout, data=np.array(value, kind.removesuffix("MultiArray").lower()))
+            else:
+                message = types[name](data=value)
+            writer.write(connections[topic], time, store.serialize_cdr(message, name))
+
+
+def events_of(data, kind="Bool", heard="Int32MultiArray", jitter=0):
+    """The events of data: readings a little early or late, and messages, all senders of a step at once."""
+    readings, messages = data
+    chance = np.random.default_rng(2)
+    make = {"Bool": bool, "UInt8": int, "Int32": int, "Float32": float}[kind]
+    events = []
+    for (k, robot), value in np.ndenumerate(readings):
+        if value == value:
+            late = int(chance.integers(-jitter, jitter + 1)) if k else 0
+            events.append((START + k * PERIOD + late, f"/robot_{robot}/floor", kind, make(value)))
+    for k in range(STEPS):
+        for receiver in range(ROBOTS):
+            senders = messages[(messages[:, 0] == k) & (messages[:, 2] == receiver), 1]
+            said = ", ".join(map(str, senders)) if heard == "String" else senders
+            if len(senders):
+                events.append((START + k * PERIOD + 1000, f"/robot_{receiver}/heard", heard, said))
+    return events
+
+
+def inferred(*arguments):
+    assert main(["infer", *map(str, arguments), "--accuracy", "0.8", "--out", "t.nc", "--plot", "t.svg"]) == 0
+    with xr.open_dataset("t.nc") as trace:
+        return trace.load()
+
+
+@pytest.mark.parametrize(
+    ("storage", "kind", "heard", "compressed"),
+    [
+        ("SQLITE3", "Bool", "Int32MultiArray", None),
+        ("SQLITE3", "UInt8", "String", "MESSAGE"),
+        ("MCAP", "Float32", "UInt16MultiArray", None),
+        ("MCAP", "Int32", "String", "FILE"),
+    ],
+)
+def test_a_bag_infers_what_its_csv_files_do(data, tmp_path, monkeypatch, storage, kind, heard, compressed):
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "bag", events_of(data, kind, heard, jitter=PERIOD // 3), storage, compressed)
+    write_rows("o.csv", [f"robot {k}" for k in range(ROBOTS)], data[0])
+    write_rows("l.csv", ["step", "sender", "receiver"], data[1])
+    from_csv = inferred("o.csv", "--links", "l.csv")
+    from_bag = inferred("bag", *TOPICS)
+    xr.testing.assert_identical(from_csv, from_bag)
+    assert from_csv["estimate"].values[-1].std() > 0
+
+
+def test_links_of_a_file_go_with_readings_of_a_bag(data, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "bag", events_of(data))
+    write_rows("o.csv", [f"robot {k}" for k in range(ROBOTS)], data[0])
+    write_rows("l.csv", ["i", "j"], np.array([[0, 1], [1, 2], [2, 3]]))
+    from_bag = inferred("bag", *TOPICS[:2], *TOPICS[4:], "--links", "l.csv")
+    xr.testing.assert_identical(from_bag, inferred("o.csv", "--links", "l.csv"))
+
+
+def test_names_are_numbered_in_their_order(tmp_path, capsys):
+    events = [(START, f"/{name}/floor", "Bool", name != "b") for name in ("b", "a", "12", "9")]
+    events += [(START, "/b/heard", "String", "12 a")]
+    write(tmp_path / "bag", events)
+    recorded = read_bag(tmp_path / "bag", "/{robot}/floor", "/{robot}/heard", 0.1)
+    assert recorded.names == ["9", "12", "a", "b"]
+    assert recorded.readings.tolist() == [[1, 1, 1, 0]]
+    assert recorded.messages.tolist() == [[0, 1, 3], [0, 2, 3]]
+    assert recorded.notes == [f"{tmp_path / 'bag'}: robots 0 to 3 are 9, 12, a, b"]
+
+
+def test_the_last_reading_of_a_step_counts_and_it_is_told(tmp_path):
+    values = [True, False, True, True, False]
+    times = [0, 20, 100, 110, 120]  # ms
+    events = [(START + t * 10**6, "/robot_0/floor", "Bool", v) for t, v in zip(times, values, strict=True)]
+    events += [(START + 5 * 10**6, "/robot_0/heard", "Int32MultiArray", [0])]
+    write(tmp_path / "bag", events)
+    recorded = read_bag(tmp_path / "bag", "/robot_{robot}/floor", "/robot_{robot}/heard", 0.1)
+    assert recorded.readings.tolist() == [[0], [0]]
+    assert "3 of 5 are left out" in recorded.notes[0]
+    assert "1 message that a robot heard from itself" in recorded.notes[1]
+    assert recorded.messages.shape == (0, 3)
+
+
+def test_no_reading_is_nan(tmp_path):
+    write(tmp_path / "bag", [(START + k * PERIOD, "/r0/f", "Float32", v) for k, v in enumerate([1.0, np.nan, 0.0])])
+    readings = read_bag(tmp_path / "bag", "/r{robot}/f", None, 0.1).readings
+    np.testing.assert_array_equal(readings, [[1], [np.nan], [0]])
+
+
+def long_bag(path, storage):
+    events = [(START + k * PERIOD, f"/robot_{r}/floor", "Bool", (k + r) % 3 == 0) for k in range(9000) for r in (0, 1)]
+    write(path, events, storage)
+    [file] = [p for p in path.iterdir() if p.suffix in (".mcap", ".db3")]
+    return file, [k % 3 == 0 for k in range(9000)]
+
+
+@pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
+@pytest.mark.parametrize("damage", ["metadata", "cut", "flip"])
+def test_of_a_damaged_bag_is_read_what_is_readable(tmp_path, storage, damage):
+    bag = tmp_path / "bag"
+    file, seen = long_bag(bag, storage)
+    content = bytearray(file.read_bytes())
+    if damage == "metadata":
+        (bag / "metadata.yaml").unlink()
+    elif damage == "cut":
+        file.write_bytes(content[: len(content) * 2 // 3])
+    else:
+        middle = len(content) // 2
+        content[middle : middle + 64] = bytes(range(64))
+        file.write_bytes(content)
+        (bag / "metadata.yaml").unlink()
+    recorded = read_bag(bag, "/robot_{robot}/floor", None, 0.1)
+    first = recorded.readings[:, 0]
+    known = first == first
+    assert known.sum() > (8999 if damage == "metadata" else 1000)
+    wrong = first[known] != np.array(seen[: len(first)])[known]
+    assert wrong.sum() <= (8 if (storage, damage) == ("SQLITE3", "flip") else 0)  # SQLite has no checksums
+    assert "messages could be read" in recorded.notes[0]
+
+
+def test_rows_of_other_types_are_left_out(tmp_path):
+    """As damage leaves them."""
+    file, _ = long_bag(tmp_path / "bag", "SQLITE3")
+    with contextlib.closing(sqlite3.connect(file)) as base, base:
+        base.execute("UPDATE messages SET timestamp = x'00' WHERE id = 3")
+        base.execute("UPDATE messages SET data = 5 WHERE id = 4")
+        base.execute("UPDATE messages SET data = x'00' WHERE id = 5")
+    recorded = read_bag(tmp_path / "bag", "/robot_{robot}/floor", None, 0.1)
+    assert recorded.notes == [f"{tmp_path / 'bag'}: 3 messages could not be decoded"]
+    assert np.isnan(recorded.readings).sum() == 3
+
+
+def test_one_file_of_a_bag_is_enough(tmp_path):
+    file, seen = long_bag(tmp_path / "bag", "MCAP")
+    recorded = read_bag(file, "/robot_{robot}/floor", None, 0.1)
+    assert recorded.readings[:, 0].tolist() == seen
+    assert recorded.notes == []
+
+
+FLOOR = "/robot_{robot}/floor"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["bag"], "bag: a bag needs --readings and --period"),
+        (["bag", "--readings", FLOOR], "bag: a bag needs --period"),
+        (["bag", "--readings", "/robot_0/floor", "--period", "1"], "should name a robot once as {robot}"),
+        (
+            ["bag", "--readings", "/r{robot}/x", "--period", "1"],
+            "there are /picture_0 (std_msgs/msg/Header), /robot_0/",
+        ),
+        (["bag", "--readings", FLOOR, "--period", "0"], "--period 0"),
+        (["bag", "--readings", FLOOR, "--period", "nan"], "--period nan"),
+        (["bag", "--readings", FLOOR, "--period", "1e-8"], "steps of --period 1e-08: 10,000,000 at most"),
+        (
+            ["bag", "--readings", "/picture_{robot}", "--period", "1"],
+            "/picture_0 is of std_msgs/msg/Header: --readings",
+        ),
+        (["bag", "--readings", "/robot_{robot}/grey", "--period", "1"], "/robot_0/grey: a reading of 7: should be 0"),
+        (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", "/robot_{robot}/far"], "/robot_0/far names 9, of which"),
+        (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", FLOOR], "/robot_0/floor is of std_msgs/msg/Bool: --messages"),
+        (["bag", *TOPICS, "--links", "l.csv"], "--links l.csv and --messages /robot_{robot}/heard: one of them"),
+        (["empty", *TOPICS], "empty: no bag of rosbag2"),
+        (["nowhere.db3", *TOPICS], "nowhere.db3: there is no such bag"),
+        (["text.db3", *TOPICS], "text.db3"),
+        (["text.mcap", *TOPICS], "text.mcap"),
+        (["o.csv", "--period", "1"], "--period"),
+    ],
+)
+def test_wrong_input_is_one_sentence(tmp_path, monkeypatch, capsys, arguments, told):
+    from rosbags.rosbag2 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    monkeypatch.chdir(tmp_path)
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    events = [(START + k * 10**9, "/robot_0/floor", "Bool", True) for k in range(2)]
+    events += [(START, "/robot_0/grey", "UInt8", 7), (START, "/robot_0/far", "Int32MultiArray", [9])]
+    events += [(START, "/robot_0/heard", "Int32", 0)]
+    write(tmp_path / "other", events)
+    with Writer(tmp_path / "bag", version=9) as writer:
+        header = "std_msgs/msg/Header"
+        writer.add_connection("/picture_0", header, typestore=store)
+        for time, topic, kind, value in events:
+            name = f"std_msgs/msg/{kind}"
+            types = store.types
+            layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+            given = {"layout": layout, "data": np.array(value, np.int32)} if "Multi" in kind else {"data": value}
+            known = {c.topic: c for c in writer.connections}
+            connection = known.get(topic) or writer.add_connection(topic, name, typestore=store)
+            writer.write(connection, time, store.serialize_cdr(types[name](**given), name))
+    (tmp_path / "empty").mkdir()
+    for name in ("text.db3", "text.mcap"):
+        (tmp_path / name).write_text("hello")
+    (tmp_path / "o.csv").write_text("1\n")
+    assert main(["infer", *arguments, "--accuracy", "0.8"]) == 2
+    printed = capsys.readouterr().err
+    assert told in printed
+    assert printed.count("\n") == 1
+    assert not list(tmp_path.glob("*-trace*"))
+
+
+def test_a_missing_library_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
+    with pytest.raises(InputError, match=r"pip install 'swarmcensus\[ros\]'"):
+        read_bag(tmp_path, FLOOR, None, 0.1)

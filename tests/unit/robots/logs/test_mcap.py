@@ -1,0 +1,271 @@
+"""Logs of a folder of robots as MCAP: what another library reads in the file is what the logs hold."""
+
+import json
+import sys
+
+import pytest
+
+from swarmcensus.cli.commands import main
+from swarmcensus.robots.logs.log_times import timed
+from swarmcensus.robots.logs.logs import State, Tick, read_log
+from swarmcensus.robots.logs.mcap_files import write_mcap
+from swarmcensus.support.errors import InputError
+from tests.support.logged import Clock, closed, lives, made
+
+NOW = 1_700_000_000_000
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Three robots, and what they logged in 20 ticks."""
+    folder, clock = tmp_path / "day", Clock()
+    folder.mkdir()
+    robots = [made(folder, number, clock, now=NOW) for number in (3, 0, 7)]
+    lives(robots, clock, 20)
+    closed(robots)
+    (folder / "swarm.json").write_text(
+        json.dumps({"format": 1, "fill_ratio": 0.55, "title": "a day", "links": [[0, 1]]})
+    )
+    return folder
+
+
+def read(path):
+    """Schemas by topic, messages by topic, and metadata of a file."""
+    reader = pytest.importorskip("mcap.reader", reason="pip install 'swarmcensus[ros]'")
+    with path.open("rb") as file:
+        opened = reader.make_reader(file, validate_crcs=True)
+        schemas, messages = {}, {}
+        for schema, channel, message in opened.iter_messages():
+            assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
+            schemas[channel.topic] = json.loads(schema.data)
+            messages.setdefault(channel.topic, []).append((message.log_time, json.loads(message.data)))
+        return schemas, messages, {record.name: record.metadata for record in opened.iter_metadata()}
+
+
+def exported(folder, tmp_path):
+    pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
+    written = write_mcap(folder, tmp_path / "day.mcap")
+    return written, *read(tmp_path / "day.mcap")
+
+
+def test_each_robot_has_its_channels(folder, tmp_path):
+    written, schemas, messages, _ = exported(folder, tmp_path)
+    kinds = ("estimate", "reading", "said", "heard")
+    assert set(messages) == {f"/robot_{n}/{kind}" for n in (0, 3, 7) for kind in kinds} | {"/swarm/fill_ratio"}
+    assert written == (3, 60, sum(map(len, messages.values())), 0)
+    validator = pytest.importorskip("jsonschema")
+    for topic, sent in messages.items():
+        for _, content in sent:
+            validator.validate(content, schemas[topic] | {"additionalProperties": False})
+
+
+def test_what_is_in_the_channels_is_what_is_in_the_log(folder, tmp_path):
+    _, _, messages, _ = exported(folder, tmp_path)
+    ticks = read_log(folder / "robot-3.log").ticks
+    times = [(NOW + 100 * k) * 10**6 for k in range(1, 21)]
+    estimates = messages["/robot_3/estimate"]
+    assert [content["estimate"] for _, content in estimates] == [tick.estimate for tick in ticks]
+    assert [time for time, _ in estimates] == times
+    assert [content["blacks"] for _, content in messages["/robot_3/reading"]] == [tick.blacks for tick in ticks]
+    assert [bytes.fromhex(c["code"]) for _, c in messages["/robot_3/said"]] == [tick.said for tick in ticks]
+    heard = [one for tick in ticks for one in tick.heard]
+    assert heard
+    assert [(c["sender"], c["sender_tick"], c["code"]) for _, c in messages["/robot_3/heard"]] == [
+        (one.sender, one.tick, one.code.hex()) for one in heard
+    ]
+
+
+def test_what_one_says_is_what_another_hears(folder, tmp_path):
+    """With the names of the brain's fields."""
+    _, schemas, messages, _ = exported(folder, tmp_path)
+    said = {content["tick"]: content["numbers"] for _, content in messages["/robot_0/said"]}
+    heard = [content for _, content in messages["/robot_7/heard"] if content["sender"] == 0]
+    assert len(heard) >= 19
+    for content in heard:
+        assert content["numbers"] == said[content["sender_tick"]]
+        assert len(content["numbers"]) == 2
+    assert schemas["/robot_0/said"]["properties"]["numbers"]["type"] == "object"
+
+
+def test_truth_and_swarm_are_there(folder, tmp_path):
+    _, _, messages, metadata = exported(folder, tmp_path)
+    assert [content["fill_ratio"] for _, content in messages["/swarm/fill_ratio"]] == [0.55, 0.55]
+    assert metadata["swarm"] == {"format": "1", "fill_ratio": "0.55", "title": "a day", "links": "[[0, 1]]"}
+    about = metadata["robot_7"]
+    assert (about["b"], about["w"], about["brain"], about["message"]) == ("0.9", "0.8", "commons", "ratio16")
+    assert (about["boots"], about["ticks"], about["bytes_lost"]) == ("1", "20", "0")
+
+
+def test_a_brain_that_is_not_there_leaves_bytes(folder, tmp_path):
+    robot, _ = made(folder, 9, Clock())
+    robot.log.close()
+    (folder / "robot-9.log").unlink()
+    robot.log.brain = bytes(8)
+    robot.record(robot.log)
+    robot.tick()
+    robot.log.close()
+    _, _, messages, metadata = exported(folder, tmp_path)
+    [(_, content)] = messages["/robot_9/said"]
+    assert content["numbers"] == {}
+    assert len(bytes.fromhex(content["code"])) == 3
+    assert metadata["robot_9"]["brain"] == ""
+
+
+def test_brain_in_the_folder_is_recognised_by_hash(folder, tmp_path):
+    from swarmcensus import brains
+
+    source = brains.load("minimalistic").source + "\n# mine\n"
+    (folder / "brain.py").write_text(source)
+    robot, _ = made(folder, 9, Clock(), str(folder / "brain.py"))
+    robot.tick()
+    robot.log.close()
+    _, _, messages, metadata = exported(folder, tmp_path)
+    assert messages["/robot_9/said"][0][1]["numbers"]
+    assert metadata["robot_9"]["brain"] == "brain"
+    about = json.loads((folder / "swarm.json").read_text()) | {"brain": {"file": "brain.py", "name": "mine"}}
+    (folder / "swarm.json").write_text(json.dumps(about))
+    assert exported(folder, tmp_path)[3]["robot_9"]["brain"] == "mine"
+
+
+def times_of(log):
+    return [now for now, block in timed(read_log(log).blocks) if isinstance(block, Tick)]
+
+
+def test_a_clock_that_begins_again_goes_on(tmp_path):
+    clock = Clock(2**30 - 250)
+    robots = [made(tmp_path, 1, clock, now=NOW)]
+    lives(robots, clock, 6)
+    closed(robots)
+    assert [tick.clock for tick in read_log(tmp_path / "robot-1.log").ticks][2] == 50
+    assert times_of(tmp_path / "robot-1.log") == [NOW + 100 * k for k in range(1, 7)]
+
+
+def test_a_boot_begins_at_its_own_time(tmp_path):
+    for boot, now in enumerate((NOW, NOW + 90_000)):
+        clock = Clock(777)
+        robots = [made(tmp_path, 1, clock, now=now, boot=boot)]
+        lives(robots, clock, 3)
+        closed(robots)
+    expected = [now + 100 * k for now in (NOW, NOW + 90_000) for k in (1, 2, 3)]
+    assert times_of(tmp_path / "robot-1.log") == expected
+
+
+def test_a_boot_without_a_time_begins_after_the_one_before(tmp_path):
+    for boot in range(2):
+        clock = Clock(777)
+        robots = [made(tmp_path, 1, clock, boot=boot)]
+        lives(robots, clock, 3)
+        closed(robots)
+    assert times_of(tmp_path / "robot-1.log") == [100, 200, 300, 400, 500, 600]
+
+
+def test_without_a_clock_ticks_count(tmp_path):
+    robots = [made(tmp_path, 1, lambda: 0)]
+    for _ in range(4):
+        robots[0][0].tick()
+    closed(robots)
+    assert times_of(tmp_path / "robot-1.log") == [100, 200, 300, 400]
+
+
+def test_robots_without_a_time_begin_with_those_that_have_one(folder, tmp_path):
+    clock = Clock()
+    robots = [made(folder, 9, clock)]
+    lives(robots, clock, 2)
+    closed(robots)
+    _, _, messages, metadata = exported(folder, tmp_path)
+    assert messages["/robot_9/estimate"][0][0] == (NOW + 100) * 10**6
+    assert metadata["robot_9"]["times"] == "counted from the first tick"
+
+
+def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
+    monkeypatch.chdir(tmp_path)
+    log = folder / "robot-3.log"
+    log.write_bytes(log.read_bytes()[:-5])
+    ticks = read_log(log).ticks
+    assert main(["export", "day"]) == 0
+    told = capsys.readouterr()
+    assert "bytes could not be read" in told.err
+    assert told.out.startswith("day.mcap: 3 robots, 59 ticks, ")
+    assert len(read(tmp_path / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
+
+
+def test_the_file_lies_next_to_the_folder_also_from_within(folder, tmp_path, monkeypatch):
+    pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
+    monkeypatch.chdir(folder)
+    assert main(["export", "."]) == 0
+    assert (tmp_path / "day.mcap").is_file()
+
+
+def test_order_is_that_of_time(folder, tmp_path):
+    exported(folder, tmp_path)
+    from mcap.stream_reader import StreamReader
+
+    with (tmp_path / "day.mcap").open("rb") as file:
+        times = [record.log_time for record in StreamReader(file).records if type(record).__name__ == "Message"]
+    assert times == sorted(times)
+    assert len(set(times)) == 20
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["day", "--format", "csv"], "day: robots' logs are written as mcap, not by --format csv"),
+        (["day", "--out", "x.csv"], "day: robots' logs are written as mcap, not by --out x.csv"),
+        (["day", "--out", "x.txt"], "--out x.txt"),
+        (["day", "--where", "robots == 3"], "--where is for results files"),
+        (["day", "--out", "day/robot-0.log"], "--format mcap is written as .mcap"),
+        (["small.nc", "--format", "mcap"], "small.nc: results are written as csv or parquet, not by --format mcap"),
+        (["small.nc", "--out", "x.mcap"], "small.nc: results are written as csv or parquet, not by --out x.mcap"),
+        (["small.nc", "--format", "csv", "--out", "x.mcap"], "--out x.mcap"),
+        (["empty"], "empty: it holds no log: should be a folder with files such as robot-0.log"),
+        (["empty", "--format", "csv"], "empty: it is a folder"),
+        (["nowhere"], "there is no such file"),
+        (["twice"], "is of robot 0, as a.log is"),
+        (["foreign"], "should be a robot's log"),
+        (["mixed"], "of robot 0 and of robot 3"),
+        (["torn"], "swarm.json: cannot be read as JSON"),
+    ],
+)
+def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, monkeypatch, capsys, arguments, told):
+    pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
+    monkeypatch.chdir(tmp_path)
+    log = (folder / "robot-0.log").read_bytes()
+    files = {
+        "twice/a.log": log,
+        "twice/b.log": log,
+        "foreign/a.log": b"hello" * 9,
+        "mixed/a.log": log + (folder / "robot-3.log").read_bytes(),
+        "torn/a.log": log,
+        "torn/swarm.json": b"{",
+    }
+    for name, data in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(data)
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "small.nc").write_bytes(small_file.read_bytes())
+    before = set(tmp_path.rglob("*"))
+    assert main(["export", *arguments]) == 2
+    printed = capsys.readouterr().err
+    assert told in printed
+    assert printed.count("\n") == 1
+    assert set(tmp_path.rglob("*")) == before
+
+
+def test_a_missing_library_says_what_to_install(folder, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    with pytest.raises(InputError, match=r"pip install 'swarmcensus\[ros\]'"):
+        write_mcap(folder, tmp_path / "x.mcap")
+
+
+def test_a_boot_whose_start_is_lost_goes_on_later(tmp_path):
+    clock = Clock()
+    robots = [made(tmp_path, 1, clock)]
+    lives(robots, clock, 3)
+    closed(robots)
+    log = read_log(tmp_path / "robot-1.log")
+    state = log.states[0]._replace(starts=False, boot=5, tick=40, clock=9)
+    tick = log.ticks[0]._replace(tick=41, clock=109)
+    shown = list(timed([*log.blocks, state, tick]))
+    assert isinstance(shown[-2][1], State)
+    assert [now for now, _ in shown][-2:] == [4000, 4100]

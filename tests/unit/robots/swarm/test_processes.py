@@ -1,0 +1,300 @@
+"""The command `swarm`: processes over sockets, what happens to them, what they leave, and what is refused."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swarmcensus.cli.commands import main
+from swarmcensus.engine.constants import LISTED
+from swarmcensus.robots import on_node
+from swarmcensus.robots.logs.logs import read_log
+from swarmcensus.robots.swarm import air
+from swarmcensus.robots.swarm.faults import faults_of
+from swarmcensus.robots.swarm.plans import Air, plan_of
+from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.trials import record_readings
+from swarmcensus.studies.study import Study
+from swarmcensus.support.errors import InputError
+from tests.support.watching import programs
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
+QUICK = ["--robots", "4", "--rounds", "50", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
+
+
+def run(capsys, folder, *arguments, what="commons", quick=QUICK):
+    assert main(["swarm", what, *quick, "--out", str(folder), *arguments]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def logs(folder):
+    return [read_log(path) for path in sorted(Path(folder).glob("robot-*.log"))]
+
+
+def study(**world):
+    swarm = {"robots": 5, "accuracy": "U(0.6, 0.9)", "brain": "commons"}
+    schedule = {"rounds": 50, "observations_per_round": 3}
+    given = {"topology": "scale-free", "fill_ratio": 0.3, "link_success": 0.5, "message": "ratio16"} | world
+    return Study(name="five", trials=3, swarm=swarm, world=given, schedule=schedule)
+
+
+def test_robots_read_what_the_simulator_reads(tmp_path, capsys):
+    """Also their beliefs, their network and their number of rounds are those of the trial."""
+    (tmp_path / "five.toml").write_text(study().text)
+    quick = ["--hz", "20", "--json", "--quiet"]  # slow, for clocks that are read late on a busy machine
+    run(capsys, tmp_path / "out", "--trial", "2", "--seed", "7", what=str(tmp_path / "five.toml"), quick=quick)
+    [setting] = study().settings()
+    readings = record_readings(setting, 7, 2).reshape(50, 3, 5).sum(axis=1)
+    given = inputs_of(setting, 7, 2)
+    about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    pairs = {(r, s) for r, s in zip(given.links.receivers, given.links.senders, strict=True)}
+    assert given.links.mode == LISTED
+    assert {tuple(link) for link in about["links"]} == pairs
+    for k, log in enumerate(logs(tmp_path / "out")):
+        assert log.states[0].b == given.beliefs[0][0, k] == about["robots"][k]["b"]
+        phase = int(50 * air.share(about["chance"]["seed"], air.PHASE, k))
+        rounds = [(tick.clock - phase) // 50 for tick in log.ticks]
+        assert rounds == sorted(set(rounds))
+        assert rounds[-1] < 50
+        assert [tick.blacks for tick in log.ticks] == readings[rounds, k].tolist()
+        assert {h.sender for tick in log.ticks for h in tick.heard} <= {s for r, s in pairs if r == k}
+
+
+def test_what_is_lost_can_be_told_afterwards(tmp_path, capsys):
+    run(capsys, tmp_path / "out", "--link-success", "0.5", "--duplicate", "0.2")
+    chance = json.loads((tmp_path / "out" / "swarm.json").read_text())["chance"]
+    heard = 0
+    for log in logs(tmp_path / "out"):
+        for message in (m for tick in log.ticks for m in tick.heard):
+            heard += 1
+            drawn = air.share(chance["seed"], air.LOSS, message.sender, message.boot, message.tick, log.number)
+            assert drawn >= chance["loss"]
+    assert heard > 100
+
+
+def test_shares_are_uniform_and_independent_of_order():
+    drawn = np.array([air.share(9, air.LOSS, s, 0, t, r) for s in range(20) for t in range(100) for r in range(20)])
+    assert abs(drawn.mean() - 0.5) < 4 / np.sqrt(12 * drawn.size)
+    counts = np.histogram(drawn, 64, (0, 1))[0]
+    assert ((counts - drawn.size / 64) ** 2 / (drawn.size / 64)).sum() < 63 + 4 * np.sqrt(2 * 63)
+    assert air.share(1, 2, 3, 4, 5, 6) == air.share(1, 2, 3, 4 + 256, 5 + 65536, 6) != air.share(1, 2, 3, 5, 5, 6)
+
+
+def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
+    faults = ["0.1s kill 3", "0.3s restart 3", "0.2s stop 0", "0.4s continue 0", "0.3s partition 0-1", "0.5s heal",
+              "0.1s garbage 0-3", "30 restart 2 blank", "0.4s start 1"]  # fmt: skip
+    arguments = [word for fault in faults for word in ("--fault", fault)]
+    quick = ["--robots", "4", "--rounds", "100", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
+    told = run(capsys, tmp_path / "out", "--link-success", "0.8", "--delay", "20ms", *arguments, quick=quick)
+    assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
+    boots = [[state.boot for state in log.states if state.starts] for log in logs(tmp_path / "out")]
+    assert boots == [[0], [0], [0, 1], [0, 1]]
+    assert len(logs(tmp_path / "out")[1].ticks) <= 65  # it started late
+    assert not programs(tmp_path)
+
+
+def test_a_partition_parts(tmp_path, capsys):
+    run(capsys, tmp_path / "out", "--topology", "full", "--fault", "0s partition 0-1")
+    for log in logs(tmp_path / "out"):
+        late = [m.sender // 2 for tick in log.ticks[10:] for m in tick.heard]
+        assert late
+        assert set(late) == {log.number // 2}
+
+
+def test_crashed_robot_is_reported(tmp_path):
+    process = started(tmp_path / "out", "--json", rounds=120)
+    [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]
+    os.kill(int(pid), signal.SIGKILL)
+    told = json.loads(process.communicate()[0])
+    assert process.returncode == 1
+    assert told["died"] == {"1": "signal 9"}
+    assert told["at_work"] == 2  # one is stopped
+
+
+def test_liars_are_processes_too(tmp_path, capsys):
+    world = {"topology": "full", "fill_ratio": 0.2, "message": "ratio16"}
+    members = [{"robots": 1, "brain": "forger", "honest": False}]
+    text = Study(
+        name="lied", trials=1, swarm={"robots": 4, "accuracy": 0.9, "brain": "commons"}, world=world,
+        schedule={"rounds": 60, "observations_per_round": 1}, members=members,
+    ).text  # fmt: skip
+    (tmp_path / "lied.toml").write_text(text)
+    quick = ["--hz", "100", "--json", "--quiet"]
+    run(capsys, tmp_path / "out", what=str(tmp_path / "lied.toml"), quick=quick)
+    about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    [liar] = [robot for robot in about["robots"] if not robot["honest"]]
+    assert liar["brain"] == "liar-1.py"
+    assert [robot["adversary"] for robot in about["robots"] if robot is not liar] == [None] * 3
+    assert liar["adversary"] == "forger"
+    assert (tmp_path / "out" / "liar-1.py").is_file()
+    honest = next(log for log in logs(tmp_path / "out") if log.number != liar["number"])
+    assert liar["number"] in {m.sender for tick in honest.ticks for m in tick.heard}
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_robots_import_nothing_but_python(tmp_path, capsys, precision):
+    told = run(capsys, tmp_path / "out", "--precision", precision, what="sure")
+    assert (told["died"], told["undone"]) == ({}, 0)
+    assert logs(tmp_path / "out")[0].states[0].single == (precision == "single")
+    for file in (tmp_path / "out" / "run").glob("*.py"):
+        assert "import swarmcensus" not in file.read_text()
+        assert "from swarmcensus" not in file.read_text()
+
+
+@pytest.mark.skipif(on_node.micropython() is None, reason=f"needs {on_node.NEEDED}")
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_robots_on_micropython_talk_with_the_others(tmp_path, capsys, precision):
+    """Also with messages that come late, and after a restart with the memory that was saved."""
+    faults = ["--fault", "1s kill 1", "--fault", "1.2s restart 1"]
+    quick = ["--robots", "4", "--rounds", "150", "--hz", "50", "--message", "ratio16", "--json", "--quiet"]
+    arguments = ["--micropython", "2", "--link-success", "0.8", "--delay", "10ms", "--precision", precision, *faults]
+    told = run(capsys, tmp_path / "out", *arguments, quick=quick)
+    assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
+    about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    assert [robot["runs_on"] for robot in about["robots"]] == ["micropython"] * 2 + ["cpython"] * 2
+    first, again, *_ = lived = logs(tmp_path / "out")
+    assert all({m.sender for tick in log.ticks for m in tick.heard} for log in lived)
+    assert [tick.tick for tick in first.ticks] == [*range(1, len(first.ticks) + 1)]
+    assert [state.boot for state in again.states if state.starts] == [0, 1]
+    assert not any(log.gaps for log in lived if log.number != 1)
+    assert max(abs(estimate - 0.55) for estimate in told["estimates"]) < 0.25
+
+
+def test_micropython_that_is_absent_is_told_in_a_sentence(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(on_node, "micropython", lambda: None)
+    assert main(["swarm", "commons", "--micropython", "2", "--out", str(tmp_path / "out")]) == 2
+    assert "--micropython 2" in capsys.readouterr().err
+
+
+def started(folder, *arguments, rounds=5000):
+    command = [sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "4", "--rounds", str(rounds)]
+    more = ["--hz", "50", "--fault", "0.1s stop 2", "--out", str(folder), *arguments]
+    process = subprocess.Popen([*command, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    until = time.monotonic() + 60
+    while time.monotonic() < until and not (
+        (folder / "robot-0.log").exists() and len(read_log(folder / "robot-0.log").ticks) > 30
+    ):
+        time.sleep(0.05)
+    assert len(programs(folder)) == 4
+    return process
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL, signal.SIGTERM])
+def test_nothing_is_left_behind(tmp_path, by):
+    """Also of a robot that is stopped, and when the command itself is killed."""
+    process = started(tmp_path / "out")
+    os.kill(process.pid, by)
+    process.communicate()
+    until = time.monotonic() + 10
+    while programs(tmp_path) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not programs(tmp_path)
+    assert process.returncode == (130 if by == signal.SIGINT else -by)
+    assert json.loads((tmp_path / "out" / "swarm.json").read_text())["ended"] is None or by == signal.SIGINT
+    assert len(read_log(tmp_path / "out" / "robot-0.log").ticks) > 30
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("5 kill", "kill names robots, such as 3 or 0-9"),
+        ("soon kill 3", "should be such as"),
+        ("5s kil 3", "did you mean 'kill'"),
+        ("5s kill 20", "should be from 0 to 19"),
+        ("5s kill 9-3", "the lower number first"),
+        ("5s kill 3 blank", "blank goes with restart"),
+        ("5s heal 3", "heal names no robots"),
+        ("5s heal", "nothing is parted then"),
+        ("5s continue 3", "robot 3 runs then"),
+        ("5s partition 0-19", "these are all robots"),
+        ("50s kill 3", "the swarm ends at 50 s"),
+        ("500 rounds kill 3", "the swarm ends at 50 s"),
+    ],
+)
+def test_wrong_faults_are_refused_in_a_sentence(text, says):
+    with pytest.raises(InputError, match=says) as wrong:
+        faults_of([text], 20, 100, 50.0)
+    assert text in str(wrong.value)
+
+
+def test_faults_in_order():
+    texts = ["2 min kill 1", "30 rounds kill 2", "500ms stop 0,4-6", "1s continue 0, 5"]
+    faults = faults_of(texts, 20, 100, 500.0)
+    assert [(f.seconds, f.action, f.robots) for f in faults] == [
+        (0.5, "stop", (0, 4, 5, 6)),
+        (1.0, "continue", (0, 5)),
+        (3.0, "kill", (2,)),
+        (120.0, "kill", (1,)),
+    ]
+    with pytest.raises(InputError, match="robot 1 is killed then"):
+        faults_of(["1s kill 1", "2s stop 1"], 20, 100, 50.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["commons", "--hz", "0"], "--hz 0"),
+        (["commons", "--delay", "5"], "--delay 5"),
+        (["commons", "--link-success", "2"], "--link-success 2"),
+        (["commons", "--jitter", "-1"], "--jitter -1"),
+        (["commons", "--duplicate", "1"], "--duplicate 1"),
+        (["commons", "--topology", "moving"], "robots that move"),
+        (["commons", "--message", "double"], "--message double: should be float32"),
+        (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
+        (["commons", "--robots", "5000"], "1,000 processes"),
+        (["commons", "--setting", "1"], "--setting goes with a study"),
+        (["oracle"], "is a bound"),
+        (["any.toml", "--robots", "3"], "--robots does not go with a study"),
+    ],
+)
+def test_wrong_options_are_refused_in_a_sentence(tmp_path, monkeypatch, capsys, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    assert main(["swarm", *arguments]) == 2
+    told = capsys.readouterr().err
+    assert says in told
+    assert told.count("\n") == 1
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_folder_that_is_not_empty_is_refused(tmp_path, capsys):
+    (tmp_path / "here").write_text("")
+    assert main(["swarm", "commons", "--out", str(tmp_path)]) == 2
+    assert f"{tmp_path} is not empty, it holds " in capsys.readouterr().err
+    assert main(["swarm", "commons", "--out", str(tmp_path / "here")]) == 2
+    assert "is a file: name a new folder" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
+def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
+    arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "0.0.0.0", "--out", str(tmp_path / "out")]
+    assert main(["swarm", "commons", *arguments]) == 0
+    assert "Anyone who can reach 0.0.0.0" in capsys.readouterr().err
+
+
+def test_localhost_is_this_machine_alone(tmp_path, capsys):
+    """Its robots are all killed before memory is looked at, and the peak is what they had."""
+    arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "localhost", "--fault", "0.1s kill 0-1"]
+    assert main(["swarm", "commons", *arguments, "--out", str(tmp_path / "out")]) == 1
+    assert "Anyone" not in capsys.readouterr().err
+    assert json.loads((tmp_path / "out" / "swarm.json").read_text())["result"]["memory"] > 1_000_000
+
+
+def test_a_stopped_robot_is_not_stopped_again():
+    with pytest.raises(InputError, match="robot 1 is stopped then"):
+        faults_of(["1s stop 1", "2s stop 1"], 4, 100, 50.0)
+
+
+def test_what_processes_cannot_run_is_refused():
+    moving = {"topology": "moving", "density": 2.0, "fill_ratio": 0.5}
+    swarm = {"robots": 4, "accuracy": 0.8}
+    walk = Study(name="walk", trials=1, swarm=swarm, world=moving, schedule={"ticks": 10})
+    with pytest.raises(InputError, match="robots that move have no fixed neighbours"):
+        plan_of(walk, 0, 0, 0, Air())
+    with pytest.raises(InputError, match="setting=1: five has 1 setting"):
+        plan_of(study(), 1, 0, 0, Air())

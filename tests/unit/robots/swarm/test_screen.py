@@ -1,0 +1,121 @@
+"""What a terminal shows of a swarm: it fits, and what happens to robots is always seen; and how a run ends."""
+
+import io
+import os
+import signal
+import sys
+
+import pytest
+from rich.console import Console
+
+from swarmcensus.cli.commands import main
+from swarmcensus.cli.swarm_table import screen, summary
+from swarmcensus.robots.swarm.faults import faults_of
+from swarmcensus.robots.swarm.outcomes import outcome_of
+from swarmcensus.robots.swarm.plans import Air, plan_of
+from swarmcensus.robots.swarm.reports import Known, Report
+from swarmcensus.robots.swarm.running import Stopped, Swarm, run
+from swarmcensus.studies.study import Study
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
+SMALL = ["--robots", "4", "--rounds", "150", "--hz", "50"]
+
+
+def plan(robots=20, liars=0):
+    world = {"topology": "ring", "fill_ratio": 0.55, "message": "ratio16"}
+    members = [{"robots": liars, "brain": "shouter", "honest": False}] if liars else []
+    return plan_of(
+        Study(
+            name="desk", trials=1, swarm={"robots": robots, "accuracy": 0.8, "brain": "commons"}, world=world,
+            schedule={"rounds": 500, "observations_per_round": 1}, members=members,
+        ), 0, 0, 0, Air(),
+    )  # fmt: skip
+
+
+def swarm(robots=20, liars=0, **more):
+    """One in the middle of its run."""
+    given = plan(robots, liars)
+    known = [Known(Report(k, 1, 1, 1, 200, 12345, 0.5 if m.honest else 0.9, heard=99999, sent=99999, missed=1234), None)
+             for k, m in enumerate(given.members)]  # fmt: skip
+    for one in known:
+        one.state = "runs"
+    known[3].state = "stopped"
+    happened = ["1 s: kill 0-9", "2 s: restart 3", "3 s: partition 0-9", "4 s: stop 3"]
+    return Swarm(given, None, (), None, None, known, happened=happened, **more)
+
+
+@pytest.mark.parametrize(("width", "height"), [(80, 24), (100, 40), (60, 20), (40, 10), (30, 5), (20, 2)])
+@pytest.mark.parametrize("robots", [4, 20, 200])
+def test_it_fits_a_terminal(width, height, robots):
+    out = Console(file=io.StringIO(), width=width, height=height)
+    out.print(screen(swarm(robots), width, height))
+    lines = out.file.getvalue().splitlines()
+    text = "\n".join(lines)
+    assert len(lines) < height
+    assert max(map(len, lines)) <= width
+    assert lines[0].startswith("desk: commons, ring"[: width - 1])
+    if height >= 10:
+        assert all(event in text for event in ("2 s: restart 3", "3 s: partition 0-9", "4 s: stop 3"))
+        assert "0.500" in text
+    if height >= 20:
+        assert "   3  stopped" in text
+        assert ("more" in text) == (robots + 8 > height)
+
+
+def test_liars_are_not_among_the_estimates():
+    out = Console(file=io.StringIO(), width=100, height=40)
+    out.print(screen(swarm(liars=5), 100, 40))
+    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in out.file.getvalue()
+
+
+def test_the_summary_says_who_is_counted():
+    some = swarm(liars=5)
+    some.robots[7].state = "killed"
+    counted = sum(m.honest and some.robots[m.number].state == "runs" for m in some.plan.members)
+    for one in some.robots:
+        one.last = one.last._replace(missed=int(one.last.number == 8))
+    told = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0, 1)))
+    assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in told
+    assert "right     100.0 % of them in the right of 10 bins" in told
+    assert "message   3 bytes, in a datagram of 13" in told
+    assert "missed    1 tick for which" in told
+    nobody = [Known() for _ in range(20)]
+    told = "\n".join(summary(plan(), outcome_of(plan(), nobody, 1.0, 1.0, 1)))
+    assert "error     unknown: no robot was at work at the end" in told
+    assert "nan" not in told
+
+
+def test_what_a_robot_begins_with_again_is_told(tmp_path):
+    given = plan_of(plan(4).study, 0, 0, 0, Air(hz=100))
+    texts = ["2.3s kill 1", "2.4s restart 1", "2.5s kill 2", "2.6s restart 2 blank"]
+    seen = []
+
+    def show(now):
+        seen[:] = now.happened
+        if now.seconds > 3.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Stopped) as stopped:
+        run(given, faults_of(texts, 4, 10, 5.0), tmp_path / "out", show)
+    assert any("robot 1 goes on from its tick 200" in event for event in seen)
+    assert any("robot 2 starts blank" in event for event in seen)
+    assert not any("robot 0" in event for event in seen)
+    assert 300 < stopped.value.rounds < 500
+
+
+def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypatch):
+    from swarmcensus.robots.swarm import running
+
+    looked = running._bury
+
+    def bury(now):
+        looked(now)
+        if now.seconds > 1.0:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(running, "_bury", bury)
+    assert main(["swarm", "commons", *SMALL, "--out", str(tmp_path / "out")]) == 130
+    told = capsys.readouterr()
+    assert "the mean over the " in told.out
+    assert told.out.splitlines()[-1].endswith(f"next: swarmcensus relive {tmp_path / 'out'}")
+    assert "swarmcensus: stopped after " in told.err

@@ -1,0 +1,90 @@
+"""Swarms of processes in storms: robots are killed, restarted, stopped, cut off and flooded, and the rest goes on."""
+
+import random
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swarmcensus.robots.logs.logs import read_log
+from swarmcensus.robots.swarm.faults import faults_of
+from swarmcensus.robots.swarm.plans import Air, plan_of
+from swarmcensus.robots.swarm.reports import total
+from swarmcensus.robots.swarm.running import run
+from swarmcensus.studies.study import Study
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
+ROBOTS, HZ, ROUNDS = 16, 50.0, 500
+SECONDS = ROUNDS / HZ
+
+
+def storm(seed):
+    """Faults of a storm; robot 0 is only flooded."""
+    chance = random.Random(seed)
+    gone, stopped, is_cut, texts = set(), set(), False, []
+    for k in range(20):
+        at = f"{1.0 + k * (SECONDS - 3.0) / 20:.2f}s"
+        actions = ["garbage"] + ["kill", "stop", "restart"] * 2
+        actions += ["continue"] * 2 * bool(stopped) + ["heal"] * 2 if is_cut else ["partition"]
+        action, robot = chance.choice(actions), chance.randrange(1, ROBOTS)
+        if action == "continue":
+            robot = chance.choice(sorted(stopped)) if stopped else robot
+            action = action if stopped else "restart"
+        if action in ("kill", "stop") and (robot in gone or len(gone | stopped) > ROBOTS // 2):
+            action = "restart"
+        if action == "stop" and robot in stopped:
+            action = "continue"
+        match action:
+            case "kill":
+                gone.add(robot)
+                stopped.discard(robot)
+            case "stop":
+                stopped.add(robot)
+            case "restart" | "continue":
+                gone.discard(robot)
+                stopped.discard(robot)
+            case "partition" | "heal":
+                is_cut = action == "partition"
+        who = {"garbage": f"0-{ROBOTS - 1}", "partition": f"0-{robot - 1}", "heal": ""}.get(action, str(robot))
+        blank = " blank" * (action == "restart" and chance.random() < 0.5)
+        texts.append(f"{at} {action} {who}{blank}".strip())
+    return [*texts, f"{SECONDS - 1.5}s garbage 0-{ROBOTS - 1}"]
+
+
+def dirty(swarm):
+    """Bytes of robot 0 that are its own."""
+    text = Path(f"/proc/{swarm.children.running[0].pid}/smaps_rollup").read_text()
+    return 1024 * next(int(line.split()[1]) for line in text.splitlines() if line.startswith("Private_Dirty"))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(10))
+def test_a_storm_ends_no_process_and_grows_no_memory(tmp_path, seed):
+    study = Study(
+        name="storm", trials=10, swarm={"brain": "commons", "robots": ROBOTS, "accuracy": 0.8},
+        world={"topology": {"networkx": "circulant_graph", "offsets": [1, 2]}, "fill_ratio": 0.55,
+               "link_success": 0.8, "message": "ratio16"},
+        schedule={"rounds": ROUNDS, "observations_per_round": 1},
+    )  # fmt: skip
+    plan = plan_of(study, 0, 0, seed, Air(hz=HZ, duplicate=0.05, delay=10))
+    faults = faults_of(storm(seed), ROBOTS, plan.period, plan.seconds)
+    sizes, seen = [], []
+
+    def show(swarm):
+        sizes.append((swarm.seconds, dirty(swarm)))
+        seen[:] = swarm.robots
+
+    outcome = run(plan, faults, tmp_path / "out", show)
+    assert outcome.died == {}
+    assert outcome.undone == 0
+    assert total(seen, "refused") > 0
+    assert max(size for _, size in sizes) - min(size for at, size in sizes if at > 1.5) < 500_000
+    logs = [read_log(tmp_path / "out" / f"robot-{number}.log") for number in range(ROBOTS)]
+    assert all(gap.is_last or gap.length < 200 for log in logs for gap in log.gaps)
+    right = np.array(outcome.estimates)
+    right = right[np.isfinite(right)]
+    assert len(right) >= ROBOTS // 3
+    assert {m.sender for log in logs for tick in log.ticks for m in tick.heard} <= {*range(ROBOTS)}
+    assert np.median(np.abs(right - 0.55)) < 0.06
+    assert np.abs(right - 0.55).max() < 0.25

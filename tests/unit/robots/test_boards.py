@@ -1,0 +1,678 @@
+"""`swarmcensus deploy`: folders for boards whose programs run, talk, and prove that they compute what they should."""
+
+import json
+import os
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import textwrap
+import time
+import types
+from pathlib import Path
+
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.cli.commands import main
+from swarmcensus.robots import board_tests
+from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.lives import relive
+from swarmcensus.translation.messages import codec as codec_of
+from tests.support.boards import needs_micropython, on_board
+
+NEEDED = ["--b", ".9", "--w", ".85"]
+FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selftest.py", "README.md"}
+
+
+def deployed(folder, brain="commons", radio="udp", *more):
+    assert main(["deploy", brain, str(folder), "--target", radio, *NEEDED, *more]) == 0
+    return folder
+
+
+def texts(folder):
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+def checked(capsys, folder, output):
+    """The exit code of `deploy --selftest`, and what it says."""
+    (folder.parent / "board.txt").write_text(output)
+    capsys.readouterr()
+    code = main(["deploy", str(folder), "--selftest", str(folder.parent / "board.txt")])
+    out, err = capsys.readouterr()
+    return code, out + err
+
+
+@pytest.mark.parametrize("radio", ["udp", "espnow", "serial"])
+def test_a_folder_for_micropython(tmp_path, capsys, radio):
+    folder = deployed(tmp_path / "robot", "sure", radio, "--message", "ratio16", "--robot", "7", "--hz", "4")
+    assert {path.name for path in folder.iterdir()} == FILES
+    assert list(tmp_path.iterdir()) == [folder]
+    for name in FILES - {"README.md"}:
+        compile((folder / name).read_text(), name, "exec")
+    space = {}
+    exec((folder / "settings.py").read_text(), space)
+    assert (space["NUMBER"], space["PERIOD"], space["B"], space["W"]) == (7, 250, 0.9, 0.85)
+    brain = brains.load("sure")
+    assert (folder / "brain.py").read_text() == brain.source
+    printed = capsys.readouterr().out
+    kept = brain.with_numbers(Numbers(message="ratio16")).memory_bytes
+    assert f"memory    {kept:,} bytes" in printed
+
+
+def test_json_tells_the_sizes(tmp_path, capsys):
+    deployed(tmp_path / "robot", "commons", "udp", "--json", "--message", "ratio8")
+    told = json.loads(capsys.readouterr().out)
+    assert told["format"] == "swarmcensus deployment 1"
+    assert (told["message_bytes"], told["datagram_bytes"], told["flash_bytes"]) == (2, 12, None)
+
+
+def test_parameters_are_the_robots(tmp_path):
+    folder = deployed(tmp_path / "robot", "tracking", "udp", "--parameter", "memory=50", "--message", "float16")
+    assert "PARAMETERS = {'memory': 50.0}" in (folder / "settings.py").read_text()
+
+
+WRONG = [
+    (["--target", "upd"], "--target upd"),
+    (["--message", "ratio15"], "--message ratio15"),
+    (["--target", "kilobot", "--log", "9"], "--log 9"),
+    (["--message", "double"], "--message double"),
+    (["--b", "1.2"], "--b 1.2"),
+    (["--w", "-0.1"], "--w -0.1"),
+    (["--hz", "0"], "--hz 0"),
+    (["--robot", "65536"], "--robot 65536"),
+    (["--robot", "1", "--target", "kilobot"], "--robot 1 does not go with --target kilobot"),
+    (["--parameter", "keep"], "--parameter keep"),
+    (["--parameter", "keep=0.5"], "--parameter"),
+    (["--target", "kilobot", "--message", "float32"], "datagrams of 14 bytes as float32, a header of 6 with them, "
+     "and a Kilobot's infrared holds 9: --message ratio16 makes 9 and --message ratio8 makes 8"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("options", "says"), WRONG, ids=[" ".join(options) for options, _ in WRONG])
+def test_bad_input_is_one_sentence(tmp_path, capsys, options, says):
+    folder = tmp_path / "robot"
+    assert main(["deploy", "commons", str(folder), "--target", "udp", *NEEDED, *options]) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_message_that_no_format_makes_small_enough(tmp_path, capsys):
+    assert main(["deploy", "belief-sharing", str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
+    assert "no format makes it small enough" in capsys.readouterr().err
+    assert main(["deploy", "oracle", str(tmp_path / "k"), "--target", "udp", *NEEDED]) == 2
+    assert "is a bound: no robot hears all others" in capsys.readouterr().err
+    assert main(["deploy", "commons", str(tmp_path / "k"), "--target", "udp", "--b", ".4", "--w", ".6"]) == 2
+    assert "b + w = 1: such a sensor says the same" in capsys.readouterr().err
+    assert main(["deploy", "commons", str(tmp_path / "k"), "--target", "udp", "--b", ".9"]) == 2
+    assert "--w is missing" in capsys.readouterr().err
+
+
+def test_a_folder_in_use_is_left_alone(tmp_path, capsys):
+    (tmp_path / "mine").write_text("x")
+    for folder in (tmp_path, tmp_path / "mine"):
+        assert main(["deploy", "commons", str(folder), "--target", "udp", *NEEDED]) == 2
+    assert "is not empty" in (error := capsys.readouterr().err)
+    assert "is a file" in error
+    (tmp_path / "empty").mkdir()
+    deployed(tmp_path / "empty")
+    assert {path.name for path in tmp_path.iterdir()} == {"mine", "empty"}
+
+
+@pytest.mark.parametrize("radio", ["udp", "kilobot"])
+def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
+    """Neither docstrings nor comments end where the name says so."""
+    file = tmp_path / 'a"""\nimport evil\n"""\n#include evil\\.py'
+    file.write_text(brains.load("minimalistic").source)
+    robot = tmp_path / "robot"
+    assert main(["deploy", str(file), str(robot), "--target", radio, "--b", "0.9", "--w", "0.8"]) == 0
+    texts = {path.name: path.read_text() for path in robot.iterdir() if path.name != "README.md"}
+    code = re.compile(r"^(import evil|#include evil)", re.MULTILINE)
+    assert [name for name, text in texts.items() if code.search(text)] == []
+    assert any("import evil" in text for text in texts.values())
+
+
+def test_files_appear_whole_or_not_at_all(tmp_path, capsys, monkeypatch):
+    write = Path.write_text
+
+    def fails(path, *given, **more):
+        if path.name == "selftest.py":
+            raise OSError(28, "No space left on device")
+        return write(path, *given, **more)
+
+    monkeypatch.setattr(Path, "write_text", fails)
+    assert main(["deploy", "commons", str(tmp_path / "robot"), "--target", "udp", *NEEDED]) == 2
+    assert "No space left" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def output_of(folder, single=False):
+    brain = brains.load(str(folder / "brain.py"))
+    return board_tests.reference(brain, board_tests._settings(folder / "settings.py"), single)
+
+
+@needs_micropython
+@pytest.mark.long(but=["commons-ratio16"])
+@pytest.mark.parametrize(
+    ("name", "format_"),
+    [("commons", "ratio16"), ("sure", "ratio8"), ("minimalistic", "float16"), ("voter", "float32"),
+     ("bayes-cpf", "float32"), ("leaver", "ratio16")],
+)  # fmt: skip
+def test_a_board_proves_itself(tmp_path, capsys, name, format_):
+    folder = deployed(tmp_path / "robot", name, "udp", "--message", format_)
+    (tmp_path / "node").mkdir()
+    printed = on_board(tmp_path / "node", texts(folder) | {"main.py": "import selftest\n"})
+    code, said = checked(capsys, folder, "MicroPython v1.27\r\n>>> " + "\r\n" + printed.replace("\n", "\r\n"))
+    assert code == 0, said
+    assert "53 binary digits" in said
+    numbers, equal = re.search(r"(\S+) numbers compared, (\S+) equal", said).groups()
+    assert numbers == equal or name == "sure"  # which uses exp and log
+    assert "27 datagrams compared, 27 equal" in said
+
+
+def test_a_board_of_single_precision_is_compared_in_it(tmp_path, capsys):
+    folder = deployed(tmp_path / "robot", "commons", "udp", "--message", "ratio16")
+    single, double = output_of(folder, single=True), output_of(folder)
+    told = [bytes.fromhex(word) for line in single.splitlines() if line[:4] == "tick" for word in line.split()[4:]]
+    numbers = [struct.unpack(">d", word)[0] for word in told]
+    assert numbers == [struct.unpack("f", struct.pack("f", x))[0] for x in numbers]
+    assert single.replace("bits 24", "bits 53") != double
+    code, said = checked(capsys, folder, single)
+    assert code == 0
+    assert "24 binary digits" in said
+    assert "largest difference 0.0e+00" in said
+    assert checked(capsys, folder, double.replace("bits 53", "bits 24"))[0] == 0  # close enough, not to the bit
+    assert checked(capsys, folder, single.replace("bits 24", "bits 53"))[0] == 2
+
+
+def test_a_wrong_number_is_named(tmp_path, capsys):
+    folder = deployed(tmp_path / "robot")
+    lines = output_of(folder).splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith("tick 20 1 "))
+    words = lines[at].split()
+    words[4 + 3] = struct.pack(">d", 123.0).hex()  # heard, heard_s, heard_v, s
+    code, said = checked(capsys, folder, "\n".join([*lines[:at], " ".join(words), *lines[at + 1 :]]))
+    assert code == 2
+    assert "  tick 20, robot 1, s: 123 on the board, " in said
+    assert "FAIL" in said
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda text: "", "has no line that begins with 'selftest 1'"),
+        (lambda text: text[: len(text) // 2], "the line 'selftest ends' is missing"),
+        (lambda text: text.replace("tick 20 1", "tuck 20 1"), "lacks lines of the self-test"),
+        (lambda text: text.replace("commons", "sure"), "of the brain 'sure'"),
+        (lambda text: re.sub(r"(tick 20 1 .*) \S+\n", r"\1\n", text), "lines without the 8 numbers"),
+        (lambda text: re.sub(r"(tick 20 1 \S+ ....)", r"\1 ", text), "has a damaged line: 'tick 20 1"),
+    ],
+)
+def test_a_damaged_output_is_found_out(tmp_path, capsys, change, says):
+    folder = deployed(tmp_path / "robot")
+    code, said = checked(capsys, folder, change(output_of(folder)))
+    assert code == 2
+    assert says in said
+
+
+def test_wrong_datagrams_of_right_numbers_are_found_out(tmp_path, capsys):
+    folder = deployed(tmp_path / "robot")
+    lines = output_of(folder).splitlines()
+    words = next(line for line in lines if line.startswith("tick ")).split()
+    changed = [line.replace(f" {words[3]} ", " ffff ") for line in lines]
+    code, said = checked(capsys, folder, "\n".join(changed))
+    assert code == 2
+    assert "FAIL: 1 datagrams differ, although all numbers are equal" in said
+
+
+def test_files_that_were_changed_are_found_out(tmp_path, capsys):
+    folder = deployed(tmp_path / "robot")
+    output = output_of(folder)
+    runtime = (folder / "runtime.py").read_text()
+    (folder / "runtime.py").write_text(runtime.replace("HEADER = 6", "HEADER = 7"))
+    assert "runtime.py is not the one of this swarmcensus" in checked(capsys, folder, output)[1]
+    (folder / "runtime.py").write_text(runtime)
+    settings = (folder / "settings.py").read_text()
+    (folder / "settings.py").write_text(settings.replace("B = 0.9", "B = input()"))
+    assert "should be a plain value" in checked(capsys, folder, output)[1]
+    (folder / "settings.py").write_text(settings.replace("PLAN", "PLANS"))
+    assert "PLAN is missing" in checked(capsys, folder, output)[1]
+    (folder / "settings.py").write_text(settings.replace("B = 0.9", "B = 'high'"))
+    assert "the self-test cannot run with these settings" in checked(capsys, folder, output)[1]
+    (folder / "settings.py").unlink()
+    assert "should be one made by `swarmcensus deploy`" in checked(capsys, folder, output)[1]
+    assert main(["deploy", str(folder), "--selftest", "nothing.txt"]) == 2
+    assert main(["deploy", str(folder), "--selftest", "nothing.txt", "--hz", "3"]) == 2
+    assert "--hz does not go with --selftest" in capsys.readouterr().err
+
+
+FAKE = """
+import sys
+
+class Line:
+    def __init__(self):
+        self.data = b""
+        self.other = self
+
+    def any(self):
+        return len(self.data)
+
+    def read(self, count):
+        out, self.data = self.data[:count], self.data[count:]
+        return out
+
+    def write(self, data):
+        self.other.data += bytes(data)
+
+
+class UART(Line):
+    made = []
+
+    def __init__(self, *_, **__):
+        Line.__init__(self)
+        UART.made.append(self)
+        if len(UART.made) == 2:
+            self.other, self.other.other = UART.made[0], self
+
+
+class Pin:
+    def __init__(self, number):
+        pass
+
+
+class ADC:
+    state = 5
+
+    def __init__(self, pin):
+        pass
+
+    def read_u16(self):
+        ADC.state = (ADC.state * 75 + 74) % 65537
+        return ADC.state % 65536
+
+
+def unique_id():
+    return b"board"
+"""
+FAKE_NOW = """
+class ESPNow:
+    made = []
+
+    def __init__(self):
+        self.box, self.peers, self.on = [], [], False
+        ESPNow.made.append(self)
+
+    def config(self, rxbuf):
+        assert not self.on
+
+    def active(self, on):
+        self.on = on
+
+    def add_peer(self, mac):
+        assert self.on
+        self.peers.append(mac)
+
+    def send(self, mac, data, sync):
+        if mac not in self.peers or len(data) > 250 or sync:
+            raise OSError("ESP_ERR_ESPNOW_NOT_FOUND")
+        for other in ESPNow.made:
+            if other is not self:
+                other.box.append((b"sender", data))
+
+    def recv(self, timeout):
+        return self.box.pop(0) if self.box and timeout == 0 else (None, None)
+"""
+FAKE_NETWORK = """
+STA_IF = 0
+
+
+class WLAN:
+    def __init__(self, kind):
+        pass
+
+    def active(self, on):
+        pass
+"""
+TWO = """
+import main as program
+import settings
+
+robots = []
+for number in (1, 2):
+    settings.NUMBER = number
+    robots.append(made(program))
+for tick in range(100):
+    for robot in robots:
+        robot.tick()
+    noise(robots, tick)
+for robot in robots:
+    print(robot.status())
+"""
+MADE = """
+from runtime import Messages, Robot
+import brain
+
+def made(program):
+    s = settings
+    return Robot(brain, Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED), program.Sensor(), program.Radio(), lambda: 0,
+                 s.B, s.W, program.own_number(), s.PERIOD)
+
+def noise(robots, tick):
+    if tick % 10 == 0:
+        robots[0].radio.line.data += bytes([192, 1, 219, 5, 192, 7])
+"""
+
+
+@needs_micropython
+def test_serial_robots_hear_each_other_on_boards(tmp_path):
+    """Every byte may occur in a datagram, and noise between two of them costs none."""
+    files = texts(deployed(tmp_path / "robot", "commons", "serial"))
+    files["robot.py"] = files.pop("main.py")
+    files |= {"machine.py": FAKE, "main.py": TWO.replace("import main", MADE + "import robot")}
+    (tmp_path / "node").mkdir()
+    first, second = on_board(tmp_path / "node", files).splitlines()
+    assert "heard 99 stale 0 refused 20" in first
+    assert "heard 100 stale 0 refused 0" in second
+    assert "undone 0 blanked 0 sensor_faults 0 radio_faults 0" in first
+
+
+@needs_micropython
+def test_robots_with_espnow_hear_each_other_on_boards(tmp_path):
+    files = texts(deployed(tmp_path / "robot", "commons", "espnow"))
+    files["robot.py"] = files.pop("main.py")
+    program = TWO.replace("import main", MADE.replace("tick % 10 == 0", "False") + "import robot")
+    files |= {"machine.py": FAKE, "espnow.py": FAKE_NOW, "network.py": FAKE_NETWORK, "main.py": program}
+    (tmp_path / "node").mkdir()
+    first, second = on_board(tmp_path / "node", files).splitlines()
+    assert "heard 99 stale 0 refused 0" in first
+    assert "heard 100 stale 0 refused 0" in second
+    assert "sensor_faults 0 radio_faults 0" in second
+
+
+def test_deployed_robot_with_a_log(tmp_path):
+    without = texts(deployed(tmp_path / "without", "commons", "serial"))
+    files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
+    assert set(files) == set(without) | {"log.py"}
+    assert "up to 20,000 bytes" in files["README.md"]
+    assert "mpremote cp :robot.log day/robot-1.log" in files["README.md"]
+    assert "robot.log" not in without["README.md"]
+    assert "log_faults {robot.log.faults}" in files["main.py"]
+
+
+LOGGED = """
+import robot as program
+import settings
+from binascii import hexlify
+
+robots = []
+for number in (1, 2):
+    settings.NUMBER = number
+    robots.append(program.made())
+    if number == 1:  # the other one keeps no log
+        del settings.LOG
+for tick in range(300):
+    for robot in robots:
+        robot.tick()
+robots[0].log.close()
+with open("robot.log", "rb") as file:
+    print(hexlify(file.read()).decode())
+print(robots[0].numbers())
+"""
+
+
+@needs_micropython
+@pytest.mark.parametrize("format_", ["float32", "ratio16"])
+def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, format_):
+    folder = deployed(tmp_path / "robot", "commons", "serial", "--log", "20000", "--message", format_)
+    files = texts(folder)
+    assert set(files) == FILES | {"log.py"}
+    files["robot.py"] = files.pop("main.py").replace('"memory"', 'f"memory{own_number()}"')
+    files |= {"machine.py": FAKE, "main.py": LOGGED}
+    (tmp_path / "node").mkdir()
+    log, numbers = on_board(tmp_path / "node", files).splitlines()
+    (tmp_path / "day").mkdir()
+    (tmp_path / "day" / "robot.log").write_bytes(bytes.fromhex(log))
+    capsys.readouterr()
+    assert main(["relive", str(tmp_path / "day")]) == 0
+    assert "1 of 1 mind lived again to the bit, 300 of 300 ticks" in capsys.readouterr().out
+    (member,) = read_day(tmp_path / "day").members
+    life = relive(member, keep=True)
+    assert str(max(life.memory.items())[1]) == numbers
+    assert sum(len(tick.heard) for tick in member.log.ticks) == 299
+    short = deployed(tmp_path / "short", "commons", "serial", "--log", "3000", "--message", format_)
+    files["settings.py"] = (short / "settings.py").read_text()
+    log, _ = on_board(tmp_path / "node", files).splitlines()
+    assert 2900 < len(log) // 2 <= 3000 + 5
+
+
+def free_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs broadcasts on loopback, as Linux has them")
+def test_programs_over_udp_hear_each_other(tmp_path):
+    """Two processes run main.py as it is, but for the sensor; one is killed, begins again, and goes on."""
+    port = free_port()
+    folders, running = [], []
+    for k in (1, 2):
+        folder = deployed(tmp_path / f"robot{k}", "commons", "udp", "--robot", str(k), "--hz", "200")
+        program = (folder / "main.py").read_text()
+        program = program.replace('("255.255.255.255", 47230)', f'("127.255.255.255", {port})')
+        program = program.replace("self.adc.read_u16() < THRESHOLD", "True").replace("import machine", "return")
+        (folder / "main.py").write_text(program.replace("told + 100", "told + 20"))
+        settings = (folder / "settings.py").read_text()
+        (folder / "settings.py").write_text(settings.replace("SAVE_EVERY = 600", "SAVE_EVERY = 10"))
+        folders.append(folder)
+
+    def begin(folder):
+        return subprocess.Popen([sys.executable, "-u", "main.py"], cwd=folder, stdout=subprocess.PIPE, text=True)
+
+    try:
+        running = [begin(folder) for folder in folders]
+        lines = [running[1].stdout.readline() for _ in range(3)]
+        running[0].kill()
+        running[0].wait()
+        running.append(begin(folders[0]))
+        again = running[2].stdout.readline()
+        time.sleep(0.2)
+        last = [running[1].stdout.readline() for _ in range(4)][-1]
+    finally:
+        for process in running:
+            process.kill()
+            process.wait()
+            process.stdout.close()
+    heard = int(re.search(r"heard (\d+)", lines[-1])[1])
+    assert heard > 5
+    assert "refused 0" in last
+    assert int(re.search(r"heard (\d+)", last)[1]) > heard
+    assert "boot 1" in again
+    assert float(re.search(r"estimate (\S+)", again)[1]) > 0.9
+
+
+def test_a_computer_without_a_number_says_so(tmp_path):
+    folder = deployed(tmp_path / "robot")
+    done = subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "NUMBER in settings.py should be this robot's: a computer has no chip that tells one\n"
+
+
+KILOBOT = pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc, of Debian's package gcc-avr")
+HOST = pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
+BOARDS = Path(board_tests.__file__).parent / "boards"
+HARNESS = """
+#include <stdio.h>
+#include <string.h>
+#include "kilolib.h"
+volatile uint32_t kilo_ticks;
+uint16_t kilo_uid = 2;
+void (*kilo_message_rx)(message_t *, distance_measurement_t *);
+message_t *(*kilo_message_tx)(void);
+static int light;
+void kilo_init(void) {}
+int16_t get_ambientlight(void) { return light; }
+uint8_t rand_soft(void) { return 128; }
+void set_color(uint8_t color) {}
+uint16_t message_crc(const message_t *message) { return 0; }
+void kilo_start(void (*setup)(void), void (*loop)(void)) {
+    char word[64];
+    setup();
+    while (scanf("%d", &light) == 1) {  // of a tick: light, and the messages that have arrived before it, or -
+        while (scanf("%63s", word) == 1 && word[0] != '-') {
+            message_t message = {{0}, 0, 0};
+            for (int k = 0; k < 9; k++) {
+                unsigned byte;
+                sscanf(word + 2 * k, "%2x", &byte);
+                message.data[k] = (uint8_t)byte;
+            }
+            kilo_message_rx(&message, 0);
+        }
+        kilo_ticks += 100;
+        loop();
+        message_t *said = kilo_message_tx();
+        for (int k = 0; said && k < 9; k++) {
+            printf("%02x", said->data[k]);
+        }
+        printf("\\n");
+    }
+}
+"""
+
+
+@KILOBOT
+@pytest.mark.long(but=["commons"])
+@pytest.mark.parametrize("name", ["commons", "minimalistic", "voter", "leaver"])
+def test_a_kilobots_program_compiles_without_a_warning(tmp_path, name, capsys):
+    folder = deployed(tmp_path / "robot", name, "kilobot")
+    printed = capsys.readouterr().out
+    assert int(re.search(r"flash +([\d,]+)", printed)[1].replace(",", "")) < 20_000
+    assert {path.name for path in folder.iterdir()} == {"brain.h", "settings.h", "main.c", "Makefile", "README.md"}
+    done = subprocess.run(
+        ["make", "main.o", f"KILOLIB={BOARDS}"], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "main.c" not in done.stderr
+
+
+@HOST
+@KILOBOT
+def test_a_kilobot_says_what_a_robot_of_single_precision_says(tmp_path):
+    """The same program for this machine, byte for byte beside the runtime, through doubled and foreign messages."""
+    folder = deployed(tmp_path / "robot", "commons", "kilobot")
+    for name, text in {
+        "avr/eeprom.h": "static inline uint8_t eeprom_read_byte(const uint8_t *at) { (void)at; return 4; }\n"
+        "static inline void eeprom_write_byte(uint8_t *at, uint8_t x) { (void)at; (void)x; }\n",
+        "util/atomic.h": "#define ATOMIC_BLOCK(x)\n",
+        "host.c": HARNESS,
+    }.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text("#include <stdint.h>\n" + text)
+    command = [
+        "gcc",
+        "-std=gnu11",
+        "-O1",
+        "-ffp-contract=off",
+        "-I.",
+        f"-I{BOARDS}",
+        "main.c",
+        "host.c",
+        "-lm",
+        "-o",
+        "robot",
+    ]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+
+    codec = codec_of(True)[3]
+    runtime = board_tests._module(Path(sys.modules["swarmcensus.runtime.runtime"].__file__), {"codec": codec})
+    brain = brains.load("commons").with_numbers(Numbers("single", "ratio16"))
+    mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)
+    plan = tuple(tuple(part) for part in brain.parts)
+    made = [runtime.Messages((0, 0), plan, mark, False) for _ in range(2)]
+    lights = [(k * 37) % 600 for k in range(60)]
+
+    class Sensor:
+        start = staticmethod(lambda: None)
+        lights = iter(())
+
+        def read(self):
+            return next(self.lights) < 300
+
+    boxes, said = [[], []], [[], []]
+
+    def radio(own):
+        return types.SimpleNamespace(
+            send=lambda data: (said[own].append(data), boxes[1 - own].append(data)),
+            receive=lambda: boxes[own].pop(0) if boxes[own] else None,
+        )
+
+    robots = [
+        runtime.Robot(
+            brain.functions, made[k], Sensor(), radio(k), lambda: 0,
+            rounded_to_single(0.9), rounded_to_single(0.85), k + 1,
+        )
+        for k in range(2)
+    ]  # fmt: skip
+    robots[0].sensor.lights, robots[1].sensor.lights = iter(lights), iter(lights[::-1])
+    robots[1].boot = 5
+    lines = []
+    for tick in range(60):
+        robots[0].tick()
+        heard = [data.hex() for data in boxes[1]]
+        extra = [*heard, said[0][0].hex(), "00" + heard[0][2:]] if tick % 7 == 3 else heard
+        lines.append(" ".join([str(lights[::-1][tick]), *extra, "-"]))
+        boxes[1] += [bytes.fromhex(text) for text in extra[len(heard) :]]
+        robots[1].tick()
+    done = subprocess.run(["./robot"], cwd=folder, input="\n".join(lines), capture_output=True, text=True, check=True)
+    assert done.stdout.split() == [data.hex() for data in said[1]]
+
+
+@KILOBOT
+def test_a_brain_too_large_for_a_kilobot(tmp_path, capsys):
+    large = tmp_path / "large.py"
+    large.write_text(
+        textwrap.dedent("""
+        MEMORY = {"x": 0.5, "belief": (0.0,) * LONG}
+        MESSAGE = ("x",)
+
+
+        def observe(me, blacks, looks):
+            me.belief[int(blacks)] += looks
+
+
+        def broadcast(me):
+            return (me.x,)
+
+
+        def receive(me, message):
+            me.x = message[0]
+
+
+        def fuse(me):
+            me.belief[0] = 0.0
+
+
+        def estimate(me):
+            return me.x
+        """).replace("LONG", "400")
+    )
+    assert main(["deploy", str(large), str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
+    assert "remembers 1,616 bytes, and a Kilobot has 1,300 for it: it is too large" in capsys.readouterr().err
+    large.write_text(large.read_text().replace("400", "310"))
+    assert main(["deploy", str(large), str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
+    assert re.search(r"needs [\d,]+ bytes of flash and 1,\d+ of memory", capsys.readouterr().err)
+    assert not (tmp_path / "k").exists()
+    assert main(["deploy", "commons", str(tmp_path / "k"), "--target", "kilobot", *NEEDED, "--hz", "50"]) == 2
+    assert "a Kilobot has at most 32 ticks a second" in capsys.readouterr().err
+
+
+def test_a_kilobot_without_a_compiler(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("PATH", os.fspath(tmp_path))
+    deployed(tmp_path / "robot", "commons", "kilobot")
+    assert "flash" not in capsys.readouterr().out

@@ -1,0 +1,97 @@
+"""What `swarmcensus deploy` tells of number formats: the error of a shipped brain, a warning, how to find out."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.robots import format_errors
+from swarmcensus.robots.target import SENT
+from tests.support.places import ROOT
+
+OWN = ROOT / "studies" / "example" / "my_brain.py"
+
+
+@pytest.fixture
+def deploying(tmp_path, capsys):
+    """A function that deploys a brain, and returns what is told of errors, and stderr."""
+
+    def deployed(brain, radio, message, *more):
+        to = [str(tmp_path / "robot"), "--target", radio, "--b", ".9", "--w", ".85", "--message", message]
+        assert main(["deploy", str(brain), *to, *more]) == 0
+        out, error = capsys.readouterr()
+        return re.findall("^error     (.*)$", out, re.MULTILINE), error
+
+    return deployed
+
+
+@pytest.mark.parametrize(
+    ("brain", "radio", "message", "told", "warned"),
+    [
+        ("commons", "udp", "ratio16", "0.0002 after 864,000 readings in ratio16 (0.0002 in double precision)", ""),
+        ("commons", "udp", "float32", "0.0002 after 864,000 readings in float32 (0.0002 in double precision)", ""),
+        ("commons", "udp", "ratio8", "0.0031 after 864,000 readings in ratio8 (0.0002 in double precision)", ""),
+        ("commons", "udp", "float16", "0.4499 after 864,000 readings in float16 (0.0002 in double precision)",
+         "commons errs by 0.4499 after 864,000 readings in float16, and by 0.0002 in double precision: float32, "
+         "ratio16 or ratio8 is right"),
+        ("self-taught", "udp", "ratio16", "no number after 864,000 readings in ratio16 (0.0002 in double precision)",
+         "self-taught fails in ratio16: float32 is right"),
+        ("voter", "udp", "ratio8", "0.3450 of opinions wrong after 864,000 readings in ratio8 (0.3117 in double "
+         "precision)", ""),
+        ("covariance-intersection", "kilobot", "ratio16", "0.0057 after 864,000 readings in ratio16 (0.0006 in double "
+         "precision)", "covariance-intersection errs by 0.0057 after 864,000 readings in ratio16, and by 0.0006 in "
+         "double precision: no format that fits this radio is right"),
+    ],
+)  # fmt: skip
+def test_the_error_of_a_shipped_brain(deploying, brain, radio, message, told, warned):
+    assert deploying(brain, radio, message) == ([f"{told}, docs/formats.md"], f"warning: {warned}\n" * bool(warned))
+
+
+def test_a_warning_is_not_said_quietly(deploying):
+    assert deploying("commons", "udp", "float16", "--quiet")[1] == ""
+
+
+def test_other_parameters_are_not_those_that_were_measured(deploying):
+    [told], _ = deploying("tracking", "udp", "float32", "--parameter", "memory=50")
+    assert told.endswith("(0.0001 in double precision) with default parameters, docs/formats.md")
+
+
+def test_a_brain_that_was_not_measured_is_told_how(deploying, tmp_path):
+    study = ", and studies/formats.toml with it among the brains"
+    [told], warned = deploying(OWN, "udp", "ratio16")
+    assert (told, warned) == (f"unknown in ratio16: try swarmcensus brains --check {OWN} --single{study}", "")
+    (tmp_path / "robot").rename(tmp_path / "first")
+    [told], _ = deploying("leaver", "udp", "float32")
+    assert told == "unknown in float32: try swarmcensus brains --check leaver --single"
+
+
+def test_json_has_the_same_figures(tmp_path, capsys):
+    found = {}
+    for name in ("commons", "self-taught", str(OWN)):
+        to = [str(tmp_path / Path(name).stem), "--target", "udp", "--b", ".9", "--w", ".85"]
+        assert main(["deploy", name, *to, "--message", "ratio16", "--json"]) == 0
+        out, error = capsys.readouterr()
+        found[name] = json.loads(out)["measured"]
+        assert ("warning: " in error) == (name == "self-taught")
+    assert found["commons"].keys() == {"format", "readings", "error", "low", "high", "double"}
+    assert found["commons"]["low"] <= found["commons"]["error"] <= found["commons"]["high"]
+    assert (found["commons"]["format"], found["commons"]["readings"]) == ("ratio16", 864_000)
+    assert (found["self-taught"]["error"], found["self-taught"]["double"]) == (None, 0.000164)
+    assert found[str(OWN)] is None
+
+
+def test_the_page_has_the_errors_that_the_package_has():
+    page = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+    for head in ("### Errors after 864,000 readings", "### Share of wrong opinions after 864,000 readings"):
+        table = page.partition(head)[2].partition("###")[0].partition("<!--")[0]
+        rows = [re.split(r" *\| *", line)[1:-1] for line in table.splitlines() if line.startswith("| `")]
+        assert rows
+        for name, double, *cells in rows:
+            found = [format_errors.measured(brains.load(name.strip("`")), message) for message in SENT]
+            told = [math.nan if cell == "**fails**" else float(cell.strip("*")) for cell in (double, *cells)]
+            errors = [found[0].double, *(one.error for one in found)]
+            assert errors == pytest.approx(told, abs=6e-5, nan_ok=True), name

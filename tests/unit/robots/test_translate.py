@@ -1,0 +1,495 @@
+"""Brains as C: the same bits as CPython, Python's meaning of every operation, and one sentence for what cannot be."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.brains import load
+from swarmcensus.brains.brain import parse
+from swarmcensus.brains.kinds import RECORD, WHOLE
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.cli.commands import main
+from swarmcensus.robots import chips
+from swarmcensus.robots.targets.c import translated
+from swarmcensus.support.errors import InputError
+from swarmcensus.translation.headers import header
+from swarmcensus.translation.messages import messages_of
+from swarmcensus.translation.selftest import compare, is_exact
+from tests.support.places import DOCS
+from tests.support.translated import BRAINS, CLOSE, compiled, differs, load_busy, named
+
+GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+BRAIN = '''"""A brain that tries out Python."""
+import math
+
+TABLE = (1.5, -2.0, 0.25)
+ORDER = (2, 0, 1)
+ROWS = ((1.0, 2.0), (3.0, 4.0))
+SMALL = 3
+
+MEMORY = {"x": 0.0, "y": 0.0, "k": 0.0, "list": (0.0, 1.0, 2.0)}
+MESSAGE = ("x", "list")
+PARAMETERS = {"gain": 2.0, "weights": (0.5, 0.25)}
+
+
+def observe(me, blacks, looks):
+    me.x = blacks
+    me.y = looks
+
+
+def broadcast(me):
+    return me.x, me.list
+
+
+def receive(me, message):
+    x, items = message
+    me.x += x + items[2]
+
+
+def fuse(me):
+FUSE
+
+
+def estimate(me):
+    return 0.5
+'''
+
+
+def trying(body, extra=""):
+    """A brain whose `fuse` has these lines."""
+    indented = "\n".join(f"    {line}" for line in body.strip().splitlines())
+    return parse(BRAIN.replace("FUSE", indented) + extra, "trying", Path("trying.py")).with_numbers(
+        Numbers("double", "float32")
+    )
+
+
+def fused(brain, folder, values):
+    """What `fuse` makes of x and y in C and in CPython, as pairs of [x, y, k, the items of list]."""
+    (folder / "brain.h").write_text(header(brain))
+    cases = ", ".join(f"{{{x!r}, {y!r}}}" for x, y in values)
+    printed = compiled(
+        folder,
+        f"""#include <stdio.h>
+#include "brain.h"
+int main(void) {{
+    static const number cases[][2] = {{{cases}}};
+    for (int i = 0; i < {len(values)}; i++) {{
+        struct brain me;
+        brain_start(&me, 0.9, 0.8);
+        me.x = cases[i][0];
+        me.y = cases[i][1];
+        fuse(&me);
+        printf("%.17g %.17g %.17g %.17g %.17g %.17g\\n", me.x, me.y, me.k, me.list[0], me.list[1], me.list[2]);
+    }}
+    return 0;
+}}
+""",
+        "-I",
+        str(folder),
+    )
+    out = []
+    for (x, y), line in zip(values, printed.splitlines(), strict=True):
+        me = brain.robot(0.9, 0.8)
+        me.x, me.y = x, y
+        brain.functions.fuse(me)
+        out.append(([float(text) for text in line.split()], [*map(float, (me.x, me.y, me.k)), *map(float, me.list)]))
+    return out
+
+
+PAIRS = [
+    (7.0, 3.0),
+    (-7.0, 3.0),
+    (7.0, -3.0),
+    (-7.5, -2.5),
+    (0.0, -3.0),
+    (2.5, 1.0),
+    (-2.5, 1.0),
+    (3.5, 0.5),
+    (1e9, 7.0),
+]
+PROGRAMS = {
+    "modulo and floor division": "me.k = me.x % me.y\nme.list[0] = me.x // me.y\nme.x %= 2.0\nme.y //= 0.5",
+    "of whole numbers": (
+        "a = int(me.x)\nb = int(me.y * 2.0)\nme.k = a % b + 10 * (a // b)\nme.list[0] = a / b\n"
+        "me.list[1] = 1.0 * (a * 60 % 7)"
+    ),
+    "round, floor, ceil and int": (
+        "me.k = round(me.x)\nme.list[0] = math.floor(me.x) + 10.0 * math.ceil(me.x)\n"
+        "me.list[1] = int(me.x) + math.trunc(me.y)"
+    ),
+    "powers": (
+        "me.k = me.x ** 2 + (me.y + 1.0) ** 3\nme.list[0] = abs(me.x) ** 0.5\nn = 3\nme.list[1] = n ** 4\n"
+        "me.list[2] = 2.0 ** me.y\nme.x **= 2"
+    ),
+    "min, max and abs": (
+        "me.k = min(me.x, me.y, 1.0) + 100.0 * max(me.x, me.y, -1.0)\nme.list[0] = max(0.0, -0.0) + min(int(me.x), 4)\n"
+        "me.list[1] = abs(int(me.y)) + abs(me.x)"
+    ),
+    "chained comparisons": "me.k = float(0.0 < me.x <= me.y * 3.0 != 9.0)\nme.list[0] = float(-3.0 <= me.x < 3.0)",
+    "truths": (
+        "a = me.x > 0.0\nb = not a\nme.k = a + 2 * b\nme.list[0] = me.x or me.y\nme.list[1] = me.x and me.y\n"
+        "me.list[2] = 1.0 if me.x and not me.y < 0.0 or b else -1.0\nif me.x:\n    me.y = 5.0"
+    ),
+    "tables": (
+        "k = 0\nfor place in ORDER:\n    k += 1\nme.k = TABLE[ORDER[0]] + TABLE[-1] + ROWS[1][0]\n"
+        "for j in range(len(TABLE)):\n    me.list[j] = TABLE[j] * me.weights[j % 2] * me.gain + k\nme.y = me.list[-2]"
+    ),
+    "negative indexes": "k = int(me.x) % 3 - 1\nme.list[k] = 9.0\nme.k = me.list[k - 1]",
+    "loops": (
+        "total = 0.0\nfor k in range(2, 10, 3):\n    if k == 5:\n        continue\n    total += k\nme.k = total + k\n"
+        "for j in range(5, 0, -2):\n    if j < 2:\n        break\n    me.list[0] += j\nn = 4\n"
+        "for _ in range(n):\n    n -= 1\nme.list[1] = n\n"
+        "while True:\n    me.y += 1.0\n    if me.y > 10.0:\n        break"
+    ),
+    "a name that lives from turn to turn": (
+        "for k in range(4):\n    if k == 1:\n        kept = me.x\n    elif k > 1:\n"
+        "        kept = kept + 1.0\nme.k = kept"
+    ),
+    "tuples": (
+        "low, high = ends(me.x, me.y)\nme.k = low\nme.list[0] = high\nlow, high = high, low\nme.list[1] = low\n"
+        "pair = ends(1.0, me.y)\nme.list[2] = pair[1]\nq, r = divmod(me.x, me.y)\nme.x = q\nme.y = r"
+    ),
+    "tuples compared": (
+        "me.k = float((me.x, me.y) < (2.5, 2.0)) + 2.0 * float((me.x, 1.0) >= (me.x, me.y))\n"
+        "me.list[0] = float((me.x, me.y) == (7.0, 3.0)) + float(me.x in (7.0, 2.5))"
+    ),
+    "parts of a number": (
+        "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\nrest, whole = math.modf(me.x)\n"
+        "me.list[1] = rest\nme.list[2] = math.ldexp(whole, 3)"
+    ),
+    "bits": "n = int(abs(me.x)) & 5\nme.k = (n << 2) | 1\nme.list[0] = n ^ 3\nme.list[1] = ~n",
+    "words of C": (
+        "double = me.x\nint_ = 1.0\nregister = double + int_\nnumber = register\nfloor = math.floor(number)\n"
+        "me.k = floor"
+    ),
+    "assigned within": "if (z := me.x * 2.0) > 3.0:\n    me.k = z",
+}
+EXTRA = '''
+
+def ends(low, high):
+    """The two in order."""
+    if low <= high:
+        return low, high
+    return high, low
+'''
+
+
+@GCC
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_python_in_c(name, tmp_path):
+    brain = trying(PROGRAMS[name], EXTRA if "ends(" in PROGRAMS[name] else "")
+    for in_c, in_python in fused(brain, tmp_path, PAIRS):
+        assert in_c == in_python
+
+
+@GCC
+@pytest.mark.parametrize("name", ["commons", "swift", "belief-sharing"])
+@pytest.mark.parametrize("message", ["float32", "ratio16"])
+def test_same_bits(name, message, tmp_path):
+    assert differs(load_busy(name, "double", message), tmp_path, chips.on_host).line == 0
+
+
+@GCC
+@pytest.mark.parametrize("name", ["commons", "minimalistic"])
+def test_same_bits_in_single(name, tmp_path):
+    assert differs(load_busy(name, "single", "ratio16"), tmp_path, chips.on_host).line == 0
+
+
+@GCC
+@pytest.mark.long
+@pytest.mark.parametrize("busy", [False, True])
+@pytest.mark.parametrize("name", BRAINS, ids=named)
+def test_all_same_bits(name, busy, tmp_path):
+    for message in ("float16", "ratio8") if busy else ("float32",):
+        brain = load_busy(name, "double", message, busy)
+        assert differs(brain, tmp_path, chips.on_host).line == 0
+
+
+@GCC
+@pytest.mark.long
+@pytest.mark.parametrize("busy", [False, True])
+@pytest.mark.parametrize("name", BRAINS, ids=named)
+def test_all_in_single(name, busy, tmp_path):
+    exact = is_exact(load_busy(name, "single"))
+    brain = load_busy(name, "single", "ratio16" if exact else "float32", busy)
+    difference = differs(brain, tmp_path, chips.on_host)
+    assert difference.line == 0 if exact else difference.largest < CLOSE
+
+
+@GCC
+def test_the_test_can_fail(tmp_path):
+    files = translated(load_busy("commons", "double"))
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    source = tmp_path / "brain.h"
+    source.write_text(source.read_text().replace("slope * slope * looks", "slope * (slope * looks)"))
+    difference = compare(files["expected.txt"], chips.on_host(tmp_path / "selftest.c"))
+    assert difference.line > 0
+    assert 0.0 < difference.largest < 1e-9
+
+
+def test_comparing():
+    assert compare("1 0 3f000000 silent\n", "1 0 3f000000 silent\n") == (0, 0.0)
+    assert compare("1 0 3f000000 silent\n", "1 0 3f800000 silent\n") == (1, 0.5)
+    assert compare("1 0 3f000000 silent\n", "1 0 3f000000 00\n").largest == float("inf")
+    assert compare("1 0 nan 00\n", "1 0 3f000000 00\n").largest == float("inf")
+    assert compare("1 0 3f000000 00\n2 0 nan 00\n", "1 0 3f000000 00\n") == (2, float("inf"))
+
+
+def test_kinds_do_not_depend_on_the_order_of_functions():
+    """`helper` stands before what calls it, and calls others."""
+    source = BRAIN.replace("def observe", f"{HELPER}def observe").replace("FUSE", "    me.x = helper(me, 3)")
+    kinds = parse(source, "trying", Path("trying.py")).kinds
+    assert kinds.names["helper"] == {"me": RECORD, "k": WHOLE}
+    assert kinds.names["estimate"] == {"me": RECORD}
+    assert kinds.names["deeper"] == {"k": WHOLE}
+
+
+HELPER = """def helper(me, k):
+    return estimate(me) * deeper(k + 1)
+
+
+def deeper(k):
+    return k * 2
+
+
+"""
+
+
+def test_comments_and_words_are_kept():
+    text = header(load("minimalistic").with_numbers(Numbers("single", "ratio16")))
+    for kept in (
+        "// Local estimate (Eq. 4) and its Fisher information (Eq. 5).",
+        "    number t;  // observations made",
+        "return;  // nothing seen, or a sensor that says the same of black and white",
+        "static inline void receive(struct brain *me, const struct message *message) {",
+        "#define BRAIN_MESSAGE_BYTES 3",
+        "fabsf(slope) < 1e-12f",
+    ):
+        assert kept in text
+
+
+def test_parameters_are_constants(tmp_path, capsys):
+    assert main(["deploy", "tracking", str(tmp_path / "c"), "--target", "c", "--parameter", "z=3"]) == 0
+    text = (tmp_path / "c" / "brain.h").read_text()
+    assert "static const number parameter_z = 3.0f;" in text
+    assert "the brain tracking z=3.0" in text
+    written = ", ".join(translated(load_busy("commons", "single")))
+    assert capsys.readouterr().out.splitlines()[-1] == f"{tmp_path / 'c'}: {written}"
+
+
+ODD = {
+    "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
+    "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
+    "divmod": "a = me.x + 7.5\nb = 2.25\na, b = divmod(a, b)\nme.x = a + 0.5 * b",
+    "modf": "a = me.x + 7.7\na, w = math.modf(a)\nme.x = a + 0.5 * w",
+    "two swaps": "a = me.x\nb = me.y\na, b = b, a\na, b = b + 1.0, a\nme.x = a - b",
+    "two exponents": "m, e = math.frexp(me.x)\nme.x = m\nn, f = math.frexp(me.y + 3.0)\nme.x += n * f + e",
+    "a tuple of itself": "t = (me.x, me.y)\nt = (t[1], t[0])\nme.x = t[0] - 3.0 * t[1]",
+    "a chain": "unused = me.x = me.y + 1.0",
+    "a loop without a name": "turn = 0.0\nfor _ in range(4):\n    turn += 1.0\nme.x = turn",
+    "words of C": "double = me.x\ndouble_ = me.y + 1.0\nint32_t = 3\nk = int(me.x)\nme.x = double - double_ + int32_t",
+    "macros": "me.x = me.x + INT32_MAX * BRAIN_MESSAGE_BYTES",
+    "bits": "k = int(me.x)\nif k & 3:\n    me.y += 1.0\nif (k & 1) == 1 or 2 < (k | 1):\n    me.x += 2.0",
+    "a result that nobody reads": "_, y = grown(me), 1.0\nme.x += y",
+    "an exponent alone": "m, e = math.frexp(me.x + 1.0)\nme.x = e",
+    "comments": "# why???/\nme.x += 1.0  # a path \\ \\\nme.y += 1.0\n# \\ \\ \nme.x *= 0.5",
+    "zeros without a sign": "me.x = math.ceil(me.x * 0.01 - 0.5)\nme.y = -math.floor(me.y * 0.001)",
+    "a quotient of whole numbers": "q, m = divmod(int(me.x) - 3, -5)\nme.x = q\nme.y = m",
+    "a table of whole numbers": "for k in WHOLES:\n    me.x = -k\n    me.y = k % -3",
+    "expressions alone": "grown(me) if me.x > 1 else shrunk(me)\nme.x > 2 and grown(me)\nme.x < 3 or shrunk(me)",
+    "a helper that nobody calls": "me.x += 1.0  # no not_called here",
+    "names of the self-test": "me.x = test_put(me)",
+    "the largest real number": "me.x = min(me.x + 1.0, 3.4028235e38)\nme.y = 3.4028235e38",
+    "whole beside real numbers": "k = 16777217\nif k > 16777216.0 + me.y * 0.0:\n    me.y += 1.0\nme.x += 16777217",
+    "large whole numbers": "k = int(me.x) + 16777217\nme.x = less(k) * 0.001\nme.y = k",
+}
+FAULTS = {
+    "me.x = last(me.list, int(me.x))": "may be negative, and counts from an end that is not known here",
+    "me.x = max(me.list)": "max(me.list): max needs two numbers or more here",
+    "a, c = (me.x, 1) if me.x > 0.5 else (2, me.x)\nme.x = a + c": "a choice between tuples has no translation to C",
+    "me.x = round(me.x, 2)": "round has no translation to C",
+    "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
+    "me.x = me.y + grown(me)": "grown(me) changes what the rest of the line reads",
+    "n = 3000000000\nme.x = n": "3,000,000,000 is no whole number of 32 bits",
+    "y = me.y\nme.x = y + (y := me.x * 2.0)": "changes what the rest of the line reads",
+    "me.x = doubled(me=me)": "doubled(me=me): C has neither named nor spread arguments",
+    "a, *b = me.x, me.y, 1.0\nme.x = a": "a starred name takes a list, which C does not have",
+    "me.x = either(me)": "either may return a value or nothing, which C cannot tell apart",
+}
+HELPERS = {
+    "last": "\n\ndef last(items, k):\n    return items[k - 1]\n",
+    "doubled": "\n\ndef doubled(me):\n    return me.x * 2.0 + 1.0\n",
+    "less": "\n\ndef less(k):\n    return (k - 16777216.0) * 0.5\n",
+    "INT32_MAX": "\n\nINT32_MAX = 5.0\nBRAIN_MESSAGE_BYTES = 3.0\n",
+    "grown": "\n\ndef grown(me):\n    me.y += 1.0\n    return me.y\n",
+    "shrunk": "\n\ndef shrunk(me):\n    me.x -= 1.0\n",
+    "WHOLES": "\n\nWHOLES = (0, 2, -1, 0)\n",
+    "not_called": "\n\n# Left out.\ndef not_called(me):\n    me.x = me.y + 1.0\n    return me.x\n",
+    "test_put": "\n\ndef test_put(me):\n    return me.x * 0.5\n",
+    "either": "\n\ndef either(me):\n    if me.x > 0.0:\n        return 1.0\n",
+}
+
+
+def helpers_of(body):
+    return "".join(text for name, text in HELPERS.items() if name in body)
+
+
+@GCC
+@pytest.mark.parametrize("what", ODD)
+def test_odd_lines_have_the_bits_of_python(what, tmp_path):
+    brain = trying(ODD[what], helpers_of(ODD[what]))
+    for precision in ("double", "single"):
+        made = brain.with_numbers(Numbers(precision, "float32"))
+        folder = tmp_path / precision
+        folder.mkdir()
+        assert differs(made, folder, chips.on_host).line == 0
+
+
+@pytest.mark.parametrize("body", FAULTS)
+def test_what_cannot_be(body):
+    extra = helpers_of(body)
+    with pytest.raises(InputError, match=r"brain file trying\.py, line \d+: ") as caught:
+        translated(trying(body, extra))
+    assert FAULTS[body] in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_whole_numbers_have_32_bits_on_small_chips():
+    text = translated(trying("me.x = len(me.list) * 10000\nme.y = (me.x > 0.0) * 300 * 300 + (1 << int(me.y) % 9)"))[
+        "brain.h"
+    ]
+    assert "(int32_t)3 * 10000" in text
+    assert "(int32_t)1 << whole_modulo" in text
+    assert "(int32_t)(me->x > 0.0) * 300" in text
+
+
+def test_a_brain_that_fails():
+    with pytest.raises(InputError, match="brain 'trying' fails in the self-test: ZeroDivisionError: float division"):
+        translated(trying("me.x = 1.0 / me.k"))
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
+@pytest.mark.parametrize("name", ["bayes-bots", "swift", "sure"])
+def test_headers_are_c_plus_plus_too(name, tmp_path):
+    (tmp_path / "brain.h").write_text(header(load_busy(name, "single", "ratio16")))
+    (tmp_path / "program.cpp").write_text('#include "brain.h"\n')
+    flags = ("-std=c++11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only")
+    done = subprocess.run(["g++", *flags, str(tmp_path / "program.cpp")], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nothing", "new"], "neither a shipped brain"),
+        (["commons", "new", "--parameter", "k=1"], "the brain 'commons' has no parameter 'k': it has none"),
+        (["tracking", "new", "--parameter", "z"], "--parameter z"),
+        (["tracking", "new", "--parameter", "z=1,2"], "z = [1.0, 2.0]"),
+        (["commons", "other"], "the folder other is not empty, it holds 'mine.txt'"),
+        (["commons", "file"], "file is a file: name a new folder"),
+        (["commons", "new", "--precision", "float"], "--precision float"),
+        (["commons", "new", "--message", "text"], "--message text"),
+        (["commons", "new", "--hz", "4"], "--hz 4"),
+    ],
+)
+def test_wrong_input(arguments, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "mine.txt").touch()
+    (tmp_path / "file").touch()
+    assert main(["deploy", *arguments, "--target", "c"]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "new").exists()
+
+
+def test_written_again(tmp_path):
+    sc.deploy("commons", tmp_path / "c", "c")
+    (tmp_path / "c" / "selftest").touch()
+    made = sc.deploy("commons", tmp_path / "c", "c", precision="double")
+    assert made.files == ("brain.h", "selftest.c", "expected.txt", "Makefile")
+    assert "typedef double number;" in (tmp_path / "c" / "brain.h").read_text()
+
+
+@GCC
+def test_the_page_shows_a_robot_that_works(tmp_path):
+    brain = load("commons").with_numbers(Numbers("single", "ratio16"))
+    (tmp_path / "brain.h").write_text(header(brain))
+    page = (DOCS / "in-c.md").read_text()
+    top, start, rest = page.partition("```c\n")[2].partition("```")[0].partition("brain_start")
+    body = f'{start}{rest}printf("%.9g", x);\nreturn 0;'
+    printed = compiled(tmp_path, f"#include <stdio.h>\n{top}int main(void) {{\n{body}\n}}\n", "-I", str(tmp_path))
+    me, radio, call = brain.robot(rounded_to_single(0.9), rounded_to_single(0.8)), messages_of(brain), brain.functions
+    call.observe(me, 3.0, 10.0)
+    call.receive(me, radio.read(radio.coded(call.broadcast(me))))
+    call.fuse(me)
+    assert float(printed) == pytest.approx(call.estimate(me), rel=1e-8)
+    assert 0.1 < float(printed) < 0.2
+
+
+@GCC
+def test_compilers_have_nothing_to_warn_of(tmp_path):
+    """A compiler that follows the largest whole number of `to_whole` into an index finds none beyond the vector."""
+    (tmp_path / "brain.h").write_text(header(load_busy("sure", "double")))
+    program = '#include "brain.h"\nstruct brain me;\nint main(void) { observe(&me, 1, 1); return 0; }\n'
+    assert compiled(tmp_path, program, "-I", str(tmp_path)) == ""
+
+
+@GCC
+def test_messages_larger_than_their_format(tmp_path):
+    """The largest number of a format is sent instead, and nothing is owed."""
+    brain = load("commons").with_numbers(Numbers("single", "float16"))
+    (tmp_path / "brain.h").write_text(header(brain))
+    printed = compiled(
+        tmp_path,
+        """#include <stdio.h>
+#include "brain.h"
+int main(void) {
+    struct brain me;
+    uint8_t out[BRAIN_MESSAGE_BYTES];
+    brain_start(&me, 0.9f, 0.8f);
+    me.s = 100000.0f;
+    me.v = 2049.0f;
+    brain_send(&me, out);
+    printf("%02x%02x %02x%02x %g %g\\n", out[0], out[1], out[2], out[3], me.owed[0], me.owed[1]);
+    return 0;
+}
+""",
+        "-I",
+        str(tmp_path),
+    )
+    assert printed == "ff7b 0068 0 1\n"
+
+
+@GCC
+def test_the_makefile_compiles_as_the_page_says(tmp_path):
+    texts = translated(load("commons").with_numbers(Numbers("single", "ratio16")))
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    done = subprocess.run(["make", "-C", tmp_path, "check"], capture_output=True, text=True, check=True)
+    assert "-ffp-contract=off" in done.stdout
+    assert "same bits as in Python" in done.stdout
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_files_in_c_appear_together_or_not_at_all(tmp_path, monkeypatch, is_new):
+    folder, write_text = tmp_path / "c", Path.write_text
+    if not is_new:
+        folder.mkdir()
+
+    def full(path, text, **given):
+        if path.suffix == ".txt":
+            raise OSError(28, "No space left on device")
+        return write_text(path, text, **given)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(InputError, match=r"cannot write .*: No space left on device"):
+        sc.deploy("alone", folder, "c")
+    assert folder.exists() is not is_new
+    assert list(tmp_path.rglob("*.*")) == []

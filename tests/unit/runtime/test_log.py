@@ -1,0 +1,153 @@
+"""A robot's log: what it holds, and what is left of it after a cut or damage at any byte."""
+
+import random
+
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.robots.logs.logs import Gap, State, Tick, read_log
+from swarmcensus.runtime.log import MAGIC, STATE, Log, block
+from swarmcensus.runtime.runtime import Robot
+from swarmcensus.support.errors import InputError
+from swarmcensus.translation.messages import messages_of
+from tests.support.logged import Air
+
+
+@pytest.fixture(autouse=True)
+def logs(monkeypatch):
+    """All logs of a test, which are closed after it."""
+    made = []
+
+    def record(self, log):
+        made.append(log)
+        recorded(self, log)
+
+    recorded = Robot.record
+    monkeypatch.setattr(Robot, "record", record)
+    yield
+    for log in made:
+        log.close()
+
+
+def robot(path, number=1, name="commons", **more):
+    brain = brains.load(name).with_numbers(Numbers(message="ratio16"))
+    air = Air(1)
+    made = Robot(brain.functions, messages_of(brain), air, air, lambda: 0, 0.9, 0.8, number, period=100, **more)
+    made.record(Log(path, bytes.fromhex(brain.sha256)[:8], form=3, now=5))
+    return made, air
+
+
+def lives(path, ticks=20, **more):
+    """A robot that hears another one for some ticks; returns it and what it sent."""
+    one, air = robot(path, **more)
+    other, far = robot(path.with_name("other"), 7)
+    for _ in range(ticks):
+        other.tick()
+        air.waiting.extend(far.sent[-1:])
+        one.tick()
+    return one, air
+
+
+def test_a_log_holds_what_was_read_said_and_heard(tmp_path):
+    one, air = lives(tmp_path / "log")
+    log = read_log(tmp_path / "log")
+    first, *ticks = log.blocks
+    assert isinstance(first, State)
+    assert (first.starts, first.boot, first.number, first.tick, first.now) == (True, 0, 1, 0, 5)
+    assert (first.b, first.w, first.period, first.form, first.code_bytes) == (0.9, 0.8, 100, 3, 3)
+    assert first.brain.hex() == brains.load("commons").sha256[:16]
+    assert [tick.tick for tick in ticks] == [*range(1, 21)]
+    assert [tick.said for tick in ticks] == [datagram[6:9] for datagram in air.sent]
+    assert all(tick.looks == 1 and [heard.sender for heard in tick.heard] == [7] for tick in ticks)
+    assert [tick.heard[0].tick for tick in ticks] == [*range(1, 21)]
+    assert ticks[-1].estimate == one.estimate
+
+
+def test_a_log_cut_at_any_byte_keeps_all_whole_ticks(tmp_path):
+    lives(tmp_path / "log", 4)
+    data = (tmp_path / "log").read_bytes()
+    whole = read_log(tmp_path / "log").blocks
+    for cut in range(len(data)):
+        (tmp_path / "cut").write_bytes(data[:cut])
+        try:
+            kept = read_log(tmp_path / "cut").blocks
+        except InputError:
+            kept = ()
+            assert cut < len(data) - 4 * 20  # the state itself is cut
+        blocks = [block for block in kept if not isinstance(block, Gap)]
+        assert tuple(blocks) == whole[: len(blocks)]
+        assert sum(gap.length for gap in kept if isinstance(gap, Gap)) < 100
+
+
+@pytest.mark.parametrize("damage", ["flip", "cut"])
+def test_after_damage_a_log_goes_on_with_the_next_state(tmp_path, damage):
+    one, _ = robot(tmp_path / "log")
+    one.keep(str(tmp_path / "memory"), 5)
+    for _ in range(3):
+        one.tick()
+    before = (tmp_path / "log").stat().st_size
+    for _ in range(9):
+        one.tick()
+    data = bytearray((tmp_path / "log").read_bytes())
+    if damage == "flip":
+        data[before - 3] ^= 1
+    else:
+        del data[before - 3 : before + 2]
+    (tmp_path / "log").write_bytes(data)
+    log = read_log(tmp_path / "log")
+    assert [tick.tick for tick in log.ticks] == [1, 2, 6, 7, 8, 9, 10, 11, 12]
+    assert [state.tick for state in log.states] == [0, 5, 10]
+    assert len(log.gaps) == 1
+
+
+def test_luck_is_kept(tmp_path):
+    chance = random.Random(3)
+    lives(tmp_path / "log", name="voter", luck=chance.random)
+    assert all(tick.luck for tick in read_log(tmp_path / "log").ticks)
+
+
+def test_a_full_log_counts_what_it_leaves_out(tmp_path):
+    one, _ = robot(tmp_path / "log")
+    one.log.most = one.log.size + 60
+    for _ in range(9):
+        one.tick()
+    assert 0 < len(read_log(tmp_path / "log").ticks) < 9
+    assert one.log.faults == 9 - len(read_log(tmp_path / "log").ticks)
+
+
+@pytest.mark.parametrize("text", [b"", b"hello, world" * 9])
+def test_other_files_are_refused(tmp_path, text):
+    (tmp_path / "log").write_bytes(text)
+    with pytest.raises(InputError, match="should be a robot's log"):
+        read_log(tmp_path / "log")
+
+
+@pytest.mark.parametrize("body", [b"", MAGIC, MAGIC + bytes(60)])
+def test_a_state_that_is_too_short_is_lost(tmp_path, body):
+    lives(tmp_path / "log", 2)
+    with (tmp_path / "log").open("ab") as file:
+        file.write(block(STATE, body))
+    log = read_log(tmp_path / "log")
+    assert (len(log.ticks), len(log.states), [gap.is_last for gap in log.gaps]) == (2, 1, [True])
+
+
+def test_more_readings_than_a_log_holds(tmp_path):
+    one, _ = robot(tmp_path / "log", readings=70_000)
+    one.tick()
+    assert read_log(tmp_path / "log").ticks[0].looks == 65_535
+
+
+def test_logs_of_two_robots_in_one_file_are_refused(tmp_path):
+    lives(tmp_path / "log", 2)
+    robot(tmp_path / "log", number=2)
+    with pytest.raises(InputError, match="of robot 1 and of robot 2"):
+        read_log(tmp_path / "log")
+
+
+def test_ticks_are_small(tmp_path):
+    lives(tmp_path / "log", 10)
+    data = (tmp_path / "log").read_bytes()
+    lives(tmp_path / "more", 20)
+    assert len((tmp_path / "more").read_bytes()) - len(data) <= 10 * 50
+    assert isinstance(read_log(tmp_path / "log").blocks[-1], Tick)

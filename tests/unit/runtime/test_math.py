@@ -1,0 +1,229 @@
+"""What brains may use of `math`: what MicroPython has; and what AVR boards lack."""
+
+import ast
+import math
+import os
+import re
+import shutil
+import subprocess
+import types
+from pathlib import Path
+
+import numba
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.brains import adversary, robot_math
+from swarmcensus.checks import suite
+from swarmcensus.engine import codegen, strict
+from swarmcensus.support.errors import InputError
+from tests.support.places import DOCS
+
+PACKAGE = "@micropython/micropython-webassembly-pyscript"  # found by node through NODE_PATH
+ASK = f"""
+const {{pathToFileURL}} = require("url");
+const file = require("path").join(require.resolve("{PACKAGE}/package.json"), "..", "micropython.mjs");
+import(pathToFileURL(file).href).then(async module => {{
+    const python = await module.loadMicroPython({{stdout: line => console.log(line)}});
+    python.runPython(process.argv[1]);
+}});
+"""
+TINY = """import math
+
+MEMORY = {"x": 0.5}
+MESSAGE = ("x",)
+
+
+def observe(me, blacks, looks):
+    me.x = 0.5
+
+
+def broadcast(me):
+    return (me.x,)
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return me.x
+"""
+
+
+def micropython(source):
+    """What MicroPython prints."""
+    if not shutil.which("node"):
+        pytest.skip("needs node")
+    done = subprocess.run(["node", "-e", ASK, source], capture_output=True, text=True, timeout=60, check=False)
+    if "Cannot find module" in done.stderr:
+        pytest.skip(f"needs the npm package {PACKAGE} in NODE_PATH ({os.environ.get('NODE_PATH', 'not set')})")
+    assert not done.returncode, done.stderr
+    return done.stdout
+
+
+def lacks(source):
+    """Whether MicroPython refuses what CPython runs."""
+    exec(source, {})
+    program = f"try:\n    exec({source!r}, {{}})\nexcept (SyntaxError, NotImplementedError):\n    print('lacks it')"
+    return micropython(program) == "lacks it\n"
+
+
+def refused(source, read=brains.parse):
+    with pytest.raises(InputError) as caught:
+        read(source, "x", Path("x.py"))
+    return str(caught.value)
+
+
+def test_the_list_is_what_micropython_has():
+    known = micropython("import math\nprint(*dir(math))").split()
+    assert {name for name in known if name[0] != "_"} == {
+        *robot_math.FUNCTIONS,
+        *robot_math.CONSTANTS,
+        *robot_math.NOT_IN_C,
+    }
+    calls = micropython("import builtins\nprint(*dir(builtins))").split()
+    assert {"abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len"} <= {*calls}
+
+
+def test_all_of_the_list_is_in_cpython():
+    for name in (*robot_math.FUNCTIONS, *robot_math.CONSTANTS, *robot_math.NOT_ON_AVR):
+        assert hasattr(math, name)
+
+
+@pytest.mark.parametrize("name", [n for n in dir(math) if n[0] != "_" and n not in robot_math.CONSTANTS])
+def test_a_function_is_allowed_or_refused_with_its_line(name):
+    source = TINY.replace("    me.x = 0.5\n", f"    me.x = math.{name}(0.5)\n")
+    if name in robot_math.FUNCTIONS:
+        assert brains.parse(source, "x", Path("x.py"))
+    else:
+        who = "C" if name in robot_math.NOT_IN_C else "MicroPython"
+        assert f"x.py, line 8: uses math.{name}, which {who} on a robot lacks: " in refused(source)
+
+
+@pytest.mark.parametrize(
+    ("head", "call", "line"),
+    [
+        ("from math import log1p", "log1p(0.5)", 1),
+        ("from math import *", "log1p(0.5)", 8),
+        ("import math", "math.log1p(0.5)", 8),
+    ],
+)
+def test_however_it_is_imported(head, call, line):
+    said = refused(TINY.replace("import math", head).replace("me.x = 0.5", f"me.x = {call}"))
+    assert f"line {line}: uses math.log1p" in said
+    assert "math.log(1.0 + x)" in said
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),
+        (
+            "pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))",
+            "* in a tuple, as in (*pair, 2.0): write its items one by one",
+        ),
+        ("me.x = (1.0, 0.5, 0.0)[::2][1]", "step in a slice, as in (1.0, 0.5, 0.0)[::2]: a loop over range is right"),
+    ],
+)
+def test_syntax_that_micropython_lacks(line, said):
+    error = refused(TINY.replace("    me.x = 0.5\n", f"    {line}\n"))
+    assert f"line {8 + line.startswith('pair')}: MicroPython on a robot has no {said}" in error
+    assert lacks(f"def f(me):\n    {line}\nclass M:\n    t = x = 0.0\nf(M())")
+
+
+def test_arguments_by_place_only():
+    said = refused(f"{TINY}\n\ndef half(x, /):\n    return 0.5 * x\n")
+    assert "MicroPython on a robot has no / among arguments, as half has: leave it out" in said
+    assert lacks("def half(x, /):\n    return 0.5 * x")
+
+
+def test_own_names_are_no_functions_of_math():
+    source = TINY.replace("import math", "from math import *").replace("me.x = 0.5", "gcd = sqrt(0.25)\n    me.x = gcd")
+    source += "\n\ndef comb(x):\n    return x\n\n\ndef helper(dist):\n    return comb(dist)\n"
+    assert brains.parse(source, "x", Path("x.py"))
+
+
+def test_an_adversary_too():
+    said = refused("import math\n\n\ndef lie(me, x):\n    return math.hypot(x, x)\n", adversary.parse)
+    assert "line 5: uses math.hypot, which MicroPython on a robot lacks: math.sqrt(x * x + y * y) is right" in said
+
+
+def test_a_misspelt_function():
+    assert "math has no sqr: did you mean 'sqrt'?" in refused(TINY.replace("me.x = 0.5", "me.x = math.sqr(0.25)"))
+
+
+def test_what_avr_boards_lack():
+    tree = ast.parse(brains.load("bayes-bots").source)
+    assert robot_math.missing_on_avr(tree) == ["lgamma"]
+    assert suite.notes("bayes-bots") == ["AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks lgamma"]
+    assert suite.notes("commons") == []
+
+
+def test_the_page_lists_all():
+    page = (DOCS / "brain-contract.md").read_text(encoding="utf-8")
+    section = page.partition("### math\n")[2].partition("**The check")[0]
+    allowed, _, others = section.partition("Others, such as")
+    assert {*re.findall(r"`(\w+)`", allowed)} - {"math"} == {*robot_math.FUNCTIONS, *robot_math.CONSTANTS}
+    assert {*re.findall(r"`(\w+)`", others.partition("also lacks")[2])} == {*robot_math.NOT_ON_AVR}
+
+
+@pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc and avr-libc")
+def test_what_avr_libc_declares():
+    header = subprocess.run(
+        ["avr-gcc", "-E", "-"], input="#include <math.h>\n", capture_output=True, text=True, check=True
+    ).stdout
+    declared = {*re.findall(r"\b(\w+)\s*\(", header)}
+    not_of_c = {"degrees", "radians"}
+    names_in_c = {name: "tgamma" if name == "gamma" else name for name in robot_math.FUNCTIONS if name not in not_of_c}
+    assert {name for name, in_c in names_in_c.items() if in_c not in declared} == {*robot_math.NOT_ON_AVR}
+
+
+NUMBERS = (0.0, 1.0, -1.0, 0.5, -0.5, -2.5, 3.0, 171.7, -1000.0, 1000.0, 1e308, math.inf, -math.inf, math.nan)
+TO_WHOLE = ("int(x)", "round(x)", "math.ceil(x)", "math.floor(x)", "math.trunc(x)")
+OF_TWO = ("fmod", "ldexp", "pow", "**", "powi")
+CALLS = [
+    *(f"math.{name}(x)" for name in strict.OF_MATH if name not in OF_TWO),
+    "int(x)", "round(x)", "math.fmod(x, y)", "math.ldexp(x, int(min(max(y, -2000.0), 2000.0)))",
+    "math.pow(x, y)", "pow(x, y)", "x ** y", "x ** 2",
+    "x // y", "x % y",
+]  # fmt: skip
+
+
+def outcome(call, *given):
+    """What a call returns, or the type of its error; a complex number, which no mind can hold, is an error too."""
+    try:
+        result = call(*given)
+    except (ValueError, OverflowError, ZeroDivisionError) as error:
+        return type(error)
+    return ValueError if isinstance(result, complex) else float(result)
+
+
+@pytest.mark.long
+def test_machine_code_raises_where_cpython_does():
+    """Every function on edges of its domain; all in one function, which is compiled once."""
+    body = "".join(f"    if k == {k}:\n        return 1.0 * ({call})\n" for k, call in enumerate(CALLS))
+    source = f"import math\ndef call(k, x, y):\n{body}    return 0.0\n"
+    usual, made = {}, types.ModuleType("mine")
+    exec(source, usual)
+    exec(codegen.essence(source), vars(made))
+    strict.make_strict(made)
+    machine = numba.njit(error_model="python")(made.call)
+    for k, name in enumerate(CALLS):
+        for x in NUMBERS:
+            for y in NUMBERS if "y" in name else (0.0,):
+                expected, found = outcome(usual["call"], k, x, y), outcome(machine, k, x, y)
+                if isinstance(expected, float) and abs(expected) >= 2**63 and name in TO_WHOLE:
+                    expected = OverflowError  # whole numbers have 64 bits
+                if {expected, found} == {OverflowError, ValueError} and name in ("x ** y", "pow(x, y)") and x < 0:
+                    continue  # a complex number that is too large
+                same = (
+                    found is expected
+                    if isinstance(expected, type)
+                    else found == pytest.approx(expected, 1e-13, nan_ok=True)
+                )
+                assert same, (name, x, y, expected, found)

@@ -1,0 +1,542 @@
+"""What tuning finds is what is known to be best, its log is whole, and its evaluation is what the search never saw."""
+
+import csv
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.brains import parse
+from swarmcensus.results.measures import Measure
+from swarmcensus.search.tuning import training
+from swarmcensus.search.tuning.generations import reset_idle
+from swarmcensus.search.tuning.optimiser import Search
+from swarmcensus.search.tuning.plans import budget_of, plan_of
+from swarmcensus.search.tuning.ranges import ranges_of, start_of, with_values
+from swarmcensus.search.tuning.training import COMPANIONS, loss, scales_of
+from swarmcensus.simulation import trials as simulated
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.seeds import seed_for
+from tests.support.long import in_two_sizes
+from tests.support.tunable import SOURCE, study_of
+
+
+@pytest.fixture
+def brain(tmp_path):
+    return parse(SOURCE, "tunable.py", tmp_path / "tunable.py")
+
+
+def test_ranges_are_read_and_every_place_has_a_value(brain):
+    texts = ["a=0:2", "weight=0.01:100:log", "many=1:4:whole", "pair[1]=-1:1"]
+    found = ranges_of(texts, brain)
+    linear, log, whole = found[:3]
+    assert list(map(str, found)) == texts
+    assert [linear.value(s) for s in (0, 0.25, 1)] == [0, 0.5, 2]
+    assert [log.value(s) for s in (0, 0.5, 1)] == pytest.approx([0.01, 1, 100])
+    assert [whole.value(s) for s in (0, 0.24, 0.26, 0.99, 1)] == [1, 1, 2, 4, 4]
+    for one in found:
+        for share in np.linspace(0, 1, 23):
+            value = one.value(share)
+            assert one.low <= value <= one.high
+            assert one.value(one.share(value)) == pytest.approx(value, rel=1e-4, abs=1e-4)
+    assert start_of(found, brain) == (0.6, 0.0, 3.0, 0.5)
+    other = with_values(brain, found, (1.0, 2.0, 4.0, -0.5))
+    assert other.parameters == brain.parameters | {"a": 1.0, "weight": 2.0, "many": 4.0, "pair": (0.25, -0.5)}
+    assert linear.share(7) == 1  # what lies outside begins at the nearest end
+    assert log.share(0.0) == 0
+
+
+def test_a_range_of_a_vector_is_one_of_each_of_its_items(brain):
+    found = ranges_of(["a=0:2", "pair=0.1:10:log"], brain)
+    assert list(map(str, found)) == ["a=0:2", "pair[0]=0.1:10:log", "pair[1]=0.1:10:log"]
+    assert with_values(brain, found, (1.0, 2.0, 3.0)).parameters["pair"] == (2.0, 3.0)
+
+
+def test_a_value_is_written_in_few_digits(brain):
+    [wide, narrow, log] = (ranges_of([text], brain)[0] for text in ("a=0:1", "a=1000:1001", "a=1:1e9:log"))
+    assert wide.value(1 / 3) == 0.3333
+    assert narrow.value(1 / 3) == 1000.3333
+    assert log.value(1 / 3) == 1000.0
+    assert log.value(0.51) == 38905.0
+
+
+def test_a_trial_counts_by_its_ratio_to_what_is_usual():
+    low = Measure("error", "error", "1", "")
+    numbers = np.array([[0.01, 0.03, 0.02, np.inf], [100.0, 300.0, 0.0, np.nan]])
+    scales = np.array([[0.02, 0.0], [200.0, 0.0]])
+    bad = [1 / 3, 0.6, 0.5, 1.0, 1 / 3, 0.6, 0.0, 1.0]
+    assert loss(numbers, low, scales) == pytest.approx(np.mean(bad))
+    high = replace(low, low=False)
+    assert loss(numbers[:1, :3], high, scales[:1]) == pytest.approx(1 - np.mean(bad[:3]))
+    assert loss(numbers[:1] * 1000, low, scales[:1] * 1000) == pytest.approx(loss(numbers[:1], low, scales[:1]))
+    share = Measure("right", "right", "1", "", low=False, statistic="mean", share=True)
+    assert loss(np.array([[1.0, 0.25, np.nan]]), share, scales[:1]) == pytest.approx((0 + 0.75 + 1) / 3)
+    signed = loss(np.array([[-1.0, 1.0, -1e9, np.inf]]), low, np.array([[0.0, 2.0]]))
+    assert signed == pytest.approx((1 / (1 + math.exp(0.5)) + 1 / (1 + math.exp(-0.5)) + 0 + 1) / 4)
+
+
+def test_what_is_usual_is_of_the_start(tmp_path):
+    [world] = study_of(tmp_path, "a = 0.6", rounds=7).settings()
+    error, rounds_ = Measure("error", "", "1", ""), Measure("time", "", "rounds", "")
+    row = np.array([[0.0, 1.0, 3.0, np.inf, np.nan]])
+    assert scales_of(row, [world], error, 0.0).tolist() == [[2.0, 0.0]]
+    assert scales_of(row, [world], error, -1.0) == pytest.approx(np.array([[1.0, 1.0]]))
+    never = np.full((1, 5), np.inf)
+    assert scales_of(never, [world], rounds_, 0.0).tolist() == [[7.0, 0.0]]
+    assert scales_of(never, [world], error, 0.0).tolist() == [[1.0, 0.0]]
+    assert loss(never, rounds_, np.array([[7.0, 0.0]])) == 1.0
+
+
+def test_search_is_repeatable_and_leaves_global_random_state(brain):
+    ranges = ranges_of(["a=0:1", "many=0:9:whole"], brain)
+    np.random.seed(4)  # noqa: NPY002
+    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    asked = []
+    for _ in range(2):
+        search = Search(ranges, (0.5, 3.0), 11)
+        mine = []
+        for _ in range(5):
+            mine.append(search.ask())
+            search.tell([(abs(a - 0.2) + many,) for a, many in mine[-1]])
+        asked.append((mine, search.favourite))
+    assert asked[0] == asked[1]
+    assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
+    other = Search(ranges, (0.5, 3.0), 12)
+    assert other.ask() != asked[0][0][0]
+
+
+def test_winner_near_the_end_of_a_range(brain):
+    """The mean of a cloud that reaches over the end has its image there, far from all that was good."""
+    search = Search(ranges_of(["a=0:1", "weight=0:1"], brain), (0.1, 0.6), 3)
+    chance = np.random.default_rng(8)
+    for _ in range(8):
+        asked = search.ask()
+        search.tell([(abs(a - 0.92) + 0.3 * chance.normal(),) for a, _ in asked])
+    low, high = np.min(asked, axis=0), np.max(asked, axis=0)
+    assert (low <= search.favourite).all()
+    assert (search.favourite <= high).all()
+    assert 0.75 < search.favourite[0] < 0.97
+
+
+def searched(brain, loss, generations, start=(0.9, 0.9), seed=3):
+    """A search over two ranges from 0 to 1 after so many generations, and all that it has asked for."""
+    search = Search(ranges_of(["a=0:1", "weight=0:1"], brain), start, seed)
+    asked = []
+    for _ in range(generations):
+        asked.append(search.ask())
+        search.tell([loss(*one) for one in asked[-1]])
+    return search, asked
+
+
+def test_search_of_a_flat_metric(brain):
+    """All is as bad but a square of 4 % of the ranges, far from the start."""
+    found = 0
+    for seed in range(20):
+        search, asked = searched(brain, lambda a, w: (float(max(a, w) > 0.2),), 16, seed=seed)
+        assert not search.ended
+        found += max(search.favourite) <= 0.2
+        everywhere = np.array(asked[1])
+        assert (np.sort(np.floor(everywhere * 12), axis=0) == np.arange(12)[:, np.newaxis]).all()
+    assert found >= 18
+
+
+def test_search_on_a_flat_metric_stays_in_place(brain):
+    search, asked = searched(brain, lambda *_: (0.5,), 200)
+    assert not search.ended
+    assert not search.differed
+    assert search.drawn == len(asked) - 1
+    assert search.favourite == (0.9, 0.9)
+
+
+def test_search_ends_at_a_single_candidate(brain):
+    search, generations = Search(ranges_of(["a=0:1", "weight=0:1"], brain), (0.9, 0.9), 3), 0
+    while not search.ended and generations < 100:
+        asked = search.ask()
+        search.tell([(abs(a - 0.25) + abs(w - 0.75),) for a, w in asked])
+        generations += 1
+    assert 10 < generations < 60
+    assert set(asked) == {(0.25, 0.75)}
+
+
+def test_a_flat_generation_makes_the_next_one_wider(brain):
+    search, asked = searched(brain, lambda a, w: (abs(a - 0.5) + abs(w - 0.5),), 20)
+    for _ in range(8):
+        asked.append(search.ask())
+        search.tell([(0.3,)] * search.size)
+    before, after = (np.std(asked[k], axis=0).max() for k in (19, -1))
+    assert 4 * before < after < 0.4
+
+
+def test_a_companion_breaks_ties_and_nothing_else(brain):
+    """The metric is a step towards low values of a; its companion prefers high ones, and low ones of the weight."""
+    search, _ = searched(brain, lambda a, w: (float(a > 0.3), 1 - a + w), 40, start=(0.5, 0.5))
+    assert search.favourite[0] <= 0.3
+    assert search.favourite[1] < 0.05
+    flat, _ = searched(brain, lambda a, w: (1.0, abs(a - 0.5) + abs(w - 0.5)), 40)
+    assert flat.favourite == pytest.approx((0.5, 0.5), abs=0.05)
+    assert not flat.differed
+
+
+def test_seeds_of_training():
+    found = [seed_for(s, what, n) for s in range(50) for what in ("training", "search") for n in range(20)]
+    assert len(set(found)) == len(found)
+    assert not set(found) & set(range(50))
+    assert all(0 <= seed < 2**63 for seed in found)
+
+
+def test_the_search_runs_on_other_seeds_than_the_evaluation(tmp_path, monkeypatch):
+    """Every trial that is simulated tells its seed: those of the search are the log's, the others the study's."""
+    used = {"search": set(), "evaluation": set()}
+    run_batch, through = simulated.run_batch, training.Training.run
+    now = ["evaluation"]
+
+    def spy(setting, seed, *others):
+        used[now[0]].add(seed)
+        return run_batch(setting, seed, *others)
+
+    def searching(self, *others):
+        now[0] = "search"
+        try:
+            return through(self, *others)
+        finally:
+            now[0] = "evaluation"
+
+    study = study_of(tmp_path, "a = 0.1, noise = 0.1", seed=5)
+    sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=1)  # compiled, with a seed of its own
+    monkeypatch.setattr("swarmcensus.runs.tasks.run_batch", spy)
+    monkeypatch.setattr("swarmcensus.runs.pools.compile_for", lambda *_: None)
+    monkeypatch.setattr(training.Training, "run", searching)
+    sc.tune(study, ["a=0:1"], budget=37, trials=2, jobs=1)
+    used["evaluation"].discard(0)  # of what is only compiled
+    assert used["search"] == {seed_for(5, "training", generation) for generation in range(4)}
+    assert used["evaluation"] == {5}
+
+
+def test_a_quadratic_penalty_is_found(tmp_path):
+    """The error is (a - 0.6)^2 and the like, and nothing else: found to 0.01, and a whole number exactly."""
+    study = study_of(tmp_path, "a = 0.1, pair = [0.9, 0.1], many = 7")
+    asked = ["a=0:1", "pair[0]=0:1", "pair[1]=0:1", "many=0:10:whole"]
+    found = sc.tune(study, asked, budget=800, trials=1)
+    assert found.values == pytest.approx({"a": 0.6, "pair[0]": 0.25, "pair[1]": 0.5, "many": 3}, abs=0.01)
+    assert found.values["many"] == 3
+    assert found.verdict == "better"
+    assert found.brain.parameters["pair"] == (found.values["pair[0]"], found.values["pair[1]"])
+
+
+@pytest.mark.long
+def test_the_best_shrinkage_is_found(tmp_path):
+    """A robot alone that sees n of 12 tiles black estimates 1/2 + weight (n / 12 - 1/2).
+
+    What a weight is worth is a sum over n: its minimum is known, and what is found is within a tenth of what the start
+    loses to it.
+    """
+    fill, looks = 0.6, 12
+    study = study_of(tmp_path, "weight = 1.0", robots=1, fill=fill, looks=looks, trials=200)
+    found = sc.tune(study, ["weight=0:1"], budget=500, trials=100)
+    n = np.arange(looks + 1)
+    chance = stats.binom.pmf(n, looks, fill)
+    usual = float(np.median(np.abs(np.repeat(n / looks - fill, np.rint(chance * 1e6).astype(int)))))
+
+    def lost(weight):
+        error = np.abs(0.5 + weight * (n / looks - 0.5) - fill)
+        return float((chance * error / (error + usual)).sum())
+
+    shares = np.linspace(0, 1, 1001)
+    curve = np.array([lost(share) for share in shares])
+    best = curve.min()
+    assert curve[-1] - best > 0.05  # there is something to be found
+    assert lost(found.values["weight"]) - best < 0.1 * (curve[-1] - best)
+    assert found.verdict == "better"
+
+
+def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
+    found = sc.tune(study_of(tmp_path, "noise = 0.1"), ["idle=0:10"], budget=60, trials=3, out=tmp_path / "t.toml")
+    assert found.values == {"idle": 1.0}
+    assert len(found.evaluations) == 1 + 4 * 12  # whole generations, as many as the budget allows
+    said = "no candidate differed from another in final_error, and the budget is spent (49 evaluations, as many as"
+    assert str(found).startswith(said)
+    assert str(found).endswith("there is nothing to compare: tunable.py idle=1 noise=0.1")
+    assert said in found.text.replace("\n#  ", "")
+    assert "3 generations were drawn from the whole of the ranges" in found.course
+    assert found.verdict == found.as_dict["verdict"] == "not compared"
+    assert not (tmp_path / "t.nc").exists()
+    assert all(what not in found.text for what in ("evaluated in", "p-values", "t.nc", "no evidence", "read on"))
+    assert found.text.endswith("# every evaluation: t.csv\n")
+
+
+NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284 and 0.916 only
+
+
+@pytest.mark.parametrize("companion", [True, False])
+def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
+    if not companion:
+        monkeypatch.delitem(COMPANIONS, "correct")
+    study = study_of(tmp_path, NOWHERE)
+    found = sc.tune(study, ["a=0:10"], metric="correct", budget=97, trials=1)
+    assert len(found.evaluations) == 97
+    assert {one.loss for one in found.evaluations[:13]} == {1.0}  # as it was, and all of the first generation
+    assert abs(found.values["a"] - 0.6) < 0.316
+    assert found.verdict == "better"
+    assert ("where that is the same, by final_error" in found.text.replace("\n#  ", "")) == companion
+    assert len(found.evaluations[0].losses) == 1 + companion
+
+
+def test_the_values_stay_where_only_the_companion_differs(tmp_path):
+    found = sc.tune(study_of(tmp_path, NOWHERE), ["a=5:10"], metric="correct", budget=40, trials=1)
+    assert len({one.losses for one in found.evaluations}) > 30
+    assert found.values == {"a": 9.0}
+    assert "no candidate differed from another in correct, and the budget is spent (37 evaluations" in str(found)
+
+
+def test_a_search_that_was_flat_goes_on_to_the_same_end(tmp_path):
+    asked = [study_of(tmp_path, NOWHERE), ["a=0:10"], None, "correct"]
+    whole = sc.tune(*asked, budget=49, trials=1, out=tmp_path / "whole.toml")
+    lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
+    assert lines[2] == b"evaluation,generation,a,loss,final_error_loss,failed,seconds\n"
+    for cut in (10, 30):
+        (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]))
+        assert sc.tune(*asked, budget=49, trials=1, out=tmp_path / "cut.toml").values == whole.values
+        assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
+
+
+def test_labels_name_all_parameters_that_were_searched(tmp_path):
+    """`a` stays as its file has it, and `idle` too."""
+    study = study_of(tmp_path, "weight = 1.0, a = 0.6", robots=1, fill=0.6, looks=12)
+    found = sc.tune(study, ["weight=0:1", "idle=0:10"], budget=61, trials=5)
+    for name in (found.evidence.tuned, found.evidence.before):
+        assert re.fullmatch(r"tunable.py weight=[\d.]+ idle=1", name)
+    assert found.evidence.comparison.contenders == [found.evidence.before, found.evidence.tuned]
+    assert re.search(r'^brain = \[{file = "tunable.py", weight = [\d.]+, idle = 1.0}\]$', found.text, re.M)
+
+
+def test_failed_trials_are_borne_and_avoided(tmp_path):
+    """Above 90 `many` divides by zero: such candidates lose, and the search goes on."""
+    study = study_of(tmp_path, "many = 60.0")
+    found = sc.tune(study, ["many=40:200"], budget=61, trials=2)
+    failed = [one for one in found.evaluations if one.failed]
+    assert failed
+    assert all(one.values[0] > 90 and one.loss == 1.0 and one.failed == 2 for one in failed)
+    assert found.values["many"] < 60
+    with pytest.raises(InputError, match="ZeroDivisionError: division by zero"):
+        sc.tune(study_of(tmp_path, "many = 99.0"), ["many=40:200"], budget=61, trials=2)
+
+
+def test_any_measure_will_do_in_its_direction(tmp_path):
+    study = study_of(tmp_path, "a = 0.1, weight = 0.2", fill=0.55, looks=5)
+    right = sc.tune(study, ["a=0:1"], metric="correct", budget=61, trials=3)
+    assert abs(right.values["a"] - 0.6) < abs(0.1 - 0.6)
+    assert right.evaluations[-1].loss < right.evaluations[0].loss
+    assert str(right).startswith("right (correct): tunable.py a=")
+    said = re.search(r"mean of differences (-?[\d.]+) \[.*\] percentage points, ", str(right))
+    [difference] = right.evidence.comparison.pairs["difference"]
+    assert abs(difference) > 0.1
+    assert float(said[1]) == pytest.approx(100 * abs(difference), abs=1)
+    with pytest.raises(InputError, match="of correct, high is better"):
+        sc.tune(study, ["a=0:1"], metric="correct:low", budget=61)
+
+
+def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
+    study = study_of(tmp_path, "a = [0.1, 0.3], noise = 0.01", others=', "minimalistic"', accuracy=0.8, looks=3)
+    found = sc.tune(study, ["a=0:1"], budget=37, trials=3, out=tmp_path / "t.toml")
+    assert len(found.evidence.comparison.contenders) == 2
+    data = sc.load(tmp_path / "t.nc")
+    assert data.sizes["setting"] == 4
+    assert sorted(set(data["brain"].values)) == ["minimalistic", "tunable.py"]
+    assert data.attrs["seed"] == 1
+    assert "beside the study's others" in str(found)
+    kept = [0.1, 0.3, found.values["a"]]
+    assert sorted(data["a"].values[data["brain"].values == "tunable.py"]) == sorted(kept)
+    pasted = sc.Study.parse(
+        re.sub(r"brain    = .*", re.search(r"^brain = .*", found.text, re.M)[0], study.text), context=study.context
+    )
+    assert pasted.swarm.brain == [found.brain]
+
+
+def test_several_worlds_weigh_alike_and_are_told_one_by_one(tmp_path):
+    study = study_of(tmp_path, "a = 0.1, noise = 0.02", accuracy="[0.8, 0.9]", seed=3)
+    found = sc.tune(study, ["a=0:1"], budget=61, trials=3)
+    said = found.evidence.sentences
+    assert "over all 2 worlds: better in 100%, worse in 0% of trials, p < 0.001" in said[0]
+    assert [line[:7] for line in said[1:]] == ["world 0", "world 1"]
+    assert found.verdict == "better"
+    back = sc.tune(study_of(tmp_path, "a = 0.6, noise = 0.02", accuracy="[0.8, 0.9]"), ["a=0:0.3"], budget=61, trials=3)
+    assert back.verdict == "worse"
+    assert "There is no evidence that the line below is worth anything" in back.text
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_threads_do_not_matter_and_python_keeps_no_files(jobs, tmp_path):
+    study = study_of(tmp_path, "a = 0.1, noise = 0.1")
+    found = sc.tune(study, ["a=0:1"], budget=61, trials=4, jobs=jobs)
+    other = sc.tune(study, ["a=0:1"], budget=61, trials=4, jobs=2)
+    assert found.values == other.values
+    assert [e.loss for e in found.evaluations] == [e.loss for e in other.evaluations]
+    assert [p.name for p in tmp_path.iterdir()] == ["tunable.py"]
+
+
+def rows(path):
+    """The lines of a log, without the seconds."""
+    with path.open(newline="") as file:
+        return [row[:-1] for row in csv.reader(line for line in file if not line.startswith("#"))]
+
+
+@pytest.fixture
+def args(tmp_path):
+    return study_of(tmp_path, "a = 0.1, noise = 0.1"), ["a=0:1", "idle=1:9:log"]
+
+
+@pytest.mark.long
+def test_search_is_resumed(args, tmp_path, monkeypatch):
+    whole = sc.tune(*args, budget=61, trials=2, out=tmp_path / "whole.toml")
+    lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
+    assert len(lines) == 3 + 61
+    for cut, torn in ((0, 9), (1, 0), (3, 9), (4, 0), (15, 9), (40, 0), (63, 9)):
+        (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]) + lines[cut][:torn])
+        again = sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml")
+        assert again.values == whole.values
+        assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
+    through = training.Training.run
+
+    def run(self, brains, seed, *others):
+        assert seed == seed_for(args[0].seed, "influence"), "was tried again"
+        return through(self, brains, seed, *others)
+
+    monkeypatch.setattr(training.Training, "run", run)
+    assert sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml").values == whole.values
+    assert sc.tune(*args, budget=37, trials=2, out=tmp_path / "cut.toml").values != whole.values  # less of the same
+
+
+@pytest.mark.long
+def test_a_larger_budget_goes_on_and_replaces_the_evaluation(args, tmp_path):
+    sc.tune(*args, budget=37, trials=2, out=tmp_path / "a.toml")
+    first = sc.load(tmp_path / "a.nc").attrs["title"]
+    more = sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml")
+    assert more.values == sc.tune(*args, budget=61, trials=2).values
+    assert sc.load(tmp_path / "a.nc").attrs["title"] != first
+    fresh = sc.tune(*args, budget=13, trials=3, out=tmp_path / "a.toml", fresh=True)
+    assert len(rows(tmp_path / "a.csv")) == 1 + 13 == 1 + len(fresh.evaluations)
+
+
+def test_ctrl_c_keeps_the_candidates_that_were_through(args, tmp_path):
+    seen = []
+
+    def stop(progress):
+        seen.append(progress.done)
+        if progress.done >= 50 and len(seen) < 10_000:
+            seen.extend([0] * 10_000)
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml", progress=stop)
+    kept = rows(tmp_path / "a.csv")
+    assert 20 <= len(kept) < 62
+    assert not (tmp_path / "a.toml").exists()
+    sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml")
+    sc.tune(*args, budget=61, trials=2, out=tmp_path / "b.toml")
+    assert rows(tmp_path / "a.csv") == rows(tmp_path / "b.csv")
+    assert kept == rows(tmp_path / "b.csv")[: len(kept)]
+
+
+@in_two_sizes(("budget", "more"), (13, 25), (37, 61))
+def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path, budget, more):
+    sc.tune(*args, budget=budget, trials=2, out=tmp_path / "a.toml")
+    text = (tmp_path / "a.csv").read_text()
+    assert json.loads(text.splitlines()[0].removeprefix("# swarmcensus tune 2 "))["parameters"] == "a=0:1 idle=1:9:log"
+    lines = text.splitlines(keepends=True)
+    for number, line in ((8, "8,1,0.3\n"), (8, "nonsense\n"), (3, "a,b\n")):
+        (tmp_path / "a.csv").write_text("".join([*lines[: number - 1], line, *lines[number:]]))
+        with pytest.raises(InputError, match=rf"a.csv, line (2 or )?{number}.*damaged or changed"):
+            sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
+    changed = lines[8].replace(lines[8].split(",")[2], "0.123")
+    (tmp_path / "a.csv").write_text("".join([*lines[:8], changed, *lines[9:]]))
+    with pytest.raises(InputError, match=r"evaluation 5 has the values \(0.123, .* there and "):
+        sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
+    for strange in ("hello\n", "hello", "x,y\n1,2\n"):
+        (tmp_path / "a.csv").write_text(strange)
+        with pytest.raises(InputError, match=r"a\.csv is no log of a search"):
+            sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
+        assert (tmp_path / "a.csv").read_text() == strange
+
+
+def test_results_of_another_kind_are_never_replaced(args, tmp_path):
+    sc.save(sc.run(args[0]), tmp_path / "a.nc")
+    before = (tmp_path / "a.nc").read_bytes()
+    with pytest.raises(InputError, match=r"a.nc holds results that no evaluation of a search made"):
+        sc.tune(*args, budget=37, trials=2, out=tmp_path / "a.toml", fresh=True)
+    assert (tmp_path / "a.nc").read_bytes() == before
+
+
+def test_budget_of_time(args, tmp_path):
+    found = sc.tune(*args, budget="0.2 s", trials=2, out=tmp_path / "a.toml")
+    again = sc.tune(*args, budget="0.2 s", trials=2, out=tmp_path / "a.toml")
+    assert again.values == found.values
+    assert len(again.evaluations) == len(found.evaluations) >= 13
+    assert [one.seconds for one in again.evaluations] == [one.seconds for one in found.evaluations]
+    assert budget_of("2 min").seconds == 120
+    assert budget_of(7).evaluations == 7
+
+
+def test_robots_that_move_share_their_walks(tmp_path):
+    """All candidates of a generation ride on the same walk, and come to what each would alone."""
+    (tmp_path / "tunable.py").write_text(SOURCE)
+    study = sc.Study.parse(
+        'trials = 3\n[swarm]\nbrain = [{file = "tunable.py", a = 0.1}]\nrobots = 4\naccuracy = 1.0\n[world]\n'
+        'topology = "moving"\ndensity = 1\nfill_ratio = 0.5\n[schedule]\nticks = 20\n',
+        context={"base": tmp_path},
+    )
+    found = sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=2)
+    errors = [(one.values[0] - 0.6) ** 2 for one in found.evaluations]
+    usual = errors[0]
+    assert [one.loss for one in found.evaluations] == pytest.approx([e / (e + usual) for e in errors])
+
+
+def test_values_that_change_nothing_are_no_finding(tmp_path):
+    study = study_of(tmp_path, "a = 0.1")
+    found = sc.tune(study, ["a=0:1", "idle=0:10", "shift=0:1"], budget=200, trials=2)
+    assert found.values["a"] == pytest.approx(0.6, abs=0.05)
+    assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
+    said = [
+        "idle changes nothing in final_error, and stays at 1",
+        "shift changes nothing in final_error, and stays at 0",
+    ]
+    assert found.notes == said
+    assert all(one in found.text and one in str(found) for one in said)
+
+
+def test_of_two_values_that_stand_for_one_another_one_is_kept(tmp_path):
+    """1/2 + 0.7 z and 1/2 + 0.7 y are one estimate where z = y, and neither is there without the other's."""
+    study = study_of(tmp_path, "a = 0.1")
+    plan = plan_of(study, ["idle=0:10", "shift=0:1"], None, "final_error", budget_of(50), 2)
+    tried = []
+
+    class Either:
+        """A training in which it is enough that one of the two has changed."""
+
+        def run(self, brains, seed, keep, show):
+            for place, one in enumerate(brains):
+                changed = one.parameters["idle"] != 1.0 or one.parameters["shift"] != 0.0
+                tried.append(changed)
+                keep(place, np.full((1, 2), float(changed)))
+            return []
+
+    values, idle = reset_idle(plan, (5.0, 0.5), Either(), None)
+    assert values == (1.0, 0.5)
+    assert idle == ["idle"]
+    assert tried == [True, True, True, False, True, False]
+
+
+def test_a_range_without_the_value_there_is_is_told(tmp_path):
+    found = sc.tune(study_of(tmp_path, "a = 0.1"), ["a=0.3:1"], budget=40, trials=1)
+    assert found.notes == ["a was 0.1, which is not in a=0.3:1: the search began at the nearest end"]
+
+
+def test_a_search_that_is_refused_leaves_nothing(tmp_path):
+    study = study_of(tmp_path, "a = 0.1")
+    with pytest.raises(InputError, match=r"^budget=5: the brain as it is and one generation take 13 evaluations"):
+        sc.tune(study, ["a=0:1"], budget=5, out=tmp_path / "t.toml")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["tunable.py"]

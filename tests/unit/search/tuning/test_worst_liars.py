@@ -1,0 +1,220 @@
+"""A search for the worst liar: it finds what is known to harm most, speaks of harm, and says what it cannot do."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.search.tuning.plans import budget_of, plan_of
+from swarmcensus.search.tuning.training import loss
+from swarmcensus.support.errors import InputError
+
+LIAR = '''"""It says `goal` plus a bump: the lie is largest at at = 0.6."""
+
+PARAMETERS = {"at": 0.1, "idle": 1.0}
+KNOWS = ("t",)
+
+
+def lie(me, x):
+    return max(1.0 - 2.0 * abs(me.at - 0.6), 0.0) if me.t > 0.0 else x
+'''
+BRAIN = '''"""It believes the last message, and 0 if it has heard none."""
+
+PARAMETERS = {"share": 1.0}
+MEMORY = {"t": 0.0, "x": 0.0}
+MESSAGE = ("x",)
+
+
+def observe(me, blacks, looks):
+    me.t += looks
+
+
+def broadcast(me):
+    return (0.0,)
+
+
+def receive(me, message):
+    me.x = max(me.x, me.share * message[0])
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return me.x
+'''
+STUDY = """
+name   = "harmed"
+seed   = 1
+trials = 8
+
+[swarm]
+brain    = ["heard.py", "alone"]
+robots   = 5
+accuracy = 0.9
+
+[[members]]
+robots = [0, 1]
+brain  = [{file = "bump.py", at = 0.2}, "always-white"]
+honest = false
+
+[[members]]
+robots   = 1
+accuracy = 0.8
+
+[world]
+topology   = ["full", "line"]
+fill_ratio = 0.0
+
+[schedule]
+rounds = 3
+"""
+pytestmark = pytest.mark.interpreted
+TUNE = ["tune", "s.toml", "--adversary", "bump.py", "--brain", "heard.py", "--trials", "1"]
+AT = ["--parameter", "at=0:1"]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in (("bump.py", LIAR), ("heard.py", BRAIN), ("s.toml", STUDY)):
+        Path(name).write_text(text)
+    return tmp_path
+
+
+def test_search_for_liars_maximises_loss(here):
+    study = sc.Study.load("s.toml")
+    plan = plan_of(study, ["at=0:1"], "heard.py", "final_error", budget_of(50), 2, "bump.py")
+    assert [(w.brain.name, str(w.topology), w.members[0].brain.label) for w in plan.worlds] == [
+        ("heard.py", "full", "bump.py at=0.2"), ("heard.py", "line", "bump.py at=0.2")
+    ]  # fmt: skip
+    assert plan.start == (0.2,)
+    [error] = plan.measures
+    assert not error.low
+    errors, usual = (0.0, 0.1, 0.3, np.inf, np.nan), np.array([[0.1, 0.0]])
+    assert [loss(np.array([[v]]), error, usual) for v in errors] == pytest.approx([1.0, 0.5, 0.25, 0.0, 1.0])
+    assert plan.identity["adversary"] == "bump.py at=0.2"
+    assert "adversary" not in plan_of(study, ["share=0:1"], None, "final_error", budget_of(50), 2).identity
+
+
+def test_worst_lie_is_found_and_written(here, capsys):
+    """The honest believe the largest of what is said: 1 - 2 |at - 0.6|, which is their error, as f is 0."""
+    command = [*TUNE, "--parameter", "at=0:1", "--parameter", "idle=0:9", "--budget", "157"]
+    assert main(command) == 0
+    out, err = capsys.readouterr()
+    assert "searching bump.py" in err
+    [first, full, line, beside, note, wrote] = out.splitlines()
+    assert first.startswith("final error: bump.py at=0.")
+    assert (
+        " idle=1 is worse for the swarm than bump.py at=0.2 idle=1 over all 2 worlds: better in 0%, worse in " in first
+    )
+    assert "worse in 100% of 8 trials" in full
+    assert "topology line" in line
+    assert re.search(
+        r"in a world: .* with bump.py at=0\.[56].* with bump.py at=0.2 idle=1, .* with always-white$", beside
+    )
+    assert note == "idle changes nothing in final_error, and stays at 1"
+    assert wrote.startswith("bump-worst.toml: ")
+    text = Path("bump-worst.toml").read_text()
+    [table] = tomllib.loads(text)["members"]
+    [liar] = table.pop("brain")
+    assert table == {"robots": [0, 1], "honest": False}
+    assert liar.pop("at") == pytest.approx(0.6, abs=0.05)
+    assert liar == {"file": "bump.py", "idle": 1.0}
+    told = text.replace("\n#  ", "")
+    for said in (
+        "with the values found to harm heard.py most in the study 'harmed'",
+        "searched for the most harm: at=0:1",
+        "(the adversary as it was)",
+        "the adversary's source has SHA-256",
+        "its table is for one's members",
+    ):
+        assert said in told
+    assert not re.search(r"brain as it was|no evidence|\[swarm\]", told)
+    data = sc.load("bump-worst.nc")
+    assert set(data["brain"].values) == {"heard.py", "alone"}
+    assert len(set(data["adversary"].values)) == 4  # before, found, the other, nobody
+    before = {path: path.read_bytes() for path in here.iterdir()}
+    assert main(command) == 0
+    assert "found " in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in before} == before
+    assert main(["tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml"]) == 2
+    assert "is of another search: brain is 'heard.py' there and 'heard.py' here" not in (e := capsys.readouterr().err)
+    assert "bump-worst.csv is of another search" in e
+    pasted = STUDY.replace(re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], text.partition("\n\n")[2])
+    assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
+
+
+def test_python_and_json_hold_the_liar(here, capsys):
+    found = sc.tune("s.toml", ["at=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
+    assert (found.brain.name, found.adversary.name, found.before.label) == ("heard.py", "bump.py", "bump.py at=0.2")
+    assert found.adversary.parameters == found.parameters == {"at": found.values["at"], "idle": 1.0}
+    assert found.verdict == "worse"
+    assert main([*TUNE, *AT, "--budget", "13", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["brain"], told["adversary"], told["verdict"]) == ("heard.py", "bump.py", "worse")
+    assert told["values"] == found.values
+    assert told["worlds"] == [{"topology": "full"}, {"topology": "line"}]
+
+
+def test_a_liar_that_does_no_more_harm_is_told(here):
+    Path("s.toml").write_text(STUDY.replace("at = 0.2", "at = 0.6"))
+    found = sc.tune("s.toml", ["at=0.7:0.9"], "heard.py", budget=13, trials=1, adversary="bump.py")
+    assert found.verdict == "better"
+    assert "is better for the swarm than bump.py at=0.6" in str(found)
+    assert "There is no evidence that the values below do more harm than those before" in found.text
+    flat = sc.tune("s.toml", ["idle=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
+    assert flat.verdict == "not compared"
+    assert flat.adversary == flat.before
+
+
+def test_several_values_of_the_brain_are_several_worlds(here):
+    Path("s.toml").write_text(STUDY.replace('"heard.py"', '{file = "heard.py", share = [0.5, 1]}'))
+    found = sc.tune("s.toml", ["at=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
+    assert [(w["topology"], w["share"]) for w in found.evidence.comparison.grid.worlds] == [
+        ("full", 0.5), ("line", 0.5), ("full", 1.0), ("line", 1.0)
+    ]  # fmt: skip
+
+
+MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "changed", "said"),
+    [
+        ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
+        ("", "", ["--adversary", "always-white"], "--adversary always-white"),
+        ("", "", ["--brain", "steadfast"], "--brain steadfast"),
+        ("", "", ["--parameter", "share=0:1"], "the adversary 'bump.py' has no parameter 'share': it has at, idle"),
+        ("", "", ["--budget", "5"], "--budget 5"),
+        ("", "", ["--metric", "worst"], "--metric worst: "),
+        ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
+        ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members[0] and members[1] have it, and a search"),
+        ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
+        (
+            'brain  = [{file = "bump.py", at = 0.2}, "always-white"]\n', "", [],
+            "--adversary bump.py",
+        ),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_said_in_one_sentence(old, new, changed, said, here, capsys):
+    Path("s.toml").write_text(STUDY.replace(old, new) if old else STUDY)
+    assert main([*TUNE, *AT, *changed]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not Path("bump-worst.toml").exists()
+
+
+def test_of_several_brains_one_is_named(here, capsys):
+    command = [word for word in TUNE if word not in ("--brain", "heard.py")]
+    assert main([*command, *AT]) == 2
+    assert "--brain" in capsys.readouterr().err
+    with pytest.raises(InputError, match=r"^adversary='bmp\.py': did you mean 'bump\.py'"):
+        sc.tune("s.toml", ["at=0:1"], adversary="bmp.py")

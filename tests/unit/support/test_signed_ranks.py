@@ -1,0 +1,161 @@
+"""The signed-rank test: by hand, by trying every sign, and by SciPy; with ties, zeros and infinities."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from swarmcensus.support.significance import (
+    EXACT,
+    differences,
+    fewest_trials,
+    friedman,
+    groups,
+    holm,
+    midranks,
+    signed_ranks,
+)
+from tests.support.contending import by_every_sign
+
+INF, NAN = math.inf, math.nan
+
+
+CASES = {
+    "all of one sign": [1.0, 2, 3, 4, 5, 6],
+    "by hand": [1.0, -2, 3, 4, 5, 6],
+    "ties": [1.0, 1, -1, 2, 2, 2, -3],
+    "zeros": [0.0, 0, 0, 1, 2, -3, 4, 5],
+    "infinite": [INF, INF, 1, -INF, 2, 3, 4],
+    "missing": [NAN, 1, 2, NAN, 3, 4, 5, -6],
+    "all zero": [0.0, 0, 0],
+    "constant": [0.25] * 8,
+}
+
+
+@pytest.mark.parametrize("off", CASES.values(), ids=CASES)
+def test_p_counts_every_sign_pattern(off):
+    assert signed_ranks(np.array(off)).p == pytest.approx(by_every_sign(off), abs=1e-14)
+
+
+def test_by_hand():
+    assert signed_ranks(np.array(CASES["all of one sign"])).p == 2 / 64
+    found = signed_ranks(np.array(CASES["by hand"]))  # the second smallest is negative: sums 0, 1 and 2 are as far
+    assert found.p == 6 / 64
+    assert found.balance == (19 - 2) / 21
+    assert (found.below, found.equal, found.above) == (1, 0, 5)
+
+
+@pytest.mark.long(but_every=5)
+@pytest.mark.long(only=["9-continuous", "9-tied"])
+@pytest.mark.parametrize("kind", ["continuous", "tied", "zeros"])
+@pytest.mark.parametrize("trials", [6, 9, 13, 30])
+def test_random_rows_are_scipys_and_the_counts_of_all_signs(kind, trials):
+    random = np.random.default_rng(trials)
+    off = random.normal(0.3, 1, (40, trials))
+    if kind != "continuous":
+        off = np.rint(2 * off)
+    if kind == "tied":
+        off[off == 0] = 1
+    found = signed_ranks(off)
+    for k, (row, p, balance) in enumerate(zip(off, found.p, found.balance, strict=True)):
+        if trials <= 9:
+            assert p == pytest.approx(by_every_sign(row), abs=1e-13)
+        if trials <= 9 and (row != 0).any() and k < 5:
+            exact = stats.PermutationMethod(n_resamples=np.inf)
+            assert p == pytest.approx(stats.wilcoxon(row, zero_method="pratt", method=exact).pvalue, abs=1e-12)
+        if kind == "continuous":
+            assert p == pytest.approx(stats.wilcoxon(row, method="exact").pvalue, rel=1e-10)
+        ranks = stats.rankdata(np.abs(row))
+        assert balance == pytest.approx((ranks * np.sign(row)).sum() / max(ranks[row != 0].sum(), 1))
+
+
+def test_many_trials_are_nearly_the_exact_distribution():
+    """On both sides of where p is no longer counted: the normal one is as large, or within a fifth where p is small."""
+    random = np.random.default_rng(5)
+    off = random.normal(0.35, 1, (300, EXACT + 6))
+    close = signed_ranks(off).p
+    exact = np.array([stats.wilcoxon(row, method="exact").pvalue for row in off])
+    some = exact > 1e-5
+    assert some.sum() > 200
+    assert (np.abs(close[some] - exact[some]) < 0.2 * exact[some] + 0.002).all()
+    assert (close[~some] > exact[~some]).all()  # far out it is cautious
+    assert signed_ranks(off[:, :EXACT]).p == pytest.approx(
+        [stats.wilcoxon(row, method="exact").pvalue for row in off[:, :EXACT]], rel=1e-9
+    )
+
+
+def test_differences_know_rounding_and_infinity():
+    one = np.array([0.1 + 0.2, INF, INF, 1.0, -INF, NAN, 0.99, 1.0])
+    other = np.array([0.3, INF, 1.0, INF, INF, 1.0, 0.98, 0.99])
+    found = differences(one, other)
+    assert found[:5].tolist() == [0, 0, INF, -INF, -INF]
+    assert math.isnan(found[5])
+    assert found[6:].tolist() == pytest.approx([0.01, 0.01], rel=1e-13)
+
+
+def test_differences_that_rounding_alone_tells_apart_are_tied():
+    off = np.array([0.3 - 0.2, 0.2 - 0.1, 0.2 - 0.3, 0.5, 0.6, 0.7])
+    assert len({*np.abs(off[:3]).tolist()}) > 1
+    assert signed_ranks(off).balance == (21 - 2 * 2) / 21
+    assert signed_ranks(off).p == by_every_sign(np.round(off, 9))
+
+
+def test_ranks_share_ties_and_leave_out_what_is_missing():
+    values = np.array([[3.0, 1, 3, NAN, 2], [INF, 1, INF, 2, -INF]])
+    found = midranks(values)
+    assert found[0, [0, 1, 2, 4]].tolist() == [3.5, 1, 3.5, 2]
+    assert math.isnan(found[0, 3])
+    assert found[1].tolist() == [4.5, 2, 4.5, 3, 1]
+    random = np.random.default_rng(2).integers(0, 5, (50, 12)).astype(float)
+    assert (midranks(random) == stats.rankdata(random, axis=1)).all()
+
+
+def test_holm_by_hand_and_missing_tests_do_not_count():
+    assert holm(np.array([0.01, 0.04, 0.03, NAN])).tolist()[:3] == pytest.approx([0.03, 0.06, 0.06])
+    assert math.isnan(holm(np.array([0.01, NAN]))[1])
+    p = np.random.default_rng(3).uniform(size=(3, 4)) ** 3
+    by_hand = [min(1, max(np.sort(p.ravel())[j] * (12 - j) for j in range(12) if np.sort(p.ravel())[j] <= one))
+               for one in p.ravel()]  # fmt: skip
+    assert holm(p).ravel() == pytest.approx(by_hand)
+
+
+@pytest.mark.parametrize("tests", [1, 2, 7, 40])
+def test_fewest_trials(tests):
+    least = fewest_trials(tests, 0.05)
+    p = [float(signed_ranks(np.arange(1.0, trials + 1)).p) for trials in (least - 1, least)]
+    assert p[0] * tests > 0.05 >= p[1] * tests
+
+
+@pytest.mark.parametrize("tied", [False, True])
+def test_friedman_against_scipy_and_permutations(tied):
+    random = np.random.default_rng(4)
+    values = random.normal(size=(5, 3)) + 0.5 * np.arange(3)
+    values = np.rint(values) if tied else values
+    ranks = midranks(values)
+    statistic, p = friedman(ranks)
+    assert statistic == pytest.approx(stats.friedmanchisquare(*values.T).statistic)
+    off = ranks - ranks.mean(axis=1, keepdims=True)
+    every = [[list(one) for one in itertools.permutations(row)] for row in off.tolist()]
+    sums = [(np.array(one).sum(axis=0) ** 2).sum() for one in itertools.product(*every)]
+    exact = np.mean(np.array(sums) >= (off.sum(axis=0) ** 2).sum() - 1e-9)
+    assert p == pytest.approx(exact, abs=4 * math.sqrt(exact * (1 - exact) / 9999) + 1e-3)
+
+
+def test_no_trial_tells_nothing():
+    found = signed_ranks(np.zeros((3, 0)))
+    assert found.p.tolist() == [1, 1, 1]
+    assert found.equal.tolist() == [0, 0, 0]
+
+
+def test_nobody_ranks_above_another():
+    assert friedman(np.full((4, 3), 2.0))[1] == 1.0
+
+
+def test_groups_are_the_longest_runs():
+    apart = np.zeros((4, 4), bool)
+    apart[0, 2] = apart[2, 0] = apart[0, 3] = apart[3, 0] = True
+    assert groups([0, 1, 2, 3], apart) == [[0, 1], [1, 2, 3]]
+    assert groups([0, 1, 2, 3], ~np.eye(4, dtype=bool)) == []
+    assert groups([3, 2], apart) == [[3, 2]]
