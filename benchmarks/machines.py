@@ -26,8 +26,7 @@ from swarmcensus.robots.micropython_files import micropython_files
 from swarmcensus.robots.target import order_of
 from swarmcensus.robots.targets import find
 from swarmcensus.robots.targets.c import translated
-from swarmcensus.runtime import codec as codec_file
-from swarmcensus.runtime import history, runtime
+from swarmcensus.runtime import codec as codec_file, history, runtime
 from swarmcensus.translation import selftest
 from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import codec

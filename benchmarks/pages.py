@@ -20,7 +20,7 @@ from swarmcensus.studies.study import Study
 from swarmcensus.support.intervals import estimate
 
 ROOT, DOCS = harness.ROOT, harness.DOCS
-ROWS = ROOT / "src" / "swarmcensus" / "deployment" / "formats.csv"
+ROWS = ROOT / "src" / "swarmcensus" / "robots" / "formats.csv"
 READINGS = (1_000, 10_000, 864_000)
 TRUTH = 0.55
 LEAST = 5e-5  # smaller errors are drawn there

@@ -7,8 +7,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import recordings
-from swarmcensus.results import store as results
+from swarmcensus.results import recordings, store as results
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.studies import addresses, toml_text

@@ -21,14 +21,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, example, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, example, given, settings, strategies as st
 
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import merging, recordings, replaying, shards
-from swarmcensus.results import store as results
+from swarmcensus.results import merging, recordings, replaying, shards, store as results
 from swarmcensus.results.selecting import where
 from swarmcensus.results.values import VARIABLES
 from swarmcensus.runs import clusters, queues

@@ -156,15 +156,15 @@ def test_metrics_page_is_complete():
 
 
 def test_architecture_page_lists_packages_in_order():
-    rooms = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
+    packages = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
-    assert re.findall(r"│ (\w+) ", page) == rooms
-    assert {path.parent.name for path in (ROOT / "src" / "swarmcensus").glob("*/__init__.py")} == set(rooms)
-    for room in rooms:
-        said = (ROOT / "src" / "swarmcensus" / room / "__init__.py").read_text().split('"""')[1].splitlines()
-        assert [line.partition(":")[0] for line in said[2:5]] == ["In", "Out", "Must not know"], room
-    for room, file in re.findall(r"`(\w+)/(\w+\.py)`", page):
-        assert (ROOT / "src" / "swarmcensus" / room / file).is_file(), file
+    assert re.findall(r"│ (\w+) ", page) == packages
+    assert {path.parent.name for path in (ROOT / "src" / "swarmcensus").glob("*/__init__.py")} == set(packages)
+    for package in packages:
+        said = (ROOT / "src" / "swarmcensus" / package / "__init__.py").read_text().split('"""')[1].splitlines()
+        assert [line.partition(":")[0] for line in said[2:5]] == ["In", "Out", "Must not know"], package
+    for file in re.findall(r"`((?:\w+/)+\w+\.py)`", page):
+        assert (ROOT / "src" / "swarmcensus" / file).is_file(), file
 
 
 def test_the_clusters_page_lists_every_key_and_shows_its_job(tmp_path, monkeypatch):

@@ -19,9 +19,7 @@ from swarmcensus.runtime import codec
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies.tables import Measure
-from tests.reference import formats as reference_formats
-from tests.reference import rounds as reference
-from tests.reference import walks as reference_walks
+from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
 from tests.support.places import DOCS
 from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of
 

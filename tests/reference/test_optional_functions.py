@@ -7,8 +7,7 @@ from swarmcensus.engine.constants import CHANGED, DECIDED_IN, DECISION, DONE_EST
 from swarmcensus.simulation import metrics, sampling
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
-from tests.reference import rounds as reference
-from tests.reference import walks as reference_walks
+from tests.reference import rounds as reference, walks as reference_walks
 from tests.support.lives import local_curves
 from tests.support.second import ADDS, ALL, STEER, TALKS, agreed, brain, first, fixed, moving
 from tests.support.small import FAULTS, GO, PASSING, SEED, failing, heard_in

@@ -17,8 +17,7 @@ from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics
 from swarmcensus.simulation.walking import Walk, neighbours_at_most
 from swarmcensus.worlds.bodies import Body
-from tests.reference import rounds as reference
-from tests.reference import walks as reference_walks
+from tests.reference import rounds as reference, walks as reference_walks
 from tests.support.small import FAULTS, GO, SEED, called, failing, moving_of
 from tests.support.steering import STEER, WANTS
 

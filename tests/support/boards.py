@@ -7,7 +7,7 @@ from swarmcensus.robots import on_node
 from swarmcensus.runtime import runtime
 from tests.support.places import ROOT
 
-ROBOT = ROOT / "src" / "swarmcensus" / "robot"
+ROBOT = ROOT / "src" / "swarmcensus" / "runtime"
 MICROPYTHON = on_node.micropython()  # before a test changes the working directory
 
 needs_micropython = pytest.mark.skipif(MICROPYTHON is None, reason=f"needs {on_node.NEEDED}")

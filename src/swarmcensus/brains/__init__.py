@@ -5,35 +5,6 @@ Out: a Brain: its functions, memory, message, parameters and source; also for an
 Must not know: how brains are compiled, worlds, studies.
 """
 
-from swarmcensus.brains.adversary import Adversary
-from swarmcensus.brains.adversary_source import lying_brain
-from swarmcensus.brains.brain import PLUGINS, Brain, find, is_shipped, load, parse, shipped, unloaded
-from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, TRACED
-from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
-from swarmcensus.brains.syntax import BELIEFS
-from swarmcensus.support.safe_source import digest, read_source
+import lazy_loader
 
-__all__ = [
-    "BELIEFS",
-    "FUNCTIONS",
-    "MAY_HAVE",
-    "PLUGINS",
-    "TRACED",
-    "Adversary",
-    "Brain",
-    "Value",
-    "Vector",
-    "digest",
-    "find",
-    "is_shipped",
-    "length",
-    "load",
-    "lying_brain",
-    "numbers",
-    "parse",
-    "places",
-    "read_source",
-    "shipped",
-    "slots",
-    "unloaded",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

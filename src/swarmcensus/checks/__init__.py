@@ -4,3 +4,7 @@ In: a brain file.
 Out: checks, each with a fault in a sentence, or none.
 Must not know: studies, results, runs.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from swarmcensus.brains import PLUGINS, find
-from swarmcensus.brains.adversary import exists
+from swarmcensus.brains import PLUGINS, exists, find
 from swarmcensus.checks import suite
 from swarmcensus.checks.suite import Check
 

@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.syntax import INTERVAL
+from swarmcensus.brains import INTERVAL, Brain
 from swarmcensus.checks.message_checks import any_order, sums_add
 from swarmcensus.checks.reading_checks import readings_add_up
 from swarmcensus.checks.sample_minds import Fault, NotUsed, call, copy_of, difference, line_of, lives, number_at
-from swarmcensus.simulation.oracle import fixed
+from swarmcensus.simulation import fixed
 
 
 def _fixed_memory(brain: Brain) -> None:

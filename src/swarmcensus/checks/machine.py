@@ -7,10 +7,8 @@ from typing import Any
 import numba
 import numpy as np
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.single import ROUND
-from swarmcensus.engine.codegen import record_fields
-from swarmcensus.engine.return_values import spoken
+from swarmcensus.brains import ROUND, Brain
+from swarmcensus.engine import record_fields, spoken
 
 
 def machine_code(module: types.ModuleType) -> dict[str, Any]:

@@ -13,15 +13,11 @@ import xarray as xr
 from swarmcensus.brains import FUNCTIONS, Brain, Vector
 from swarmcensus.checks.contract_checks import is_wish
 from swarmcensus.checks.sample_minds import ACCURACIES, SEED, Fault
-from swarmcensus.engine import codegen, compiler
-from swarmcensus.engine.compiling import INSIDE
+from swarmcensus.engine import INSIDE, codegen, compiler, interruptible
 from swarmcensus.engine.constants import LUCK_STEER
-from swarmcensus.engine.threads import interruptible
-from swarmcensus.simulation import oracle
-from swarmcensus.simulation.inferring import infer
-from swarmcensus.simulation.swarming import swarm
+from swarmcensus.simulation import infer, oracle, swarm
 from swarmcensus.support.errors import without_colours
-from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds import Body
 
 CLOSE = 1e-12  # relative: compiled exp and log may differ from CPython's in the last digit
 EVERY = 5  # readings per round

@@ -26,7 +26,7 @@ from swarmcensus.checks.sample_minds import (
     sample,
     short_lives,
 )
-from swarmcensus.simulation.oracle import fixed
+from swarmcensus.simulation import fixed
 from swarmcensus.support.formatting import counted
 
 SIZES = (1, 2, 3, 6, 9, 17, 40, 120, 400)  # messages that come together

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from swarmcensus.brains import PLUGINS, Brain
-from swarmcensus.engine.code_cache import cache_root
+from swarmcensus.engine import cache_root
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.version import __version__

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain, Vector, places
-from swarmcensus.simulation.oracle import fixed
+from swarmcensus.simulation import fixed
 
 ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # includes always wrong, blind and perfect sensors
 PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at the edge of a case

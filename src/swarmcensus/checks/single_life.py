@@ -12,9 +12,7 @@ import numba
 import numpy as np
 
 from swarmcensus import brains
-from swarmcensus.brains import Brain
-from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.brains import Brain, Numbers, rounded_to_single
 from swarmcensus.checks.lives_in_single import TABLE
 from swarmcensus.checks.machine import blank_mind, exchange, machine_code
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, robot_math
-from swarmcensus.studies.checks import taken_in_results
+from swarmcensus.studies import taken_in_results
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option

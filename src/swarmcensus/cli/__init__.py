@@ -1,4 +1,4 @@
-"""The command line: options parsed, rooms called, tables printed. Imports wait until a command needs them.
+"""The command line: options parsed, packages called, tables printed. Imports wait until a command needs them.
 
 In: arguments.
 Out: an exit code, what is printed.

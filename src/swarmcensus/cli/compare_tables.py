@@ -5,12 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.analysis.comparing.cells import MARKS, legend
-from swarmcensus.analysis.comparing.comparison import Comparison
-from swarmcensus.analysis.comparing.groups import gap_name
-from swarmcensus.analysis.comparing.pair_tests import test_count
-from swarmcensus.analysis.comparing.showing import fitting, pairs_table, print_verdict, worlds_table
-from swarmcensus.analysis.comparing.standings import AGAINST, RANKED
+from swarmcensus.analysis import (
+    AGAINST,
+    MARKS,
+    RANKED,
+    Comparison,
+    fitting,
+    gap_name,
+    legend,
+    pairs_table,
+    print_verdict,
+    test_count,
+    worlds_table,
+)
 from swarmcensus.support import terminal
 from swarmcensus.support.formatting import counted, grouped
 from swarmcensus.support.printed_tables import Column, Table

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from swarmcensus.results.table_of_summary import NOTHING, coordinate_columns, varied_and_same
+from swarmcensus.results import NOTHING, coordinate_columns, varied_and_same
 from swarmcensus.support import terminal
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import NUMBER, Column, Table, with_ends
 
 if TYPE_CHECKING:
-    from swarmcensus.analysis.explaining.agreement import Agreement, SettingAgreement
-    from swarmcensus.analysis.explaining.one_setting import Interval
+    from swarmcensus.analysis import Agreement, Interval, SettingAgreement
 
 MEANS = {
     "measured": "root mean squared error of x - f after the last round",

@@ -20,7 +20,7 @@ from swarmcensus.support.printed_tables import tsv
 from swarmcensus.support.readers import is_terminal
 
 if TYPE_CHECKING:
-    from swarmcensus.runs.collect import Progress
+    from swarmcensus.runs import Progress
 
 LOG = logging.getLogger("swarmcensus")
 WROTE = LOG.getChild("wrote")
@@ -119,7 +119,7 @@ def reporting(label: str) -> "Iterator[Callable[[Progress], None]]":
     if not LOG.isEnabledFor(logging.INFO):
         yield lambda _: None
         return
-    from swarmcensus.runs.progress import bar_or_lines as shown
+    from swarmcensus.runs import bar_or_lines as shown
 
     with shown(label) as show:
         yield show

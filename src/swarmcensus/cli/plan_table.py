@@ -3,8 +3,7 @@
 import math
 from dataclasses import replace
 
-from swarmcensus.search.planning.mission import Mission
-from swarmcensus.search.planning.plans import Plan, Row
+from swarmcensus.search import Mission, Plan, Row
 from swarmcensus.support import terminal
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.printed_tables import NUMBER, Table

@@ -47,12 +47,8 @@ def add_limit_option(sub: argparse.ArgumentParser, more: str = "") -> None:
 
 def read(options: argparse.Namespace) -> Source:
     """Read the results file. Raises InputError."""
-    from swarmcensus.results.labels import with_labels
-    from swarmcensus.results.partial import opened
-    from swarmcensus.results.remeasuring import remeasure
-    from swarmcensus.results.selecting import where
-    from swarmcensus.results.summaries import asked_anew
-    from swarmcensus.studies.tables import UNNAMED
+    from swarmcensus.results import asked_anew, opened, remeasure, where, with_labels
+    from swarmcensus.studies import UNNAMED
 
     stored = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
     if stored.attrs["title"] == UNNAMED:

@@ -14,10 +14,7 @@ from swarmcensus.support.formatting import counted
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from swarmcensus.robots.swarm.outcomes import Outcome
-    from swarmcensus.robots.swarm.plans import Plan
-    from swarmcensus.robots.swarm.reports import Known
-    from swarmcensus.robots.swarm.running import Swarm
+    from swarmcensus.robots import Known, Outcome, Plan, Swarm
 
 LINES = 10  # of a run in a pipe
 EVENTS = 3  # that are shown in a terminal
@@ -62,7 +59,7 @@ class _Lines:
 
 def _parts(swarm: "Swarm") -> list[str]:
     """How the swarm is."""
-    from swarmcensus.robots.swarm.reports import share_heard
+    from swarmcensus.robots import share_heard
 
     now = [number for number, known in enumerate(swarm.robots) if known.state == "runs" and known.last]
     parts = [f"{len(now)} of {len(swarm.robots)} at work"]
@@ -134,7 +131,7 @@ def _row(number: int, known: "Known") -> list[str]:
 
 def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     """The end of a run, as lines."""
-    from swarmcensus.robots.target import datagram_bytes
+    from swarmcensus.robots import datagram_bytes
 
     brain = plan.setting.brain
     said = {"robots": f"{outcome.at_work} of {outcome.robots} at work at the end", **_errors(plan, outcome)}

@@ -10,10 +10,7 @@ import xarray as xr
 
 from swarmcensus.cli.output import present
 from swarmcensus.cli.source import MOST_ROWS
-from swarmcensus.results.labels import labels_in
-from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.summaries import done, failed_trials, records
-from swarmcensus.results.table_of_summary import summary_table
+from swarmcensus.results import done, failed_trials, honest_in, labels_in, records, summary_table
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
 from swarmcensus.support.printed_tables import Table

@@ -4,3 +4,7 @@ In: a brain's source, arrays, keys.
 Out: arrays of minds, estimates and metrics.
 Must not know: worlds by name, studies, settings, files of results.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -5,10 +5,8 @@ import itertools
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
-from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, is_shipped, length, slots
+from swarmcensus.brains import BELIEFS, FUNCTIONS, MOST, READ, ROUND, STEPS, Brain, Part, is_shipped, length, slots
 from swarmcensus.brains.metrics import Metric
-from swarmcensus.brains.packing import MOST, READ, STEPS, Part
-from swarmcensus.brains.single import ROUND
 from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID, SILENT
 
 SIGNS = str.maketrans({"-": "minus_", "+": "plus_", "~": "not_"})

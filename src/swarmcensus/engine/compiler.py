@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.brains import Brain, is_shipped
+from swarmcensus.brains import Brain, codec_source, is_shipped
 from swarmcensus.brains.metrics import GIVEN, Metric
-from swarmcensus.brains.single import codec_source
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
 from swarmcensus.engine.constants import PHASES

@@ -4,3 +4,7 @@ In: a dataset, a trace.
 Out: a Figure, files of pictures.
 Must not know: how trials are run, the paper's claims, the command line.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

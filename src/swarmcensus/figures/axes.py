@@ -16,8 +16,8 @@ from swarmcensus.figures.lettering import SPACING, shortened_apart, width_of, wr
 from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
 from swarmcensus.figures.page import letters
 from swarmcensus.figures.sheets import show_range
-from swarmcensus.results.values import metric_of, metrics_in
-from swarmcensus.studies.coordinates import OF_FIGURES
+from swarmcensus.results import metric_of, metrics_in
+from swarmcensus.studies import OF_FIGURES
 from swarmcensus.support.quantities import QUANTITIES
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades

@@ -10,12 +10,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.figures.coordinates import texts_of
-from swarmcensus.results.selecting import require
-from swarmcensus.results.structure import finished
-from swarmcensus.results.values import robots_in
+from swarmcensus.results import finished, require, robots_in
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import estimate_pooled
-from swarmcensus.worlds.networks import MOVING
+from swarmcensus.worlds import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # value of the colour -> convergence, error
 Cross = tuple[float, float, float, float]  # intervals of a median: low and high convergence, low and high error

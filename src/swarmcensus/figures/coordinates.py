@@ -9,10 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results.selecting import require
-from swarmcensus.results.summaries import derived_size, is_idle
-from swarmcensus.results.values import parameters_in
-from swarmcensus.studies.coordinates import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
+from swarmcensus.results import derived_size, is_idle, parameters_in, require
+from swarmcensus.studies import IN_CAPTIONS, NUMERIC, caption_form, idle_caption, plural_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 
 from swarmcensus.brains.library import TITLES
 from swarmcensus.figures.lettering import shortened_apart
-from swarmcensus.results.labels import renamed
-from swarmcensus.studies.coordinates import title_of
+from swarmcensus.results import renamed
+from swarmcensus.studies import title_of
 from swarmcensus.support.formatting import distinct_texts
 
 LIES = "#cc79a7"  # colour of robots that are not honest

@@ -49,8 +49,7 @@ def _summary(data: Any) -> str:
     """The table of results as HTML; empty for datasets that are not results."""
     if "swarmcensus_version" not in data.attrs or "setting" not in data.dims:
         return ""
-    from swarmcensus.results.summaries import done
-    from swarmcensus.results.table_of_summary import summary_table
+    from swarmcensus.results import done, summary_table
 
     trials = f"{counted(int(done(data).sum()), 'trial')} of {counted(data.sizes['setting'], 'setting')}"
     title = f"{data.attrs.get('title', '')}: {trials}"

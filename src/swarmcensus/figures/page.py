@@ -19,7 +19,7 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from swarmcensus.results.labels import with_labels
+from swarmcensus.results import with_labels
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option

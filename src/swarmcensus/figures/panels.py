@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from swarmcensus.figures.coordinates import varies
-from swarmcensus.results.labels import renamed, titles_in
-from swarmcensus.results.selecting import TooMuch, require
-from swarmcensus.studies.coordinates import caption_form, idle_caption
+from swarmcensus.results import TooMuch, renamed, require, titles_in
+from swarmcensus.studies import caption_form, idle_caption
 from swarmcensus.support.formatting import distinct_texts
 
 MOST_PANELS = 24

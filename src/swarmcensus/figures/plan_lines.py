@@ -17,7 +17,7 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.page import drawing
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
-from swarmcensus.search.planning.plans import Plan, Row
+from swarmcensus.search import Plan, Row
 from swarmcensus.support.errors import InputError
 
 # All lengths are in points.

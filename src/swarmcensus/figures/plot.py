@@ -12,18 +12,7 @@ from swarmcensus.figures import kinds
 from swarmcensus.support.hints import did_you_mean
 
 if TYPE_CHECKING:  # so that editors and type checkers know the signatures
-    from swarmcensus.figures.files import save
-    from swarmcensus.figures.kinds.arena import arena
-    from swarmcensus.figures.kinds.beliefs import beliefs
-    from swarmcensus.figures.kinds.compare import compare
-    from swarmcensus.figures.kinds.curves import curves
-    from swarmcensus.figures.kinds.decisions import decisions
-    from swarmcensus.figures.kinds.film import film
-    from swarmcensus.figures.kinds.heatmap import heatmap
-    from swarmcensus.figures.kinds.lines import lines
-    from swarmcensus.figures.kinds.pareto import pareto
-    from swarmcensus.figures.kinds.ranks import ranks
-    from swarmcensus.figures.kinds.scatter import scatter
+    pass
 
 
 def __getattr__(name: str) -> Callable[..., Any]:

@@ -7,16 +7,12 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from swarmcensus.results import replaying
-from swarmcensus.results.selecting import check_held, require
-from swarmcensus.results.source_study import setting_of
-from swarmcensus.results.store import loaded
+from swarmcensus.results import check_held, loaded, replaying, require, setting_of
 from swarmcensus.simulation import sampling
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.times import in_ticks, parse_time
-from swarmcensus.worlds.arena import tiles_across
-from swarmcensus.worlds.networks import MOVING
+from swarmcensus.worlds import MOVING, tiles_across
 
 MOST_TILES = 4000  # from wall to wall; a finer floor is drawn as plain grey
 FLOOR, TURNS = "arena floor", "arena turns"  # variables of a trace; no field of a brain has a space in its name

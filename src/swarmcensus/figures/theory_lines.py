@@ -12,10 +12,10 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.lines import Line2D
 
-from swarmcensus.analysis.explaining.expectations import ALONE, SWARM, Line, expect
+from swarmcensus.analysis import ALONE, SWARM, Line, expect
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.figures.panels import Panel
-from swarmcensus.results.structure import finished
+from swarmcensus.results import finished
 
 STYLES = {ALONE: (0, (1, 1.5)), SWARM: (0, (4, 2))}  # dots, and dashes
 NAMES = {ALONE: "theory: a robot alone", SWARM: "theory: bound of the whole swarm"}

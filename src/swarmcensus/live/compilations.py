@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from numba.core import event
 
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 
 
 class Compilations(event.Listener):  # type: ignore[misc]

@@ -6,19 +6,25 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus import brains
-from swarmcensus.brains import Brain
-from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains import Brain, Numbers
 from swarmcensus.live.logged import Logged
-from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import ABOUT, OWN, Day, read_day
-from swarmcensus.robots.logs.growing import GrowingDay, may_grow
-from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.logs.minds import format_of
-from swarmcensus.robots.logs.others import OtherDay, under
-from swarmcensus.robots.logs.traces import MOST_VALUES, as_logged
-from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.robots import (
+    ABOUT,
+    MOST_VALUES,
+    OWN,
+    Clock,
+    Day,
+    GrowingDay,
+    OtherDay,
+    as_logged,
+    format_of,
+    may_grow,
+    read_day,
+    relive_all,
+    under,
+)
+from swarmcensus.simulation import inputs_of
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 
 NEXT = 0.1  # seconds from one look at growing logs to the next

@@ -10,8 +10,7 @@ import xarray as xr
 
 from swarmcensus.live.offers import first_view, offer_of
 from swarmcensus.live.server import listen, serving
-from swarmcensus.studies.study import Study
-from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.studies import Study, to_toml_value
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.templates import render
 

@@ -6,19 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains.fields import slots
-from swarmcensus.engine import compiler
-from swarmcensus.engine.layout import Inputs
-from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import Day
-from swarmcensus.robots.logs.logs import Block, Tick
-from swarmcensus.robots.logs.others import OtherDay
-from swarmcensus.simulation.living import STRETCH_BYTES, Stretch
-from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
-from swarmcensus.simulation.trials import blaming
-from swarmcensus.studies.settings import Setting
+from swarmcensus.brains import slots
+from swarmcensus.engine import Inputs, compiler
+from swarmcensus.robots import Block, Clock, Day, OtherDay, Tick
+from swarmcensus.simulation import STRETCH_BYTES, Stretch, blaming, minds_of, swarm_of, tally_of
+from swarmcensus.studies import Setting
 from swarmcensus.support.documents import json_value
-from swarmcensus.translation.messages import messages_of
+from swarmcensus.translation import messages_of
 
 MOST_LENGTH = 50  # rounds of a stretch: the last one is made again whenever logs have grown
 MOST_MADE = 16  # stretches that are kept

@@ -14,23 +14,16 @@ from typing import TYPE_CHECKING, Any
 
 from swarmcensus import brains
 from swarmcensus.brains import Adversary, adversary
-from swarmcensus.checks.quick import caution
+from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.simulated import Simulated
-from swarmcensus.studies import addresses
-from swarmcensus.studies.members import Member, Members, check
-from swarmcensus.studies.settings import KEYS as DECLARED
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option
-from swarmcensus.worlds import arena, networks, patterns, sensors, wiring
-from swarmcensus.worlds.bodies import Body
-from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.patterns import Floor
+from swarmcensus.worlds import Body, Floor, Topology, arena, networks, patterns, sensors, wiring
 
 if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
     import xarray as xr
@@ -130,9 +123,7 @@ def _day(folder: Path, given: tuple[Path, ...]) -> Offer:
 
 
 def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
-    from swarmcensus.results.partial import opened
-    from swarmcensus.results.selecting import require
-    from swarmcensus.results.source_study import setting_of, studies_of
+    from swarmcensus.results import opened, require, setting_of, studies_of
 
     data = opened(of) if isinstance(of, Path) else of
     require(data)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.live.shows import Show
-from swarmcensus.simulation.living import Stretch
+from swarmcensus.simulation import Stretch
 from swarmcensus.support.documents import json_value
 
 LOOK_BACK = 200  # rounds that are searched for the latest messages

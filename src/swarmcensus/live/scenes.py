@@ -8,7 +8,7 @@ import numpy as np
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.simulation import sampling
-from swarmcensus.worlds.arena import tiles_across
+from swarmcensus.worlds import tiles_across
 
 MOST_TILES = 1024  # along a side that a page draws; a larger floor is an even grey
 MOST_LAID_OUT = 400  # robots arranged by a spring layout; more stand in rows

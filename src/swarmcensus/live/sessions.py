@@ -15,7 +15,7 @@ from swarmcensus.live.robots import robot_of
 from swarmcensus.live.scenes import scene_of
 from swarmcensus.live.settling import Settling
 from swarmcensus.live.shows import Show
-from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.studies import to_toml_value
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 

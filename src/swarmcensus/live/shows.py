@@ -13,13 +13,8 @@ import numpy as np
 
 from swarmcensus.engine.constants import LISTED, SLACK
 from swarmcensus.live.simulated import Simulated
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.intervals import ENDS
-from swarmcensus.simulation.living import Stretch
-from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
-from swarmcensus.simulation.trials import blaming
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.tables import Measure
+from swarmcensus.simulation import DECIDED, ENDS, IS_DONE, Stretch, blaming, fields_of, free, right_option, sampling
+from swarmcensus.studies import Measure, Setting
 from swarmcensus.support.bins import right_bins
 
 if TYPE_CHECKING:  # imported late, as in offers.py

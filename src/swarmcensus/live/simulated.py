@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains.fields import slots
-from swarmcensus.engine import compiler
+from swarmcensus.brains import slots
+from swarmcensus.engine import compiler, works
 from swarmcensus.engine.constants import LISTED, NOISE, SAID, TALKING
-from swarmcensus.engine.failures import works
-from swarmcensus.simulation.living import Life, Stretch
+from swarmcensus.simulation import Life, Stretch
 from swarmcensus.support.documents import json_value
 
 MOST_READINGS = 4_000_000  # readings of a fixed network that are shown

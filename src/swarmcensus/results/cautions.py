@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.worlds.changes import read_change
+from swarmcensus.worlds import read_change
 
 LEAST = 0.05  # share of a setting's robots from which a warning is given
 MOST_NAMED = 8  # settings

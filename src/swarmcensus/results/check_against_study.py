@@ -15,9 +15,7 @@ from numpy.typing import NDArray
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
 from swarmcensus.results.structure import BRAIN_FACTS, failures, finished
 from swarmcensus.results.values import Values, additions_in, edited, is_missing, metrics_in, same_bits
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.version import __version__

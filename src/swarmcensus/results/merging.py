@@ -16,7 +16,7 @@ from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import save, stored
 from swarmcensus.results.values import EVERY, blank, is_missing, kinds_in, metrics_in, metrics_label, same_bits
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted

@@ -11,9 +11,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results.values import EVERY, MISSING, ArrayStore
-from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.studies import NUMERIC
 from swarmcensus.support.errors import InputError
-from swarmcensus.worlds.sensors import start_of
+from swarmcensus.worlds import start_of
 
 NOT_RUN = "{}: no such robot, or not run"  # the attribute `comment` of times
 WHOLE = tuple(name for name, (_, kind, *_) in EVERY.items() if np.issubdtype(kind, np.integer))

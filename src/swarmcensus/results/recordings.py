@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.simulation.recorded import known, readings_of
+from swarmcensus.simulation import known, readings_of
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.tables import Table, plain, read_table
-from swarmcensus.worlds.edge_lists import KNOWN, LINKS, links_of
+from swarmcensus.worlds import KNOWN, LINKS, links_of
 
 ACCURACIES = ("b", "w", "accuracy")  # names of columns
 ACCURACY = "accuracy (b = w), or b,w"

@@ -5,20 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.packing import Format
+from swarmcensus.brains import Brain, Format
 from swarmcensus.results.source_study import RELIVED
 from swarmcensus.results.store import dataset
 from swarmcensus.results.values import Values
-from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import Day
-from swarmcensus.robots.logs.minds import format_of
-from swarmcensus.robots.logs.others import OtherDay
-from swarmcensus.robots.logs.traces import estimates_of, last_estimates, messages_of_robots
-from swarmcensus.simulation.metrics import convergence, correct, error_at
-from swarmcensus.studies import addresses
-from swarmcensus.studies.study import Study
-from swarmcensus.studies.toml_text import to_toml
+from swarmcensus.robots import Clock, Day, OtherDay, estimates_of, format_of, last_estimates, messages_of_robots
+from swarmcensus.simulation import convergence, correct, error_at
+from swarmcensus.studies import Study, addresses, to_toml
 from swarmcensus.support.errors import ResultsError
 
 

@@ -10,9 +10,9 @@ from swarmcensus.brains.metrics import parse
 from swarmcensus.results.measures import truth as truth_of
 from swarmcensus.results.values import LOCAL, metrics_in, robots_in
 from swarmcensus.simulation import metrics
-from swarmcensus.studies.tables import Measure
+from swarmcensus.studies import Measure
 from swarmcensus.support.errors import InputError, pydantic_message
-from swarmcensus.worlds.changes import along, read_change
+from swarmcensus.worlds import along, read_change
 
 DERIVED = ("half_width", *LOCAL)  # depend on bins or delta, and cannot be derived from the estimates
 

@@ -6,23 +6,26 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.checks.quick import caution
+from swarmcensus.checks import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.selecting import check_held
 from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import loaded
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.inferring import trace_of, warn_of_estimates
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.swarming import ended, free
-from swarmcensus.simulation.trials import record_estimates, record_readings, record_trial
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
-from swarmcensus.studies.tables import UNNAMED
+from swarmcensus.simulation import (
+    ended,
+    free,
+    record_estimates,
+    record_readings,
+    record_ride,
+    record_trial,
+    sampling,
+    trace_of,
+    warn_of_estimates,
+)
+from swarmcensus.studies import UNNAMED, Setting, Study
 from swarmcensus.support.errors import InputError
-from swarmcensus.worlds import arena
-from swarmcensus.worlds.faults import NAMES, outages
+from swarmcensus.worlds import NAMES, arena, outages
 
 
 def replay(

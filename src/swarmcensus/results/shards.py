@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.results.presence import folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
-from swarmcensus.studies.tables import UNNAMED
+from swarmcensus.studies import UNNAMED
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import acquire, atomic_write, is_leftover, remove_leftovers
 from swarmcensus.support.options import option

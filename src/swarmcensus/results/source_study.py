@@ -17,14 +17,12 @@ from swarmcensus.brains import adversary, metrics
 from swarmcensus.results.selecting import check_held
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import option
 from swarmcensus.support.safe_source import digest, read_source
 from swarmcensus.support.times import Time, in_ticks
-from swarmcensus.worlds.networks import MOVING
+from swarmcensus.worlds import MOVING
 
 RELIVED = "relived"  # the attribute of results that robots made, and no simulation
 Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name

@@ -19,9 +19,7 @@ from swarmcensus.results.hdf5 import Output, Remembering, broken_texts, read_ind
 from swarmcensus.results.presence import check_there, folder_of
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
-from swarmcensus.studies.coordinates import COORDINATES, coordinates_of
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import COORDINATES, Setting, Study, coordinates_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import command

@@ -26,11 +26,11 @@ from swarmcensus.results.values import (
     metrics_in,
     robots_in,
 )
-from swarmcensus.studies.coordinates import COORDINATES
+from swarmcensus.studies import COORDINATES
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, stored
 from swarmcensus.support.safe_source import digest
-from swarmcensus.worlds.networks import MOVING
+from swarmcensus.worlds import MOVING
 
 FORMAT = "swarmcensus results 3"
 TEXTS = tuple(name for name, kind in COORDINATES.items() if kind.always and kind.type == "text")

@@ -14,7 +14,7 @@ from swarmcensus.results.cautions import warn_of
 from swarmcensus.results.store import loaded
 from swarmcensus.results.structure import failed_in
 from swarmcensus.results.values import INTERVALS, bounds_in, is_missing, metrics_in, robots_in
-from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.studies import NUMERIC
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.documents import json_value
 from swarmcensus.support.errors import InputError

@@ -11,12 +11,12 @@ import xarray as xr
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, restated, table_of
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
-from swarmcensus.studies.coordinates import COORDINATES, NUMERIC
+from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import INTERVALS, NUMBER, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
-from swarmcensus.worlds.networks import MOVING
+from swarmcensus.worlds import MOVING
 
 COLUMNS = {quantity.column: quantity for quantity in QUANTITIES.values() if quantity.column}
 SURE = {

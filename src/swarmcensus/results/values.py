@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.brains.metrics import Metric, parse
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
 

@@ -13,13 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus import brains
-from swarmcensus.brains.fields import slots
-from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.brains import Numbers, rounded_to_single, slots
 from swarmcensus.runtime import codec, runtime
 from swarmcensus.support.errors import InputError
-from swarmcensus.translation.messages import codec as codec_of
-from swarmcensus.translation.pieces import BOARDS
+from swarmcensus.translation import BOARDS, codec as codec_of
 
 DOUBLE, SINGLE = 53, 24  # binary digits of 8-byte and 4-byte floats
 CLOSE = {DOUBLE: 1e-12, SINGLE: 1e-4}  # what exp, log and the reading of constants may differ by, relative above 1

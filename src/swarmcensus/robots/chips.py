@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.translation.pieces import piece
+from swarmcensus.translation import piece
 
 STRICT = ("-Wall", "-Wextra", "-Werror", "-ffp-contract=off")
 AVR = ("avr-gcc", "avr-size", "simavr")

@@ -9,12 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains import Brain, Numbers
 from swarmcensus.robots import chips
 from swarmcensus.support.errors import BrainError, OptionError
-from swarmcensus.translation.headers import header
-from swarmcensus.translation.pieces import filled, piece
+from swarmcensus.translation import filled, header, piece
 
 NUMBERS = Numbers(precision="single", message="ratio16")
 TICKS = 200

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.brains import Brain, load
-from swarmcensus.checks.quick import caution as check_quickly
+from swarmcensus.checks import caution as check_quickly
 from swarmcensus.robots.folders import check_free, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution
 from swarmcensus.robots.target import Order, order_of

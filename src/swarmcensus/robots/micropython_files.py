@@ -3,11 +3,10 @@
 import pprint
 from pathlib import Path
 
-from swarmcensus.brains.packing import FORMATS
+from swarmcensus.brains import FORMATS
 from swarmcensus.robots.target import Order
 from swarmcensus.runtime import codec, log, runtime
-from swarmcensus.translation.comments import quoted
-from swarmcensus.translation.pieces import filled, piece
+from swarmcensus.translation import filled, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.translation.pieces import piece
+from swarmcensus.translation import piece
 
 PACKAGE = "@micropython/micropython-webassembly-pyscript"
 FOLDER = "MICROPYTHON_MODULES"  # the environment's variable that names the folder of Node's packages, or the one above

@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.packing import FORMATS, Numbers
+from swarmcensus.brains import FORMATS, Brain, Numbers
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
 from swarmcensus.support.errors import BrainError, OptionError
 from swarmcensus.support.hints import did_you_mean

@@ -26,8 +26,7 @@ from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
 from swarmcensus.runs.queues import NO_PAGE, Jobs, interrupted_by_signals, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option

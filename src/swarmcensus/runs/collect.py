@@ -9,13 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.results.values import Values
+from swarmcensus.results import Values
 from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
 from swarmcensus.simulation import hanging
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 
 LOG = logging.getLogger(__name__)
 WAIT_SECONDS = 0.1

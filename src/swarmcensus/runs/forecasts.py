@@ -9,13 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from swarmcensus.engine.threads import interruptible
+from swarmcensus.engine import interruptible
 from swarmcensus.runs.tasks import Task, metrics_of
-from swarmcensus.simulation.hanging import watched
-from swarmcensus.simulation.rides import run_ride
-from swarmcensus.simulation.trials import run_batch
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.simulation import run_batch, run_ride, watched
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 
 LONG = 300.0  # seconds: a run that takes longer is announced

@@ -12,16 +12,13 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from swarmcensus.checks.quick import caution
-from swarmcensus.engine import code_cache, compiler
-from swarmcensus.engine.compiler import IN_SUMS_OF_ALL, ONE_BY_ONE
-from swarmcensus.engine.threads import interruptible
+from swarmcensus.checks import caution
+from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
-from swarmcensus.worlds.networks import Topology
+from swarmcensus.worlds import Topology
 
 BUNDLE_SECONDS = 0.1  # long compared with the cost of handing out a bundle, short for a person who waits
 MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and more than cores do not help

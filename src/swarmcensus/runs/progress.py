@@ -30,8 +30,7 @@ def bar_or_lines(label: str) -> Iterator[Report]:
         yield _plain_lines(label)
         return
     from rich.markup import escape
-    from rich.progress import BarColumn, TextColumn
-    from rich.progress import Progress as Bar
+    from rich.progress import BarColumn, Progress as Bar, TextColumn
 
     columns: tuple[Any, ...] = (
         TextColumn("{task.description}"),

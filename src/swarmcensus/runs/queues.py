@@ -13,8 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from swarmcensus.studies.tables import study_error
-from swarmcensus.studies.toml_text import read_toml
+from swarmcensus.studies import read_toml, study_error
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean_any

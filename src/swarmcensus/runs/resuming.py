@@ -11,23 +11,24 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import store
-from swarmcensus.results.shards import Identity, Parts, listed
-from swarmcensus.results.values import (
+from swarmcensus.results import (
     ESTIMATES,
     INTERVALS,
     LOCAL,
     MISSING,
     Columns,
+    Identity,
+    Parts,
     Values,
     edited,
     kinds_in,
+    listed,
     metrics_in,
     metrics_label,
     sources_of,
+    store,
 )
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted

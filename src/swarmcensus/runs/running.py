@@ -13,21 +13,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.engine.threads import LeavableThreads
-from swarmcensus.results import store
-from swarmcensus.results.cautions import warn_of
-from swarmcensus.results.reading import readable
-from swarmcensus.results.values import ArrayStore, Values
+from swarmcensus.engine import LeavableThreads
+from swarmcensus.results import ArrayStore, Values, readable, store, warn_of
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
 from swarmcensus.runs.forecasts import announce_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
-from swarmcensus.simulation.trials import seconds
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.simulation import seconds
+from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 

@@ -9,10 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.results import shards
-from swarmcensus.results.presence import folder_of
-from swarmcensus.results.store import stored
-from swarmcensus.results.structure import failures, finished
+from swarmcensus.results import failures, finished, folder_of, shards, stored
 from swarmcensus.runs.progress import clock
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted

@@ -20,15 +20,19 @@ from swarmcensus.engine.constants import (
     VERDICTS,
     WIDTH,
 )
-from swarmcensus.results.values import Columns, Piece
-from swarmcensus.simulation.failure_lines import line_of_failure
-from swarmcensus.simulation.hanging import watched
-from swarmcensus.simulation.rides import run_ride
-from swarmcensus.simulation.trials import Batch, Metrics, run_batch, seconds, walk_seconds
-from swarmcensus.simulation.watches import MetricFails
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import KEYS, Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.results import Columns, Piece
+from swarmcensus.simulation import (
+    Batch,
+    MetricFails,
+    Metrics,
+    line_of_failure,
+    run_batch,
+    run_ride,
+    seconds,
+    walk_seconds,
+    watched,
+)
+from swarmcensus.studies import KEYS, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 
 RIDE_BYTES = 256_000_000  # most memory for the curves of all minds on one trajectory

@@ -12,18 +12,33 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.brains.metrics import Metric
-from swarmcensus.results import structure
-from swarmcensus.results.check_against_study import settings_of, unchecked, unlike
-from swarmcensus.results.reading import packed
-from swarmcensus.results.source_study import Brains, metrics_may_run, must_be_read, studies_of
-from swarmcensus.results.store import provenance, stored, wrong_layout
-from swarmcensus.results.values import ESTIMATES, EVERY, LOCAL, MISSING, Values, blank, is_missing, kinds_in, same_bits
+from swarmcensus.results import (
+    ESTIMATES,
+    EVERY,
+    LOCAL,
+    MISSING,
+    Brains,
+    Values,
+    blank,
+    is_missing,
+    kinds_in,
+    metrics_may_run,
+    must_be_read,
+    packed,
+    provenance,
+    same_bits,
+    settings_of,
+    stored,
+    structure,
+    studies_of,
+    unchecked,
+    unlike,
+    wrong_layout,
+)
 from swarmcensus.runs.collect import Report
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.version import __version__

@@ -1,6 +1,6 @@
-"""What runs on a robot beside its brain: the codec of messages and the runtime, plain Python without dependencies.
+"""What runs on a robot together with its brain: the codec of messages, the loop and the log, plain Python.
 
 In: nothing.
-Out: files that CPython and MicroPython run as they are, that Numba compiles, and that a translation to C takes along.
+Out: files that CPython and MicroPython run as they are, that Numba compiles, and that a translation to C includes.
 Must not know: anything else of swarmcensus.
 """

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from swarmcensus.brains.syntax import INTERVAL
+from swarmcensus.brains import INTERVAL
+from swarmcensus.engine import Inputs, Intervals
 from swarmcensus.engine.constants import WRONG, WRONG_IN
-from swarmcensus.engine.layout import Inputs, Intervals
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 from swarmcensus.support.errors import InputError
 
 NO_ESTIMATE = "a number in [0, 1] is right"

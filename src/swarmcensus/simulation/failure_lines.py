@@ -14,7 +14,7 @@ from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 from swarmcensus.support.errors import line_of
 
 MOST_STEPS = 3_000_000  # robots times rounds: about ten seconds of CPython
@@ -38,8 +38,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Contai
 
 def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> None:
     """Run the trial's minds step by step, like the engine."""
-    from swarmcensus.engine.failures import works
-    from swarmcensus.engine.minds import heard_by
+    from swarmcensus.engine import heard_by, works
 
     alone = tuple(replace(member, brain=None) for member in setting.members)
     known = replace(setting, brain=brains.load("minimalistic"), members=alone)

@@ -14,9 +14,9 @@ from numba.core.compiler_lock import global_compiler_lock
 
 from swarmcensus import brains
 from swarmcensus.brains import Brain
-from swarmcensus.engine.threads import WHILE_WAITING
+from swarmcensus.engine import WHILE_WAITING
 from swarmcensus.simulation.failure_lines import MOST_STEPS, run_in_cpython
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 
 PATIENCE = 5.0  # seconds that machine code may take before its brains are examined
 MOST_LINES = 3_000_000  # in one call of a brain's function: a second of CPython, some milliseconds of machine code

@@ -9,19 +9,16 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus import brains
-from swarmcensus.engine import compiler
-from swarmcensus.engine.addresses import address
+from swarmcensus.engine import address, compiler, interruptible
 from swarmcensus.engine.constants import SLACK
-from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.simulation.recorded import readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
-from swarmcensus.studies.settings import KEYS
+from swarmcensus.studies import KEYS
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.tables import frame_table, is_frame
-from swarmcensus.worlds.edge_lists import LINKS, from_one, links_of, unlinked
-from swarmcensus.worlds.generators import numbered
+from swarmcensus.worlds import LINKS, from_one, links_of, numbered, unlinked
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 

@@ -1,6 +1,6 @@
 """What a bound knows of its trial: when the fill ratio changes, and how sensors drift."""
 
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 
 
 def schedule_of(setting: Setting, *, alone: bool = False) -> dict[str, float]:

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from swarmcensus.engine.layout import NO_LINKS, Inputs, Radio, Sensors
+from swarmcensus.engine import NO_LINKS, Inputs, Radio, Sensors
 from swarmcensus.simulation import sampling
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.errors import InputError
 
 NO_GROUPS = np.zeros((0, 0), np.int64)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from swarmcensus.engine.layout import Intervals
-from swarmcensus.studies.settings import Setting
+from swarmcensus.engine import Intervals
+from swarmcensus.studies import Setting
 
 ENDS = "interval_low", "interval_high"  # of a trace, beside a brain's own fields
 

@@ -12,18 +12,15 @@ from typing import Protocol
 
 import numpy as np
 
-from swarmcensus.engine import compiler
+from swarmcensus.engine import Chunk, Inputs, Minds, Recorded, Swarm, Tally, compiler, interruptible, works
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
-from swarmcensus.engine.failures import works
-from swarmcensus.engine.layout import Chunk, Inputs, Minds, Recorded, Swarm, Tally
-from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, walk_of, wishes_of
 from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 
 STRETCH_BYTES = 4_000_000  # of minds
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies

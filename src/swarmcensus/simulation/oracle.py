@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.brains import Brain
+from swarmcensus.engine import chance, word_of, words
 from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
-from swarmcensus.engine.random import chance, word_of, words
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, free
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
 from swarmcensus.support.tables import Table, plain
-from swarmcensus.worlds.edge_lists import from_one
+from swarmcensus.worlds import from_one
 
 LONG = ("step", "robot")
 READINGS = ("observation", "reading", "black", "value")  # names of the readings' column

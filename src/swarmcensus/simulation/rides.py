@@ -5,9 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swarmcensus.engine import compiler
-from swarmcensus.engine.layout import Chunk, Inputs, Recorded
-from swarmcensus.engine.threads import interruptible
+from swarmcensus.engine import Chunk, Inputs, Recorded, compiler, interruptible
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.answers import check_estimates, check_intervals, check_verdicts, check_wishes
 from swarmcensus.simulation.inputs import inputs_of
@@ -16,12 +14,9 @@ from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, mind
 from swarmcensus.simulation.trials import Batch, Metrics, blaming
 from swarmcensus.simulation.walking import Walk, set_out
 from swarmcensus.simulation.watches import Truths, Watch, results_of
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.bins import right_bins
-from swarmcensus.worlds.arena import tiles_across
-from swarmcensus.worlds.changing_ground import ChangingGround
-from swarmcensus.worlds.ground import Ground
+from swarmcensus.worlds import ChangingGround, Ground, tiles_across
 
 NOTHING = Recorded(np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0)))
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB

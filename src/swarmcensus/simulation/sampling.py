@@ -7,19 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from swarmcensus.engine.addresses import address
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import Links, address, compile_world
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.engine.layout import Links
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
-from swarmcensus.worlds import faults
-from swarmcensus.worlds.chance import Chance
-from swarmcensus.worlds.changing_ground import ChangingGround
-from swarmcensus.worlds.ground import Ground
-from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.patterns import Floor
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+from swarmcensus.studies import Setting, addresses
+from swarmcensus.worlds import Accuracy, Chance, ChangingGround, Floor, Ground, Misjudgement, Topology, faults
 
 MOST_LISTED = 2000  # robots of a full network with a list of links
 Sides = tuple[np.ndarray, ...]

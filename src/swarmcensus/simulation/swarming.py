@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.engine import compiler
+from swarmcensus.engine import Inputs, Minds, Swarm, Tally, compiler, runs_of
 from swarmcensus.engine.constants import VERDICTS
-from swarmcensus.engine.layout import Inputs, Minds, Swarm, Tally, runs_of
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.intervals import ENDS
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 
 NO_LUCK = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)

@@ -11,20 +11,18 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains.metrics import Metric
-from swarmcensus.engine import compiler
+from swarmcensus.engine import Inputs, Measures, Minds, Segments, Swarm, Tally, compiler, interruptible
 from swarmcensus.engine.constants import PART, VERDICTS
-from swarmcensus.engine.layout import Inputs, Measures, Minds, Segments, Swarm, Tally
-from swarmcensus.engine.threads import interruptible
 from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
 from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, minds_of, swarm_of, tally_of
 from swarmcensus.simulation.watches import Watch, results_of
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Setting
 from swarmcensus.support.bins import right_bins
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import command
-from swarmcensus.worlds.changes import Change, along, steady
+from swarmcensus.worlds import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more

@@ -5,11 +5,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import Bodies, Chunk, Neighbours, compile_world
 from swarmcensus.engine.constants import ALL_PAIRS, COS, PACE, SIN, STATE, X, Y
-from swarmcensus.engine.layout import Bodies, Chunk, Neighbours
 from swarmcensus.support.errors import InputError
-from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds import Body
 
 CHUNK_BYTES = 4_000_000  # of a chunk
 SENDERS = 2_000_000  # of a chunk

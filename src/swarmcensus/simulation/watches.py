@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.brains.metrics import GIVEN, Metric
-from swarmcensus.engine.compiler import blank_record, compile_metric
-from swarmcensus.studies.settings import Setting
+from swarmcensus.engine import blank_record, compile_metric
+from swarmcensus.studies import Setting
 from swarmcensus.support.bins import right_bin, right_bins
 from swarmcensus.support.errors import InputError, line_of, without_colours
 from swarmcensus.support.formatting import counted

@@ -4,3 +4,7 @@ In: TOML text or Python values.
 Out: a Study, and its Settings.
 Must not know: how a setting is run, what is stored.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,14 +10,11 @@ from typing import get_args
 
 import numpy as np
 
-from swarmcensus.brains.packing import PLAIN
-from swarmcensus.engine.addresses import address
+from swarmcensus.brains import PLAIN
+from swarmcensus.engine import address
 from swarmcensus.studies.keys import Draws, Key
 from swarmcensus.studies.settings import KEYS, Setting, set_apart
-from swarmcensus.worlds.bodies import Body
-from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.patterns import Floor
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+from swarmcensus.worlds import Accuracy, Body, Floor, Misjudgement, Topology
 
 FIRST = (  # fields of a setting that are part of every fingerprint, in this order
     "topology", "robots", "accuracy", "assumed_accuracy", "fill_ratio", "link_success", "rounds",

@@ -16,9 +16,7 @@ from swarmcensus.studies.tables import Tables
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.worlds import arena
-from swarmcensus.worlds.changes import Change
-from swarmcensus.worlds.faults import Fault
+from swarmcensus.worlds import Change, Fault, arena
 
 MOST_TILES = 2**30  # from wall to wall: a tile's place is two 32-bit numbers
 

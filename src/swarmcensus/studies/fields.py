@@ -8,9 +8,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationInfo
 
 from swarmcensus import brains
-from swarmcensus.brains import adversary, metrics
-from swarmcensus.brains.fields import LARGEST as LARGEST_VALUE
-from swarmcensus.brains.packing import Format, Precision
+from swarmcensus.brains import LARGEST as LARGEST_VALUE, Format, Precision, adversary, metrics
 from swarmcensus.studies.precision import Until
 from swarmcensus.support.forms import (
     LISTED,
@@ -26,11 +24,22 @@ from swarmcensus.support.forms import (
 )
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any
 from swarmcensus.support.times import OR_TIME
-from swarmcensus.worlds.bodies import Positive
-from swarmcensus.worlds.changes import OR_CHANGE
-from swarmcensus.worlds.networks import TOPOLOGY, Topology, parse_topology
-from swarmcensus.worlds.patterns import FLOOR, Floor, parse_floor
-from swarmcensus.worlds.sensors import ACCURACY, BELIEF, Accuracy, Misjudgement, parse_accuracy, parse_assumed
+from swarmcensus.worlds import (
+    ACCURACY,
+    BELIEF,
+    FLOOR,
+    OR_CHANGE,
+    TOPOLOGY,
+    Accuracy,
+    Floor,
+    Misjudgement,
+    Positive,
+    Topology,
+    parse_accuracy,
+    parse_assumed,
+    parse_floor,
+    parse_topology,
+)
 
 LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in addresses
 

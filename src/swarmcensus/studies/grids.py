@@ -6,15 +6,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains import Numbers
 from swarmcensus.studies.keys import Key
 from swarmcensus.studies.members import Member, Members
 from swarmcensus.studies.settings import KEYS, Schedule, Setting, Swarm, World
-from swarmcensus.worlds import arena
-from swarmcensus.worlds.changes import Change
-from swarmcensus.worlds.faults import Fault
-from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.patterns import Floor
+from swarmcensus.worlds import Change, Fault, Floor, Topology, arena
 
 LAST = ("members", "rounds", "observations_per_round", "density", "floor", "ticks")  # vary fastest, in this order
 SIZES = {"density", "side"}  # of an arena: a case that gives one replaces the other

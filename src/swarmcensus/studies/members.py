@@ -11,8 +11,7 @@ from swarmcensus.brains import Adversary, Brain, lying_brain
 from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.forms import Robots, Several, Table
-from swarmcensus.worlds.bodies import Least
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+from swarmcensus.worlds import Accuracy, Least, Misjudgement
 
 
 @dataclass(frozen=True)

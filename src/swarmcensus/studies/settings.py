@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from swarmcensus.brains import Brain, Value
-from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
+from swarmcensus.engine import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.studies.fields import (
     Accuracies,
     Beliefs,
@@ -34,13 +34,7 @@ from swarmcensus.studies.keys import Coordinate, Key, keys_of
 from swarmcensus.studies.members import Member
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.forms import Table
-from swarmcensus.worlds import arena
-from swarmcensus.worlds.bodies import Body
-from swarmcensus.worlds.changes import Change, along, steady
-from swarmcensus.worlds.faults import Fault
-from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.patterns import Floor
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+from swarmcensus.worlds import Accuracy, Body, Change, Fault, Floor, Misjudgement, Topology, along, arena, steady
 
 HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks says how long"
 

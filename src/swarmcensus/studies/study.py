@@ -22,10 +22,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
 from swarmcensus.support.plugins import Plugins
 from swarmcensus.support.templates import render
-from swarmcensus.worlds import patterns, spreading, wiring
-from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.pictures import Picture
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+from swarmcensus.worlds import Accuracy, Misjudgement, Picture, Topology, patterns, spreading, wiring
 
 if TYPE_CHECKING:
     from swarmcensus.studies.typed import StudyChanges, StudyTables

@@ -15,8 +15,7 @@ from swarmcensus.support.errors import StudyError, pydantic_message
 from swarmcensus.support.forms import Number, Table
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.times import in_ticks
-from swarmcensus.worlds.changes import Change
-from swarmcensus.worlds.faults import Fault
+from swarmcensus.worlds import Change, Fault
 
 UNNAMED = "study"  # what a study is called that has no name and comes from no file
 

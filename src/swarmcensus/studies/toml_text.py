@@ -14,11 +14,7 @@ from swarmcensus import brains
 from swarmcensus.brains.metrics import Metric
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.hints import did_you_mean_file
-from swarmcensus.worlds.changes import Change
-from swarmcensus.worlds.networks import Topology, parse_topology
-from swarmcensus.worlds.patterns import Floor
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement
-from swarmcensus.worlds.spreading import Spread
+from swarmcensus.worlds import Accuracy, Change, Floor, Misjudgement, Spread, Topology, parse_topology
 
 LARGEST = 20_000_000  # bytes of a file that a person wrote; reading a device would never end
 MOST_BITS = 10_000  # of a number that is printed in decimal digits

@@ -10,10 +10,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.brains.metrics import Metric
-from swarmcensus.worlds.changes import Change
-from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.patterns import Floor
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+from swarmcensus.worlds import Accuracy, Change, Floor, Misjudgement, Topology
 
 T = TypeVar("T")
 

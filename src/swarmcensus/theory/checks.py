@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.worlds.graphs import whole
+from swarmcensus.worlds import whole
 
 Floats = NDArray[np.float64]
 MOST_READINGS = 10_000_000  # of a local law, which lists every count

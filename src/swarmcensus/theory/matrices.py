@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.theory.checks import Floats, numbers
-from swarmcensus.worlds.graphs import network
+from swarmcensus.worlds import network
 
 MOST = 4096  # robots of a matrix: 128 MB
 SMALL = 100  # robots of the largest matrix whose decomposition is cached: 512 of them take 80 MB

@@ -3,8 +3,7 @@
 import ast
 import math
 
-from swarmcensus.brains.kinds import REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind
-from swarmcensus.brains.single import CONSTANTS
+from swarmcensus.brains import CONSTANTS, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind
 from swarmcensus.translation.texts import (  # fmt: skip
     BITS,
     CHOICE,

@@ -4,10 +4,7 @@ import ast
 import textwrap
 from typing import Any
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.fields import Value, length
-from swarmcensus.brains.kinds import REAL, VECTOR
-from swarmcensus.brains.syntax import functions_of
+from swarmcensus.brains import REAL, VECTOR, Brain, Value, functions_of, length
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.safe_source import parse_checked
 from swarmcensus.support.version import __version__

@@ -5,11 +5,20 @@ import functools
 from importlib.resources import files
 from typing import Any
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.kinds import REAL, Kinds, arguments_of
-from swarmcensus.brains.packing import BYTES, MOST, READ, STEPS, Part, bytes_of
-from swarmcensus.brains.single import in_single
-from swarmcensus.brains.syntax import functions_of
+from swarmcensus.brains import (
+    BYTES,
+    MOST,
+    READ,
+    REAL,
+    STEPS,
+    Brain,
+    Kinds,
+    Part,
+    arguments_of,
+    bytes_of,
+    functions_of,
+    in_single,
+)
 from swarmcensus.runtime.codec import LARGEST_REAL
 from swarmcensus.runtime.runtime import Messages
 from swarmcensus.support import safe_source

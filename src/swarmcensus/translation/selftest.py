@@ -5,8 +5,7 @@ import struct
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.brains import Brain, rounded_to_single
 from swarmcensus.runtime.history import ACCURACIES, FAR, LOOKS, LOST, ROBOTS, ROUNDS, SEED, SHARE, STOPS, live
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.options import command

@@ -2,7 +2,7 @@
 
 import ast
 
-from swarmcensus.brains.kinds import REAL, RECORD, arguments_of
+from swarmcensus.brains import REAL, RECORD, arguments_of
 from swarmcensus.translation.unit import Record, Unit
 
 

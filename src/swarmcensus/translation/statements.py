@@ -3,7 +3,7 @@
 import ast
 from collections.abc import Iterator
 
-from swarmcensus.brains.kinds import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
+from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
 from swarmcensus.translation.comments import Comments, plain
 from swarmcensus.translation.expressions import PLAIN, Expressions
 from swarmcensus.translation.scopes import Scopes

@@ -8,9 +8,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.brains.kinds import NOTHING, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, Kinds, arguments_of
-from swarmcensus.brains.single import rounded_to_single
-from swarmcensus.brains.syntax import functions_of, may_be_none
+from swarmcensus.brains import (
+    NOTHING,
+    REAL,
+    RECORD,
+    TRUTH,
+    VECTOR,
+    WHOLE,
+    Kind,
+    Kinds,
+    arguments_of,
+    functions_of,
+    may_be_none,
+    rounded_to_single,
+)
 from swarmcensus.translation.reserved import OF_FIELDS, OF_FUNCTIONS, OF_LOCALS, OURS
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")

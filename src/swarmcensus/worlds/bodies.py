@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
-from swarmcensus.engine.records import record_type
+from swarmcensus.engine import record_type
 from swarmcensus.support.forms import Number, Table, any_of
 from swarmcensus.support.times import WrittenTime, parse_time
 

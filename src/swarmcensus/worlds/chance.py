@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import compile_world
 
 
 class Chance(NamedTuple):

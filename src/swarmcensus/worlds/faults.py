@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from swarmcensus.engine.addresses import address
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import address, compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
 from swarmcensus.support.forms import LISTED, ONE_OR_SEVERAL, Robots, Table
 from swarmcensus.support.times import MOST, OR_TIME

@@ -14,9 +14,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import ConfigDict, Field
 
-from swarmcensus.engine.addresses import address
+from swarmcensus.engine import Links, address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
-from swarmcensus.engine.layout import Links
 from swarmcensus.support.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any
 from swarmcensus.support.plugins import Keys

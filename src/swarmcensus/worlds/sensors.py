@@ -14,7 +14,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field
 
-from swarmcensus.engine.addresses import address
+from swarmcensus.engine import address
 from swarmcensus.support.forms import Number, Share, ValueTable, any_of, read, says
 from swarmcensus.worlds.spreading import AccuracySpread, ErrorSpread, Spread, SpreadText, parse_spread
 

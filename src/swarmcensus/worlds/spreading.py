@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import compile_world
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.forms import Form, Number, Share, any_of
 from swarmcensus.support.hints import did_you_mean

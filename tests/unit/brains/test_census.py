@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, norm
-from scipy.stats import f as f_ratio
+from scipy.stats import chi2, f as f_ratio, norm
 
 import swarmcensus as sc
 from swarmcensus import brains

@@ -12,8 +12,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.checks import machine_code, quick
-from swarmcensus.checks import suite as conformance
+from swarmcensus.checks import machine_code, quick, suite as conformance
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.checks.suite import check, checks
 from swarmcensus.cli.commands import list_brains

@@ -8,8 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results.replaying import recording
-from swarmcensus.simulation import metrics
-from swarmcensus.simulation import trials as engine
+from swarmcensus.simulation import metrics, trials as engine
 from swarmcensus.simulation.trials import Metrics, run_batch, segment_length
 from tests.support.small import FAILS, beliefs_of
 

@@ -17,8 +17,7 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK
 from swarmcensus.figures.files import save
-from swarmcensus.figures.kinds.arena import FINE, Arena
-from swarmcensus.figures.kinds.arena import arena as drawn
+from swarmcensus.figures.kinds.arena import FINE, Arena, arena as drawn
 from swarmcensus.figures.kinds.film import film
 from swarmcensus.figures.scenes import FLOOR, scene_of
 from swarmcensus.results.recordings import write_trace

@@ -7,8 +7,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
-from tests.support.browsing import at, come, playwright, until
-from tests.support.browsing import pytestmark as marks
+from tests.support.browsing import at, come, playwright, pytestmark as marks, until
 from tests.support.watching import save
 
 pytestmark = marks

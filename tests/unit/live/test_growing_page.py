@@ -6,8 +6,7 @@ import pytest
 
 from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
-from tests.support.browsing import come, playwright, until
-from tests.support.browsing import pytestmark as marks
+from tests.support.browsing import come, playwright, pytestmark as marks, until
 from tests.support.growing import Day
 
 pytestmark = [*marks, pytest.mark.interpreted]

@@ -10,8 +10,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results import hdf5, measures
-from swarmcensus.results import store as results
+from swarmcensus.results import hdf5, measures, store as results
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.selecting import where
 from swarmcensus.studies.coordinates import NUMERIC

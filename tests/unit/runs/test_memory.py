@@ -8,8 +8,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine import compiler
-from swarmcensus.results import shards, store
-from swarmcensus.results import values as rooms
+from swarmcensus.results import shards, store, values as rooms
 from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools, tasks
 from swarmcensus.runs.running import run

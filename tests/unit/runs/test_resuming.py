@@ -17,8 +17,7 @@ from filelock import FileLock
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
-from swarmcensus.results import shards
-from swarmcensus.results import store as results
+from swarmcensus.results import shards, store as results
 from swarmcensus.results.partial import opened
 from swarmcensus.results.values import EVERY, LOCAL, MARKS, Values, shapes
 from swarmcensus.runs import tasks

@@ -13,8 +13,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.results import recordings
-from swarmcensus.results import store as files
+from swarmcensus.results import recordings, store as files
 from swarmcensus.results.selecting import where
 from swarmcensus.simulation import metrics, sampling, walking
 from swarmcensus.simulation.rides import record_ride

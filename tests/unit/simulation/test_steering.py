@@ -12,8 +12,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.checks import contract_checks, machine_code, sample_minds
-from swarmcensus.checks import suite as conformance
+from swarmcensus.checks import contract_checks, machine_code, sample_minds, suite as conformance
 from swarmcensus.engine.return_values import chosen
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides, sampling

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.pair_tests import pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results.measures import Measure
+from swarmcensus.results import Measure
 from swarmcensus.support.formatting import decimals_for, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import INTERVAL, Column

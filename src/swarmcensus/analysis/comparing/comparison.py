@@ -21,12 +21,21 @@ from swarmcensus.analysis.comparing.pair_tests import (
 )
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.verdicts import verdict
-from swarmcensus.results import measures, selecting
-from swarmcensus.results.cautions import settled_at_start
-from swarmcensus.results.labels import labels_in, renamed
-from swarmcensus.results.measures import COSTS, SIZES, Measure
-from swarmcensus.results.store import loaded
-from swarmcensus.results.summaries import asked_anew, cells, done, failed_trials
+from swarmcensus.results import (
+    COSTS,
+    SIZES,
+    Measure,
+    asked_anew,
+    cells,
+    done,
+    failed_trials,
+    labels_in,
+    loaded,
+    measures,
+    renamed,
+    selecting,
+    settled_at_start,
+)
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted

@@ -12,10 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results.labels import labels_in
-from swarmcensus.results.summaries import restated
-from swarmcensus.results.values import parameters_in
-from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.results import labels_in, parameters_in, restated
+from swarmcensus.studies import NUMERIC
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted, distinct_texts
 from swarmcensus.support.options import option

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from swarmcensus.analysis.comparing.groups import worlds_by
 from swarmcensus.analysis.comparing.pair_tests import ALPHA, Contest, pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results import measures
-from swarmcensus.results.measures import Measure
+from swarmcensus.results import Measure, measures
 from swarmcensus.support.bootstrap import centres, intervals
 from swarmcensus.support.significance import differences, holm, signed_ranks
 

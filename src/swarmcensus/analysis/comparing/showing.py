@@ -20,14 +20,13 @@ from swarmcensus.analysis.comparing.cells import (  # fmt: skip
 from swarmcensus.analysis.comparing.pair_tests import test_count
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.verdicts import findings, verdict
-from swarmcensus.results.summaries import is_idle
-from swarmcensus.studies.coordinates import goes_unsaid
+from swarmcensus.results import is_idle
+from swarmcensus.studies import goes_unsaid
 from swarmcensus.support import terminal
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.formatting import ONE_SIDED, counted, grouped
 from swarmcensus.support.intervals import FEWEST
-from swarmcensus.support.printed_tables import FIRST_OUT, INTERVAL, INTERVALS, Column, Table, html
-from swarmcensus.support.printed_tables import latex as as_latex
+from swarmcensus.support.printed_tables import FIRST_OUT, INTERVAL, INTERVALS, Column, Table, html, latex as as_latex
 
 MOST_ROWS = 40
 PROPERTY = "the property `table` has all"

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.contenders import Grid
 from swarmcensus.analysis.comparing.pair_tests import Contest, pairs_of, world_ranks
-from swarmcensus.results.measures import Measure
+from swarmcensus.results import Measure
 from swarmcensus.support.significance import differences
 
 Floats = NDArray[np.float64]

@@ -18,10 +18,7 @@ from swarmcensus.analysis.explaining.one_setting import (
     mean_of,
     terms_of,
 )
-from swarmcensus.results.source_study import origins_of
-from swarmcensus.results.store import loaded
-from swarmcensus.results.summaries import done
-from swarmcensus.results.values import robots_in
+from swarmcensus.results import done, loaded, origins_of, robots_in
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate

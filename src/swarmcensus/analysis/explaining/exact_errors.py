@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from swarmcensus import brains, theory
 from swarmcensus.analysis.explaining.expectations import ALONE, MIXED, mixing_of, reasons
 from swarmcensus.simulation import sampling
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.formatting import counted
 
 Floats = NDArray[np.float64]

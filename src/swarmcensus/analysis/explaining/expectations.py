@@ -13,16 +13,12 @@ from numpy.typing import NDArray
 
 from swarmcensus import theory
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.results.source_study import setting_of
-from swarmcensus.results.summaries import done
+from swarmcensus.results import done, setting_of
 from swarmcensus.simulation import sampling
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
-from swarmcensus.theory.late_mixing import fits
-from swarmcensus.theory.matrices import from_links
-from swarmcensus.worlds.ground import reachable
-from swarmcensus.worlds.patterns import Floor
+from swarmcensus.theory import fits, from_links
+from swarmcensus.worlds import Floor, reachable
 
 Floats = NDArray[np.float64]
 Origin = tuple[Study, Setting]

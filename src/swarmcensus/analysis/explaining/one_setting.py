@@ -7,10 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.analysis.explaining.expectations import MIXED, SWARM, Expectation, Line, expect
-from swarmcensus.results import measures
-from swarmcensus.results.selecting import check_held
-from swarmcensus.results.summaries import done
-from swarmcensus.results.values import robots_in
+from swarmcensus.results import check_held, done, measures, robots_in
 from swarmcensus.support import bootstrap
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Estimate, estimate

@@ -7,12 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from swarmcensus.results.selecting import require
-from swarmcensus.results.values import robots_in
+from swarmcensus.results import require, robots_in
 from swarmcensus.support import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
+from swarmcensus.worlds import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
 EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4, as `asymptote` assumes
 

@@ -5,6 +5,6 @@ Out: a Metric: its functions, the fields of its record, its unit and meaning.
 Must not know: how metrics are compiled, brains, worlds, studies.
 """
 
-from swarmcensus.brains.metrics.metric import GIVEN, PLUGINS, Metric, find, load, parse, variable_of
+import lazy_loader
 
-__all__ = ["GIVEN", "PLUGINS", "Metric", "find", "load", "parse", "variable_of"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from swarmcensus.cli.options import Command, Group, Parser, UsageError, add_output_options
 from swarmcensus.cli.output import speaking
-from swarmcensus.results.presence import check_there
+from swarmcensus.results import check_there
 from swarmcensus.support.errors import STOPPED, InputError, Interrupted
 from swarmcensus.support.options import shell_options
 from swarmcensus.support.printable import escaping

@@ -13,7 +13,7 @@ from swarmcensus.support.options import misplaced
 if TYPE_CHECKING:
     import xarray as xr
 
-    from swarmcensus.analysis.comparing.comparison import Comparison
+    from swarmcensus.analysis import Comparison
 
 
 def add_compare_options(sub: argparse.ArgumentParser) -> None:
@@ -45,9 +45,7 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
 
 def compare(options: argparse.Namespace) -> int:
     """Compare brains within each world."""
-    from swarmcensus.analysis.comparing.comparison import compare as compare_results
-    from swarmcensus.analysis.comparing.showing import write_latex
-    from swarmcensus.analysis.comparing.tables import write_csv
+    from swarmcensus.analysis import compare as compare_results, write_csv, write_latex
     from swarmcensus.cli import compare_tables
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.cli.tables import head

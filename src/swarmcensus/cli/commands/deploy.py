@@ -11,8 +11,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.robots.board_tests import Comparison
-    from swarmcensus.robots.deploying import Deployed
+    from swarmcensus.robots import Comparison, Deployed
 
 SHOWN = 8  # differences that are listed
 MAKING = ("target", "b", "w", "message", "precision", "hz", "parameter", "robot", "log")
@@ -42,8 +41,7 @@ def deploy(options: argparse.Namespace) -> int:
 
 
 def _deploy(options: argparse.Namespace) -> int:
-    from swarmcensus.robots.deploying import deploy as write
-    from swarmcensus.robots.format_errors import measured, sentence
+    from swarmcensus.robots import deploy as write, measured, sentence
 
     for name, value in (("FOLDER", options.folder), ("--target", options.target)):
         if value is None:
@@ -80,7 +78,7 @@ def _sizes(made: "Deployed") -> list[str]:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    from swarmcensus.robots.board_tests import compare
+    from swarmcensus.robots import compare
 
     given = [name for name in MAKING if getattr(options, name)]
     if options.folder or given:

@@ -12,7 +12,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
-    from swarmcensus.analysis.explaining.one_setting import Explanation, Interval
+    from swarmcensus.analysis import Explanation, Interval
     from swarmcensus.support.printed_tables import Column
 
 NAMES = {
@@ -40,9 +40,8 @@ def add_explain_options(sub: argparse.ArgumentParser) -> None:
 
 def explain(options: argparse.Namespace) -> int:
     """Explain one setting, or compare all with theory."""
-    from swarmcensus.analysis.explaining import one_setting
-    from swarmcensus.results.partial import say_partial
-    from swarmcensus.results.summaries import asked_anew
+    from swarmcensus.analysis import one_setting
+    from swarmcensus.results import asked_anew, say_partial
 
     if options.setting is None:
         return _all(options)
@@ -64,10 +63,10 @@ def explain(options: argparse.Namespace) -> int:
 
 
 def _all(options: argparse.Namespace) -> int:
-    from swarmcensus.analysis.explaining.agreement import agreement
+    from swarmcensus.analysis import agreement
     from swarmcensus.cli import explain_table
     from swarmcensus.cli.tables import head
-    from swarmcensus.results.summaries import asked_anew
+    from swarmcensus.results import asked_anew
 
     if options.json and options.limit is not None:
         raise misplaced("limit", options.limit, "does not go with --json, which has all settings")

@@ -29,9 +29,8 @@ def add_export_options(sub: argparse.ArgumentParser) -> None:
 
 def export(options: argparse.Namespace) -> int:
     """Write results as a table, or logs of robots as MCAP."""
-    from swarmcensus.results.presence import check_there, folder_of
-    from swarmcensus.robots.logs.folders import without_logs
-    from swarmcensus.robots.logs.mcap_files import logs_in
+    from swarmcensus.results import check_there, folder_of
+    from swarmcensus.robots import logs_in, without_logs
     from swarmcensus.support.files import check_writable
 
     source = options.results
@@ -56,7 +55,7 @@ def export(options: argparse.Namespace) -> int:
 
 
 def _export_logs(options: argparse.Namespace, out: Path) -> int:
-    from swarmcensus.robots.logs.mcap_files import write_mcap
+    from swarmcensus.robots import write_mcap
 
     for name in OF_RESULTS:
         if getattr(options, name) is not None:
@@ -70,8 +69,7 @@ def _export_logs(options: argparse.Namespace, out: Path) -> int:
 
 
 def _export_results(options: argparse.Namespace, out: Path, kind: str) -> int:
-    from swarmcensus.results import store
-    from swarmcensus.results.partial import say_partial
+    from swarmcensus.results import say_partial, store
 
     source = read(options)
     say_partial(source.stored, options.results)

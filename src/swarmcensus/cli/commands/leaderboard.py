@@ -10,7 +10,7 @@ from swarmcensus.cli.output import present, reporting, say, wrote
 from swarmcensus.support.formatting import elapsed
 
 if TYPE_CHECKING:
-    from swarmcensus.evaluation.ranking.board import Board
+    from swarmcensus.evaluation import Board
 
 
 def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
@@ -28,8 +28,7 @@ def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
 
 def leaderboard(options: argparse.Namespace) -> int:
     """Run the leaderboard and print the ranking, and where your own brains lose most."""
-    from swarmcensus.evaluation.ranking.board import leaderboard
-    from swarmcensus.evaluation.ranking.table import flat, print_board, sentences
+    from swarmcensus.evaluation import flat, leaderboard, print_board, sentences
     from swarmcensus.support.terminal import console
 
     begun = time.monotonic()
@@ -53,7 +52,7 @@ def leaderboard(options: argparse.Namespace) -> int:
 
 def _as_dict(board: "Board") -> dict[str, Any]:
     """The board for JSON: brains in the order of the table."""
-    from swarmcensus.evaluation.ranking.table import rows
+    from swarmcensus.evaluation import rows
 
     return {
         "board": board.name,

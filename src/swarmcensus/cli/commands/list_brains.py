@@ -14,13 +14,13 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
-    from swarmcensus.checks.suite import Check
-    from swarmcensus.robots.costs import Cost
+    from swarmcensus.checks import Check
+    from swarmcensus.robots import Cost
 
 MODULES = {
-    "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
+    "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "brains.metrics.metric",
     "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.spreading",
-    "figures": "figures.kinds", "targets": "deployment.targets",
+    "figures": "figures.kinds", "targets": "robots.targets",
 }  # fmt: skip  # kinds of plugins, and the module that finds each
 COLUMNS = ("memory", "message", "single")
 LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
@@ -70,8 +70,7 @@ def brains(options: argparse.Namespace) -> int:
         )
         return 0
     from swarmcensus.brains import find
-    from swarmcensus.checks.checking import check
-    from swarmcensus.checks.suite import brain_to_check
+    from swarmcensus.checks import brain_to_check, check
 
     if options.wearing:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
@@ -109,7 +108,7 @@ def brain_rows() -> list[Row]:
     None if none does. A brain that cannot be read has only its name and `fault`, which is None otherwise.
     """
     from swarmcensus import brains
-    from swarmcensus.checks.lives_in_single import single_lives
+    from swarmcensus.checks import single_lives
 
     lives = single_lives()
 
@@ -208,7 +207,7 @@ def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collect
 def measure_costs(options: argparse.Namespace) -> None:
     """Measure the brains of --cost, all shipped ones if none is named, and print what they take."""
     from swarmcensus.brains import load, shipped
-    from swarmcensus.robots.costs import check_tools, cost
+    from swarmcensus.robots import check_tools, cost
 
     brains = [load(name) for name in options.cost or shipped()]
     check_tools()
@@ -224,8 +223,7 @@ def _cost_as_dict(one: "Cost") -> dict[str, Any]:
 
 
 def _show_costs(costs: "Sequence[Cost]") -> None:
-    from swarmcensus.robots.chips import CLOCK, KILOBOT
-    from swarmcensus.robots.costs import COLUMNS
+    from swarmcensus.robots import CLOCK, COLUMNS, KILOBOT
     from swarmcensus.support.printed_tables import Table
     from swarmcensus.support.terminal import show
 

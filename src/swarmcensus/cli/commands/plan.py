@@ -96,9 +96,7 @@ def plan(options: argparse.Namespace) -> int:
     if options.schema:
         return _schema(options)
     from swarmcensus.cli.plan_table import show
-    from swarmcensus.search.planning.mission import load_mission, mission_of
-    from swarmcensus.search.planning.planning import plan as plan_of
-    from swarmcensus.search.planning.plans import check_lines, check_out
+    from swarmcensus.search import check_lines, check_out, load_mission, mission_of, plan as plan_of
     from swarmcensus.support.files import check_output
 
     inputs = [options.mission] if options.mission else []
@@ -115,8 +113,7 @@ def plan(options: argparse.Namespace) -> int:
         plan = plan_of(tables, options.jobs, progress, where=where, base=base)
     present(options, "plan", lambda: plan.data, lambda: plan.records, lambda: show(plan))
     if options.plot:
-        from swarmcensus.figures.files import save
-        from swarmcensus.figures.plan_lines import draw_plan
+        from swarmcensus.figures import draw_plan, save
 
         save(draw_plan(plan), options.plot)
     if options.out:
@@ -127,7 +124,7 @@ def plan(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    from swarmcensus.search.planning.mission import schema
+    from swarmcensus.search import schema
 
     if options.mission or options.out or options.plot or tables_of(options, {}):
         why = "goes with no other option: swarmcensus plan --schema > mission.schema.json"

@@ -98,7 +98,7 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
 def plot(options: argparse.Namespace) -> int:
     """Draw a figure of a results file."""
     from swarmcensus.figures.kinds import find
-    from swarmcensus.results.partial import say_partial
+    from swarmcensus.results import say_partial
 
     draw = find(options.kind)
     given = _given(options, draw)
@@ -204,7 +204,7 @@ def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
     """Show what a kind that draws one trial waits for: the compiler, and the frames of a film."""
     from rich.progress import Progress
 
-    from swarmcensus.runs.progress import log_compilation
+    from swarmcensus.runs import log_compilation
     from swarmcensus.support.terminal import console
 
     with contextlib.ExitStack() as stack:
@@ -242,7 +242,7 @@ def save_figure(
     figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"), dpi: int | None = None, is_stem: bool = False
 ) -> None:
     """Write a figure in the format of its suffix, or without a suffix in all of `default`, and print the paths."""
-    from swarmcensus.figures.files import save
+    from swarmcensus.figures import save
 
     for path in save(figure, *figure_files(out, default, is_stem=is_stem), dpi=dpi):
         wrote(path)

@@ -11,7 +11,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced
 
 if TYPE_CHECKING:
-    from swarmcensus.runs.verifying import Verification
+    from swarmcensus.runs import Verification
 
 SHOW_OPTIONS = ("checkpoint", "sort", "reverse", "label")  # options of `show` in addition to the source options
 DIFFER = 1  # exit code of `verify` where results differ
@@ -37,9 +37,7 @@ def add_show_options(sub: argparse.ArgumentParser) -> None:
 def show(options: argparse.Namespace) -> int:
     """Print a summary of a results file."""
     from swarmcensus.cli import tables
-    from swarmcensus.results import summaries
-    from swarmcensus.results.cautions import warn_of
-    from swarmcensus.results.source_study import round_of
+    from swarmcensus.results import round_of, summaries, warn_of
 
     stored, data = read(options)
     checkpoint = round_of(data, options.checkpoint, "--checkpoint")

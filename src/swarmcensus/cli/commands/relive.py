@@ -13,9 +13,7 @@ from swarmcensus.support.options import misplaced, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
-    from swarmcensus.robots.logs.folders import Day
-    from swarmcensus.robots.logs.lives import Life
-    from swarmcensus.robots.logs.others import OtherDay
+    from swarmcensus.robots import Day, Life, OtherDay
 
 DIFFER = 1  # exit code where a mind was not lived again to the bit, as of `verify`
 SHOWN = 8  # lines of a list
@@ -42,11 +40,7 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
 
 def relive(options: argparse.Namespace) -> int:
     """Live the minds of a folder again."""
-    from swarmcensus.robots.logs import traces
-    from swarmcensus.robots.logs.clocks import Clock
-    from swarmcensus.robots.logs.folders import read_day
-    from swarmcensus.robots.logs.lives import relive_all
-    from swarmcensus.robots.logs.others import under
+    from swarmcensus.robots import Clock, read_day, relive_all, traces, under
 
     _check(options)
     day = read_day(options.folder, options.brain_file, options.fill_ratio)
@@ -58,8 +52,7 @@ def relive(options: argparse.Namespace) -> int:
     lived = [traces.as_logged(day, lives)]
     lived += [under(day, brain, options.message, clock, bool(options.trace)) for brain in others]
     if options.out:
-        from swarmcensus.results.relived import dataset_of
-        from swarmcensus.results.store import save
+        from swarmcensus.results import dataset_of, save
 
         save(dataset_of(day, lived, clock, options.message), options.out)
     if options.trace or options.plot:
@@ -116,7 +109,7 @@ def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
 
 def _write_trace(options: argparse.Namespace, trace: Any) -> None:
     from swarmcensus.cli.commands.plot import save_figure
-    from swarmcensus.results.recordings import write_trace
+    from swarmcensus.results import write_trace
 
     if options.trace:
         write_trace(trace, options.trace)
@@ -151,8 +144,8 @@ def _ends(day: "Day", lived: "OtherDay") -> dict[str, float | None]:
     """The mean error of honest robots at the end and the share in the right bin; None where f is not known."""
     import numpy as np
 
-    from swarmcensus.robots.logs.traces import ends_of
-    from swarmcensus.simulation.metrics import correct
+    from swarmcensus.robots import ends_of
+    from swarmcensus.simulation import correct
 
     honest = np.array([member.honest for member in day.members])
     last = ends_of(day, lived)[honest]
@@ -168,8 +161,7 @@ def _ends(day: "Day", lived: "OtherDay") -> dict[str, float | None]:
 
 
 def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> None:
-    from swarmcensus.robots.logs.folders import summary_of
-    from swarmcensus.robots.logs.others import TOLD, UNKNOWN
+    from swarmcensus.robots import TOLD, UNKNOWN, summary_of
     from swarmcensus.support.formatting import counted
     from swarmcensus.support.printed_tables import Table
     from swarmcensus.support.terminal import show
@@ -209,7 +201,7 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
 
 def _break_lines(lives: Sequence["Life"]) -> list[str]:
     """A line for each difference; robots that ran another brain are together in one."""
-    from swarmcensus.robots.logs.reasons import ANOTHER
+    from swarmcensus.robots import ANOTHER
 
     together: dict[str, list[int]] = {}
     for life in lives:

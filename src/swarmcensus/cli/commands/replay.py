@@ -37,9 +37,8 @@ def replay(options: argparse.Namespace) -> int:
     """Run one trial again and show every round."""
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
-    from swarmcensus.results import recordings, replaying
-    from swarmcensus.results.partial import opened
-    from swarmcensus.runs.progress import log_compilation
+    from swarmcensus.results import opened, recordings, replaying
+    from swarmcensus.runs import log_compilation
     from swarmcensus.support.files import check_output, check_writable
 
     if options.plot:
@@ -114,11 +113,11 @@ def add_infer_options(sub: argparse.ArgumentParser) -> None:
 def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded observations."""
     from swarmcensus import brains
-    from swarmcensus.checks.quick import caution
+    from swarmcensus.checks import caution
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings
-    from swarmcensus.runs.progress import log_compilation
+    from swarmcensus.runs import log_compilation
     from swarmcensus.simulation import inferring
     from swarmcensus.support.files import check_output
 
@@ -154,8 +153,8 @@ def infer(options: argparse.Namespace) -> int:
 
 def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | None]":
     """Readings, and the messages of a bag."""
-    from swarmcensus.results.recordings import read_observations
-    from swarmcensus.robots.logs.bags import is_bag, read_bag
+    from swarmcensus.results import read_observations
+    from swarmcensus.robots import is_bag, read_bag
 
     path = options.observations
     if not is_bag(path):

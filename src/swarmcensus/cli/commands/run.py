@@ -30,7 +30,7 @@ def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
 
 def reproduce(options: argparse.Namespace) -> int:
     """Run the studies of an evaluation, draw its figures and check its claims."""
-    from swarmcensus.evaluation.paper import report, reproducing
+    from swarmcensus.evaluation import report, reproducing
     from swarmcensus.support.intervals import FEWEST
 
     folder = "reproduction" if options.of == "paper" else f"reproduction-{options.of}"
@@ -75,7 +75,7 @@ def add_study_options(sub: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run a study file."""
-    from swarmcensus.studies.study import Study
+    from swarmcensus.studies import Study
     from swarmcensus.support.files import check_output
 
     study = Study.load(options.study)
@@ -84,9 +84,8 @@ def run(options: argparse.Namespace) -> int:
     study = study.with_(trials=options.trials, seed=options.seed)
     # After the checks above, since these imports are slow:
     from swarmcensus.cli.tables import as_rows, failures, settings
-    from swarmcensus.results.reading import packed
-    from swarmcensus.results.summaries import as_dict
-    from swarmcensus.runs.running import run as run_study
+    from swarmcensus.results import as_dict, packed
+    from swarmcensus.runs import run as run_study
 
     begun = time.monotonic()
     try:
@@ -130,7 +129,7 @@ def add_status_options(sub: argparse.ArgumentParser) -> None:
 
 def status(options: argparse.Namespace) -> int:
     """Show how far a study is, and when it will end."""
-    from swarmcensus.runs.status_of_run import status as status_of
+    from swarmcensus.runs import status as status_of
 
     progress = status_of(options.results)
     if options.json:

@@ -95,7 +95,7 @@ def studies(options: argparse.Namespace) -> int:
 
 
 def _schema(options: argparse.Namespace) -> int:
-    from swarmcensus.studies.json_schema import schema
+    from swarmcensus.studies import schema
 
     if options.out:
         raise wrong_option("out", options.out, "a schema is printed: swarmcensus studies --schema > study.schema.json")
@@ -227,7 +227,7 @@ class Health:
 
 def health() -> Health:
     """Examine this installation, without importing the libraries."""
-    from swarmcensus.engine.code_cache import cache_root, keeps
+    from swarmcensus.engine import cache_root, keeps
 
     faults = []
     libraries = {name: _version(name) for name in LIBRARIES}

@@ -16,10 +16,8 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, misplaced, option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.robots.swarm.outcomes import Outcome
-    from swarmcensus.robots.swarm.plans import Air, Plan
-    from swarmcensus.robots.swarm.running import Swarm
-    from swarmcensus.studies.study import Study
+    from swarmcensus.robots import Air, Outcome, Plan, Swarm
+    from swarmcensus.studies import Study
 
 OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults if a study's are others
     "robots": 20, "topology": "ring", "link_success": None, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
@@ -74,12 +72,8 @@ def add_swarm_options(sub: argparse.ArgumentParser) -> None:
 def swarm(options: argparse.Namespace) -> int:
     """Run a swarm of processes."""
     from swarmcensus.cli.swarm_table import showing
-    from swarmcensus.engine.threads import interruptible
-    from swarmcensus.robots.folders import check_free
-    from swarmcensus.robots.swarm.children import check_system
-    from swarmcensus.robots.swarm.faults import faults_of
-    from swarmcensus.robots.swarm.plans import plan_of
-    from swarmcensus.robots.swarm.running import Stopped, run
+    from swarmcensus.engine import interruptible
+    from swarmcensus.robots import Stopped, check_free, check_system, faults_of, plan_of, run
 
     check_system()
     folder = options.out or _free("swarm")
@@ -125,8 +119,7 @@ def _tell(options: argparse.Namespace, plan: "Plan", folder: Path, outcome: "Out
 
 def _study(options: argparse.Namespace) -> "Study":
     """The study that is given, or the one that options describe."""
-    from swarmcensus.studies.settings import KEYS
-    from swarmcensus.studies.study import Study
+    from swarmcensus.studies import KEYS, Study
 
     given = {name: getattr(options, name) for name in OF_STUDIES if getattr(options, name) is not None}
     if options.what.endswith((".toml", ".nc")):
@@ -155,7 +148,7 @@ def _accuracy(text: str) -> Any:
 
 
 def _air(options: argparse.Namespace) -> "Air":
-    from swarmcensus.robots.swarm.plans import Air
+    from swarmcensus.robots import Air
 
     match = TIME.fullmatch(options.delay.strip())
     if match is None:
@@ -195,7 +188,7 @@ class Page:
         self._waits = bool(options.watch)
         self._serves = False
         if self._waits:
-            from swarmcensus.live.server import bound
+            from swarmcensus.live import bound
 
             self._socket = self._stack.enter_context(bound(HOST, options.port or 0))
 
@@ -204,8 +197,7 @@ class Page:
         if not self._waits or not any(known.last and known.last.ticks for known in swarm.robots):
             return
         from swarmcensus.cli.commands.watch import open_browser
-        from swarmcensus.live.offers import offer_of
-        from swarmcensus.live.server import Served, serving, warm
+        from swarmcensus.live import Served, offer_of, serving, warm
 
         self._waits = False
         served = Served(offer_of(self.folder), HOST, self._socket)

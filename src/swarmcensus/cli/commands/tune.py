@@ -53,9 +53,8 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
 
 def tune(options: argparse.Namespace) -> int:
     """Search for good values of a brain's parameters, or the worst of an adversary's, and evaluate them."""
-    from swarmcensus.search.tuning.targets import target_of
-    from swarmcensus.search.tuning.tuning import files_of, tune
-    from swarmcensus.studies.study import Study
+    from swarmcensus.search import files_of, target_of, tune
+    from swarmcensus.studies import Study
     from swarmcensus.support.files import check_writable
 
     study = Study.load(options.study).with_(seed=options.seed)

@@ -15,8 +15,7 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.live.days import LoggedDay
-    from swarmcensus.live.offers import Offer
+    from swarmcensus.live import LoggedDay, Offer
 
 
 def add_watch_options(sub: argparse.ArgumentParser) -> None:
@@ -54,7 +53,7 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C, or write it with one trial."""
-    from swarmcensus.live.offers import first_view, offer_of
+    from swarmcensus.live import first_view, offer_of
     from swarmcensus.support.files import check_output
 
     asked, is_results = _query(options), options.of is not None and options.of.suffix == ".nc"
@@ -91,7 +90,7 @@ def _tell_day(logged: "LoggedDay") -> None:
 def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from urllib.parse import urlencode
 
-    from swarmcensus.live.server import LOOPBACK, listen, serve, warm
+    from swarmcensus.live import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port or 0)
     with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, and no failure
@@ -120,7 +119,7 @@ def open_browser(address: str) -> None:
 def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from rich.progress import Progress
 
-    from swarmcensus.live.exporting import export
+    from swarmcensus.live import export
     from swarmcensus.support.terminal import console
 
     silent = options.quiet or not sys.stderr.isatty()
@@ -133,7 +132,7 @@ def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], 
 
 def _query(options: argparse.Namespace) -> dict[str, str]:
     """What to show, by key: from the link of --moment, or its part behind #, and from --set and --parameter."""
-    from swarmcensus.live.offers import KEYS, PLAYED
+    from swarmcensus.live import KEYS, PLAYED
 
     text = urlsplit(options.moment).fragment or options.moment
     query = dict(parse_qsl(text.lstrip("#")))

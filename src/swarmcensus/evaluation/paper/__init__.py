@@ -4,3 +4,7 @@ In: the paper's study files.
 Out: datasets, figures, claims.json, index.html.
 Must not know: the command line.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -19,14 +19,13 @@ import xarray as xr
 
 from swarmcensus.evaluation.paper import explanations, measures, rival_explanations, rival_measures
 from swarmcensus.evaluation.paper.evidence import Claim, Range
-from swarmcensus.results.selecting import places_with
-from swarmcensus.results.structure import finished
+from swarmcensus.results import finished, places_with
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import FEWEST
 
 if TYPE_CHECKING:
-    from swarmcensus.figures.sheets import Scale
+    from swarmcensus.figures import Scale
 
 INFINITE = float("inf")
 

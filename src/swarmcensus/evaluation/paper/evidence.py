@@ -10,8 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results.selecting import places_with
-from swarmcensus.results.values import robots_in
+from swarmcensus.results import places_with, robots_in
 from swarmcensus.support import intervals
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats

@@ -11,7 +11,7 @@ from swarmcensus.evaluation.paper.measures import D1, D10, ERROR, MIXED, SPARSE,
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
-from swarmcensus.worlds.sensors import parse_accuracy
+from swarmcensus.worlds import parse_accuracy
 
 ROUND = 10  # observations in a communication round
 LATE = 0.9  # share of a run after which an estimate may not have settled yet

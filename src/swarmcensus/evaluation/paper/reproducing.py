@@ -15,11 +15,8 @@ from swarmcensus.evaluation.paper import page, report
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.evaluation.paper.evidence import check
 from swarmcensus.evaluation.paper.page import Reproduction
-from swarmcensus.runs.collect import Progress, Report
-from swarmcensus.runs.pools import compile_for
-from swarmcensus.runs.progress import showing
-from swarmcensus.runs.running import predicted_seconds, run
-from swarmcensus.studies.study import Study
+from swarmcensus.runs import Progress, Report, compile_for, predicted_seconds, run, showing
+from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
 from swarmcensus.support.fork import in_background
@@ -166,7 +163,7 @@ def _drawn(
     formats: Sequence[str],
 ) -> list[list[Path]]:
     """Draw all figures, every second one in a copy of this process. Returns the files of each."""
-    from swarmcensus.figures.files import save  # imports matplotlib: half a second, which not every part needs
+    from swarmcensus.figures import save  # imports matplotlib: half a second, which not every part needs
     from swarmcensus.figures.kinds.decisions import decisions_grid
     from swarmcensus.figures.kinds.scatter import scatter_grid
 

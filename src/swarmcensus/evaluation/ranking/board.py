@@ -14,13 +14,9 @@ from swarmcensus.evaluation.ranking.losses import Losses, losses_of
 from swarmcensus.evaluation.ranking.page import TITLE, page
 from swarmcensus.evaluation.ranking.scores import DIVISIONS, Scores, scores_of
 from swarmcensus.evaluation.ranking.table import as_text, flat, rows
-from swarmcensus.results.merging import merge
-from swarmcensus.results.store import load
-from swarmcensus.runs.collect import Report
-from swarmcensus.runs.progress import showing
-from swarmcensus.runs.running import run
-from swarmcensus.studies.study import Study
-from swarmcensus.studies.toml_text import read_toml, to_toml
+from swarmcensus.results import load, merge
+from swarmcensus.runs import Report, run, showing
+from swarmcensus.studies import Study, read_toml, to_toml
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
 from swarmcensus.support.options import command
@@ -117,7 +113,7 @@ def leaderboard(
     words += [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
               for word in (option, str(value))]  # fmt: skip
     shipped = studies[OFFICIAL]
-    from swarmcensus.figures.page import drawing  # imports matplotlib
+    from swarmcensus.figures import drawing  # imports matplotlib
 
     with drawing():
         _draw([*scores.values()], own, folder / FIGURE)
@@ -163,8 +159,7 @@ def _draw(boards: Sequence[Scores], own: list[str], path: Path) -> None:
     from matplotlib.figure import Figure
     from matplotlib.ticker import NullFormatter
 
-    from swarmcensus.figures.files import save
-    from swarmcensus.figures.lettering import write_numbers
+    from swarmcensus.figures import save, write_numbers
 
     order = boards[0].error.order
     names = [boards[0].contenders[k] for k in order]

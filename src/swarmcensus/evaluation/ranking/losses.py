@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.analysis.comparing.pair_tests import ALPHA, ContestInput, contests
+from swarmcensus.analysis import ALPHA, ContestInput, contests
 from swarmcensus.evaluation.ranking.scores import Floats, Score, Scores, World
 from swarmcensus.support.significance import holm
 

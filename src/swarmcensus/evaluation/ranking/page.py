@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from swarmcensus.analysis.comparing.cells import p_value
+from swarmcensus.analysis import p_value
 from swarmcensus.evaluation.ranking.losses import FEW, Behind, Losses
 from swarmcensus.evaluation.ranking.scores import Score, Scores
 from swarmcensus.support.formatting import counted

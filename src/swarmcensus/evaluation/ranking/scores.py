@@ -8,12 +8,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.contenders import NONE, Grid, grid_of
-from swarmcensus.analysis.comparing.pair_tests import ContestInput, contests
+from swarmcensus.analysis import NONE, ContestInput, Grid, contests, grid_of
 from swarmcensus.results import measures
-from swarmcensus.studies.coordinates import NUMERIC
+from swarmcensus.studies import NUMERIC
 from swarmcensus.support.bootstrap import Statistic, centres
-from swarmcensus.worlds.networks import MOVING
+from swarmcensus.worlds import MOVING
 
 Floats = NDArray[np.float64]
 World = Mapping[str, Any]

@@ -35,8 +35,7 @@ from swarmcensus.figures.looks import LIES, halo
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import FLOOR, TURNS, check_robot
 from swarmcensus.figures.sheets import Own, figure_of, own_axes
-from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.selecting import require
+from swarmcensus.results import honest_in, require
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import InputError
 

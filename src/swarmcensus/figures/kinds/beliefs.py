@@ -13,14 +13,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from swarmcensus.analysis.explaining.wrong_beliefs import Cost, accuracy_of, costs, costs_of, goes_to
+from swarmcensus.analysis import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import NOTHING, UNRUN, Own, add_key, figure_of, name_axes, say_empty, sheet, show_range
 from swarmcensus.support.errors import InputError
-from swarmcensus.worlds.sensors import Accuracy
+from swarmcensus.worlds import Accuracy
 
 DASHED: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.9}
 ON_AXES = {"accuracy", "assumed_accuracy"}  # coordinates that do not make panels

@@ -14,10 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing import comparison
-from swarmcensus.analysis.comparing.effects import Effect, effects
-from swarmcensus.analysis.comparing.pair_tests import in_worlds_too_few, too_few
-from swarmcensus.analysis.comparing.standings import Standings
+from swarmcensus.analysis import Effect, Standings, comparison, effects, in_worlds_too_few, too_few
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
@@ -26,7 +23,7 @@ from swarmcensus.figures.notes import say_few, say_lacking, say_left_out, with_n
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, add_key, figure_of, layout, name_axes, say_empty, sheet, show_range
-from swarmcensus.results.labels import renamed, titles_of_contenders
+from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 

@@ -14,15 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from swarmcensus.analysis.explaining.expectations import ALONE, SWARM, Expectation, expect
+from swarmcensus.analysis import ALONE, SWARM, Expectation, expect
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, figure_of, name_axes, sheet, show_range
 from swarmcensus.figures.theory_lines import STYLES, THIN, caption_without_theory, sample
-from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.selecting import require
+from swarmcensus.results import honest_in, require
 from swarmcensus.support.bins import right_bin, right_bins
 from swarmcensus.support.errors import InputError
 

@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.explaining.expectations import ALONE, SWARM
+from swarmcensus.analysis import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, solid_dot
@@ -34,10 +34,17 @@ from swarmcensus.figures.sheets import (
     sheet,
     show_range,
 )
-from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
-from swarmcensus.figures.theory_lines import entries as theory_entries
-from swarmcensus.results.cautions import warn_of_edges
-from swarmcensus.results.labels import titles_in
+from swarmcensus.figures.theory_lines import (
+    GREY,
+    STYLES,
+    THIN,
+    Curves,
+    curves_of,
+    entries as theory_entries,
+    say_no_theory,
+    shared,
+)
+from swarmcensus.results import titles_in, warn_of_edges
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 

@@ -21,9 +21,8 @@ from swarmcensus.figures.notes import say_lacking
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figure_of, layout, name_axes, sheet
-from swarmcensus.results.labels import titles_in
-from swarmcensus.results.selecting import TooMuch
-from swarmcensus.studies.coordinates import title_of
+from swarmcensus.results import TooMuch, titles_in
+from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 
 Z = Literal["convergence_error", "convergence_round"]

@@ -34,11 +34,17 @@ from swarmcensus.figures.sheets import (
     say_empty,
     sheet,
 )
-from swarmcensus.results.labels import titles_in
-from swarmcensus.results.measures import derivable, is_share, statistic_of, with_measure
-from swarmcensus.results.selecting import require
-from swarmcensus.results.values import bounds_in, robots_in
-from swarmcensus.studies.coordinates import title_of
+from swarmcensus.results import (
+    bounds_in,
+    derivable,
+    is_share,
+    require,
+    robots_in,
+    statistic_of,
+    titles_in,
+    with_measure,
+)
+from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import estimate_pooled

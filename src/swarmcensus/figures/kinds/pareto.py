@@ -13,9 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.cells import column_head
-from swarmcensus.analysis.comparing.comparison import compare
-from swarmcensus.analysis.comparing.standings import Standings
+from swarmcensus.analysis import Standings, column_head, compare
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
@@ -23,7 +21,7 @@ from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Own, add_key, figure_of, name_axes, sheet, show_range
-from swarmcensus.results.labels import titles_of_contenders
+from swarmcensus.results import titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import QUANTITIES

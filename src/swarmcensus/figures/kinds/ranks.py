@@ -11,10 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from swarmcensus.analysis.comparing.cells import p_equals
-from swarmcensus.analysis.comparing.comparison import compare
-from swarmcensus.analysis.comparing.pair_tests import Contest, in_worlds_too_few, overall_too_few
-from swarmcensus.analysis.comparing.standings import Standings
+from swarmcensus.analysis import Contest, Standings, compare, in_worlds_too_few, overall_too_few, p_equals
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.notes import say_few, say_lacking, say_left_out
 from swarmcensus.figures.page import (
@@ -30,7 +27,7 @@ from swarmcensus.figures.page import (
 )
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Own, caption_panels, figure_of, own_axes
-from swarmcensus.results.labels import renamed, titles_of_contenders
+from swarmcensus.results import renamed, titles_of_contenders
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.significance import groups

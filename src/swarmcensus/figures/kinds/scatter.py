@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.explaining.expectations import ALONE, SWARM
+from swarmcensus.analysis import ALONE, SWARM
 from swarmcensus.figures.clouds import Cloud, Cross, cloud_of, crosses_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
@@ -39,9 +39,17 @@ from swarmcensus.figures.sheets import (
     second_line,
     sheet,
 )
-from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
-from swarmcensus.figures.theory_lines import entries as theory_entries
-from swarmcensus.results.labels import titles_in
+from swarmcensus.figures.theory_lines import (
+    GREY,
+    STYLES,
+    THIN,
+    Curves,
+    curves_of,
+    entries as theory_entries,
+    say_no_theory,
+    shared,
+)
+from swarmcensus.results import titles_in
 from swarmcensus.support.errors import InputError
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short

@@ -11,7 +11,7 @@ from typing import Any
 from swarmcensus import brains
 from swarmcensus.brains import Brain
 from swarmcensus.robots.logs.logs import RobotLog, read_log
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted

@@ -5,9 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.engine.addresses import address
+from swarmcensus.engine import address, chance, single_chance, word_of, words
 from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
-from swarmcensus.engine.random import chance, single_chance, word_of, words
 from swarmcensus.robots.logs.folders import Day, study_of
 from swarmcensus.robots.logs.logs import Tick
 from swarmcensus.robots.logs.minds import Mind

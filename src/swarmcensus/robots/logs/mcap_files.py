@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from swarmcensus import brains
-from swarmcensus.brains.packing import FORMATS, Numbers
+from swarmcensus.brains import FORMATS, Numbers
 from swarmcensus.robots.logs.folders import OWN, about_of, without_logs
 from swarmcensus.robots.logs.log_times import timed
 from swarmcensus.robots.logs.logs import Gap, State, Tick, blocks_of
@@ -17,7 +17,7 @@ from swarmcensus.runtime.runtime import Messages
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.safe_source import digest, read_source
-from swarmcensus.translation.messages import messages_of
+from swarmcensus.translation import messages_of
 
 NANO = 10**6  # nanoseconds of a millisecond
 LATEST = 2**63 - 1  # ns that a file holds

@@ -6,14 +6,12 @@ from binascii import crc32
 from collections.abc import Sequence
 from typing import Any
 
-from swarmcensus.brains import Brain
-from swarmcensus.brains.packing import FORMATS, Format, Numbers, Precision, bytes_of, parts
-from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.brains import FORMATS, Brain, Format, Numbers, Precision, bytes_of, parts, rounded_to_single
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.runtime.log import numbers_of
 from swarmcensus.runtime.runtime import HEADER, Robot
 from swarmcensus.support.formatting import counted
-from swarmcensus.translation.messages import messages_of
+from swarmcensus.translation import messages_of
 
 
 class Unfit(Exception):

@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from swarmcensus import brains
-from swarmcensus.brains import Brain, adversary
-from swarmcensus.brains.packing import Format, Numbers
+from swarmcensus.brains import Brain, Format, Numbers, adversary
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import Day, Member
 from swarmcensus.robots.logs.lives import Start, starts_of

@@ -11,7 +11,7 @@ from swarmcensus.robots.logs.lives import Life
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.minds import Unfit, mind_of
 from swarmcensus.robots.logs.others import OtherDay, brain_of
-from swarmcensus.simulation.inferring import trace_of
+from swarmcensus.simulation import trace_of
 from swarmcensus.support.errors import ResultsError
 
 MOST_VALUES = 2**26  # of a trace

@@ -11,13 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains.fields import Value
-from swarmcensus.brains.packing import FORMATS
-from swarmcensus.brains.single import MODULE, ROUND, codec_source, rounded_to_single
+from swarmcensus.brains import FORMATS, MODULE, ROUND, Value, codec_source, rounded_to_single
 from swarmcensus.robots.folders import new_folder, write_texts
 from swarmcensus.robots.swarm.plans import Member, Plan
 from swarmcensus.runtime import log, runtime
-from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.studies import to_toml_value
 from swarmcensus.support.documents import json_value
 from swarmcensus.support.files import atomic_write
 

@@ -6,17 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from swarmcensus.brains import Adversary, Brain
-from swarmcensus.brains.packing import FORMATS, Format
-from swarmcensus.checks.quick import caution
+from swarmcensus.brains import FORMATS, Adversary, Brain, Format
+from swarmcensus.checks import caution
+from swarmcensus.engine import Inputs
 from swarmcensus.engine.constants import LISTED
-from swarmcensus.engine.layout import Inputs
 from swarmcensus.robots import on_node
 from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
-from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.trials import record_readings
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.simulation import inputs_of, record_readings
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option

@@ -2,8 +2,7 @@
 
 from swarmcensus.brains import Brain
 from swarmcensus.robots.target import Order, Target
-from swarmcensus.translation import selftest
-from swarmcensus.translation.headers import header, unit_of
+from swarmcensus.translation import header, selftest, unit_of
 
 FILES = ("brain.h", "selftest.c", "expected.txt", "Makefile")
 MADE = ("selftest", "found.txt")  # by make in the same folder

@@ -4,15 +4,13 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.brains import rounded_to_single
 from swarmcensus.robots.chips import KILOBOT, avr_size, for_avr, missing
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.target import Order, Target
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.options import wrong_option
-from swarmcensus.translation.comments import quoted
-from swarmcensus.translation.headers import header
-from swarmcensus.translation.pieces import filled, piece
+from swarmcensus.translation import filled, header, piece, quoted
 
 TICKS_A_SECOND = 32  # of a Kilobot's clock
 FLASH, RAM = 20_000, 1_300  # bytes left beside Kilobot's own library, its boot loader and a stack

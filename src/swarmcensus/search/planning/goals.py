@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, lying_brain
 from swarmcensus.support.bins import right_bin
-from swarmcensus.worlds.sensors import Accuracy
+from swarmcensus.worlds import Accuracy
 
 POINTS = 51  # fill ratios of the range that are examined
 NORMAL = NormalDist()

@@ -8,11 +8,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, WrapValidator, model_validator
 
-from swarmcensus.brains import Adversary, Brain, adversary, load
-from swarmcensus.brains.packing import Format, Precision
+from swarmcensus.brains import Adversary, Brain, Format, Precision, adversary, load
 from swarmcensus.search.planning.areas import check_areas
 from swarmcensus.search.planning.goals import Goal, check_consistency, check_liars
-from swarmcensus.studies.fields import (
+from swarmcensus.studies import (
+    KEYS,
     LARGEST,
     Accuracies,
     Brains,
@@ -22,15 +22,16 @@ from swarmcensus.studies.fields import (
     Positives,
     Topologies,
     Whole,
+    as_declared,
+    plain,
+    read_toml,
+    schema_of,
+    study_error,
+    text_of_file,
+    to_toml,
 )
-from swarmcensus.studies.json_schema import schema_of
-from swarmcensus.studies.settings import KEYS, as_declared
-from swarmcensus.studies.tables import study_error
-from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.support.forms import Form, Number, Schema, Share, Table, says
-from swarmcensus.worlds import arena
-from swarmcensus.worlds.bodies import Body, Positive
-from swarmcensus.worlds.sensors import Accuracy
+from swarmcensus.worlds import Accuracy, Body, Positive, arena
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
 MOST_BINS = 10_000

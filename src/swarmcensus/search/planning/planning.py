@@ -6,9 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.runs.collect import Report
-from swarmcensus.runs.pools import thread_count
-from swarmcensus.runs.progress import showing
+from swarmcensus.runs import Report, showing, thread_count
 from swarmcensus.search.planning.areas import NoNetwork
 from swarmcensus.search.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.search.planning.plans import Plan, Question, Row

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.simulating import Curve, Share
-from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.studies import to_toml_value
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output
 

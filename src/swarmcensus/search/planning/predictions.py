@@ -14,12 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus import theory
 from swarmcensus.search.planning.mission import Mission
-from swarmcensus.studies.fields import LARGEST
-from swarmcensus.theory.matrices import from_links, spectrum_of
-from swarmcensus.theory.mixing import variance_factors
-from swarmcensus.worlds.bodies import Body
-from swarmcensus.worlds.patterns import Floor
-from swarmcensus.worlds.sensors import Accuracy
+from swarmcensus.studies import LARGEST
+from swarmcensus.theory import from_links, spectrum_of, variance_factors
+from swarmcensus.worlds import Accuracy, Body, Floor
 
 SAMPLED_SENSORS = 1001  # sensors that represent a spread of accuracies
 MOST_MIXED = 400  # robots of a network whose mixing is computed, which takes a second

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from swarmcensus.brains import Brain
-from swarmcensus.runs.collect import Progress
+from swarmcensus.runs import Progress
 from swarmcensus.search.planning.areas import capacity, check_network, fewest
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (

@@ -12,8 +12,8 @@ from swarmcensus.search.planning.plans import Row, row_of, with_case
 from swarmcensus.search.planning.predictions import Prediction
 from swarmcensus.search.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.search.planning.simulating import Case, Curve, Floats, Share, times_until
-from swarmcensus.studies.fields import LARGEST
-from swarmcensus.worlds.patterns import Floor
+from swarmcensus.studies import LARGEST
+from swarmcensus.worlds import Floor
 
 CONFIRM_FACTOR = 1.6  # confirming runs last so many times the first look's time, to contain the interval's end
 FIRST_LOOK_FACTOR = 2.0  # first looks last so many times the predicted time

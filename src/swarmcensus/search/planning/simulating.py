@@ -11,19 +11,16 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine.constants import NEVER, SENSING
-from swarmcensus.results.summaries import failed_trials
-from swarmcensus.runs.collect import Progress
-from swarmcensus.runs.running import predicted_seconds, run
+from swarmcensus.results import failed_trials
+from swarmcensus.runs import Progress, predicted_seconds, run
 from swarmcensus.search.planning.mission import Mission
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.answers import NO_ESTIMATE
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.simulation import NO_ESTIMATE, sampling
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate, expected_share
 
 if TYPE_CHECKING:
-    from swarmcensus.studies.typed import ScheduleTable
+    from swarmcensus.studies import ScheduleTable
 
 STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
 LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory

@@ -6,15 +6,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.analysis.comparing.cells import NEVER, p_equals, range_text
-from swarmcensus.analysis.comparing.comparison import Comparison, compare_dataset
-from swarmcensus.analysis.comparing.verdicts import win_shares
-from swarmcensus.brains import Adversary, Brain
-from swarmcensus.brains.packing import PLAIN
-from swarmcensus.results.summaries import is_idle
+from swarmcensus.analysis import NEVER, Comparison, compare_dataset, p_equals, range_text, win_shares
+from swarmcensus.brains import PLAIN, Adversary, Brain
+from swarmcensus.results import is_idle
 from swarmcensus.search.tuning.plans import Plan
-from swarmcensus.studies.members import Member
-from swarmcensus.studies.settings import Setting
+from swarmcensus.studies import Member, Setting
 from swarmcensus.support.formatting import counted, decimals_for, grouped, rounded
 
 BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.runs.collect import Progress
+from swarmcensus.runs import Progress
 from swarmcensus.search.tuning.logs import Evaluation, Log, hint
 from swarmcensus.search.tuning.optimiser import Search
 from swarmcensus.search.tuning.plans import Plan

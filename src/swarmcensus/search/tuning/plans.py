@@ -6,14 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from swarmcensus.brains import Adversary, Brain, Value
-from swarmcensus.results.measures import Measure
+from swarmcensus.results import Measure
 from swarmcensus.search.tuning.optimiser import library
 from swarmcensus.search.tuning.ranges import Range, ranges_of, start_of, with_values
 from swarmcensus.search.tuning.targets import Target, target_of
 from swarmcensus.search.tuning.training import measures_of
-from swarmcensus.studies import addresses
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.times import UNITS, parse_time

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal, TypeVar, get_args
 
-from swarmcensus.brains import length
-from swarmcensus.brains.program import Program
+from swarmcensus.brains import Program, length
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 

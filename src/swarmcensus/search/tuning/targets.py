@@ -4,10 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from swarmcensus.brains import Adversary, Brain
-from swarmcensus.brains.packing import PLAIN
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.brains import PLAIN, Adversary, Brain
+from swarmcensus.studies import Setting, Study
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 

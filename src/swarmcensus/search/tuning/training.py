@@ -8,16 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, Brain
-from swarmcensus.engine.threads import LeavableThreads
-from swarmcensus.results import store
-from swarmcensus.results.measures import OURS, Measure, chosen, inputs_of, lacks, numbers
-from swarmcensus.results.values import LOCAL, Values
-from swarmcensus.runs import pools
-from swarmcensus.runs.collect import Progress, State, run_bundles
-from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
+from swarmcensus.engine import LeavableThreads
+from swarmcensus.results import LOCAL, OURS, Measure, Values, chosen, inputs_of, lacks, numbers, store
+from swarmcensus.runs import Progress, State, bundle_tasks, plan_tasks, pools, run_bundles
 from swarmcensus.search.tuning.targets import world_with
-from swarmcensus.studies.settings import Setting
-from swarmcensus.studies.study import Study
+from swarmcensus.studies import Setting, Study
 
 Floats = NDArray[np.float64]
 ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer to

@@ -10,20 +10,15 @@ from typing import Any
 import xarray as xr
 
 from swarmcensus.brains import Adversary, Brain, Value
-from swarmcensus.results import store
-from swarmcensus.results.presence import folder_of
-from swarmcensus.runs import pools
-from swarmcensus.runs.collect import Report
-from swarmcensus.runs.progress import showing
-from swarmcensus.runs.running import run
+from swarmcensus.results import folder_of, store
+from swarmcensus.runs import Report, pools, run, showing
 from swarmcensus.search.tuning.evidence import Evidence, evidence_of
 from swarmcensus.search.tuning.generations import SearchResult, new_search, reset_idle, run_search
 from swarmcensus.search.tuning.logs import Evaluation, Log
 from swarmcensus.search.tuning.plans import Plan, budget_of, plan_of
 from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.search.tuning.training import Training
-from swarmcensus.studies.study import Study
-from swarmcensus.studies.toml_text import read_toml
+from swarmcensus.studies import Study, read_toml
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_output, check_writable
 from swarmcensus.support.formatting import counted

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import compile_world
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Length, Score, Scores, Tiles
 from swarmcensus.worlds.chance import Chance
 

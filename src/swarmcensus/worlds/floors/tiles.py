@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import compile_world
 from swarmcensus.worlds.arena import Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine import compile_world
 
 LETTER = "U"
 

@@ -14,8 +14,7 @@ from rich.console import Console
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.evaluation.paper import page, report
-from swarmcensus.evaluation.paper import reproducing as paper
+from swarmcensus.evaluation.paper import page, report, reproducing as paper
 from swarmcensus.evaluation.paper.evaluations import PAPER
 from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome, check
 from swarmcensus.evaluation.paper.page import strip

@@ -1,0 +1,36 @@
+from . import theory as theory
+from .analysis import (
+    Agreement as Agreement,
+    Comparison as Comparison,
+    Explanation as Explanation,
+    compare as compare,
+    explain as explain,
+)
+from .brains import Adversary as Adversary, Brain as Brain
+from .checks import Conformance as Conformance, check as check
+from .evaluation import Board as Board, Reproduction as Reproduction, leaderboard as leaderboard, reproduce as reproduce
+from .figures import plot as plot
+from .live import Watching as Watching, watch as watch
+from .results import (
+    frame as frame,
+    load as load,
+    merge as merge,
+    remeasure as remeasure,
+    replay as replay,
+    save as save,
+    summary as summary,
+)
+from .runs import Verification as Verification, run as run, verify as verify
+from .search import Plan as Plan, Tuned as Tuned, plan as plan, tune as tune
+from .simulation import infer as infer
+from .studies import Setting as Setting, Study as Study
+from .support.errors import InputError as InputError, Interrupted as Interrupted
+from .support.version import __version__ as __version__
+from .worlds import (
+    Accuracy as Accuracy,
+    Body as Body,
+    Change as Change,
+    Fault as Fault,
+    Floor as Floor,
+    Topology as Topology,
+)

@@ -1,0 +1,1 @@
+from . import comparison as comparison

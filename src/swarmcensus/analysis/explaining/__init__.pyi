@@ -1,0 +1,1 @@
+from . import one_setting as one_setting

@@ -1,0 +1,37 @@
+from . import code_cache as code_cache, codegen as codegen, compiler as compiler
+from .addresses import address as address
+from .code_cache import cache_root as cache_root, keeps as keeps
+from .codegen import record_fields as record_fields
+from .compiler import (
+    IN_SUMS as IN_SUMS,
+    IN_SUMS_OF_ALL as IN_SUMS_OF_ALL,
+    ONE_BY_ONE as ONE_BY_ONE,
+    blank_record as blank_record,
+    compile_metric as compile_metric,
+    compile_world as compile_world,
+)
+from .compiling import INSIDE as INSIDE
+from .failures import works as works
+from .layout import (
+    NO_LINKS as NO_LINKS,
+    Bodies as Bodies,
+    Chunk as Chunk,
+    Inputs as Inputs,
+    Intervals as Intervals,
+    Links as Links,
+    Measures as Measures,
+    Minds as Minds,
+    Neighbours as Neighbours,
+    Radio as Radio,
+    Recorded as Recorded,
+    Segments as Segments,
+    Sensors as Sensors,
+    Swarm as Swarm,
+    Tally as Tally,
+    runs_of as runs_of,
+)
+from .minds import heard_by as heard_by
+from .random import chance as chance, single_chance as single_chance, word_of as word_of, words as words
+from .records import record_type as record_type
+from .return_values import spoken as spoken
+from .threads import WHILE_WAITING as WHILE_WAITING, LeavableThreads as LeavableThreads, interruptible as interruptible

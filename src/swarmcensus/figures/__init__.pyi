@@ -1,0 +1,6 @@
+from . import notebook as notebook, plot as plot
+from .files import save as save
+from .lettering import write_numbers as write_numbers
+from .page import drawing as drawing
+from .plan_lines import draw_plan as draw_plan
+from .sheets import Scale as Scale

@@ -1,0 +1,110 @@
+from . import (
+    measures as measures,
+    merging as merging,
+    recordings as recordings,
+    replaying as replaying,
+    selecting as selecting,
+    shards as shards,
+    store as store,
+    structure as structure,
+    summaries as summaries,
+)
+from .cautions import settled_at_start as settled_at_start, warn_of as warn_of, warn_of_edges as warn_of_edges
+from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
+from .labels import (
+    labels_in as labels_in,
+    renamed as renamed,
+    titles_in as titles_in,
+    titles_of_contenders as titles_of_contenders,
+    with_labels as with_labels,
+)
+from .measures import (
+    COSTS as COSTS,
+    OURS as OURS,
+    SIZES as SIZES,
+    Measure as Measure,
+    chosen as chosen,
+    derivable as derivable,
+    inputs_of as inputs_of,
+    is_share as is_share,
+    lacks as lacks,
+    numbers as numbers,
+    statistic_of as statistic_of,
+    with_measure as with_measure,
+)
+from .merging import merge as merge
+from .partial import opened as opened, say_partial as say_partial
+from .presence import check_there as check_there, folder_of as folder_of
+from .reading import packed as packed, readable as readable
+from .recordings import read_observations as read_observations, write_trace as write_trace
+from .relived import dataset_of as dataset_of
+from .remeasuring import remeasure as remeasure
+from .replaying import honest_in as honest_in, replay as replay
+from .selecting import (
+    TooMuch as TooMuch,
+    check_held as check_held,
+    places_with as places_with,
+    require as require,
+    where as where,
+)
+from .shards import Identity as Identity, Parts as Parts, listed as listed
+from .source_study import (
+    Brains as Brains,
+    metrics_may_run as metrics_may_run,
+    must_be_read as must_be_read,
+    origins_of as origins_of,
+    round_of as round_of,
+    setting_of as setting_of,
+    studies_of as studies_of,
+)
+from .store import (
+    frame as frame,
+    load as load,
+    loaded as loaded,
+    provenance as provenance,
+    save as save,
+    stored as stored,
+    wrong_layout as wrong_layout,
+)
+from .structure import failures as failures, finished as finished
+from .summaries import (
+    as_dict as as_dict,
+    asked_anew as asked_anew,
+    cells as cells,
+    derived_size as derived_size,
+    done as done,
+    failed_trials as failed_trials,
+    is_idle as is_idle,
+    records as records,
+    restated as restated,
+    summary as summary,
+)
+from .table_of_summary import (
+    NOTHING as NOTHING,
+    coordinate_columns as coordinate_columns,
+    summary_table as summary_table,
+    varied_and_same as varied_and_same,
+)
+from .values import (
+    ESTIMATES as ESTIMATES,
+    EVERY as EVERY,
+    INTERVALS as INTERVALS,
+    LOCAL as LOCAL,
+    MISSING as MISSING,
+    ArrayStore as ArrayStore,
+    Columns as Columns,
+    Piece as Piece,
+    Values as Values,
+    blank as blank,
+    bounds_in as bounds_in,
+    edited as edited,
+    is_missing as is_missing,
+    kinds_in as kinds_in,
+    metric_of as metric_of,
+    metrics_in as metrics_in,
+    metrics_label as metrics_label,
+    parameters_in as parameters_in,
+    robots_in as robots_in,
+    same_bits as same_bits,
+    sources_of as sources_of,
+)

@@ -1,0 +1,39 @@
+from .board_tests import Comparison as Comparison, compare as compare
+from .chips import CLOCK as CLOCK, KILOBOT as KILOBOT
+from .costs import COLUMNS as COLUMNS, Cost as Cost, check_tools as check_tools, cost as cost
+from .deploying import Deployed as Deployed, deploy as deploy
+from .folders import check_free as check_free
+from .format_errors import measured as measured, sentence as sentence
+from .logs import traces as traces
+from .logs.bags import is_bag as is_bag, read_bag as read_bag
+from .logs.clocks import Clock as Clock
+from .logs.folders import (
+    ABOUT as ABOUT,
+    OWN as OWN,
+    Day as Day,
+    read_day as read_day,
+    summary_of as summary_of,
+    without_logs as without_logs,
+)
+from .logs.growing import GrowingDay as GrowingDay, may_grow as may_grow
+from .logs.lives import Life as Life, relive_all as relive_all
+from .logs.logs import Block as Block, Tick as Tick
+from .logs.mcap_files import logs_in as logs_in, write_mcap as write_mcap
+from .logs.minds import format_of as format_of
+from .logs.others import TOLD as TOLD, UNKNOWN as UNKNOWN, OtherDay as OtherDay, under as under
+from .logs.reasons import ANOTHER as ANOTHER
+from .logs.traces import (
+    MOST_VALUES as MOST_VALUES,
+    as_logged as as_logged,
+    ends_of as ends_of,
+    estimates_of as estimates_of,
+    last_estimates as last_estimates,
+    messages_of_robots as messages_of_robots,
+)
+from .swarm.children import check_system as check_system
+from .swarm.faults import faults_of as faults_of
+from .swarm.outcomes import Outcome as Outcome
+from .swarm.plans import Air as Air, Plan as Plan, plan_of as plan_of
+from .swarm.reports import Known as Known, share_heard as share_heard
+from .swarm.running import Stopped as Stopped, Swarm as Swarm, run as run
+from .target import datagram_bytes as datagram_bytes

@@ -1,0 +1,36 @@
+from . import hanging as hanging, inferring as inferring, metrics as metrics, oracle as oracle, sampling as sampling
+from .answers import NO_ESTIMATE as NO_ESTIMATE
+from .failure_lines import line_of_failure as line_of_failure
+from .hanging import watched as watched
+from .inferring import infer as infer, trace_of as trace_of, warn_of_estimates as warn_of_estimates
+from .inputs import inputs_of as inputs_of
+from .intervals import ENDS as ENDS
+from .living import STRETCH_BYTES as STRETCH_BYTES, Life as Life, Stretch as Stretch
+from .metrics import convergence as convergence, correct as correct, error_at as error_at
+from .oracle import fixed as fixed
+from .recorded import known as known, readings_of as readings_of
+from .rides import record_ride as record_ride, run_ride as run_ride
+from .swarming import (
+    DECIDED as DECIDED,
+    IS_DONE as IS_DONE,
+    ended as ended,
+    fields_of as fields_of,
+    free as free,
+    minds_of as minds_of,
+    right_option as right_option,
+    swarm as swarm,
+    swarm_of as swarm_of,
+    tally_of as tally_of,
+)
+from .trials import (
+    Batch as Batch,
+    Metrics as Metrics,
+    blaming as blaming,
+    record_estimates as record_estimates,
+    record_readings as record_readings,
+    record_trial as record_trial,
+    run_batch as run_batch,
+    seconds as seconds,
+    walk_seconds as walk_seconds,
+)
+from .watches import MetricFails as MetricFails

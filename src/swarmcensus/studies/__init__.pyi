@@ -1,0 +1,38 @@
+from . import addresses as addresses
+from .checks import taken_in_results as taken_in_results
+from .coordinates import (
+    COORDINATES as COORDINATES,
+    IN_CAPTIONS as IN_CAPTIONS,
+    NUMERIC as NUMERIC,
+    OF_FIGURES as OF_FIGURES,
+    caption_form as caption_form,
+    coordinates_of as coordinates_of,
+    goes_unsaid as goes_unsaid,
+    idle_caption as idle_caption,
+    plural_of as plural_of,
+    title_of as title_of,
+)
+from .fields import (
+    LARGEST as LARGEST,
+    Accuracies as Accuracies,
+    Brains as Brains,
+    BrainsOrAdversaries as BrainsOrAdversaries,
+    Floors as Floors,
+    Name as Name,
+    Positives as Positives,
+    Topologies as Topologies,
+    Whole as Whole,
+)
+from .json_schema import schema as schema, schema_of as schema_of
+from .members import Member as Member, Members as Members, check as check
+from .settings import KEYS as KEYS, Setting as Setting, as_declared as as_declared
+from .study import Study as Study
+from .tables import UNNAMED as UNNAMED, Measure as Measure, study_error as study_error
+from .toml_text import (
+    plain as plain,
+    read_toml as read_toml,
+    text_of_file as text_of_file,
+    to_toml as to_toml,
+    to_toml_value as to_toml_value,
+)
+from .typed import ScheduleTable as ScheduleTable

@@ -1,0 +1,54 @@
+from .bounds import (
+    information as information,
+    median_error as median_error,
+    neighbourhood_bound as neighbourhood_bound,
+    reading_variance as reading_variance,
+    robot_bound as robot_bound,
+    swarm_bound as swarm_bound,
+)
+from .cut_mixing import cut_squared_error as cut_squared_error, terms_for as terms_for
+from .floor import (
+    Truth as Truth,
+    cluster_covariance as cluster_covariance,
+    concentration as concentration,
+    covariance_variance as covariance_variance,
+    even_concentration as even_concentration,
+    floor_variance as floor_variance,
+    sensing_variance as sensing_variance,
+    tiles_variance as tiles_variance,
+)
+from .late_mixing import fits as fits
+from .local import (
+    Law as Law,
+    bin_shares as bin_shares,
+    cut_off as cut_off,
+    error_law as error_law,
+    local_law as local_law,
+    local_squared_error as local_squared_error,
+    mixed_law as mixed_law,
+    normal_median_error as normal_median_error,
+    normal_right_share as normal_right_share,
+    pulled_squared_error as pulled_squared_error,
+    right_share as right_share,
+)
+from .matrices import from_links as from_links, mixing_matrix as mixing_matrix, spectrum_of as spectrum_of
+from .mixing import (
+    Mixed as Mixed,
+    mixed_sums as mixed_sums,
+    mixing_variance as mixing_variance,
+    variance_factors as variance_factors,
+)
+from .spectra import (
+    alike_factors as alike_factors,
+    factor_bounds as factor_bounds,
+    full_spectrum as full_spectrum,
+    mixing_time as mixing_time,
+    mixing_time_bound as mixing_time_bound,
+    relaxation_of as relaxation_of,
+    relaxation_time as relaxation_time,
+    ring_spectrum as ring_spectrum,
+    spectral_gap as spectral_gap,
+    stationary_efficiency as stationary_efficiency,
+    stationary_law as stationary_law,
+    torus_spectrum as torus_spectrum,
+)

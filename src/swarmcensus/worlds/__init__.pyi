@@ -1,0 +1,39 @@
+from . import (
+    arena as arena,
+    faults as faults,
+    networks as networks,
+    patterns as patterns,
+    sensors as sensors,
+    spreading as spreading,
+    wiring as wiring,
+)
+from .arena import tiles_across as tiles_across
+from .bodies import Body as Body, Least as Least, Positive as Positive
+from .chance import Chance as Chance
+from .changes import (
+    OR_CHANGE as OR_CHANGE,
+    Change as Change,
+    along as along,
+    read_change as read_change,
+    steady as steady,
+)
+from .changing_ground import ChangingGround as ChangingGround
+from .edge_lists import KNOWN as KNOWN, LINKS as LINKS, from_one as from_one, links_of as links_of, unlinked as unlinked
+from .faults import NAMES as NAMES, Fault as Fault, outages as outages
+from .generators import numbered as numbered
+from .graphs import network as network, whole as whole
+from .ground import Ground as Ground, reachable as reachable
+from .networks import MOVING as MOVING, TOPOLOGY as TOPOLOGY, Topology as Topology, parse_topology as parse_topology
+from .patterns import FLOOR as FLOOR, Floor as Floor, parse_floor as parse_floor
+from .pictures import Picture as Picture
+from .robustness import is_rs_robust as is_rs_robust, r_robustness as r_robustness
+from .sensors import (
+    ACCURACY as ACCURACY,
+    BELIEF as BELIEF,
+    Accuracy as Accuracy,
+    Misjudgement as Misjudgement,
+    parse_accuracy as parse_accuracy,
+    parse_assumed as parse_assumed,
+    start_of as start_of,
+)
+from .spreading import Spread as Spread
