@@ -20,6 +20,7 @@ from .results import (
     save as save,
     summary as summary,
 )
+from .robots import Deployed as Deployed, deploy as deploy
 from .runs import Verification as Verification, run as run, verify as verify
 from .search import Plan as Plan, Tuned as Tuned, plan as plan, tune as tune
 from .simulation import infer as infer
