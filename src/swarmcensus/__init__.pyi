@@ -6,7 +6,7 @@ from .analysis import (
     compare as compare,
     explain as explain,
 )
-from .brains import Adversary as Adversary, Brain as Brain
+from .brains import Brain as Brain
 from .checks import Conformance as Conformance, check as check
 from .evaluation import Board as Board, Reproduction as Reproduction, leaderboard as leaderboard, reproduce as reproduce
 from .figures import plot as plot
@@ -27,11 +27,3 @@ from .simulation import infer as infer
 from .studies import Setting as Setting, Study as Study
 from .support.errors import InputError as InputError, Interrupted as Interrupted
 from .support.version import __version__ as __version__
-from .worlds import (
-    Accuracy as Accuracy,
-    Body as Body,
-    Change as Change,
-    Fault as Fault,
-    Floor as Floor,
-    Topology as Topology,
-)
