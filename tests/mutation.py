@@ -38,14 +38,14 @@ SENSORS = "unit/worlds/test_sensors --deselect=tests/unit/worlds/test_sensors.py
 # The tests that know a module: first those that are quick in CPython, then those that are run compiled. Below tests/.
 TESTS: dict[str, tuple[str, str]] = {
     "simulation/metrics": ("unit/simulation/test_metrics reference/test_networks", "unit/engine/test_batches"),
-    "support/intervals": ("unit/statistics/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
+    "support/intervals": ("unit/support/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
     "worlds/sensors": (
         f"{SENSORS} unit/engine/test_draws",
-        "unit/worlds/test_sensors unit/explaining/test_beliefs statistical/test_theory",
+        "unit/worlds/test_sensors unit/analysis/explaining/test_beliefs statistical/test_theory",
     ),
     "worlds/spreading": (
         f"{SENSORS} unit/engine/test_draws",
-        "unit/worlds/test_sensors unit/explaining/test_beliefs statistical/test_theory",
+        "unit/worlds/test_sensors unit/analysis/explaining/test_beliefs statistical/test_theory",
     ),
     "worlds/networks": (
         "unit/worlds/test_networks reference/test_networks unit/engine/test_draws",
@@ -53,7 +53,7 @@ TESTS: dict[str, tuple[str, str]] = {
     ),
     "worlds/wiring": (
         "unit/worlds/test_networks reference/test_networks unit/engine/test_draws",
-        "unit/basics/test_plugins unit/engine/test_batches",
+        "unit/support/test_plugins unit/engine/test_batches",
     ),
     "worlds/faults": ("unit/engine/test_draws reference/test_networks", "unit/worlds/test_faults"),
     "engine/random": (
@@ -75,12 +75,12 @@ TESTS: dict[str, tuple[str, str]] = {
         "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_traces unit/simulation/test_delays",
     ),
     "engine/watching": (
-        "unit/metrics/test_files::test_cpython_finds_what_machine_code_finds",
-        "unit/metrics/test_files",
+        "unit/brains/metrics/test_files::test_cpython_finds_what_machine_code_finds",
+        "unit/brains/metrics/test_files",
     ),
     "simulation/watches": (
-        "unit/metrics/test_files::test_cpython_finds_what_machine_code_finds",
-        "unit/metrics/test_files",
+        "unit/brains/metrics/test_files::test_cpython_finds_what_machine_code_finds",
+        "unit/brains/metrics/test_files",
     ),
     "engine/failures": ("unit/worlds/test_faults", "reference/test_networks reference/test_walks"),
     "engine/minds": (
