@@ -114,6 +114,15 @@ def untraced(untraced_processes):
     sys.settrace(trace)
 
 
+@pytest.fixture(autouse=True)
+def own_ctrl_c():
+    """What a test makes of Ctrl-C ends with it: importing dask-jobqueue, for one, makes it end Python."""
+    before = signal.getsignal(signal.SIGINT)
+    yield
+    if signal.getsignal(signal.SIGINT) is not before:
+        signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture
 def no_ctrl_c():
     """Ctrl-C is ignored here, as in what a shell begins in the background."""

@@ -305,7 +305,7 @@ def test_mistakes_are_told_in_a_sentence(given, said, tmp_path, monkeypatch, cap
 def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
-    monkeypatch.setattr(server, "serve", lambda served: (time.sleep(0.5), served.socket.close()))
+    monkeypatch.setattr("swarmcensus.live.serve", lambda served: (time.sleep(0.5), served.socket.close()))
     assert main(["watch", "--set", "tick=70", "--set", "robots=9"]) == 0
     address = capsys.readouterr().out.strip()
     assert address.startswith("http://127.0.0.1:")

@@ -90,7 +90,7 @@ def test_the_page_goes_on_after_the_end_until_ctrl_c(started, tmp_path):
         assert [scene["rounds"] for scene in begun["scenes"]] == [end["rounds"]] * 2
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=20)
-    assert process.returncode == 0
+    assert process.returncode == 0, errors
     assert "Traceback" not in errors
     assert len(json.loads(output)["estimates"]) == 4
 

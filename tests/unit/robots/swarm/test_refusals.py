@@ -78,7 +78,7 @@ def test_a_delay_as_long_as_the_run_is_refused(tmp_path, capsys):
 def test_the_folder_one_is_in_is_refused(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["swarm", "commons", "--out", "."]) == 2
-    assert "--out . is the folder that you are in" in capsys.readouterr().err
+    assert "--out .: this is the folder that you are in" in capsys.readouterr().err
     assert tmp_path.is_dir()
 
 
