@@ -12,7 +12,18 @@ from swarmcensus.figures import kinds
 from swarmcensus.support.hints import did_you_mean
 
 if TYPE_CHECKING:  # so that editors and type checkers know the signatures
-    pass
+    from swarmcensus.figures.files import save as save
+    from swarmcensus.figures.kinds.arena import arena as arena
+    from swarmcensus.figures.kinds.beliefs import beliefs as beliefs
+    from swarmcensus.figures.kinds.compare import compare as compare
+    from swarmcensus.figures.kinds.curves import curves as curves
+    from swarmcensus.figures.kinds.decisions import decisions as decisions
+    from swarmcensus.figures.kinds.film import film as film
+    from swarmcensus.figures.kinds.heatmap import heatmap as heatmap
+    from swarmcensus.figures.kinds.lines import lines as lines
+    from swarmcensus.figures.kinds.pareto import pareto as pareto
+    from swarmcensus.figures.kinds.ranks import ranks as ranks
+    from swarmcensus.figures.kinds.scatter import scatter as scatter
 
 
 def __getattr__(name: str) -> Callable[..., Any]:
