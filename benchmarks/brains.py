@@ -95,7 +95,7 @@ TEN = range(10)
 COMPILE = """
 import sys, time, numpy as np
 from swarmcensus.engine.compiler import blank_record, compile_metric
-from swarmcensus.metrics import load
+from swarmcensus.brains.metrics import load
 known = load("largest-jump" if sys.argv[1] == "mean-error" else "mean-error")  # compiles what Numba itself needs
 blank = blank_record(known, rounds=1.0)
 compile_metric(known).follow(blank, blank.repeat(2), np.zeros((1, 2)), 1, np.full((1, 3), 0.5), np.zeros(2))
