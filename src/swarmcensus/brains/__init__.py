@@ -1,6 +1,6 @@
-"""Brain files and adversary files: found, checked against their contract, loaded, hashed; `library` has shipped brains.
+"""Brain, adversary and metric files: found, checked against a contract, loaded, hashed; `library` has shipped brains.
 
-In: a brain or adversary file, or the name of a shipped one or of one of another package.
+In: a file, or the name of a shipped one or of one of another package.
 Out: a Brain: its functions, memory, message, parameters and source; also for an adversary with a brain that it wears.
 Must not know: how brains are compiled, worlds, studies.
 """

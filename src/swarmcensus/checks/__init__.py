@@ -2,7 +2,7 @@
 
 In: a brain file.
 Out: checks, each with a fault in a sentence, or none.
-Must not know: studies, results, runs.
+Must not know: settings, results, runs.
 """
 
 import lazy_loader

@@ -1,7 +1,7 @@
 """The live page: one trial, simulated while it is watched or from robots' logs, in a browser or one HTML file.
 
 In: a study, results or a folder of logs; requests of a page.
-Out: frames as bytes, the memory of a robot as JSON, a server on loopback, an HTML file.
+Out: frames as bytes, the memory of a robot as JSON, a server, an HTML file.
 Must not know: the command line; how a page draws.
 """
 

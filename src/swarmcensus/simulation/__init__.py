@@ -1,8 +1,8 @@
-"""Runs trials of a setting: batches, moving robots, single trials in full, and the reference in CPython.
+"""Runs trials of a setting: batches, moving robots, single trials in full; and brains on recorded observations.
 
-In: a Setting, a seed, trials, what to measure.
-Out: a Batch of metrics, or a trial in full.
-Must not know: datasets, files, threads, other settings' results.
+In: a Setting, a seed, trials, what to measure; or observations and links.
+Out: a Batch of metrics, a trial in full, or a trace.
+Must not know: files of results, how studies are run, other settings' results.
 """
 
 import lazy_loader

@@ -54,7 +54,7 @@ def option(name: str, value: object = None) -> str:
 
 
 def wrong_option(name: str, value: object, what: object) -> OptionError:
-    """The error of an option: `--radio radar: should be udp`, or `radio='radar': should be udp` in Python."""
+    """The error of an option: `--target radar: should be udp`, or `target='radar': should be udp` in Python."""
     return OptionError(f"{option(name, value)}: {what}", key=name, value=value)
 
 
