@@ -29,7 +29,7 @@ def lowest(session: nox.Session) -> None:
 
 @nox.session
 def lint(session: nox.Session) -> None:
-    """Style, types and the order of rooms."""
+    """Style, types and the order of packages."""
     session.install("-c", "constraints.txt", ".[dev]")
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
