@@ -1,4 +1,4 @@
-"""Random inputs, valid and broken, at every door: never a traceback, never a hang, never half a file.
+"""Random inputs, valid and broken, to every command and public function: no traceback, no hang, never half a file.
 
 Some 800 cases, and 6,000 in the long tests, the same in every run. SWARMCENSUS_FUZZ=20 runs twenty times as many,
 other ones each time; a case that fails is printed as hypothesis has shrunk it.

@@ -12,7 +12,7 @@ from tests.support.contending import made_up
 from tests.support.small import SMALL
 
 PACKAGE = Path(sc.__file__).parent
-OF_A_SHELL = {"checks", "cli", "evaluation", "live", "robots", "translation"}  # rooms that a shell leads to
+OF_A_SHELL = {"checks", "cli", "evaluation", "live", "robots", "translation"}  # packages that a shell leads to
 
 
 def test_an_option_is_written_as_it_would_be_given():

@@ -220,9 +220,9 @@ class Study:
         return list(dict.fromkeys(every) if self.case else every)
 
 
-def _of(door: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
+def _of(kind: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
     """Whether a brain, adversary or metric is from another package, and not from a file with such a name."""
-    return one.name not in door.shipped and one.name in door and door.path(one.name) == one.path
+    return one.name not in kind.shipped and one.name in kind and kind.path(one.name) == one.path
 
 
 SHOWN_VALUES = 12

@@ -8,7 +8,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.engine import compiler
-from swarmcensus.results import shards, store, values as rooms
+from swarmcensus.results import shards, store, values as arrays
 from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools, tasks
 from swarmcensus.runs.running import run
@@ -28,10 +28,10 @@ def crowds(settings, robots=ROBOTS, trials=1):
 
 
 @pytest.fixture
-def small_rooms(monkeypatch):
+def small_arrays(monkeypatch):
     """Arrays of a megabyte are large."""
-    monkeypatch.setattr(rooms, "LARGE_BYTES", 1_000_000)
-    monkeypatch.setattr(rooms, "FRESH_BYTES", 1_000_000)
+    monkeypatch.setattr(arrays, "LARGE_BYTES", 1_000_000)
+    monkeypatch.setattr(arrays, "FRESH_BYTES", 1_000_000)
     monkeypatch.setattr(shards, "SPOOLED_BYTES", 1_000_000)
 
 
@@ -45,7 +45,7 @@ def peak(settings, out):
         tracemalloc.stop()
 
 
-def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_rooms, tmp_path, monkeypatch):
+def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_arrays, tmp_path, monkeypatch):
     """Ten settings take no more than one and some that wait to be written, of which there are four at the most."""
     monkeypatch.setattr(pools, "BUNDLE_SECONDS", 0.0)
     monkeypatch.setattr(shards, "AT_LEAST", 0.0)  # as of trials that take seconds
@@ -60,7 +60,7 @@ def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_rooms, tmp_
     assert sc.load(tmp_path / "one.nc").equals(sc.load(tmp_path / "ten.nc").sel(setting=[0]))
 
 
-def test_arrays_in_files_grow_and_are_written_like_others(small_rooms, tmp_path):
+def test_arrays_in_files_grow_and_are_written_like_others(small_arrays, tmp_path):
     """To the last bit, whatever was let go of meanwhile."""
     study = crowds(2, 70_000, 2)
     settings, marks = study.settings(), ["a", "b"]
@@ -80,11 +80,11 @@ def test_arrays_in_files_grow_and_are_written_like_others(small_rooms, tmp_path)
     assert (store.dataset(study, settings, marks, values)["convergence_round"] >= 0).all()
 
 
-def test_a_folder_without_room_for_results_is_told(small_rooms, tmp_path, monkeypatch):
+def test_a_folder_without_room_for_results_is_told(small_arrays, tmp_path, monkeypatch):
     def full(**_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(rooms.tempfile, "TemporaryFile", full)
+    monkeypatch.setattr(arrays.tempfile, "TemporaryFile", full)
     with pytest.raises(InputError, match=r"cannot keep results in .*: No space left on device"):
         run(crowds(5), 1, progress=False, out=tmp_path / "a.nc")
     assert not list(tmp_path.iterdir())
