@@ -120,7 +120,7 @@ def test_faults_of_film_options_come_first(here, capsys, monkeypatch):
         (["--setting", 0], "setting 0 is a fixed network"),
         (["--setting", 9], "setting 9: these results hold"),
         (["--trial", 1], "trial 1: these results hold"),
-        (["--brain-file", "none.py"], "none.py"),
+        (["--brain-file", "none.py"], "neither a shipped brain"),
         (["--last", 10], "tick 10: this trial has ticks 0 to 9"),
         (["--first", 5, "--last", 4], "no tick from 5 to 4"),
         (["--robot", 4], "robot 4: the robots are numbered 0 to 3"),

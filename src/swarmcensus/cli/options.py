@@ -249,7 +249,8 @@ def once(option: str, pairs: Sequence[tuple[str, T]]) -> dict[str, T]:
     """The values of an option that is repeated, by name. Raises InputError for a name that is given twice."""
     values = dict(pairs)
     if len(values) < len(pairs):
-        raise OptionError(f"--{option} gives a name twice", key=option)
+        name = next(name for k, (name, _) in enumerate(pairs) if name in dict(pairs[:k]))
+        raise OptionError(f"--{option} {name}: the name is given twice", key=option)
     return values
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from swarmcensus.results import check_held, loaded, replaying, require, setting_of
+from swarmcensus.results import Brains, check_held, loaded, replaying, require, setting_of
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import InputError
@@ -42,9 +42,7 @@ def is_trace(data: xr.Dataset) -> bool:
     return "round" in data.dims
 
 
-def trace_of(
-    results: xr.Dataset, setting: int | None = None, trial: int = 0, brain_file: str | Path | None = None
-) -> xr.Dataset:
+def trace_of(results: xr.Dataset, setting: int | None = None, trial: int = 0, brain_file: Brains = ()) -> xr.Dataset:
     """Replay the estimates of a trial; `setting` is by default the first. Raises InputError as `replay` does."""
     require(results, dimensions=("setting", "trial"))
     number = int(results["setting"].values[0]) if setting is None else setting
@@ -52,7 +50,7 @@ def trace_of(
 
 
 def scene_of(
-    results: xr.Dataset | str | Path, setting: int | None = None, trial: int = 0, brain_file: str | Path | None = None
+    results: xr.Dataset | str | Path, setting: int | None = None, trial: int = 0, brain_file: Brains = ()
 ) -> xr.Dataset:
     """Return what `arena` and `film` draw of one trial: its trace with links, and its floor as two more variables.
 
@@ -74,12 +72,12 @@ def scene_of(
     return trace
 
 
-def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None) -> xr.Dataset:
+def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: Brains) -> xr.Dataset:
     """A trace as it is, or the scene of results. Raises InputError as `scene_of` does."""
     return results if is_trace(results) else scene_of(results, setting, trial, brain_file)
 
 
-def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None, robot: int) -> Clock:
+def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: Brains, robot: int) -> Clock:
     """The clock of a trial, without running it again.
 
     Raises InputError if the setting, trial, brain or robot does not exist, or the robots do not move.
@@ -108,9 +106,7 @@ def check_robot(robot: int, robots: int) -> None:
         raise InputError(f"robot {robot}: the robots are numbered 0 to {robots - 1}")
 
 
-def find_moving(
-    data: xr.Dataset, setting: int | None, trial: int, brain_file: str | Path | None = None
-) -> tuple[int, Setting]:
+def find_moving(data: xr.Dataset, setting: int | None, trial: int, brain_file: Brains = ()) -> tuple[int, Setting]:
     """The number of a setting with moving robots, by default the first, and the setting.
 
     Raises InputError if the setting, the trial or its brain does not exist, or the robots do not move.

@@ -10,7 +10,7 @@ from swarmcensus.checks import caution
 from swarmcensus.engine.constants import LISTED, NEVER, PARTS
 from swarmcensus.results.labels import labels_in
 from swarmcensus.results.selecting import check_held
-from swarmcensus.results.source_study import setting_of
+from swarmcensus.results.source_study import Brains, setting_of
 from swarmcensus.results.store import loaded
 from swarmcensus.simulation import (
     ended,
@@ -32,7 +32,7 @@ def replay(
     results: xr.Dataset | str | Path,
     setting: int,
     trial: int,
-    brain_file: str | Path | None = None,
+    brain_file: Brains = (),
     links: bool = False,
 ) -> xr.Dataset:
     """Run one trial again and return its trace: every field of the brain's memory and `estimate`, (round, robot).
@@ -56,9 +56,7 @@ def replay(
     return _labelled(trace, results, study, chosen, trial, setting)
 
 
-def estimates(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None = None
-) -> xr.Dataset:
+def estimates(results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: Brains = ()) -> xr.Dataset:
     """A trace as `replay` returns it; on fixed networks, with estimates only.
 
     This needs no compilation if the trial was run on this machine. Raises InputError.
@@ -179,7 +177,7 @@ def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dat
 
 
 def recording(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None = None
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: Brains = ()
 ) -> tuple[np.ndarray, np.ndarray]:
     """The observations and links of one trial, in the form that `infer` takes.
 
@@ -220,9 +218,7 @@ def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
     return readings
 
 
-def _find(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: str | Path | None
-) -> tuple[Study, Setting]:
+def _find(results: xr.Dataset | str | Path, setting: int, trial: int, brain_file: Brains) -> tuple[Study, Setting]:
     data = loaded(results)
     check_held(data, trial=trial)
     study, chosen = setting_of(data, setting, brain_file)

@@ -6,7 +6,7 @@ with exactly the source in the results.
 """
 
 import contextlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
@@ -25,7 +25,7 @@ from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.worlds import MOVING
 
 RELIVED = "relived"  # the attribute of results that robots made, and no simulation
-Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
+Brains = str | Path | Sequence[str | Path] | None  # brain files, given for those that results name
 
 
 def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool = True) -> tuple[Study, Setting]:

@@ -12,7 +12,6 @@ from swarmcensus.engine.constants import LISTED
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.worlds import Accuracy, Chance, ChangingGround, Floor, Ground, Misjudgement, Topology, faults
 
-MOST_LISTED = 2000  # robots of a full network with a list of links
 Sides = tuple[np.ndarray, ...]
 Where = tuple[int, int, int, int]  # seed, first trial, trials, robots
 
@@ -48,8 +47,6 @@ def _without_missing(setting: Setting, whole: Links, seed: int, first: int, tria
     """The links that are not missing. A pair of neighbours has one draw, so a larger share lacks all of a smaller."""
     robots = setting.robots
     if whole.mode != LISTED:
-        if robots > MOST_LISTED:
-            raise ValueError(f"{robots:,} robots: with missing_links a full network has {MOST_LISTED:,} at the most")
         everyone = (ends.astype(np.uint32) for ends in np.nonzero(~np.eye(robots, dtype=np.bool_)))
         whole = Links(LISTED, np.array([0, robots * (robots - 1)]), *everyone)
     key = address(seed, "missing links", topology=setting.topology.content, robots=robots)

@@ -18,6 +18,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.worlds import Change, Fault, arena
 
+MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
 MOST_TILES = 2**30  # from wall to wall: a tile's place is two 32-bit numbers
 
 
@@ -37,6 +38,7 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     for topology, robots in dict.fromkeys(sizes):
         plain_text(topology.name)
         topology.check(robots)
+    _check_missing(grids)
     if all_used:
         _check_used(tables, grids)
     _check_measure(tables, grids)
@@ -119,6 +121,17 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         raise ValueError("world.feedback is of messages with a number format: world.message says which")
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise ValueError(f'measure.truth = "floor" is of {MEANING["moving"]}')
+
+
+def _check_missing(grids: Sequence[Grid]) -> None:
+    for grid in grids:
+        robots, missing = max(grid.swarm.robots), max(grid.world.missing_links)
+        full = any(topology.is_full for topology in grid.world.topology)
+        if full and missing and robots > MOST_LISTED and not all(brain.is_oracle for brain in grid.swarm.brain):
+            raise ValueError(
+                f"{grid.key('missing_links')} = {missing:g}: a full network has {MOST_LISTED:,} robots at the most "
+                f"then, and there are {robots:,}"
+            )
 
 
 def _check_late(grids: Sequence[Grid]) -> None:

@@ -63,7 +63,7 @@ def test_the_command_takes_parameters(tmp_path, monkeypatch, capsys):
     assert main([*words, "trust=0.9"]) == 2
     assert capsys.readouterr().err.startswith("swarmcensus: trust: known here: setting, trial")
     for wrong, said in (
-        (["--parameter", "momentum=0.5"], "swarmcensus: --parameter gives a name twice"),
+        (["--parameter", "momentum=0.5"], "swarmcensus: --parameter momentum: the name is given twice"),
         (["--set", "momentum=0.5"], "swarmcensus: --set momentum: "),
         (["--set", "=1"], "swarmcensus watch: --set =1: should"),
     ):

@@ -67,9 +67,10 @@ def _deploy(options: argparse.Namespace) -> int:
 def _sizes(made: "Deployed") -> list[str]:
     brain, datagram = made.order.brain, made.order.datagram_bytes
     within = "" if datagram is None else f", in a datagram of {datagram:,}"
+    size = 8 if made.order.name == "c" and brain.numbers.precision == "double" else 4
     lines = [
         f"message   {counted(brain.message_bytes, 'byte')}{within}",
-        f"memory    {brain.memory_bytes:,} bytes of numbers, 4 a number",
+        f"memory    {brain.memory_bytes * size // 4:,} bytes of numbers, {size} a number",
     ]
     if made.flash_bytes is not None:
         lines.append(f"flash     {made.flash_bytes:,} bytes, beside Kilobot's own library")
@@ -80,7 +81,7 @@ def _sizes(made: "Deployed") -> list[str]:
 def _compare(options: argparse.Namespace) -> int:
     from swarmcensus.robots import compare
 
-    given = [name for name in MAKING if getattr(options, name)]
+    given = [name for name in MAKING if getattr(options, name) not in (None, [])]
     if options.folder or given:
         what = option(given[0]) if given else str(options.folder)
         raise OptionError(f"{what} does not go with {option('selftest')}", key=given[0] if given else "folder")

@@ -164,6 +164,8 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     if options.local and options.delta is not None:
         raise misplaced("local", None, "does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
+    if "brain_file" in given:  # kinds take what a study file can hold
+        given["brain_file"] = [str(path) for path in given["brain_file"]]
     more = {name: _value(text) for name, text in once("set", options.set).items()}
     for name in given.keys() & more:
         raise OptionError(f"{option(name)} and --set {name}=... set the same option: give one of them", key=name)

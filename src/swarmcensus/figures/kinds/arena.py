@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
@@ -35,7 +34,7 @@ from swarmcensus.figures.looks import LIES, halo
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import FLOOR, TURNS, check_robot
 from swarmcensus.figures.sheets import Own, figure_of, own_axes
-from swarmcensus.results import honest_in, require
+from swarmcensus.results import Brains, honest_in, require
 from swarmcensus.support.bins import right_bin
 from swarmcensus.support.errors import InputError
 
@@ -50,7 +49,7 @@ def arena(
     *,
     setting: int | None = None,
     trial: int = 0,
-    brain_file: str | Path | None = None,
+    brain_file: Brains = (),
     tick: int | str | None = None,
     robot: int = 0,
     title: str | None = None,
@@ -65,7 +64,7 @@ def arena(
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.
     - `setting`, `trial`: the trial to replay; by default the first trial of the first setting whose robots move.
-    - `brain_file`: the brain file to replay with, if the brain is your own.
+    - `brain_file`: the files of brains, adversaries and metrics of your own to replay with: one, or several.
     - `tick`: a tick, or a time such as "5 min"; by default the last tick.
     - `robot`: the robot whose radio range is drawn.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
@@ -21,7 +20,7 @@ from swarmcensus.figures.page import PageOptions, ink, on_dark, on_page
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Own, Scale, add_key, count_axis, figure_of, name_axes, sheet, show_range
 from swarmcensus.figures.theory_lines import STYLES, THIN, caption_without_theory, sample
-from swarmcensus.results import honest_in, require
+from swarmcensus.results import Brains, honest_in, require
 from swarmcensus.support.bins import right_bin, right_bins
 from swarmcensus.support.errors import InputError
 
@@ -37,7 +36,7 @@ def curves(
     *,
     setting: int | None = None,
     trial: int = 0,
-    brain_file: str | Path | None = None,
+    brain_file: Brains = (),
     scale: Scale = "log",
     theory: bool = False,
     title: str | None = None,
@@ -53,7 +52,7 @@ def curves(
 
     - `results`: a trace from `sc.replay` or `sc.infer`, or a study's results, of which one trial is then replayed.
     - `setting`, `trial`: the trial to replay; by default the first trial of the first setting.
-    - `brain_file`: the brain file to replay with, if the brain is your own.
+    - `brain_file`: the files of brains, adversaries and metrics of your own to replay with: one, or several.
     - `scale`: "log" makes x logarithmic above 1; "linear" does not.
     - `theory`: add the range in which theory expects the middle half of all estimates: dotted for robots alone, dashed
       for the bound of the whole swarm. This needs a study's results, not a trace.

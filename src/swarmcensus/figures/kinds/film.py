@@ -25,6 +25,7 @@ from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.scenes import Clock, check_tick
 from swarmcensus.figures.sheets import Own
+from swarmcensus.results import Brains
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_writable
 
@@ -44,7 +45,7 @@ def film(
     out: str | Path = "film.mp4",
     setting: int | None = None,
     trial: int = 0,
-    brain_file: str | Path | None = None,
+    brain_file: Brains = (),
     first: int | str = 1,
     last: int | str | None = None,
     every: int = 2,
