@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import matplotlib as mpl
 import numba
@@ -10,6 +11,7 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
+from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import panels, scenes
 from swarmcensus.results import replaying
@@ -51,6 +53,18 @@ def test_one_trial_means_nothing_to_pictures_of_all(kind, option, small_file, he
     said = complaint(capsys, "plot", small_file, "--kind", kind, *option)
     assert f"{option[0]} goes with --kind arena or curves or film, not with {kind}" in said
     assert not list(here.iterdir())
+
+
+@pytest.mark.interpreted
+def test_curves_of_a_brain_file_that_is_given(here):
+    Path("mine.py").write_text(brains.load("minimalistic").source)
+    study = sc.Study(
+        trials=1, swarm={"brain": "mine.py", "robots": 3, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
+    )  # fmt: skip
+    sc.run(study, jobs=1, out="mine.nc", progress=False)
+    assert main(["plot", "mine.nc", "--kind", "curves", "--brain-file", "mine.py", "--out", "curves.png"]) == 0
+    assert Path("curves.png").is_file()
 
 
 @pytest.mark.long

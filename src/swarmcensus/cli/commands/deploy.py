@@ -45,7 +45,9 @@ def _deploy(options: argparse.Namespace) -> int:
 
     for name, value in (("FOLDER", options.folder), ("--target", options.target)):
         if value is None:
-            example = "swarmcensus deploy BRAIN FOLDER --target udp --b 0.9 --w 0.85"
+            example = "swarmcensus deploy BRAIN FOLDER --target " + (
+                "c" if options.target == "c" else "udp --b 0.9 --w 0.85"
+            )
             raise OptionError(f"{name} is missing: {example}", key=name.strip("-").lower())
     made = write(
         options.what, options.folder, options.target, b=options.b, w=options.w, message=options.message,
