@@ -1,7 +1,15 @@
 """Luck, parameters, vectors, silence, decisions and an end, in one brain: kept as it was for results that name it."""
 
 PARAMETERS = {"chatter": 0.5, "enough": 60.0, "weights": (0.5, 0.25, 0.25)}
-MEMORY = {"t": 0.0, "n": 0.0, "x": 0.5, "talks": 1.0, "heard": 0.0, "kept": 0.5, "recent": (0.5,) * 3}
+MEMORY = {
+    "t": 0.0,
+    "n": 0.0,
+    "x": 0.5,
+    "talks": 1.0,
+    "heard": 0.0,
+    "kept": 0.5,
+    "recent": (0.5,) * 3,
+}
 MESSAGE = ("x", "recent")
 OPTIONS = 2
 

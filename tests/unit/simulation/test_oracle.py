@@ -118,7 +118,7 @@ def test_a_steering_swarm_has_one_too(tmp_path):
     found = made.settings()[0]
     for trial in range(3):
         b, w = (np.broadcast_to(side[0], 12) for side in sampling.accuracies(found, 4, trial, 1)[:2])
-        trace = sc.replay(results, 0, trial, brain=tmp_path / "seer.py")
+        trace = sc.replay(results, 0, trial, brain_file=tmp_path / "seer.py")
         best = most_likely(b, w, trace["t"].values[-1], trace["n"].values[-1])
         assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-12)
 
