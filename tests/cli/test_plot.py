@@ -55,7 +55,7 @@ def test_one_trial_means_nothing_to_pictures_of_all(kind, option, small_file, he
     assert not list(here.iterdir())
 
 
-@pytest.mark.interpreted
+@pytest.mark.long
 def test_curves_of_a_brain_file_that_is_given(here):
     Path("mine.py").write_text(brains.load("minimalistic").source)
     study = sc.Study(
