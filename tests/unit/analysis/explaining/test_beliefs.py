@@ -1,5 +1,6 @@
 """What wrong beliefs cost: the closed form against the likelihood and the simulation, and the figure of both."""
 
+import itertools
 import re
 
 import numpy as np
@@ -163,18 +164,9 @@ def test_each_panel_shows_each_setting_once_and_its_prediction(results):
     figure = beliefs(results, title="mine")
     assert len(figure.axes) == 4
     said = texts(figure)
-    for word in (
-        "mine",
-        "(a) ring, f = 0.55",
-        "(d) moving, D = 10, f = 0.95",
-        "N(0, 0.05)",
-        "b = 0.9, w = 0.7",
-        "predicted",
-    ):
+    for word in ("mine", "(a) ring, f = 0.55", "(d) moving, D = 10, f = 0.95", "N(0, 0.05)", "predicted"):
         assert word in said
-    for ax, (topology, f) in zip(
-        figure.axes, [("ring", 0.55), ("ring", 0.95), ("moving", 0.55), ("moving", 0.95)], strict=True
-    ):
+    for ax, (topology, f) in zip(figure.axes, itertools.product(("ring", "moving"), (0.55, 0.95)), strict=True):
         mine = (results.topology == topology) & (results.fill_ratio == f)
         found = costs(results.isel(setting=mine.values))
         for accuracy, name in (("0.675", "0.675"), ("black=0.9 white=0.7", "b = 0.9, w = 0.7")):
@@ -190,12 +182,9 @@ def test_each_panel_shows_each_setting_once_and_its_prediction(results):
 
 
 def test_predictions_that_lie_on_each_other_take_turns():
-    study = sc.Study(
-        trials=1,
-        swarm={"robots": 2, "accuracy": [0.6, 0.7, 0.9], "assumed_accuracy": [{"error": -0.05}, {"error": 0}]},
-        world={"topology": "ring", "fill_ratio": [0.3, 0.5]},
-        schedule={"rounds": 2},
-    )
+    swarm = {"robots": 2, "accuracy": [0.6, 0.7, 0.9], "assumed_accuracy": [{"error": -0.05}, {"error": 0}]}
+    world = {"topology": "ring", "fill_ratio": [0.3, 0.5]}
+    study = sc.Study(trials=1, swarm=swarm, world=world, schedule={"rounds": 2})
     figure = beliefs(sc.run(study))
     apart, upon = figure.axes
     lines = [[line for line in ax.lines if str(line.get_label()).startswith("predicted")] for ax in (apart, upon)]
@@ -209,24 +198,6 @@ def test_predictions_that_lie_on_each_other_take_turns():
     figure.draw_without_rendering()
     (zero,) = (tick.get_text() for tick in upon.get_yticklabels() if tick.get_position()[1] == 0)
     assert zero == "0"  # with a longer one the axis to its left reads as a minus
-
-
-@pytest.mark.long
-def test_settings_without_trials_and_unknown_brains(results):
-    part = results.copy(deep=True)
-    ring = (part.topology == "ring").values & (part.fill_ratio == 0.55).values
-    part["final_estimate"][ring] = np.nan
-    part["final_estimate"][~ring, 4:] = np.nan
-    figure = beliefs(part)
-    assert "no trial has been run" in texts(figure)
-    assert "95 %" not in texts(figure)  # of four trials there is none
-    own = results.assign_coords(brain=("setting", ["mine.py"] * results.sizes["setting"]))
-    assert "predicted" not in texts(beliefs(own))
-    only = results.isel(setting=(results.assumed_accuracy == "error=N(0.0,0.05)").values)
-    assert len(beliefs(only).axes) == 4
-    part["final_estimate"][:] = np.nan
-    with pytest.raises(InputError, match="no trial of these settings has been run"):
-        beliefs(part)
 
 
 @pytest.mark.long
