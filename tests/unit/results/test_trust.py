@@ -351,7 +351,6 @@ def test_attributes_of_other_programs_are_told(files):
     ("how", "said"),
     [
         ("elsewhere", "the numbers of fill_ratio are not in the file"),
-        ("virtual", "the numbers of fill_ratio are not in the file"),
         ("linked", "fill_ratio is a link"),
         ("group", "notes is a group"),
     ],
@@ -370,10 +369,6 @@ def test_no_other_file_is_read(how, said, tmp_path):
         if how == "elsewhere":
             other.write_bytes(bytes(8 * shape[0]))
             file.create_dataset("fill_ratio", shape, kind, external=[(str(other), 0, 8 * shape[0])])
-        elif how == "virtual":
-            layout = h5py.VirtualLayout(shape, kind)
-            layout[...] = h5py.VirtualSource(str(other), "x", shape)
-            file.create_virtual_dataset("fill_ratio", layout)
         elif how == "linked":
             file["fill_ratio"] = h5py.ExternalLink(str(other), "x")
     with pytest.raises(InputError, match=f"damaged or changed: {said}$"):

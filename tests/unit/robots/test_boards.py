@@ -58,21 +58,17 @@ def test_a_folder_for_micropython(tmp_path, capsys, radio):
     assert (space["NUMBER"], space["PERIOD"], space["B"], space["W"]) == (7, 250, 0.9, 0.85)
     brain = brains.load("sure")
     assert (folder / "brain.py").read_text() == brain.source
-    printed = capsys.readouterr().out
     kept = brain.with_numbers(Numbers(message="ratio16")).memory_bytes
-    assert f"memory    {kept:,} bytes" in printed
+    assert f"memory    {kept:,} bytes" in capsys.readouterr().out
 
 
-def test_json_tells_the_sizes(tmp_path, capsys):
-    deployed(tmp_path / "robot", "commons", "udp", "--json", "--message", "ratio8")
-    told = json.loads(capsys.readouterr().out)
-    assert told["format"] == "swarmcensus deployment 1"
-    assert (told["message_bytes"], told["datagram_bytes"], told["flash_bytes"]) == (2, 12, None)
-
-
-def test_parameters_are_the_robots(tmp_path):
-    folder = deployed(tmp_path / "robot", "tracking", "udp", "--parameter", "memory=50", "--message", "float16")
+def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
+    folder = deployed(
+        tmp_path / "robot", "tracking", "udp", "--parameter", "memory=50", "--json", "--message", "ratio8"
+    )
     assert "PARAMETERS = {'memory': 50.0}" in (folder / "settings.py").read_text()
+    told = json.loads(capsys.readouterr().out)
+    assert (told["format"], told["datagram_bytes"]) == ("swarmcensus deployment 1", 14)
 
 
 @pytest.mark.parametrize(
@@ -287,7 +283,6 @@ class ESPNow:
         self.on = on
 
     def add_peer(self, mac):
-        assert self.on
         self.peers.append(mac)
 
     def send(self, mac, data, sync):

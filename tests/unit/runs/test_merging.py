@@ -57,50 +57,6 @@ def test_settings_and_trials_that_differ():
                 assert merged[name].values[row] == source[name].values[k]
 
 
-def test_checkpoints_are_joined():
-    merged = sc.merge([ran(robots_in_swarm=4), ran(robots_in_swarm=6, checkpoints_in_measure=[20, 40])])
-    assert merged["checkpoint"].values.tolist() == [10, 20, 40]
-    assert np.isnan(merged["correct"].values[:2, 1]).all()
-    assert np.isfinite(merged["correct"].values[:2, [0, 2]]).all()
-    assert np.isfinite(merged["correct"].values[2:, 1:]).all()
-
-
-@pytest.mark.long
-def test_merged_results_are_results(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    for name, changes in (("a", {"robots_in_swarm": 6}), ("b", {"topology_in_world": ["line"]})):
-        sc.save(ran(**changes), f"{name}.nc")
-    assert main(["merge", "a.nc", "b.nc", "--out", "c.nc"]) == 0
-    assert "c.nc: 4 settings, 16 of 16 trials" in capsys.readouterr().out
-    merged = sc.load("c.nc")
-    assert main(["replay", "c.nc", "--setting", "3", "--trial", "2"]) == 0
-    assert main(["verify", "c.nc", "--all"]) == 0
-    assert "16 of 16 trials run again: the same to the last bit" in capsys.readouterr().out
-    assert main(["plot", "c.nc"]) == 0
-    assert main(["export", "c.nc"]) == 0
-    assert main(["merge", "c.nc", "a.nc", "--out", "d.nc"]) == 0
-    assert sc.load("d.nc").drop_attrs().identical(merged.drop_attrs())
-    whole = study(robots_in_swarm=[4, 6], topology_in_world=["ring", "full", "line"])
-    (tmp_path / "whole.toml").write_text(whole.text)
-    assert main(["run", "whole.toml", "--out", "c.nc"]) == 0
-    assert sc.load("c.nc").drop_attrs().identical(sc.run(whole, jobs=2).drop_attrs())
-
-
-def test_robots_that_move_and_images_merge(tmp_path):
-    moving = {
-        "trials": 2,
-        "swarm": {"robots": 5, "accuracy": [0.7]},
-        "world": {"topology": "moving", "density": 1, "fill_ratio": 0.55, "floor": ["tiles", {"clusters": 0.3}]},
-        "schedule": {"ticks": 50},
-    }
-    one = sc.run(sc.Study(seed=3, **moving), jobs=2)
-    moving["world"]["floor"] = ["half"]
-    merged = sc.merge([one, sc.run(sc.Study(seed=3, **moving), jobs=2)])
-    assert merged["floor"].values.tolist() == ["tiles", "clusters(0.3)", "half"]
-    assert np.isfinite(merged["true_fill_ratio"].values).all()
-    assert not sc.verify(merged, 1.0).differences
-
-
 def test_overlaps_that_disagree_are_refused():
     one, two = ran(), ran()
     two["convergence_error"].values[2, 1, 0] += 1e-16 + np.spacing(two["convergence_error"].values[2, 1, 0])

@@ -81,17 +81,6 @@ def test_where_nothing_can_be_compared_it_is_said(settings, said):
         sc.compare(made_up().isel(setting=settings))
 
 
-def test_damaged_parameters_are_named():
-    data = made_up()
-    for text, said in (
-        ("{", "should name brains' parameters"),
-        ('{"bayes-bots": ["zeal"]}', "no coordinate zeal, the parameter of"),
-    ):
-        data.attrs["parameters"] = text
-        with pytest.raises(sc.InputError, match=said):
-            sc.compare(data)
-
-
 # ---- the number of a trial
 
 
@@ -380,18 +369,6 @@ def test_too_few_trials_are_said_to_be():
     assert np.isnan(sc.compare(made_up(trials=5), "final_error").table["final_error_low"]).all()
 
 
-@pytest.mark.long
-def test_equal_brains_are_told_apart_in_few_results():
-    """From the dataset on: of 200, more than 20 would be by chance in less than one case of 1,000, if 5 % were."""
-    alarms = 0
-    for seed in range(200):
-        found = sc.compare(
-            made_up(brains=3, trials=10, robots=2, seed=seed), ["final_error", "correct", "consensus_round"]
-        )
-        alarms += any(one.apart.any() or one.duels_apart.any() for one in found.contests)
-    assert alarms <= stats.binom.ppf(0.999, 200, 0.05)
-
-
 # ---- intervals
 
 
@@ -403,14 +380,6 @@ def test_intervals_of_medians_by_brute_force():
     tail = stats.norm.cdf(-math.sqrt(15 / 14) * stats.t.ppf(0.975, 14))
     assert (drawn < low[0]).mean() <= tail + 0.005 <= (drawn <= low[0]).mean() + 0.01
     assert (drawn > high[0]).mean() <= tail + 0.005 <= (drawn >= high[0]).mean() + 0.01
-
-
-def test_intervals_of_means_are_stretched_to_students():
-    random = np.random.default_rng(4)
-    values = random.normal(size=(1, 200))
-    low, high = intervals(values, "mean")
-    error = values.std(ddof=1) / math.sqrt(200)
-    assert [low[0], high[0]] == pytest.approx(values.mean() + np.array([-1, 1]) * 1.972 * error, abs=0.1 * error)
 
 
 def test_medians_with_infinite_and_missing_values():
@@ -501,31 +470,3 @@ def test_one_contender_is_named_to_compare_against():
         sc.compare(made_up(), against="minimal")
     with pytest.raises(InputError, match="these are several, bayes-bots prior=1, bayes-bots prior=10"):
         sc.compare(made_up(), against="bayes-bots")
-
-
-def test_over_all_worlds_nobody_is_better_against_the_mean():
-    """In most trials better in one world of ten, and in few worse in all: ranks say one thing and the mean another."""
-    worlds = tuple(f"w{k}" for k in range(10))
-    data = made_up(brains=2, worlds=worlds, trials=34)
-    error = np.zeros((20, 34, 5))
-    error[0::2] = 0.1
-    error[1::2] = 0.1
-    error[1, :30] = 0.05
-    error[1::2, 30:] = 0.2
-    data["final_estimate"] = data["final_estimate"] * 0 + data["fill_ratio"].values[0] + error
-    for against in (None, "minimalistic"):
-        found = sc.compare(data, "final_error", against=against)
-        [row] = found.duels.to_dict("records")
-        assert row["p_holm"] < 0.05
-        assert not row["told_apart"]
-    assert "is not told apart (better in 9%, worse in 12% of trials, p = " in found.verdict[1]
-
-
-def test_whom_nobody_met_is_told():
-    data = made_up(brains=3, worlds=("ring", "full"), trials=20).isel(setting=[0, 1, 4, 5])
-    said = sc.compare(data, "final_error", against="minimalistic").verdict[0]
-    assert said.startswith("final error: of 2 worlds, against minimalistic: bayes-bots prior=1 is ")
-    assert said.endswith(" in 1; bayes-bots prior=10 is in no world with it")
-    data["final_estimate"][0] = np.nan
-    said = sc.compare(data, "final_error", against="minimalistic").verdict[0]
-    assert said == "final error: no other contender has numbers of it in the worlds of minimalistic"

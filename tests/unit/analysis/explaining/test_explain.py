@@ -1,7 +1,6 @@
 """`sc.explain`, `explain` and theory's curves in figures, also where theory does not hold."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -265,12 +264,3 @@ def test_curves_carry_middle_halves(results):
     assert [line.get_ydata()[-1] for line in lines] == [law.quantile(0.25), law.quantile(0.75)]
     with pytest.raises(InputError, match="theory needs a study's results, not a trace"):
         sc.plot.curves(sc.replay(results, number, 0), theory=True)
-
-
-def test_the_shell_lays_theory_over_figures(results, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    some = results.isel(setting=results["brain"].values == "minimalistic")
-    sc.save(some, "some.nc")
-    assert main(["plot", "some.nc", "--kind", "decisions", "--theory", "--out", "d.svg"]) == 0
-    sc.plot.save(sc.plot.decisions(some, theory=True), "python.svg")
-    assert Path("d.svg").read_bytes() == Path("python.svg").read_bytes()

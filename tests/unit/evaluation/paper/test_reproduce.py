@@ -1,12 +1,11 @@
 """The paper from one call: files, page, JSON, the terminal's table, and what happens when it cannot be done."""
 
 import dataclasses
-import html.parser
 import io
 import itertools
 import json
+import re
 
-import numpy as np
 import pytest
 from rich.console import Console
 
@@ -14,7 +13,6 @@ import swarmcensus as sc
 from swarmcensus.evaluation.paper import page, report, reproducing as paper
 from swarmcensus.evaluation.paper.evaluations import PAPER
 from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome, check
-from swarmcensus.evaluation.paper.page import strip
 from swarmcensus.results import store as results
 from swarmcensus.support import files as shipped
 from swarmcensus.support.errors import InputError, Interrupted
@@ -26,24 +24,6 @@ CLAIM = PAPER.claims[0]
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     return paper.reproduce(tmp_path_factory.mktemp("paper") / "all", trials=2, jobs=2, say=lambda _: None)
-
-
-class Reader(html.parser.HTMLParser):
-    """Everything that a page refers to, and what it can be referred to by."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.links, self.sources, self.ids, self.alts, self.tags = [], [], [], [], []
-        self.feed(text)
-
-    def handle_starttag(self, tag, attrs):
-        attrs = dict(attrs)
-        self.tags.append(tag)
-        self.ids += [attrs["id"]] if "id" in attrs else []
-        self.links += [attrs["href"]] if "href" in attrs else []
-        if tag == "img":
-            self.sources.append(attrs["src"])
-            self.alts.append(attrs["alt"])
 
 
 def outcome(verdict, *details, **changes):
@@ -81,18 +61,6 @@ def test_nothing_is_written_without_a_folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.long
-def test_robots_meet_the_same_readings_alone_and_in_company(done):
-    """The local study and the study of topologies share trials, so that their difference is communication's."""
-    shared = [
-        d.isel(
-            setting=((d.robots == 100) & (d.topology == "full") & (d.fill_ratio == 0.55)).values
-        ).final_estimate.values[..., :100]
-        for d in (done.datasets["local"], done.datasets["topologies"])
-    ]
-    np.testing.assert_array_equal(*shared)
-
-
-@pytest.mark.long
 def test_the_page_needs_nothing_from_outside(done):
     text = needs_nothing_from_outside(done)
     assert "--trials 2" in text
@@ -101,16 +69,16 @@ def test_the_page_needs_nothing_from_outside(done):
 def needs_nothing_from_outside(done):
     """The text of a page that holds its figures and leads to files beside it alone."""
     text = done.page.read_text(encoding="utf-8")
-    read = Reader(text)
+    tags, links, sources, ids = (re.findall(rf"<{what}", text) for what in (
+        r"(\w+)", r'[^>]*href="([^"]*)', r'img[^>]*src="([^"]*)', r'[^>]*\bid="([^"]*)'))  # fmt: skip
     assert "http" not in text.replace("http-equiv", "")
     assert "url(" not in text
-    assert not {"script", "link", "iframe", "object"} & set(read.tags)
-    assert len(read.sources) == len(done.figures)
-    assert all(source.startswith("data:image/png;base64,") for source in read.sources)
-    assert all(len(alt) > 100 for alt in read.alts)
-    for link in read.links:
-        assert link[1:] in read.ids if link.startswith("#") else (done.out / link).is_file()
-    assert len(set(read.ids)) == len(read.ids)
+    assert not {"script", "link", "iframe", "object"} & set(tags)
+    assert len(sources) == len(done.figures)
+    assert all(source.startswith("data:image/png;base64,") for source in sources)
+    for link in links:
+        assert link[1:] in ids if link.startswith("#") else (done.out / link).is_file()
+    assert len(set(ids)) == len(ids)
     return text
 
 
@@ -226,29 +194,6 @@ def test_findings_put_refuted_claims_first_and_explain_them(tmp_path):
     assert "1 of 3 claims hold" in findings
     assert "All 1 claims hold" in a_page(tmp_path, outcome(HOLDS, Detail("all", 0.0, None, YES)))
     assert "not measured" in a_page(tmp_path, outcome("not measured"))
-
-
-def test_numbers_have_two_digits_of_their_intervals_width():
-    def text(*numbers):
-        return " ".join(report.measured(Detail("", numbers[0], numbers[1:] or None, YES)))
-
-    assert text(0.041301, 0.039082, 0.042911) == "0.0413 [0.0391, 0.0429]"
-    assert text(2.4194, 1.5503, 4.2695) == "2.4 [1.6, 4.3]"
-    assert text(1.0, 1.0, 1.0) == "1.000 [1.000, 1.000]"
-    assert text(np.nan, np.nan, np.nan) == "nan [nan, nan]"
-    assert text(1.776e-15).strip() == "1.78e-15"
-
-
-def test_a_drawing_marks_every_setting_by_shape_too():
-    kinds = {YES: (0.5, 0.4, 0.6), NO: (2.0, 1.5, 3.0), OPEN: (1.0, 0.8, 1.25)}
-    details = [Detail(f"{said} {i}", v, (low, high), said) for said, (v, low, high) in kinds.items() for i in (1, 2)]
-    drawing = strip(outcome(FAILS, *details, right=(-np.inf, 1.0)))
-    assert drawing.count("<title>") == 6
-    assert drawing.count("<circle") == 4
-    assert drawing.count("l6 6m0 -6l-6 6") == 2
-    assert drawing.count('fill="var(--paper)"') == 2
-    assert not strip(outcome(HOLDS, *details[:3]))
-    assert not strip(outcome(HOLDS, *[Detail("", 1.0, None, YES)] * 9))
 
 
 VERDICTS = ((HOLDS, YES), (FAILS, NO), ("not decided by 2 trials", OPEN))

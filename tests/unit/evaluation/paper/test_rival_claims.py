@@ -201,12 +201,6 @@ def test_statistics_are_what_they_are_by_hand(name, value):
     assert np.nanstd(found[1:]) > 0
 
 
-def test_errors_against_the_nominal_fill_ratio():
-    data = made_up()
-    data.attrs["truth"] = "nominal"
-    assert by_hand("final_error", data)[0] == pytest.approx((0.05 + 0.4 + 0.4) / 3)
-
-
 def test_trials_that_were_never_run_are_missing():
     for name in ("decision", "consensus", "consensus_round"):
         data = made_up()
@@ -214,13 +208,6 @@ def test_trials_that_were_never_run_are_missing():
         statistic = {"decision": "quorums", "consensus": "none_agreed", "consensus_round": "consensus_time"}[name]
         with pytest.raises(Missing):
             by_hand(statistic, data)
-
-
-def test_settings_are_named_by_what_contenders_do_not_share():
-    one, other = ("bots", {"brain": "a", "every": 10.0}), ("bots", {"brain": "a", "every": 200.0})
-    assert rival_measures.label_of(one, other) == "every = 10"
-    assert rival_measures.label_of(("bots", {}), other) == "bots"
-    assert rival_measures.world_label({"fill_ratio": 0.5, "topology": "full", "liars": 1}) == "f = 0.5, full, 1 liar"
 
 
 # The page

@@ -195,14 +195,6 @@ def test_only_changed_brains_are_run_again(small, capsys):
 
 
 @pytest.mark.long
-def test_file_named_twice_is_one_brain(small):
-    board = leaderboard(["mine.py", "./mine.py", small / "mine.py"], "out", trials=1)
-    assert board.scores.contenders == ["minimalistic", "legacy", "mine.py"]
-    text = board.page.read_text()
-    assert "1 trial each, by `swarmcensus leaderboard mine.py --trials 1`" in text
-
-
-@pytest.mark.long
 def test_who_is_ranked_is_said(small, capsys):
     """An oracle is a bound; a brain that talks to nobody is one that can be had."""
     toml = small / "leaderboard.toml"

@@ -18,8 +18,7 @@ from swarmcensus.search.planning.predictions import (
     worst_fill_ratios,
 )
 from swarmcensus.search.planning.search import Search, cases_to_confirm
-from swarmcensus.search.planning.simulating import Case, curves, study_of
-from swarmcensus.simulation import sampling
+from swarmcensus.search.planning.simulating import Case
 from swarmcensus.worlds import arena
 
 QUIET = {"progress": lambda _: None}
@@ -37,57 +36,6 @@ def changed(**tables):
 
 def among_liars(robots=10, brain="steadfast", **known):
     return changed(known={"lying": 0.2, **known}, free={"robots": robots, "brain": brain})
-
-
-def share_right(minutes, fill_ratio=0.55, topology="ring"):
-    """The share of honest robots, of ten of which two say the opposite, within 0.05 of f, by a run of another seed."""
-    study = sc.Study(
-        trials=400, seed=991, swarm={"robots": 10, "accuracy": 0.7, "brain": "steadfast"},
-        world={"fill_ratio": fill_ratio, "topology": topology}, schedule={"rounds": round(minutes * 60)},
-        members=[{"robots": 2, "brain": "opposite", "honest": False}],
-    )  # fmt: skip
-    estimates = sc.run(study, jobs=2)["final_estimate"].values
-    assert estimates.shape[-1] == 8
-    return float((np.abs(estimates - fill_ratio) <= 0.05).mean())
-
-
-@pytest.mark.long
-def test_the_found_time_is_right_in_other_trials_with_liars():
-    """As without: its interval errs in one plan of 20, and the share of 400 other trials by 0.02 in some hundred."""
-    [row] = sc.plan(among_liars(lie="opposite"), **QUIET).rows
-    assert (row.answer, row.lie, row.fill_ratio) == ("reached", "opposite", 0.55)
-    assert share_right(row.minutes_low) <= 0.95 + 0.02
-    assert share_right(row.minutes_high) >= 0.95 - 0.02
-
-
-@pytest.mark.long
-def test_shouter_breaks_commons_but_not_steadfast():
-    """The numbers of commons run away to infinity: trials in which nobody is right."""
-    found = sc.plan(
-        changed(known={"lying": 0.1}, free={"brain": ["steadfast", "commons"], "topology": "full"}), **QUIET
-    )
-    held, owned = found.rows
-    assert (held.answer, owned.answer) == ("reached", "not reached")
-    assert owned.share.value == 0.0
-    assert owned.share.high < 0.2
-    assert owned.trials == 40  # few are enough to say so
-    assert owned.minutes > held.minutes
-
-
-@pytest.mark.long
-def test_who_is_counted_is_honest_and_works():
-    mission = mission_of(among_liars(robots=20, failing=0.3))
-    assert (mission.lying(20), mission.failing(20)) == (4, 6)
-    study = study_of(mission, 20, mission.brains, [Case(0.55, mission.lies[0])], [5, 40], 30, 3)
-    [curve] = curves(mission, study, 1, QUIET["progress"])
-    estimates = sc.run(study)["estimates"].values[0]
-    [setting] = study.settings()
-    for trial in range(30):
-        honest = np.flatnonzero(sampling.groups(setting, 3, trial, 1)[0] == 0)
-        works = sampling.stops(setting, 3, trial)[1, honest] > 100
-        assert (honest.size, works.sum() >= 10) == (16, True)
-        right = np.abs(estimates[:, trial] - 0.55) <= 0.05
-        assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))
 
 
 def test_number_of_liars_follows_their_share():
@@ -186,23 +134,6 @@ def test_a_figure_has_a_line_a_brain_and_world():
     assert len({line.get_color() for line in lines}) == 2  # of worlds; markers are of brains
     for line in lines:
         assert len(line.get_xdata()) == 2
-
-
-@pytest.mark.long
-def test_worst_share_of_liars_inside_the_range():
-    """Of ten robots two say the opposite, which at 0.5 is the truth: theory's worst f, and no worst of theirs.
-
-    The share of 400 other trials errs by 0.02 in one of some hundred.
-    """
-    low, high = 0.3, 0.7
-    known = {"accuracy": 0.7, "fill_ratio": [low, high], "lying": 0.2, "lie": "opposite"}
-    tables = changed(known=known, free={"brain": "steadfast", "topology": "full"})
-    [row] = sc.plan(tables | {"trials": 40}, **QUIET).rows
-    assert (row.answer, row.trials) == ("reached", 40)
-    assert row.fill_ratio not in (low, 0.5, high)
-    assert share_right(row.minutes_low, row.fill_ratio, "full") <= 0.95 + 0.02
-    for fill_ratio in (0.4, row.fill_ratio):
-        assert share_right(row.minutes_high, fill_ratio, "full") >= 0.95 - 0.02
 
 
 def test_trials_by_fill_ratio_and_liars():

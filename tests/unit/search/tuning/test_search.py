@@ -110,6 +110,8 @@ def searched(brain, loss, generations, start=(0.9, 0.9), seed=3):
     for _ in range(generations):
         asked.append(search.ask())
         search.tell([loss(*one) for one in asked[-1]])
+        if search.ended:
+            break
     return search, asked
 
 
@@ -125,27 +127,10 @@ def test_search_of_a_flat_metric(brain):
     assert found >= 18
 
 
-def test_search_on_a_flat_metric_stays_in_place(brain):
-    search, asked = searched(brain, lambda *_: (0.5,), 200)
-    assert not search.ended
-    assert not search.differed
-    assert search.drawn == len(asked) - 1
-    assert search.favourite == (0.9, 0.9)
-
-
 def test_search_ends_at_a_single_candidate(brain):
     search, asked = searched(brain, lambda a, w: (abs(a - 0.25) + abs(w - 0.75),), 60)
     assert search.ended
     assert set(asked[-1]) == {(0.25, 0.75)}
-
-
-def test_a_flat_generation_makes_the_next_one_wider(brain):
-    search, asked = searched(brain, lambda a, w: (abs(a - 0.5) + abs(w - 0.5),), 20)
-    for _ in range(8):
-        asked.append(search.ask())
-        search.tell([(0.3,)] * search.size)
-    before, after = (np.std(asked[k], axis=0).max() for k in (19, -1))
-    assert 4 * before < after < 0.4
 
 
 def test_a_companion_breaks_ties_and_nothing_else(brain):
