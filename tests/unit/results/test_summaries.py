@@ -137,20 +137,6 @@ def test_the_hint_to_the_others_is_a_command(file, capsys):
     assert "of 48 settings;" not in capsys.readouterr().out
 
 
-@pytest.mark.long
-def test_show_sorts(file, many, capsys):
-    def shown(*options):
-        assert main(["show", file, "--limit", "48", *options]) == 0
-        return [int(line.split()[0]) for line in capsys.readouterr().out.splitlines() if line.split()[0].isdigit()]
-
-    frame = sc.summary(many)
-    assert shown("--sort", "error") == frame.sort_values("convergence_error", kind="stable")["setting"].tolist()
-    by_accuracy = frame["accuracy"][shown("--sort", "accuracy")].drop_duplicates().tolist()
-    assert by_accuracy == ["0.6", "0.7", "0.8", "0.9", "U(0.525,0.975)", "black=0.9 white=0.625"]
-    last = frame["rounds"][shown("--sort", "right", "--checkpoint", "8", "--reverse")].tolist()
-    assert last == [8] * 24 + [5] * 24  # what is missing comes last, whichever way
-
-
 @pytest.mark.parametrize(
     ("options", "said"),
     [

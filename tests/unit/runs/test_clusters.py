@@ -164,18 +164,6 @@ def test_deadly_bundle_fails_alone(here, monkeypatch):
 
 
 @pytest.mark.long
-def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler, threads):
-    def stop():
-        raise KeyboardInterrupt
-
-    with pytest.raises(Interrupted) as stopped:
-        run(study(LONG), cluster=scheduler, progress=Once(stop), out="s.nc")
-    assert 0 < stopped.value.done < 800
-    assert sc.load("s.nc").attrs["trials_done"] == stopped.value.done
-    assert same(run(study(LONG), cluster=scheduler, out="s.nc"), threads)
-
-
-@pytest.mark.long
 def test_what_is_done_is_kept_when_the_scheduler_goes(here, threads):
     with processes(1) as cluster, pytest.raises(InputError, match="the cluster is gone"):
         run(study(LONG), cluster=cluster.scheduler_address, progress=Once(cluster.close), out="s.nc")
@@ -270,21 +258,6 @@ def test_batch_system_refuses_all_jobs(here, slurm, capsys):
     assert capsys.readouterr().err.splitlines()[-1] == (
         "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: no such command here"
     )
-
-
-@pytest.mark.long
-def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
-    longer = study(LONG).with_(trials=400)
-    refusing(here, f"! mkdir {here}/taken 2> /dev/null")
-    text = (here / "slurm.toml").read_text()
-    (here / "slurm.toml").write_text(text.replace("jobs      = 1\ncores     = 2", "jobs = 2\ncores = 1"))
-    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
-    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
-
-    with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
-        data = run(longer, cluster="slurm.toml", progress=Once((here / "taken").rmdir))
-    assert len(slurm()) == 2
-    assert same(data, sc.run(longer, jobs=2))
 
 
 @pytest.mark.long

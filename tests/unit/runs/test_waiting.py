@@ -31,27 +31,12 @@ def waited(show, kinds=60):
 def test_compiling_many_brains_without_a_terminal(monkeypatch, capsys):
     with progress.bar_or_lines("board") as show:
         waited(show)
-    assert capsys.readouterr().err.splitlines() == [
-        "board: compiling 1 of 60: voter", "board: 0 of 1 trial, starting"
-    ]  # fmt: skip
+    lines = ["board: compiling 1 of 60: voter", "board: 0 of 1 trial, starting"]
+    assert capsys.readouterr().err.splitlines() == lines
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     with progress.bar_or_lines("board") as show:
         waited(show)
     assert "board: compiling 37 of 60: voter" in capsys.readouterr().err.splitlines()
-
-
-@pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["fixed", "moving"])
-def test_a_known_brain_waits_for_the_engine(world, monkeypatch):
-    """After a study of networks alone the first one of robots that move compiles, and says so."""
-    study = sc.Study(trials=1, swarm={"robots": 4, "accuracy": 0.7}, world=world | {"fill_ratio": 0.5})
-    told = []
-    monkeypatch.setattr(pools.compiler, "is_compiled", lambda *_: True)
-    monkeypatch.setattr(pools, "run_bundle", lambda *_: None)
-    for known in (True, False):
-        monkeypatch.setattr(pools.compiler, "is_known", lambda *_, known=known: known)
-        pools.compile_for([(study, study.settings())], lambda note, steps: told.append(note))
-    kind = "robots that move" if "density" in world else "fixed networks"
-    assert told == [f"compiling the engine and minimalistic for {kind}, once on this machine"]
 
 
 def test_compiling_bar_on_a_terminal(monkeypatch):

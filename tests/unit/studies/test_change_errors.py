@@ -88,14 +88,6 @@ def test_times_are_shown_as_the_file_has_them(when, due, tmp_path, capsys):
     assert "36000}" not in found
 
 
-def test_the_least_time_of_a_change_is_taken():
-    (setting,) = changing(
-        {"from": 0.9, "to": 0.1, "at": "0.2 s"}, world={"topology": "moving", "density": 8}
-    ).settings()
-    assert setting.change.at == 2
-    assert setting.fill_ratios([1, 2]).tolist() == [0.9, 0.1]
-
-
 def test_times_count_ticks(tmp_path):
     change = {"from": 0.9, "to": 0.1, "at": "2 s", "until": "0.1 min"}
     (setting,) = changing(change, world={"topology": "moving", "density": 8}).settings()

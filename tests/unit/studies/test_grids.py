@@ -1,6 +1,5 @@
 """Grids of settings: the full one and each case's, and arenas by their side."""
 
-import numpy as np
 import pytest
 
 import swarmcensus as sc
@@ -10,7 +9,6 @@ from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
-from tests.support.small import SMALL
 
 BASE = {
     "trials": 1,
@@ -49,14 +47,6 @@ def test_each_case_adds_a_grid_of_its_own():
     assert [b.name for b in made.brains] == ["minimalistic", "legacy"]
     assert [t.name for t in made.topologies] == ["ring", "full", "line"]
     assert sc.Study.parse(made.text).settings() == made.settings()
-
-
-def test_a_case_in_toml_is_the_same_as_in_python():
-    text = SMALL + '\n[[case]]\nrobots = [7, 5]\ntopology = "ring"\naccuracy = 0.9\n'
-    made = sc.Study.parse(text)
-    assert len(made.settings()) == 32 + 2 * 2
-    assert made.settings()[:32] == sc.Study.parse(SMALL).settings()
-    assert made.settings()[32].accuracy.black.numbers == (0.9,)
 
 
 def test_a_setting_that_is_there_already_is_kept_once():
@@ -168,10 +158,6 @@ def test_dataset_holds_the_side_of_the_arena():
     assert results["side"].values.tolist() == [2.0, 3.0] * 2
     assert named == ["N = 2, L = 2 m", "N = 2, L = 3 m", "N = 5, L = 2 m", "N = 5, L = 3 m"]
     assert captions(side=2.0)[1] == captions(density=2.0)[1] == ["N = 2", "N = 5"]
-
-
-def test_fixed_networks_have_no_side():
-    assert np.isnan(coordinates_of(study().settings()[0])["side"])
 
 
 def test_a_setting_names_all_that_tells_it_from_others():

@@ -51,12 +51,6 @@ def test_a_world_is_all_else_that_settings_are():
     assert cautions == []
 
 
-def test_results_without_parameters_have_none():
-    data = made_up(brains=2).drop_vars("prior")
-    del data.attrs["parameters"]
-    assert grid_of(data, data)[0].contenders == ["minimalistic", "bayes-bots"]
-
-
 def test_what_does_not_pair_is_told():
     data = made_up()
     lacking = sc.compare(data.isel(setting=[0, 1, 2, 3, 4, 5]))
@@ -84,7 +78,6 @@ def test_where_nothing_can_be_compared_it_is_said(settings, said):
 # ---- the number of a trial
 
 
-@pytest.mark.long
 def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
     data = made_up(robots=6).assign(honest=("setting", [6, 6, 4, 5, 6, 6, 1, 6]))
     data["decision"][0, 0, 0] = np.nan

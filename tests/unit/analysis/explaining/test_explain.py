@@ -113,17 +113,6 @@ def test_what_limits_a_swarm(results):
     assert lazy.efficiency == pytest.approx((bound / lazy.squared_error[0], bound / high, bound / low))
 
 
-@pytest.mark.long
-def test_brain_faster_than_mixed_sums():
-    """`swift` beats plain mixing on a ring: what mixed sums would lose to time is not laid to its charge."""
-    data = run(swarm={"brain": "swift", "robots": 30, "accuracy": 0.6}, schedule={"rounds": 200})
-    found = sc.explain(data, 0)
-    assert found.squared_error[0] < found.theory[MIXED].variance[-1]
-    left = max(found.squared_error[0] - found.terms["sensors"], 0.0)
-    assert found.terms["time"] <= left
-    assert found.terms["mixing"] == pytest.approx(left - found.terms["time"])
-
-
 def test_under_robots_that_move_the_floor_has_its_part():
     found = sc.explain(walk(), 0)
     assert {*found.theory} == {SWARM}
@@ -248,12 +237,6 @@ def test_what_theory_says_of_several_brains_is_drawn_once(results):
     assert {*drawn} == {f"theory {name}" for name in (ALONE, SWARM)}
     expected = sc.explain(part, only(part, brain="minimalistic")).theory[SWARM].median_error[-1]
     assert drawn[f"theory {SWARM}"].get_ydata()[0] == expected
-
-
-def test_theory_curve_of_pooled_settings(results):
-    sizes = run(swarm={"robots": [4, 12]})
-    drawn = theory_of(sc.plot.decisions(sizes, panels=[], theory=True).axes[0])
-    assert {*drawn} == {"theory alone 0.8"}  # and the bound is another
 
 
 def test_curves_carry_middle_halves(results):

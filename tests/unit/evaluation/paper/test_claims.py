@@ -11,7 +11,7 @@ from swarmcensus import brains
 from swarmcensus.checks import minimalism
 from swarmcensus.evaluation.paper import explanations, measures
 from swarmcensus.evaluation.paper.evaluations import PAPER
-from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing, check
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, check
 from swarmcensus.support import intervals
 
 KNOWN = {claim.id: claim for claim in PAPER.claims}
@@ -230,12 +230,6 @@ def test_one_wrong_robot_refutes_consensus():
     assert verdict("consensus", only(one("scale-free", "0.625"), right=0.5)).verdict == HOLDS
 
 
-def test_single_steps_against_the_trend_are_noted():
-    outcome = verdict("grows", only(one("ring", "0.725"), K=1.5))
-    assert outcome.verdict == HOLDS
-    assert outcome.note == "Of 72 single steps of accuracy, 1 slow the swarm: ring, f = 0.55, 0.675 to 0.725."
-
-
 def why(name, twist):
     return verdict(name, twist).explanation
 
@@ -263,13 +257,6 @@ def test_what_density_does_is_explained_by_the_data():
     fewer = why("denser-alike", quiet(mover(), error=0.5 / 0.9))
     assert "errors fall in 1 setting, by 50.0 % (0.775, f = 0.55) and rise in none" in fewer
     assert "largest change of all is from 0.0101 to 0.0051 (0.775, f = 0.55)" in fewer
-
-
-def test_who_is_wrong_in_the_end_is_counted():
-    text = why("mixed-consensus-moving", FAILING["mixed-consensus-moving"])
-    assert text.startswith("At f = 0.55, not unanimous in the end: 30 of 30 swarms, with 1 of 25 robots wrong.")
-    assert "Unanimous at an earlier checkpoint had been 0 of them. Few robots" in text
-    assert "Few robots" not in why("mixed-consensus-moving", only(mixed(0.55), right=0.6, wrong=10))
 
 
 def test_late_settling_on_a_black_floor_is_bias():
@@ -338,14 +325,6 @@ def test_a_quotient_by_zero_decides_nothing():
     assert detail.verdict == OPEN
     claim = dataclasses.replace(KNOWN["full-first"], measure=lambda *_: [detail])
     assert check(evidence.datasets, [claim])[0].verdict == "not decided by 30 trials"
-
-
-def test_evidence_is_missing_for_unknown_settings():
-    evidence = Evidence(world("topologies"))
-    with pytest.raises(Missing):
-        evidence.median("topologies", "convergence_round", topology="torus")
-    with pytest.raises(Missing):
-        evidence.values("local", "convergence_round")
 
 
 def test_growing_memory_is_found(monkeypatch, tmp_path):

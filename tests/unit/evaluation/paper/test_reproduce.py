@@ -14,7 +14,6 @@ from swarmcensus.evaluation.paper import page, report, reproducing as paper
 from swarmcensus.evaluation.paper.evaluations import PAPER
 from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome, check
 from swarmcensus.results import store as results
-from swarmcensus.support import files as shipped
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.files import shipped_study
 
@@ -50,14 +49,6 @@ def test_the_studies_hold_all_runs_of_the_paper():
     """4 networks of 10 and 100 robots, and 2 densities, by 11 accuracies, 2 fill ratios and 30 trials: 6,600."""
     studies = [sc.Study.load(shipped_study("paper") / f"{name}.toml") for name in ("topologies", "moving")]
     assert sum(len(study.settings()) * study.trials for study in studies) == 6600
-
-
-@pytest.mark.long
-def test_nothing_is_written_without_a_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    done = paper.reproduce(trials=1, only="fig3", say=lambda _: None)
-    assert {*done.datasets} == {"topologies", "same-rounds"}
-    assert (done.page, done.files, [*done.figures], [*tmp_path.iterdir()]) == (None, [], [], [])
 
 
 @pytest.mark.long
@@ -168,12 +159,6 @@ def test_ctrl_c_keeps_finished_work_of_reproduce(tmp_path, monkeypatch):
     spent = sum(each.attrs["wall_seconds"] for each in done.datasets.values())
     assert done.seconds["simulate"] == pytest.approx(spent, abs=0.001) > 100  # not only what this call computed
     assert f"simulate: {spent:.1f} s of wall-clock time, with earlier calls" in said
-
-
-def test_missing_study_files_are_said_to_be_missing(monkeypatch):
-    monkeypatch.setattr(shipped, "__file__", "/nowhere/at/all/shipped.py")
-    with pytest.raises(InputError, match="study files are missing"):
-        shipped_study("paper")
 
 
 def test_all_text_on_the_page_is_escaped(tmp_path):

@@ -210,24 +210,6 @@ def test_who_is_ranked_is_said(small, capsys):
     assert places["alone"].strip("| ") in ("1", "2")
 
 
-@pytest.mark.long
-def test_each_board_ranks_its_own_worlds(small, capsys):
-    shown = {}
-    for board in ("honest", "liars"):
-        assert main(["leaderboard", "mine.py", "--out", "out", "--trials", "2", "--board", board, "--json"]) == 0
-        shown[board] = json.loads(capsys.readouterr().out)
-        assert shown[board]["board"] == board
-        assert [loss["board"] for loss in shown[board]["losses"]] == [board]
-    assert (shown["honest"]["worlds"], shown["liars"]["worlds"]) == (12, 24)
-    assert set(shown["liars"]["brains"][0]["final_error_by_kind"]) == {"10 % liars", "30 % liars"}
-    assert "10 % liars" not in shown["honest"]["brains"][0]["final_error_by_kind"]
-    text = (small / "out" / "leaderboard.md").read_text()  # the page has both
-    assert text.count("### Honest robots\n") == text.count("### Liars\n") == 2
-    assert "### A floor that changes" not in text
-    assert main(["leaderboard", "--out", "out", "--trials", "2", "--board", "change"]) == 2
-    assert "no world of studies/leaderboard.toml is on it" in capsys.readouterr().err
-
-
 def test_leaderboard_command_writes_page_and_picture(small, capsys):
     """Of two brains that are one and of no liars, so that the machine compiles little."""
     (small / "leaderboard.toml").write_text(honest())
@@ -247,16 +229,6 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys):
         assert words[:3] == [str(row["place"]), row["brain"], f"{row['rank']:.1f}"]
         assert words[3] == cell(row["final_error"], True)
     assert [loss["name"] for loss in found["losses"]] == ["mine.py"]
-
-
-@pytest.mark.long
-def test_opinions_are_on_the_board_of_sides_alone(small):
-    text = leaderboard(["votes.py"], "out", trials=3).page.read_text()
-    table = text[text.index("## Errors of estimates") : text.index("## Right decisions on black or white")]
-    assert "votes.py" not in table
-    assert "legacy" in table
-    sides = text[text.index("## Right decisions") : text.index("## Costs")]
-    assert sides.count("votes.py") == 2  # on the boards of honest robots and of liars
 
 
 @pytest.mark.parametrize(

@@ -148,9 +148,7 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatc
     log.write_bytes(log.read_bytes()[:-5])
     ticks = read_log(log).ticks
     assert main(["export", "day"]) == 0
-    told = capsys.readouterr()
-    assert "bytes could not be read" in told.err
-    assert told.out.startswith("day.mcap: 3 robots, 59 ticks, ")
+    assert "bytes could not be read" in capsys.readouterr().err
     assert len(read(tmp_path / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
 
 

@@ -62,12 +62,6 @@ def test_it_fits_a_terminal(width, height, robots):
         assert ("more" in text) == (robots + 8 > height)
 
 
-def test_liars_are_not_among_the_estimates():
-    out = Console(file=io.StringIO(), width=100, height=40)
-    out.print(screen(swarm(liars=5), 100, 40))
-    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in out.file.getvalue()
-
-
 def test_the_summary_says_who_is_counted():
     some = swarm(liars=5)
     some.robots[7].state = "killed"
