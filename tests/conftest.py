@@ -25,6 +25,10 @@ for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should depend on no setting, here and in processes begun here
 os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pipes is tests/cli/test_piping.py
 
+# containers often switch bytecode off: then each worker and each process that a test starts would compile all again
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+gc.set_threshold(50_000)
 
 # how long a draw takes is the machine's business
 hypothesis.settings.register_profile("here", suppress_health_check=[hypothesis.HealthCheck.too_slow], deadline=None)
@@ -67,16 +71,12 @@ def pytest_collection(session):
     So it finds the bytecode of all tests, with their assertions rewritten, which the first one makes meanwhile.
     """
     if number_of(session.config) == 1:
-        gc.set_threshold(50_000)
         compile_moving()
 
 
 def pytest_collection_finish(session):
     """The first one when it has collected."""
-    if number_of(session.config) is None:
-        return
     gc.freeze()  # what was collected stays: no need to look for circles there again and again
-    gc.set_threshold(50_000)
     if number_of(session.config) == 0:
         compile_networks()
 
