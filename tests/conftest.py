@@ -13,6 +13,7 @@ import pytest
 from numba.core import event
 
 import swarmcensus as sc
+from swarmcensus.cli.commands import main
 from swarmcensus.simulation.living import Life
 from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.support.terminal import UNFOLDED
@@ -129,6 +130,30 @@ def no_ctrl_c():
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder, which is the working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def refused(here, capsys):
+    """Runs a command that must fail, with one line that is returned, and leaves no file but those that were there."""
+
+    def refused(*command):
+        capsys.readouterr()
+        before = {path: path.is_file() and path.read_bytes() for path in here.rglob("*")}
+        assert main([str(word) for word in command]) == 2
+        said = [line for line in capsys.readouterr().err.splitlines() if not line.startswith("compiling ")]
+        assert len(said) == 1, said
+        assert said[0].startswith("swarmcensus")
+        assert {path: path.is_file() and path.read_bytes() for path in here.rglob("*")} == before
+        return said[0]
+
+    return refused
 
 
 @pytest.fixture

@@ -1,8 +1,6 @@
 """The figures show the data, all of it, and nothing else; and their files are whole."""
 
 import itertools
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import BinaryIO
@@ -732,9 +730,3 @@ def test_unknown_format_writes_nothing(tmp_path: Path):
     with pytest.raises(InputError, match="'bmpp'"):
         figures.save(figures.decisions(study()), tmp_path / "x", ["png", "bmpp"])
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.long
-def test_no_display_is_needed():
-    code = "import sys; from swarmcensus.figures.plot import lines; sys.exit('matplotlib.pyplot' in sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)

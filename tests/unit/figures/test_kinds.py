@@ -148,14 +148,6 @@ def test_an_unknown_kind_is_told_with_what_was_meant(small_file, tmp_path, monke
     assert "no figure 'line': did you mean 'lines'? there are arena, beliefs" in capsys.readouterr().err
 
 
-def test_import_is_lazy_and_help_searches_no_packages():
-    code = "import sys, swarmcensus as sc; dir(sc), sc.plot; sys.exit('matplotlib' in sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)
-    code = "import sys\nfrom swarmcensus.cli.commands import main\ntry: main(['plot', '--help'])\n"
-    code += "except SystemExit: sys.exit(bool({'importlib.metadata', 'numpy'} & {*sys.modules}))"
-    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
-
-
 @pytest.mark.long
 def test_plugin_figure_is_drawn(elsewhere, untraced_processes):
     code = """
