@@ -111,7 +111,7 @@ def tell():
 @pytest.mark.parametrize("format_", ["float32", "ratio16", "ratio8"])
 @pytest.mark.parametrize("name", ["commons", "bayes-cpf"])
 def test_two_runtimes_hear_each_other_through_noise(tmp_path, name, format_):
-    """Datagrams, minds and counts of a board are those of CPython; its heap is flat, and its file is read again."""
+    """Datagrams, states and counts of a board are those of CPython; its heap is flat, and its file is read again."""
     brain = brains.load(name)
     messages = messages_of(brain, format_)
     plan = tuple(tuple(part) for part in messages.plan)

@@ -17,7 +17,7 @@ TOO_LATE = block(TICK, struct.pack(OPENING, 100_000_000, 5, 0, 0, 0, 0) + struct
 
 
 @pytest.fixture(scope="module")
-def day(tmp_path_factory):
+def recording(tmp_path_factory):
     folder = tmp_path_factory.mktemp("logs") / "day"
     study, _, swarm = logged(folder, "commons")
     swarm.run()
@@ -27,8 +27,8 @@ def day(tmp_path_factory):
 
 
 @pytest.fixture
-def copied(day, tmp_path):
-    return Path(shutil.copytree(day, tmp_path / "day"))
+def copied(recording, tmp_path):
+    return Path(shutil.copytree(recording, tmp_path / "day"))
 
 
 @pytest.mark.parametrize(
