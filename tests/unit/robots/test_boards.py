@@ -1,7 +1,6 @@
 """`swarmcensus deploy`: folders for boards whose programs run, talk, and prove that they compute what they should."""
 
 import json
-import os
 import re
 import shutil
 import socket
@@ -91,13 +90,9 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("oracle", "is a bound"),
     ],
 )
-def test_bad_input_is_one_sentence(tmp_path, capsys, options, says):
+def test_bad_input_is_one_sentence(refused, options, says):
     brain, *options = options.split()
-    assert main(["deploy", brain, str(tmp_path / "robot"), "--target", "udp", *NEEDED, *options]) == 2
-    error = capsys.readouterr().err
-    assert says in error
-    assert error.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
+    assert says in refused("deploy", brain, "robot", "--target", "udp", *NEEDED, *options)
 
 
 @pytest.mark.parametrize("radio", ["udp", "kilobot"])
@@ -540,17 +535,9 @@ def test_a_kilobot_says_what_a_robot_of_single_precision_says(tmp_path):
 
 
 @KILOBOT
-def test_a_brain_too_large_for_a_kilobot(tmp_path, capsys):
-    large = tmp_path / "large.py"
+def test_a_brain_too_large_for_a_kilobot(here, refused):
+    large = here / "large.py"
     for length, says in ((400, "and a Kilobot has 1,300 for it"), (303, r"needs [\d,]+ bytes of flash and 1,\d+ of")):
         source = brains.load("commons").source
         large.write_text(source.replace("MEMORY = {", f'MEMORY = {{"belief": (0.0,) * {length}, ', 1))
-        assert main(["deploy", str(large), str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
-        assert re.search(says, capsys.readouterr().err)
-    assert not (tmp_path / "k").exists()
-
-
-def test_a_kilobot_without_a_compiler(tmp_path, monkeypatch, capsys):
-    monkeypatch.setenv("PATH", os.fspath(tmp_path))
-    deployed(tmp_path / "robot", "commons", "kilobot")
-    assert "flash" not in capsys.readouterr().out
+        assert re.search(says, refused("deploy", large, "k", "--target", "kilobot", *NEEDED))

@@ -12,7 +12,6 @@ from swarmcensus.brains.brain import parse
 from swarmcensus.brains.kinds import RECORD, WHOLE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
-from swarmcensus.cli.commands import main
 from swarmcensus.robots import chips
 from swarmcensus.robots.targets.c import translated
 from swarmcensus.support.errors import InputError
@@ -347,16 +346,11 @@ def test_headers_are_c_plus_plus_too(name, tmp_path):
         (["commons", "new", "--hz", "4"], "--hz 4"),
     ],
 )
-def test_wrong_input(arguments, message, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "mine.txt").touch()
-    (tmp_path / "file").touch()
-    assert main(["deploy", *arguments, "--target", "c"]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
-    assert not (tmp_path / "new").exists()
+def test_wrong_input(arguments, message, here, refused):
+    (here / "other").mkdir()
+    (here / "other" / "mine.txt").touch()
+    (here / "file").touch()
+    assert message in refused("deploy", *arguments, "--target", "c")
 
 
 @GCC

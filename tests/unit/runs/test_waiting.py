@@ -106,11 +106,3 @@ def test_what_was_found_says_nothing_of_the_time_left(monkeypatch):
     compiling = Progress(0, 0, 0.0, 0.0, "compiling")
     steps = [(0, compiling), (30, compiling), (30, Progress(50, 100, 5.0, 10.0)), (40, Progress(55, 100, 5.5, 10.0))]
     assert paces(monkeypatch, steps) == ["", "", "", "1:30 left"]
-
-
-def test_where_more_may_follow_the_time_left_is_that_of_a_part(monkeypatch):
-    """The second part takes ten times as long, which nobody knew before."""
-    first, second = (lambda done: Progress(done, 10, float(done), 10.0, part="this step") for _ in range(2))
-    steps = [(0, first(0)), (5, first(5)), (10, first(10)), (10, second(0)), (20, second(1))]
-    left = "0:05 left of this step, 0:05", "0:00 left of this step, 0:10", "1:30 left of this step, 0:20"
-    assert [said for said in paces(monkeypatch, steps) if said] == [f"{one} so far" for one in left]

@@ -3,7 +3,6 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.figures.panels import panels_of
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.support.formatting import counted
@@ -147,17 +146,6 @@ def test_one_of_density_and_side_is_wanted():
     assert "world.density and world.side both say" in refused(MOVING, world={"side": 3, "density": 1})
     assert 'world.side is of robots that move: it goes with topology = "moving"' in refused(world={"side": 3})
     assert "tiles wide" in refused(MOVING, world={"side": 1e9}, swarm={"robots": 1})
-
-
-def test_dataset_holds_the_side_of_the_arena():
-    def captions(**world):
-        results = sc.run(study(MOVING, world=world, swarm={"robots": [2, 5]}), jobs=1)
-        return results, [panel.caption for panel in panels_of(results)]
-
-    results, named = captions(side=[2.0, 3.0])
-    assert results["side"].values.tolist() == [2.0, 3.0] * 2
-    assert named == ["N = 2, L = 2 m", "N = 2, L = 3 m", "N = 5, L = 2 m", "N = 5, L = 3 m"]
-    assert captions(side=2.0)[1] == captions(density=2.0)[1] == ["N = 2", "N = 5"]
 
 
 def test_a_setting_names_all_that_tells_it_from_others():

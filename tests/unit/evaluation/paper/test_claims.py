@@ -245,20 +245,6 @@ def test_explanation_names_settings_ahead_and_behind():
     assert late.endswith("b = w = 0.78 at f = 0.55.")
 
 
-def test_what_density_does_is_explained_by_the_data():
-    unsettled = lambda accuracy, f, density, **_: {  # noqa: E731
-        "K": (2.5 if density == 10 else 2.2) if (accuracy, f) == ("0.525", 0.55) else 1, "noise": 0,
-    }  # fmt: skip
-    end = why("denser-first", unsettled)
-    assert "later in 1 setting, by 2.3 %" in end
-    assert "falls beyond doubt in 1 of these 1 setting" in end
-    settled = 400 * np.exp(-0.1) * 1.2 * 10 * 2.2 / 10_000
-    assert f"their medians are {100 * settled:.1f} % of it or more" in end
-    fewer = why("denser-alike", quiet(mover(), error=0.5 / 0.9))
-    assert "errors fall in 1 setting, by 50.0 % (0.775, f = 0.55) and rise in none" in fewer
-    assert "largest change of all is from 0.0101 to 0.0051 (0.775, f = 0.55)" in fewer
-
-
 def test_late_settling_on_a_black_floor_is_bias():
     poor = why("blacker-first-full", quiet(one("full", "0.575", f=0.95), K=4))
     rounds = 400 * np.exp(-0.3) * 0.2
@@ -293,12 +279,6 @@ def test_the_worth_of_a_swarm_is_its_mean_information():
     assert carried[2] == pytest.approx(np.mean(carried[:2]))
 
 
-def test_moving_robots_are_compared_after_as_many_observations():
-    """Their decisions with those at R = 10, their estimates with those at R = 1: neither is the other's."""
-    assert verdict("like-tree-moving", only(lambda study, **_: study == "same-observations", right=0.1)).holds
-    assert verdict("like-tree-moving", only(lambda study, **_: study == "topologies", right=0.1)).holds is False
-
-
 def test_all_that_is_missing_is_not_measured():
     assert {o.verdict for o in check({}, PAPER.claims) if o.claim.studies} == {UNMEASURED}
     data = world("topologies")["topologies"]
@@ -310,12 +290,6 @@ def test_all_that_is_missing_is_not_measured():
     assert check({"topologies": unfinished}, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
     twice = {"topologies": xr.concat([data, data], "setting")}
     assert check(twice, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
-
-
-def test_pairs_use_trials_that_both_have():
-    data = world("topologies") | world("local", trials=20)
-    assert Evidence(data).trials == 20
-    assert check(data, [KNOWN["informed-first"]])[0].verdict == HOLDS
 
 
 def test_a_quotient_by_zero_decides_nothing():

@@ -124,16 +124,6 @@ def test_an_unknown_part_is_refused_with_the_known_ones(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("blocked", ["out", "out/data", "out/index.html/inside"])
-def test_unwritable_folder_is_found_first(tmp_path, monkeypatch, blocked):
-    path = tmp_path / blocked
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("in the way")
-    monkeypatch.setattr(paper, "run", lambda *_, **__: pytest.fail("was run"))
-    with pytest.raises(InputError, match="cannot write"):
-        paper.reproduce(tmp_path / "out", trials=1)
-
-
 @pytest.mark.long
 def test_ctrl_c_keeps_finished_work_of_reproduce(tmp_path, monkeypatch):
     whole, finished = paper.run, []
@@ -168,17 +158,6 @@ def test_all_text_on_the_page_is_escaped(tmp_path):
     text = a_page(tmp_path, outcome(FAILS, *[detail] * 5, **texts))
     assert "<script>" not in text
     assert text.count("&lt;script&gt;alert(&#39;&amp;&#39;)") > 12
-
-
-def test_findings_put_refuted_claims_first_and_explain_them(tmp_path):
-    undecided = outcome("not decided by 9 trials", Detail("here", 1.0, (0.5, 2.0), OPEN), title="Cannot be told")
-    refuted = outcome(FAILS, Detail("there", 3.0, (2.0, 4.0), NO), title="Is wrong", explanation="Because.")
-    text = a_page(tmp_path, undecided, refuted, outcome(HOLDS, Detail("all", 0.0, None, YES)))
-    findings = text[text.index("<h2>Findings") : text.index("<h2>Claims")]
-    assert findings.index("Is wrong") < findings.index("Because.") < findings.index("Cannot be told")
-    assert "1 of 3 claims hold" in findings
-    assert "All 1 claims hold" in a_page(tmp_path, outcome(HOLDS, Detail("all", 0.0, None, YES)))
-    assert "not measured" in a_page(tmp_path, outcome("not measured"))
 
 
 VERDICTS = ((HOLDS, YES), (FAILS, NO), ("not decided by 2 trials", OPEN))

@@ -234,16 +234,6 @@ def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
     assert not +back.counts
 
 
-def test_readings_that_were_not_made_are_counted(tmp_path):
-    own = tmp_path / "ends.py"
-    own.write_text(brains.load("commons").source + '\n\ndef done(me):\n    """Enough."""\n    return me.v > 4.0\n')
-    recorded(tmp_path / "day", str(own))
-    recording, lives = lived(tmp_path / "day")
-    assert all(life.to_the_bit for life in lives)
-    without = sum(not tick.looks for member in recording.members for tick in member.log.ticks)
-    assert under(recording, brains.load("minimalistic")).counts["unread"] == without > 0
-
-
 def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
     """Each of two robots heard a message that the other said only after it."""
     recorded(tmp_path / "day", robots=2, rounds=9, topology="full")

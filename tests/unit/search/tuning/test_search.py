@@ -1,6 +1,5 @@
 """What tuning finds is what is known to be best, its log is whole, and its evaluation is what the search never saw."""
 
-import csv
 import math
 import re
 from dataclasses import replace
@@ -258,54 +257,9 @@ def test_threads_do_not_matter_and_python_keeps_no_files(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["tunable.py"]
 
 
-def rows(path):
-    """The lines of a log, without the seconds."""
-    with path.open(newline="") as file:
-        return [row[:-1] for row in csv.reader(line for line in file if not line.startswith("#"))]
-
-
 @pytest.fixture
 def args(tmp_path):
     return study_of(tmp_path, "a = 0.1, noise = 0.1"), ["a=0:1", "idle=1:9:log"]
-
-
-@pytest.mark.long
-def test_search_is_resumed(args, tmp_path, monkeypatch):
-    whole = sc.tune(*args, budget=61, trials=2, out=tmp_path / "whole.toml")
-    lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
-    assert len(lines) == 3 + 61
-    for cut, torn in ((0, 9), (3, 9), (15, 9), (40, 0)):
-        (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]) + lines[cut][:torn])
-        again = sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml")
-        assert again.values == whole.values
-        assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
-    through = training.Training.run
-
-    def run(self, brains, seed, *others):
-        assert seed == seed_for(args[0].seed, "influence"), "was tried again"
-        return through(self, brains, seed, *others)
-
-    monkeypatch.setattr(training.Training, "run", run)
-    assert sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml").values == whole.values
-    assert sc.tune(*args, budget=37, trials=2, out=tmp_path / "cut.toml").values != whole.values  # less of the same
-
-
-def test_ctrl_c_keeps_the_candidates_that_were_through(args, tmp_path):
-    stops = [KeyboardInterrupt]
-
-    def stop(progress):
-        if progress.done >= 50 and stops:
-            raise stops.pop()
-
-    with pytest.raises(KeyboardInterrupt):
-        sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml", progress=stop)
-    kept = rows(tmp_path / "a.csv")
-    assert 20 <= len(kept) < 62
-    assert not (tmp_path / "a.toml").exists()
-    sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml")
-    sc.tune(*args, budget=61, trials=2, out=tmp_path / "b.toml")
-    assert rows(tmp_path / "a.csv") == rows(tmp_path / "b.csv")
-    assert kept == rows(tmp_path / "b.csv")[: len(kept)]
 
 
 def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path):
@@ -364,10 +318,3 @@ def test_values_that_change_nothing_are_no_finding(tmp_path):
     assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
     assert found.notes[0] == "idle changes nothing in final_error, and stays at 1"
     assert all(one in found.text and one in str(found) for one in found.notes)
-
-
-def test_a_search_that_is_refused_leaves_nothing(tmp_path):
-    study = study_of(tmp_path, "a = 0.1")
-    with pytest.raises(InputError, match=r"^budget=5: the brain as it is and one generation take 13 evaluations"):
-        sc.tune(study, ["a=0:1"], budget=5, out=tmp_path / "t.toml")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["tunable.py"]
