@@ -102,8 +102,3 @@ def test_graphs_without_names_are_told_how_to_get_one():
         graph.name = name
     made = study(RING | {"topology": graphs})
     assert sc.Study.parse(made.text).settings() == made.settings()
-
-
-def test_a_delay_spans_the_fixed_networks_of_a_study_alone():
-    settings = study(BOTH | {"message_delay": [0, 2]}).settings()
-    assert [(s.topology.name, s.delay) for s in settings] == [("ring", 0), ("ring", 2), ("moving", 0)]

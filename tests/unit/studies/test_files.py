@@ -3,7 +3,6 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.studies import toml_text
 from tests.support.small import SMALL
 
 CONTEXT = "studies/x.toml: "
@@ -92,8 +91,3 @@ def test_unreadable_files(tmp_path):
     (tmp_path / "bytes.toml").write_bytes(b"\xff\x00")
     with pytest.raises(sc.InputError, match="cannot be read"):
         sc.Study.load(tmp_path / "bytes.toml")
-
-
-def test_toml_values():
-    assert toml_text.to_toml_value('a"b\\c\n') == '"a\\"b\\\\c\\n"'
-    assert toml_text.to_toml_value({"a": [1, 2.5, True]}) == "{a = [1, 2.5, true]}"
