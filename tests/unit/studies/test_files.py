@@ -39,8 +39,8 @@ def test_text_gives_the_same_study_again():
 def test_a_networkx_graph_becomes_part_of_the_text():
     import networkx as nx
 
-    graph = nx.petersen_graph()
-    study = sc.Study(trials=1, swarm={"robots": 10, "accuracy": 0.7}, world={"topology": [graph], "fill_ratio": 0.5})
+    world = {"topology": [nx.petersen_graph()], "fill_ratio": 0.5}
+    study = sc.Study(trials=1, swarm={"robots": 10, "accuracy": 0.7}, world=world)
     assert sc.Study.parse(study.text).settings() == study.settings()
 
 

@@ -48,11 +48,6 @@ def test_each_case_adds_a_grid_of_its_own():
     assert sc.Study.parse(made.text).settings() == made.settings()
 
 
-def test_a_setting_that_is_there_already_is_kept_once():
-    made = study(case=[{"robots": [20, 30]}, {"robots": [30, 40]}])
-    assert [s.robots for s in made.settings()] == [10, 20, 30, 40]
-
-
 def test_a_case_may_move_where_the_rest_stands():
     made = study(case=[{"topology": "moving", "side": 3.0, "ticks": "10 s", "floor": "half"}])
     moving = [s for s in made.settings() if s.body]
