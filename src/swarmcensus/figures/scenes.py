@@ -97,7 +97,7 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: B
 def check_tick(tick: int, known: tuple[int, int]) -> None:
     """Raise InputError for a tick outside known[0] to known[1]."""
     if not known[0] <= tick <= known[1]:
-        raise InputError(f"tick {tick}: this trial has ticks {known[0]:,} to {known[1]:,}", key="tick", value=tick)
+        raise InputError.named("tick", tick, f"this trial has ticks {known[0]:,} to {known[1]:,}")
 
 
 def check_robot(robot: int, robots: int) -> None:

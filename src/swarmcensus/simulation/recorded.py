@@ -90,7 +90,7 @@ def _long(table: Table, names: list[str]) -> np.ndarray:
     places, first = np.unique(step * shape[1] + robot, return_index=True)
     if len(places) < len(step):
         again = int(np.setdiff1d(np.arange(len(step)), first)[0])
-        raise InputError(f"{table.where(again)}: a second observation of robot {robot[again]} at step {step[again]}")
+        raise table.error(again, f"a second observation of robot {robot[again]} at step {step[again]}")
     readings = np.full(shape, np.nan)
     readings[step, robot] = values
     return readings

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from swarmcensus.support.errors import InputError, line_of, pydantic_message
+from swarmcensus.support.errors import BrainError, InputError, line_of, pydantic_message
 from swarmcensus.support.hints import did_you_mean
 
 if TYPE_CHECKING:
@@ -71,7 +71,8 @@ class Plugins:
         """The entry point of another package's plugin. Raises InputError if two packages use the name."""
         entry = self.outside[name]
         if name in self.clashes:
-            raise InputError(f"two packages have a {self.kind} named {name!r}: {self.clashes[name]}")
+            two = f"two packages have a {self.kind} named {name!r}: {self.clashes[name]}"
+            raise BrainError(two, key=self.kind, value=name)
         return entry
 
     @property
@@ -93,7 +94,7 @@ class Plugins:
             plugin = entry.load()
         except Exception as error:
             where = f"{self.kind} {name!r}, {entry.value} of {_package(entry)}"
-            raise InputError(f"{where}: {error_message(error)}") from error
+            raise BrainError(f"{where}: {error_message(error)}", key=self.kind, value=name) from error
         self.imported_hashes[name] = _hash(self.path(name))
         return plugin
 
@@ -106,9 +107,8 @@ class Plugins:
             return ""
         current = _hash(self.path(name))
         if self.imported_hashes.get(name, current) != current:
-            raise InputError(
-                f"{self.kind} {name!r}: {self.path(name)} was changed since it was imported: restart Python"
-            )
+            changed = f"{self.path(name)} was changed since it was imported: restart Python"
+            raise BrainError.named(self.kind, name, changed)
         return current
 
     def provider(self, name: str) -> str:
@@ -136,10 +136,16 @@ class Plugins:
         except ImportError:
             spec = None
         except Exception as error:  # raised by the package's __init__, or by a malformed entry point
-            raise InputError(f"{self.kind} {name!r} of {self.provider(name)}: {error_message(error)}") from error
+            where = f"{self.kind} {name!r} of {self.provider(name)}"
+            raise BrainError(f"{where}: {error_message(error)}", key=self.kind, value=name) from error
         if spec is None or spec.origin is None or not Path(spec.origin).is_file():
-            raise InputError(f"{self.kind} {name!r}: {self.provider(name)} names {module}: there is no such file")
+            raise BrainError.named(self.kind, name, f"{self.provider(name)} names {module}: there is no such file")
         return Path(spec.origin)
+
+    def lacks(self, name: str, function: str) -> BrainError:
+        """The error of another package's plugin without a function."""
+        what = f"{self.kind} {name!r}, {self.outside[name].value}: it has no function {function}"
+        return BrainError(what, key=self.kind, value=name)
 
 
 def _hash(path: Path) -> str:
