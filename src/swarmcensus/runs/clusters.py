@@ -200,15 +200,15 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             except ImportError:
                 raise InputError(NEEDS) from None
             except (OSError, RuntimeError, ValueError) as error:
-                raise InputError(f"{where}: no jobs could be submitted: {error}") from error
+                raise InputError.of(where, f"no jobs could be submitted: {error}") from error
         try:
             client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
         except TypeError:
-            raise InputError(
-                f"{where} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
-            ) from None
+            needs = f"{where} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
+            raise InputError(needs, key="cluster", value=where) from None
         except (OSError, TimeoutError, ValueError) as error:
-            raise InputError(f"no Dask scheduler answers at {where}: {error}") from None
+            silent = f"no Dask scheduler answers at {where}: {error}"
+            raise InputError(silent, key="cluster", value=where) from None
         stack.enter_context(client)
         pool = Workers(client, study, expected, renew)
         try:

@@ -142,10 +142,9 @@ class Plugins:
             raise BrainError.named(self.kind, name, f"{self.provider(name)} names {module}: there is no such file")
         return Path(spec.origin)
 
-    def lacks(self, name: str, function: str) -> BrainError:
-        """The error of another package's plugin without a function."""
-        what = f"{self.kind} {name!r}, {self.outside[name].value}: it has no function {function}"
-        return BrainError(what, key=self.kind, value=name)
+    def error(self, name: str, what: object) -> BrainError:
+        """The error of another package's plugin."""
+        return BrainError(f"{self.kind} {name!r}, {self.outside[name].value}: {what}", key=self.kind, value=name)
 
 
 def _hash(path: Path) -> str:
@@ -180,7 +179,7 @@ def keys_of(function: Callable[..., Any]) -> type[BaseModel]:
 
 
 def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any], context: Any = None) -> Keys:
-    """Check values for a function's keyword-only arguments, and add its defaults. Raises ValueError."""
+    """Check values for a function's keyword-only arguments, and add its defaults. Raises InputError."""
     from pydantic import ValidationError
 
     model = keys_of(function)
@@ -192,19 +191,20 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
         key, known = str(first["loc"][0]), ", ".join(model.model_fields)
         if first["type"] == "extra_forbidden":
             has = f"{did_you_mean(key, model.model_fields)}it has {known}" if known else "it has none"
-            raise ValueError(f"{what} has no key {key}: {has}") from None
+            raise InputError(f"{what} has no key {key}: {has}", key=key) from None
         if first["type"] == "missing":
-            raise ValueError(f"{what} needs the key {key}") from None
+            raise InputError(f"{what} needs the key {key}", key=key) from None
         message = pydantic_message(first["msg"])
         if first["type"] == "literal_error":
             hint = did_you_mean(str(first["input"]), re.findall("'(.*?)'", first["ctx"]["expected"]))
             message += f": {hint.rstrip()}" if hint else ""
         unit = model.model_fields[str(first["loc"][0])].description
-        raise ValueError(f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}") from None
+        found = f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}"
+        raise InputError(found, key=key, value=first["input"]) from None
     keys = tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
     for name, value in keys:
         if not _is_plain(value):
-            raise ValueError(f"{what}: {name} should be a number, a text, true or false, or a list of them")
+            raise InputError(f"{what}: {name} should be a number, a text, true or false, or a list of them", key=name)
     return keys
 
 

@@ -224,5 +224,5 @@ def _parameters(kind: str) -> list[inspect.Parameter]:
     if hasattr(module, "quantile"):
         return list(inspect.signature(module.quantile).parameters.values())[1:]
     if kind not in PLUGINS.shipped:
-        raise PLUGINS.lacks(kind, "quantile")
+        raise PLUGINS.error(kind, "it has no function quantile")
     return list(inspect.signature(module.centre).parameters.values())

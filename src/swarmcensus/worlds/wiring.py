@@ -26,7 +26,7 @@ def _function(name: str) -> Callable[..., Any]:
     if name in PLUGINS.shipped:
         return getattr(module, "edges", getattr(module, "links", _no_edges))  # type: ignore[no-any-return]
     if not callable(getattr(module, "edges", None)):
-        raise PLUGINS.lacks(name, "edges")
+        raise PLUGINS.error(name, "it has no function edges")
     return module.edges  # type: ignore[no-any-return]
 
 

@@ -37,7 +37,7 @@ def export(options: argparse.Namespace) -> int:
     logs = logs_in(source)
     if not logs:
         if source.is_dir() and not folder_of(source).is_dir() and options.format in (None, "mcap"):
-            raise InputError(without_logs(source))
+            raise without_logs(source)
         check_there(source)
     formats = ("mcap",) if logs else TABLES
     ending = options.out.suffix.lower().removeprefix(".") if options.out else ""

@@ -65,7 +65,7 @@ def heatmap(
     check_coordinates(results, x=x, y=y)
     x, y = _axes_of(results, x, y)
     if x == y:
-        raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates")
+        raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates", key="y", value=y)
     if varying := varies(results, apart_from={x, y}):
         listed = ", ".join(f"{name} ({_first_values(values)})" for name, values in varying.items())
         vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
