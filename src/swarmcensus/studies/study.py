@@ -56,7 +56,7 @@ class Study:
             check(checked, self.grids, all_used=not context.get("kept"))
             count = sum(grid.count for grid in self.grids)
             if count > MOST_SETTINGS:
-                raise ValueError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
+                raise StudyError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
             settings = all_settings(self.grids, self.faults)
         except ValueError as error:
             raise StudyError.within(where, error) from None
