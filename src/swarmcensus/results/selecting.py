@@ -60,7 +60,7 @@ def check_held(data: xr.Dataset, **numbers: int) -> None:
     for name, number in numbers.items():
         known = data[name].values
         if number not in known:
-            raise InputError.named(name, number, f"these results hold {name} {known.min()} to {known.max()}")
+            raise wrong_option(name, number, f"these results hold {name} {known.min()} to {known.max()}")
 
 
 def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:

@@ -61,8 +61,9 @@ def test_the_command_takes_parameters(tmp_path, monkeypatch, capsys):
     assert main([*words, "momentum=0.5"]) == 0
     assert "momentum = 0.5" in (tmp_path / "run.html").read_text()
     assert main([*words, "trust=0.9"]) == 2
-    assert capsys.readouterr().err.startswith("swarmcensus: trust: known here: setting, trial")
+    assert capsys.readouterr().err.startswith("swarmcensus: --parameter trust: known here: setting, trial")
     for wrong, said in (
+        (["--set", "robots=many"], "swarmcensus: --set robots = many: should be a whole number"),
         (["--parameter", "momentum=0.5"], "swarmcensus: --parameter momentum: the name is given twice"),
         (["--set", "momentum=0.5"], "swarmcensus: --set momentum: "),
         (["--set", "=1"], "swarmcensus watch: --set =1: should"),
