@@ -2,7 +2,7 @@
 
     pip install cosmic-ray
     python tests/mutation.py                       # a sample of 300 faults
-    python tests/mutation.py faults minds --sample 50
+    python tests/mutation.py faults states --sample 50
 
 Faults are Cosmic Ray's (another operator, number, comparison or truth value; a loop that never runs), and two more that
 fit addressed randomness: two neighbouring arguments of a call change places, and a keyword argument is left out. Each
@@ -43,7 +43,7 @@ TESTS: dict[str, tuple[str, str]] = {
         f"{SENSORS} unit/engine/test_draws",
         "unit/worlds/test_sensors unit/analysis/explaining/test_beliefs statistical/test_theory",
     ),
-    "worlds/spreading": (
+    "worlds/distributions": (
         f"{SENSORS} unit/engine/test_draws",
         "unit/worlds/test_sensors unit/analysis/explaining/test_beliefs statistical/test_theory",
     ),
@@ -83,7 +83,7 @@ TESTS: dict[str, tuple[str, str]] = {
         "unit/brains/metrics/test_files",
     ),
     "engine/failures": ("unit/worlds/test_faults", "reference/test_networks reference/test_walks"),
-    "engine/minds": (
+    "engine/states": (
         "reference/test_networks reference/test_walks unit/simulation/test_decisions",
         "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_moving",
     ),

@@ -204,8 +204,19 @@ NO_PAIRS = "swarmcensus: mission: the goal cannot be reached, because free.topol
 )  # fmt: skip
 def test_networks_of_impossible_sizes(topology, options, said, here, capsys):
     Path("pairs.csv").write_text("i,j\n0,1\n1,2\n2,3\n")
-    wishes = ["--accuracy", "0.9", "--half-width", "0.1", "--fill-ratio", "0.5", "--brain", "commons", "--trials", "40"]
-    assert main(["plan", *wishes, "--minutes", "1", "--topology", topology, *options]) == 2
+    commands = [
+        "--accuracy",
+        "0.9",
+        "--half-width",
+        "0.1",
+        "--fill-ratio",
+        "0.5",
+        "--brain",
+        "commons",
+        "--trials",
+        "40",
+    ]
+    assert main(["plan", *commands, "--minutes", "1", "--topology", topology, *options]) == 2
     *_, error = capsys.readouterr().err.splitlines()
     assert error.startswith("swarmcensus")
     assert said in error
@@ -251,8 +262,8 @@ def test_a_file_that_is_no_mission(content, said, here, capsys):
 
 @pytest.mark.long
 def test_a_density_replaces_the_side_of_a_file(here, capsys):
-    wishes = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
-    Path("yard.toml").write_text("[area]\nside = 3\n" + wishes)
+    commands = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
+    Path("yard.toml").write_text("[area]\nside = 3\n" + commands)
     options = ["--minutes", "0.5", "--trials", "40", "--brain", "commons", "--lying", "0.1", "--accuracy", "0.85:0.9"]
     assert main(["plan", "yard.toml", "--density", "3", "--density", "6", *options]) == 0
     out = " ".join(capsys.readouterr().out.split())

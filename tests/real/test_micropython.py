@@ -48,7 +48,7 @@ def told(x):
     return "none" if x is None else hexlify(struct.pack(">d", 1.0 * x)).decode()
 
 
-def mind(brain, k):
+def state(brain, k):
     me = Me()
     for fields in (brain.MEMORY, getattr(brain, "PARAMETERS", {})):
         for name, value in fields.items():
@@ -61,10 +61,10 @@ def mind(brain, k):
 def live(name, brain, rounds):
     chance = Chance()
     chance.state = 1
-    minds = [mind(brain, k) for k in range(6)]
+    states = [state(brain, k) for k in range(6)]
     for number in range(1, rounds + 1):
         said = []
-        for k, me in enumerate(minds):
+        for k, me in enumerate(states):
             looks = 1000 if number == 100 else LOOKS[(number + k) % 6]
             blacks = 0.0
             for _ in range(min(looks, 10)):
@@ -73,20 +73,20 @@ def live(name, brain, rounds):
             me.luck = chance()
             if looks and not (hasattr(brain, "done") and brain.done(me)):
                 brain.observe(me, blacks, 1.0 * looks)
-        for k, me in enumerate(minds):
+        for k, me in enumerate(states):
             message = brain.broadcast(me)
             jams = hasattr(brain, "jam") and brain.jam(me)
             if message is None or jams:
                 said.append(None)
             else:
                 said.append(tuple([tuple(part) if isinstance(part, list) else part for part in message]))
-        for k, me in enumerate(minds):
+        for k, me in enumerate(states):
             for other in range(6):
                 lost = chance() < 0.3
                 if other != k and said[other] is not None and not lost:
                     me.luck = chance()
                     brain.receive(me, said[other])
-        for k, me in enumerate(minds):
+        for k, me in enumerate(states):
             me.luck = chance()
             brain.fuse(me)
             answers = [brain.estimate(me)]
@@ -234,7 +234,7 @@ def tell():
 @pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])
 @pytest.mark.parametrize("name", ["commons", "sure", "bayes-cpf"])
 def test_two_runtimes_hear_each_other_through_noise(tmp_path, name, format_):
-    """Datagrams, minds and counts of a board are those of CPython; its heap is flat, and its file is read again."""
+    """Datagrams, states and counts of a board are those of CPython; its heap is flat, and its file is read again."""
     brain = brains.load(name)
     messages = messages_of(brain, format_)
     plan = tuple(tuple(part) for part in messages.plan)

@@ -28,8 +28,8 @@ from swarmcensus.worlds import Body, Floor, Topology, arena, networks, patterns,
 if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
     import xarray as xr
 
-    from swarmcensus.live.days import LoggedDay
     from swarmcensus.live.logged import Logged
+    from swarmcensus.live.recordings import LoggedRecording
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
 MOST_TILES = 1_000_000  # along a side of the arena
@@ -45,7 +45,7 @@ KEYS = (
     "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
     "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
-ON_A_DAY = ("beside", "of")  # those of a logged day that may differ from what it was
+ON_A_RECORDING = ("beside", "of")  # those of a logged recording that may differ from what it was
 BESIDE = "beside."  # before the name of a parameter: of the brain beside
 PLAYED = (
     "tick",
@@ -76,7 +76,7 @@ class Offer:
     brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
     adversaries: dict[str, Adversary]
     live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
-    logged: "LoggedDay | None" = None  # where robots lived the trial: only a brain beside it can be chosen
+    logged: "LoggedRecording | None" = None  # where robots lived the trial: only a brain beside it can be chosen
     files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
 
 
@@ -101,7 +101,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     """
     name = of.name if isinstance(of, Path) else ""
     if isinstance(of, Path) and of.is_dir():
-        return _day(of, given)
+        return _recording(of, given)
     if isinstance(of, Path):
         check_no_log(of)
     if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
@@ -113,12 +113,12 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     return replace(offer, files=BrainFiles(offer.brains.values()))
 
 
-def _day(folder: Path, given: tuple[Path, ...]) -> Offer:
-    from swarmcensus.live.days import LoggedDay
+def _recording(folder: Path, given: tuple[Path, ...]) -> Offer:
+    from swarmcensus.live.recordings import LoggedRecording
 
-    logged = LoggedDay(folder, given)
+    logged = LoggedRecording(folder, given)
     study, setting = logged.study, logged.setting
-    offer = _offer(logged.day.title, (0,), [study], logged.brains, lambda _: (study, setting))
+    offer = _offer(logged.recording.title, (0,), [study], logged.brains, lambda _: (study, setting))
     return replace(offer, live=logged.life, logged=logged)
 
 
@@ -163,14 +163,14 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     if number not in offer.numbers:
         raise InputError.at("setting", number, f"there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
-    first, began = (offer.logged.day.trial, offer.logged.day.seed) if offer.logged else (0, study.seed)
+    first, began = (offer.logged.recording.trial, offer.logged.recording.seed) if offer.logged else (0, study.seed)
     mark = addresses.fingerprint(setting, study.seed)[:8]
     if request.get("of", mark) != mark:
         raise InputError.at("of", request["of"][:40], f"this link is not for {offer.name} as it is now")
     trial = _whole(request, "trial", first, 0, 2**31 - 1)
     seed = _whole(request, "seed", began, 0, 2**63 - 1)
     if offer.logged:
-        _check_day(request, {"setting": number, "trial": first, "seed": began})
+        _check_recording(request, {"setting": number, "trial": first, "seed": began})
     brain = _brain(offer, "brain", request["brain"]) if request.get("brain") else offer.files.latest(setting.brain)
     chosen = [brain.label]
     ours = [key for key in request if key not in KEYS and not key.startswith(BESIDE)]
@@ -211,11 +211,11 @@ def first_view(offer: Offer, asked: Mapping[str, str]) -> tuple[dict[str, str], 
     return query, play
 
 
-def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
+def _check_recording(request: Mapping[str, str], was: Mapping[str, int]) -> None:
     """Raise InputError for a request that would change what robots have lived."""
     for key, value in request.items():
-        if value and key not in ON_A_DAY and not key.startswith(BESIDE) and value != str(was.get(key, "")):
-            raise InputError.at(key, value[:40], "this day is as its logs have it: only beside can be chosen")
+        if value and key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
+            raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
 
 
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:

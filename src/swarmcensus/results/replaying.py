@@ -1,4 +1,4 @@
-"""Replaying: one trial of results again, with every robot's mind after every round."""
+"""Replaying: one trial of results again, with every robot's state after every round."""
 
 import itertools
 from pathlib import Path

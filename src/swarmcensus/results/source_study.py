@@ -67,7 +67,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     """
     if run and RELIVED in data.attrs:
         raise InputError(
-            f"these results are the day {data.attrs[RELIVED]!r} of robots, which no simulation runs again: "
+            f"these results are the recording {data.attrs[RELIVED]!r} of robots, which no simulation runs again: "
             "swarmcensus relive FOLDER does, from their logs, and draws them with --plot FILE; "
             "swarmcensus watch FOLDER shows it"
         )

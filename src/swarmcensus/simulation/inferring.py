@@ -1,4 +1,4 @@
-"""Inference from recorded data: a brain's minds after every round, in machine code or in CPython."""
+"""Inference from recorded data: a brain's states after every round, in machine code or in CPython."""
 
 import itertools
 import warnings
@@ -84,7 +84,7 @@ def infer(
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
         raise InputError.at("observations_per_round", repr(every), "should be a whole number from 1")
     used = brain if isinstance(brain, brains.Brain) else brains.load(brain)
-    luck = np.concatenate([address(0, "luck", recorded=True), address(0, "luck of messages", recorded=True)])
+    draws = np.concatenate([address(0, "luck", recorded=True), address(0, "luck of messages", recorded=True)])
     if compiled:
         shape = (-(-len(readings) // every) + 1, robots)
         layout = compiler.array_layout(used)
@@ -93,7 +93,7 @@ def infer(
         signals = np.zeros(robots if layout.is_signalled else 0, np.uint8)
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
-            alike = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
+            alike = swarm((used,), np.zeros(robots, np.int64), "recorded", draws)
             interruptible(compiler.compile_world("kernel").follow)(
                 alike, outbox, signals, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends,
                 history, estimates,
@@ -104,7 +104,7 @@ def infer(
             raise BrainError(what, key="brain", value=used.name) from error
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
-        fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, luck)
+        fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
     trace = trace_of(fields, estimates, used)
     trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}

@@ -36,7 +36,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
         links=links,
         stops=np.stack([sampling.stops(setting, seed, first + t) for t in range(trials)]),
-        luck=addresses.luck_keys(setting, seed, alone=order),
+        draws=addresses.draw_keys(setting, seed, alone=order),
         walk=addresses.walk_key(setting, seed) if moves else NO_KEY,
         speeds=np.stack([sampling.speeds(setting, seed, first + t) for t in range(trials)]) if moves else NO_SPEEDS,
         group=group,

@@ -32,7 +32,7 @@ class Member:
         return round(self.robots * robots) if self.share else int(self.robots)
 
     def brain_in(self, brain: Brain) -> Brain:
-        """Their brain in a swarm with this brain, which an adversary wears."""
+        """Their brain in a swarm with this brain, which an adversary wraps."""
         return lying_brain(self.brain, brain) if isinstance(self.brain, Adversary) else self.brain or brain
 
     @property

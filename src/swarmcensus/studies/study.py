@@ -22,7 +22,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
 from swarmcensus.support.plugins import Plugins
 from swarmcensus.support.templates import render
-from swarmcensus.worlds import Accuracy, Misjudgement, Picture, Topology, patterns, spreading, wiring
+from swarmcensus.worlds import Accuracy, Misjudgement, Picture, Topology, distributions, patterns, wiring
 
 if TYPE_CHECKING:
     from swarmcensus.studies.typed import StudyChanges, StudyTables
@@ -174,7 +174,7 @@ class Study:
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
         """Additions of other packages that its settings use, as "topology torus": package, version and hash."""
-        spreads = [s for a in self._accuracies for s in a.spreads]
+        drawn = [one for a in self._accuracies for one in a.distributions]
         floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
         used = [
             *((brains.PLUGINS, brain.name) for brain in self.brains if _of(brains.PLUGINS, brain)),
@@ -182,7 +182,7 @@ class Study:
             *((metrics.PLUGINS, metric.name) for metric in self.measure.metrics if _of(metrics.PLUGINS, metric)),
             *((wiring.PLUGINS, topology.named) for topology in self.topologies if topology.named),
             *((patterns.PLUGINS, floor.kind) for floor in floors),
-            *((spreading.PLUGINS, spread.kind) for spread in spreads if spread.kind),
+            *((distributions.PLUGINS, one.kind) for one in drawn if one.kind),
         ]
         others = {(p.kind, name): p for p, name in used if name not in p.shipped and name in p}
         return {f"{kind} {name}": plugins.origin(name) for (kind, name), plugins in others.items()}

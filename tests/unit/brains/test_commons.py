@@ -19,7 +19,7 @@ LONG = {"rounds": 1000, "observations_per_round": 10}
 PATH = np.eye(4) + np.diag([1.0] * 3, 1) + np.diag([1.0] * 3, -1)  # who is heard, the robot itself among them
 
 
-def minds(functions, accuracies):
+def states(functions, accuracies):
     """A robot for each pair of accuracies."""
     given = {**functions.MEMORY, **getattr(functions, "PARAMETERS", {})}
     return [SimpleNamespace(**given, b=b, w=w, name=float(i)) for i, (b, w) in enumerate(accuracies)]
@@ -53,7 +53,7 @@ def test_commons_is_a_matrix_of_means_that_mixes_both_sums():
     """Four robots on a path, sensors apart: s and v by powers of one matrix, f their ratio with the prior."""
     rng = np.random.default_rng(1)
     b, w = np.array([0.9, 0.6, 0.75, 0.3]), np.array([0.8, 0.7, 0.5, 0.4])
-    robots = minds(COMMONS, zip(b, w, strict=True))
+    robots = states(COMMONS, zip(b, w, strict=True))
     mixing, slope = PATH / PATH.sum(1, keepdims=True), b + w - 1.0
     s, v = np.zeros((2, 4))
     for _ in range(30):
@@ -65,7 +65,7 @@ def test_commons_is_a_matrix_of_means_that_mixes_both_sums():
 
 
 def test_lone_robot_has_the_papers_local_estimate():
-    (me,) = minds(COMMONS, [(0.8, 0.7)])
+    (me,) = states(COMMONS, [(0.8, 0.7)])
     assert COMMONS.estimate(me) == 0.5
     for _ in range(400):
         COMMONS.observe(me, 3.0, 5.0)
@@ -74,7 +74,7 @@ def test_lone_robot_has_the_papers_local_estimate():
 
 
 def test_who_cannot_tell_black_from_white_only_passes_on():
-    robots = minds(COMMONS, [(0.9, 0.9), (0.5, 0.5)])
+    robots = states(COMMONS, [(0.9, 0.9), (0.5, 0.5)])
     for _ in range(50):
         found = one_round(COMMONS, robots, [7.0, 5.0], 10.0, np.ones((2, 2)))
     assert found == pytest.approx([(0.7 - 0.1) / 0.8] * 2, abs=1e-3)
@@ -134,7 +134,7 @@ def test_efficiency_of_uneven_weights(graph):
 def test_swift_is_a_second_order_recursion_of_the_same_matrix():
     """Four robots on a path, no losses: from round 3 on what is said goes beyond the mean by g times the way since."""
     rng = np.random.default_rng(2)
-    robots = minds(SWIFT, [(0.9, 0.8)] * 4)
+    robots = states(SWIFT, [(0.9, 0.8)] * 4)
     mixing = PATH / PATH.sum(1, keepdims=True)
     said, before = np.zeros((2, 3, 4))  # of s, v, and of 1 a round
     for rounds in range(1, 31):
@@ -162,7 +162,7 @@ def test_momentum_is_given_up_in_full_networks(topology, keeps):
 
 
 def test_lost_messages_stop_momentum_nearby():
-    robots = minds(SWIFT, [(0.9, 0.8)] * 4)
+    robots = states(SWIFT, [(0.9, 0.8)] * 4)
     one_round(SWIFT, robots, [3.0] * 4, 5.0, PATH)
     lost = PATH.copy()
     lost[0, 1] = 0.0

@@ -1,4 +1,4 @@
-"""The examples of the contract's second edition: they keep it, and are of use."""
+"""The examples of the contract's optional functions: they keep it, and are of use."""
 
 import numpy as np
 import pytest
@@ -18,14 +18,14 @@ def ran(name, **tables):
 
 @pytest.fixture(scope="module")
 def quiet_and_sure():
-    """Two of the brains of the second edition's study."""
+    """Two of the brains of the study of optional functions."""
     brain = [{"file": "quiet.py", "step": [0.005, 0.05]}, "sprt.py"]
     return ran("second-edition", swarm={"brain": brain, "robots": 50, "accuracy": 0.7})
 
 
 def test_each_uses_what_it_is_there_to_show():
     used = {name: brains.load(EXAMPLE / f"{name}.py") for name in BRAINS}
-    assert used["pairwise"].uses.lucky == {"receive"}
+    assert used["pairwise"].uses.random == {"receive"}
     assert used["prior"].parameters == {"prior": 10.0, "expected": 0.5}
     assert used["histogram"].lengths["belief"] == used["histogram"].options == 10
     assert used["quiet"].uses.silence
@@ -95,5 +95,5 @@ def test_who_forgets_notices_that_the_floor_is_another():
     before = data["correct"].sel(checkpoint=[100, 299]).values[way != ""]
     assert (before == 1).mean() > 0.9
     # nobody notices that the sensors wear: as 0.9 is believed and 0.65 is true, 0.25 is taken for more
-    worn = np.median(data["final_estimate"].values[way == ""], axis=(1, 2))
-    assert (worn > 0.3).all()
+    wrapped = np.median(data["final_estimate"].values[way == ""], axis=(1, 2))
+    assert (wrapped > 0.3).all()

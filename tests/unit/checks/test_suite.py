@@ -200,7 +200,7 @@ def test_a_robot_may_hear_others_before_it_has_observed(tmp_path):
     ],
 )
 def test_what_sums_add_depends_on_the_message_alone(adds, tmp_path):
-    """Not on beliefs, not on sums so far, not on minds older than those that the suite makes."""
+    """Not on beliefs, not on sums so far, not on states older than those that the suite makes."""
     path = changed(
         tmp_path / "bad.py",
         ('"n": 0.0}', '"n": 0.0, "sum": 0.0}'),
@@ -423,7 +423,7 @@ def test_means_and_extremes_may_be_found_message_by_message(tmp_path):
 def test_nothing_is_kept_outside_of_a_mind(change, said, tmp_path):
     calls = ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nCALLS = [0.0]')
     clip = ("return me.n / me.t", "return min(me.n / me.t, 1.0)")
-    fault = faults_of(changed(tmp_path / "bad.py", change, calls, clip))["the same history gives the same mind"]
+    fault = faults_of(changed(tmp_path / "bad.py", change, calls, clip))["the same history gives the same state"]
     assert said in fault
     assert "something is kept outside of me" in fault
 
@@ -546,8 +546,8 @@ def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
     with pytest.raises(sc.InputError, match=r"brain 'minimalistc': did you mean 'minimalistic'\?"):
         sc.check("minimalistc")
     with pytest.raises(sc.InputError, match="did you mean 'legacy'"):
-        sc.check("bad.py", wearing="legcy")
-    monkeypatch.setattr(conformance, "check", lambda *_, wearing: [conformance.Check("keeps the contract", None)])
+        sc.check("bad.py", wrapping="legcy")
+    monkeypatch.setattr(conformance, "check", lambda *_, wrapping: [conformance.Check("keeps the contract", None)])
     monkeypatch.setattr(conformance, "single_life", lambda *_: {"alone": None, "hearing": 7})
     good = sc.check("three-state", single=True)
     assert good.conforms
@@ -556,7 +556,7 @@ def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
 
 
 LOT = "    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n        me.kept = message[0]\n"
-LUCKY = (
+RANDOM = (
     ("MEMORY = {", 'MEMORY = {"heard": 0.0, "kept": 0.5, "lot": 0.5, "x": 0.5, '),
     (HEAR, f"def receive(me, message):\n{LOT}"),
     (FUSE, "def fuse(me):\n    me.x = 0.5 * me.x + 0.5 * me.kept\n    me.heard = 0.0\n"),
@@ -568,8 +568,8 @@ AT_ONCE = "readings at once mean the same as one by one"
 
 @pytest.mark.long
 def test_fair_sampling_of_messages_is_allowed(tmp_path):
-    """Each of the messages is as likely to be kept, in whatever order they come: the same law, and other minds."""
-    path = changed(tmp_path / "mine.py", *LUCKY)
+    """Each of the messages is as likely to be kept, in whatever order they come: the same law, and other states."""
+    path = changed(tmp_path / "mine.py", *RANDOM)
     assert not fault_in(path, ORDER)
     assert not faults_of(path)
 
@@ -585,7 +585,7 @@ def test_fair_sampling_of_messages_is_allowed(tmp_path):
     ids=["the last", "the last by a coin", "the first by lot", "fading"],
 )
 def test_order_dependence_is_found_despite_random_draws(tmp_path, lot, field):
-    changes = [(old, new.replace(LOT, lot)) for old, new in LUCKY]
+    changes = [(old, new.replace(LOT, lot)) for old, new in RANDOM]
     fault = fault_in(changed(tmp_path / "mine.py", *changes), ORDER)
     assert fault
     assert f"gives me.{field} another distribution" in fault or f"makes me.{field}" in fault
@@ -593,7 +593,7 @@ def test_order_dependence_is_found_despite_random_draws(tmp_path, lot, field):
 
 
 def test_order_dependence_is_found_despite_random_draws_elsewhere(tmp_path):
-    last = [(old, new.replace(LOT, "    me.kept = message[0]\n")) for old, new in LUCKY]
+    last = [(old, new.replace(LOT, "    me.kept = message[0]\n")) for old, new in RANDOM]
     own = (OWN, f"{OWN}    me.lot = me.luck\n")
     fault = fault_in(changed(tmp_path / "mine.py", *last, own), ORDER)
     assert fault

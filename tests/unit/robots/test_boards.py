@@ -20,7 +20,7 @@ from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import board_tests
-from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.translation.messages import codec as codec_of
 from tests.support.boards import needs_micropython, on_board
@@ -440,8 +440,8 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, 
     (tmp_path / "day" / "robot.log").write_bytes(bytes.fromhex(log))
     capsys.readouterr()
     assert main(["relive", str(tmp_path / "day")]) == 0
-    assert "1 of 1 mind lived again to the bit, 300 of 300 ticks" in capsys.readouterr().out
-    (member,) = read_day(tmp_path / "day").members
+    assert "1 of 1 state lived again to the bit, 300 of 300 ticks" in capsys.readouterr().out
+    (member,) = read_recording(tmp_path / "day").members
     life = relive(member, keep=True)
     assert str(max(life.memory.items())[1]) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 299

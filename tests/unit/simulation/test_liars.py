@@ -209,8 +209,8 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     ("old", "new", "said"),
     [
         ("honest = false", "", "members[0].brain = 'always-black'"),
-        ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wears the brain of its swarm"),
-        ('["minimalistic", "legacy"]', '"grey.py"', "that is an adversary, which wears the brain of its swarm"),
+        ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wraps the brain of its swarm"),
+        ('["minimalistic", "legacy"]', '"grey.py"', "that is an adversary, which wraps the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
         ('"always-black"', '"allways-black"', "did you mean 'always-black'? neither a brain nor an adversary"),
         ("pace = [0.01, 0.02]", "speed = 3", "the adversary 'slow-liar' has no parameter 'speed': it has pace, goal"),
@@ -241,7 +241,7 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
     Path("s.toml").write_text(study.replace('{file = "slow-liar", pace = [0.01, 0.02]}, "jammer", ', ""))
     assert main(["run", "s.toml", "--jobs", "1"]) == 2
     said = capsys.readouterr().err
-    assert re.search("ZeroDivisionError: (float )?division by zero, at grey.py --wearing", said)
+    assert re.search("ZeroDivisionError: (float )?division by zero, at grey.py --wrapping", said)
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
@@ -250,15 +250,15 @@ def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes, m
     monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)  # the process that checks compiles
     assert main(["brains"]) == 0
     assert "slow-liar" in capsys.readouterr().out
-    assert main(["brains", "--show", "grey.py", "--wearing", "legacy"]) == 0
+    assert main(["brains", "--show", "grey.py", "--wrapping", "legacy"]) == 0
     source = capsys.readouterr().out
     assert "def liar_lie(me, x):" in source
     assert "Wearing: The rival" in source
     assert main(["brains", "--check", "grey.py"]) == 0
     assert "grey.py: conforms" in capsys.readouterr().out
-    assert main(["brains", "--show", "legacy", "--wearing", "minimalistic"]) == 2
+    assert main(["brains", "--show", "legacy", "--wrapping", "minimalistic"]) == 2
     assert "legacy has no lie(me, x)" in capsys.readouterr().err
-    assert main(["brains", "--wearing", "legacy"]) == 2
+    assert main(["brains", "--wrapping", "legacy"]) == 2
     assert "needs --check or --show" in capsys.readouterr().err
     Path("half.py").write_text("def lie(me, x):\n    return x / 0.0\n")
     assert main(["brains", "--check", "half.py"]) == 2

@@ -154,17 +154,17 @@ def plainly_scored(b, w, t, n):
 def scored(b, w, t, n):
     """Where 300 rounds of the brain end, in a full network: what one robot hears and does, all do."""
     own = ORACLE.functions
-    minds = [ORACLE.robot(*sides) for sides in zip(b, w, strict=True)]
-    for me, looks, blacks in zip(minds, t, n, strict=True):
+    states = [ORACLE.robot(*sides) for sides in zip(b, w, strict=True)]
+    for me, looks, blacks in zip(states, t, n, strict=True):
         own.observe(me, blacks, looks)
     for _ in range(300):
-        me = minds[0]
-        for other in minds[1:]:
+        me = states[0]
+        for other in states[1:]:
             own.receive(me, own.broadcast(other))
         own.fuse(me)
-        for other in minds[1:]:
+        for other in states[1:]:
             other.x = me.x
-    return own.estimate(minds[0])
+    return own.estimate(states[0])
 
 
 def test_a_message_by_hand():

@@ -28,7 +28,7 @@ from swarmcensus.robots import targets
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.support import plugins
-from swarmcensus.worlds import patterns, spreading, wiring
+from swarmcensus.worlds import distributions, patterns, wiring
 from tests.support.long import in_two_sizes
 from tests.support.places import DOCS
 
@@ -49,7 +49,7 @@ ALL_PLUGINS = [
     metrics.PLUGINS,
     wiring.PLUGINS,
     patterns.PLUGINS,
-    spreading.PLUGINS,
+    distributions.PLUGINS,
     kinds.PLUGINS,
     targets.PLUGINS,
 ]

@@ -117,7 +117,7 @@ def _settings(plan: Plan, member: Member, folder: Path, command_port: int, token
         "SAVE_EVERY": max(FEWEST, round(SAVED * 1000.0 / plan.period)),
         "LOG": str(folder / log_of(member.number)),
         "SEED": plan.chance,
-        "LUCK": plan.luck if brain.uses.luck else None,
+        "LUCK": plan.draws if brain.uses.luck else None,
         "LOSS": plan.loss,
         "DUPLICATE": plan.air.duplicate,
         "DELAY": plan.delay,

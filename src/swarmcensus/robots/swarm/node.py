@@ -168,7 +168,7 @@ class Node:
         brain = __import__(s.BRAIN)
         self.robot = robot = Timed(
             brain, self.air.messages, sensor, self.air, self.clock, s.B, s.W, s.NUMBER, s.PERIOD, s.LOOKS, s.PARAMETERS,
-            None if s.LUCK is None else self.luck, None, 255,
+            None if s.LUCK is None else self.draws, None, 255,
         )  # fmt: skip
         self.drawn = 0
         robot.keep(s.MEMORY, s.SAVE_EVERY)
@@ -177,7 +177,7 @@ class Node:
         if s.DELAY:
             self.poll.register(self.radio.fileno(), select.POLLIN)
 
-    def luck(self):
+    def draws(self):
         """A random number in (0, 1), with 23 binary digits in single precision and 52 in double."""
         self.drawn += 2
         s = self.settings

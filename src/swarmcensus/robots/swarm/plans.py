@@ -64,7 +64,7 @@ class Plan:
     links: tuple[tuple[int, int], ...]  # receiver, sender
     readings: np.ndarray  # (observation, robot), 1 black
     chance: int  # 32 bits, the seed of what happens to messages
-    luck: int | None  # the same for brains, if any uses luck
+    draws: int | None  # the same for brains, if any uses luck
 
     @property
     def period(self) -> int:
@@ -110,9 +110,9 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     members = _members(setting, given, micropython)
     links = _links(given, setting.robots)
     readings = record_readings(setting, seed, trial)
-    luck = _words("luck", given.luck, trial) if given.luck.size else None
+    draws = _words("luck", given.draws, trial) if given.draws.size else None
     chance = _words("messages", given.radio.key, trial, seed)
-    return Plan(study, setting, number, seed, trial, air, members, links, readings, chance, luck)
+    return Plan(study, setting, number, seed, trial, air, members, links, readings, chance, draws)
 
 
 def _in_bytes(setting: Setting) -> Setting:
@@ -169,18 +169,18 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member,
     honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
     b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)
     names = _names(setting, group, honest)
-    worn = _adversaries(setting)
+    wrapped = _adversaries(setting)
     return tuple(
         Member(
             k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython,
-            worn.get(setting.brains[group[k]]),
+            wrapped.get(setting.brains[group[k]]),
         )
         for k in range(setting.robots)
     )  # fmt: skip
 
 
 def _adversaries(setting: Setting) -> dict[Brain, str]:
-    """The names of adversaries by the brains that wear them."""
+    """The names of adversaries by the brains that they wrap."""
     liars = [member for member in setting.members if isinstance(member.brain, Adversary)]
     brains = (liar.brain_in(setting.brain).with_numbers(setting.brain.numbers) for liar in liars)
     return {brain: liar.brain.name for brain, liar in zip(brains, liars, strict=True) if liar.brain}

@@ -85,21 +85,21 @@ def lived(seed, trials, now, study, topology, n, density, accuracy, f):
     """What a setting's robots have, (trial, robot), and how many are right, (checkpoint, trial)."""
     now, quality = dict(now), QUALITY[accuracy]
     rng = np.random.default_rng(seed)
-    luck = np.exp(now["noise"] * (rng.normal(size=(trials, 1)) + 0.2 * rng.normal(size=(trials, n))))
+    draws = np.exp(now["noise"] * (rng.normal(size=(trials, 1)) + 0.2 * rng.normal(size=(trials, n))))
     easy = (0.8 if f == 0.95 else 1) * (0.9 if density == 10 else 1)
     slow = np.exp(-4 * (quality - 0.5)) * SPEED[topology] * easy
     unit = {"same-observations": 10, "same-rounds": 1.5, "moving": 10}.get(study, 1)
-    error = 0.04 * np.exp(-5 * (quality - 0.5)) * easy * luck
+    error = 0.04 * np.exp(-5 * (quality - 0.5)) * easy * draws
     final = np.broadcast_to(f + now["spread"] * np.linspace(0, 1, n), (trials, n)).copy()
     final[:, : now["wrong"]] = 0.05  # in no bin of f
     wrong = np.array([0.5, 0.2, 0.1, 0.05, 0.01, 0]) * slow
     return {
-        "convergence_round": 400 * slow * unit * now["K"] * luck,
+        "convergence_round": 400 * slow * unit * now["K"] * draws,
         "convergence_error": error * now["error"],
         "final_estimate": final,
-        "local_convergence_step": 4000 * slow * 10 * luck,
+        "local_convergence_step": 4000 * slow * 10 * draws,
         "local_convergence_error": error * 1.5 * now["local"],
-    }, now["right"] * (1 - np.round(wrong * n * luck.mean(1)[:, None]) / n).T
+    }, now["right"] * (1 - np.round(wrong * n * draws.mean(1)[:, None]) / n).T
 
 
 VARIABLES = ("convergence_round", "convergence_error", "final_estimate")

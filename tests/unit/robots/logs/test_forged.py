@@ -15,7 +15,7 @@ TOO_LATE = block(TICK, struct.pack(OPENING, 100_000_000, 5, 0, 0, 0, 0) + struct
 
 
 @pytest.fixture(scope="module")
-def day(tmp_path_factory):
+def recording(tmp_path_factory):
     folder = tmp_path_factory.mktemp("logs") / "day"
     study, _, swarm = logged(folder, "commons")
     swarm.run()
@@ -25,10 +25,10 @@ def day(tmp_path_factory):
 
 
 @pytest.fixture
-def copied(day, tmp_path):
+def copied(recording, tmp_path):
     folder = tmp_path / "day"
     folder.mkdir()
-    for path in day.iterdir():
+    for path in recording.iterdir():
         (folder / path.name).write_bytes(path.read_bytes())
     return folder
 

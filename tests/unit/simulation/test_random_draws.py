@@ -13,7 +13,7 @@ from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.support.errors import InputError
 from tests.reference import rounds as reference
-from tests.support.second import ALL, LUCKY, MEANS, OURS, STEER, brain, changed, fixed, moving
+from tests.support.second import ALL, MEANS, OURS, RANDOM, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
 
 
@@ -32,7 +32,7 @@ def test_never_zero_and_never_one():
 @pytest.mark.interpreted
 def test_each_call_has_its_own():
     """Of 5 robots on a ring, 8 rounds: all that was seen, heard and fused by differs."""
-    fields = lives(LUCKY)
+    fields = lives(RANDOM)
     every = np.concatenate([fields[name][1:].ravel() for name in OURS])
     assert len(np.unique(every)) == every.size == 120
 
@@ -43,12 +43,12 @@ def test_each_message_has_its_own_random_draw():
     source = changed(
         ("me.heard = me.luck", "me.heard += me.luck"),
         ("    me.fused = me.luck", "    me.fused = me.heard\n    me.heard = 0.0"),
-        source=LUCKY,
+        source=RANDOM,
     )
     every = lives(source, robots=3, topology="full")["fused"]
     one = {"name": "one", "edges": [[1, 0]], "directed": True}
     (setting,) = fixed(brain(source), robots=3, topology="full")
-    key = addresses.luck_keys(setting, SEED)[2:]
+    key = addresses.draw_keys(setting, SEED)[2:]
     for k in range(1, 9):
         words = [[reference.threefry(reference.key_of(key), (0, k), (i, j))[0] for j in range(3)] for i in range(3)]
         for i in range(3):
@@ -76,26 +76,26 @@ def test_it_changes_nothing_else(world):
 @pytest.mark.interpreted
 def test_two_brains_have_the_same():
     """So that they differ by what they are, and not by chance: whatever one of them does not ask for."""
-    both, fused = lives(LUCKY), lives(changed(("me.seen = me.luck", "me.seen = 0.0"), source=LUCKY))
+    both, fused = lives(RANDOM), lives(changed(("me.seen = me.luck", "me.seen = 0.0"), source=RANDOM))
     assert (both["fused"] == fused["fused"]).all()
     assert (both["heard"] == fused["heard"]).all()
-    assert (lives(LUCKY, accuracy=0.9)["fused"] == both["fused"]).all()
+    assert (lives(RANDOM, accuracy=0.9)["fused"] == both["fused"]).all()
 
 
 @pytest.mark.interpreted
 def test_robots_trials_seeds_and_networks_have_others():
-    ring = lives(LUCKY)["fused"]
-    for other in (lives(LUCKY, trial=1), lives(LUCKY, topology="line"), lives(LUCKY, robots=6)):
+    ring = lives(RANDOM)["fused"]
+    for other in (lives(RANDOM, trial=1), lives(RANDOM, topology="line"), lives(RANDOM, robots=6)):
         assert not np.isin(other["fused"][1:], ring[1:]).any()
-    (setting,) = fixed(brain(LUCKY))
+    (setting,) = fixed(brain(RANDOM))
     assert not np.isin(record_trial(setting, SEED + 1, 0)[0]["fused"][1:], ring[1:]).any()
 
 
 @pytest.mark.interpreted
 def test_a_round_without_a_reading_costs_none():
     """A sensor that fails changes no other luck."""
-    failed = lives(LUCKY, faults=[{"at": 3, "robots": 2, "stop": "sensing"}])
-    whole = lives(LUCKY)
+    failed = lives(RANDOM, faults=[{"at": 3, "robots": 2, "stop": "sensing"}])
+    whole = lives(RANDOM)
     assert (failed["fused"] == whole["fused"]).all()
     assert (failed["heard"] == whole["heard"]).all()
     assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
@@ -104,14 +104,14 @@ def test_a_round_without_a_reading_costs_none():
 @pytest.mark.interpreted
 def test_on_the_move_and_of_robots_that_steer():
     """A brain whose steering is by lot has the same luck elsewhere as one that walks at random."""
-    walks, steers = (record_ride(moving(brain(s)), SEED, 0).fields for s in (LUCKY, LUCKY + STEER))
+    walks, steers = (record_ride(moving(brain(s)), SEED, 0).fields for s in (RANDOM, RANDOM + STEER))
     assert (walks["fused"] == steers["fused"]).all()
     assert len(np.unique(walks["fused"][1:])) == 25 * 6
 
 
 @pytest.mark.interpreted
 def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
-    (mixed,) = fixed(brain(LUCKY), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
+    (mixed,) = fixed(brain(RANDOM), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
     who = sampling.groups(mixed, SEED, 0, 1)[0]
     one, other = record_trial(mixed, SEED, 0)[0], record_trial(replace(mixed, members=()), SEED, 0)[0]
     for name in OURS:
@@ -149,7 +149,7 @@ def test_it_is_only_for_reading(line):
 
 
 def test_sums_have_none():
-    source = changed(("    me.heard = me.luck", "    me.heard += me.luck"), source=LUCKY)
+    source = changed(("    me.heard = me.luck", "    me.heard += me.luck"), source=RANDOM)
     with pytest.raises(
         InputError, match=r"receive reads me.luck: with SUMS, what it adds may depend only on the message"
     ):
