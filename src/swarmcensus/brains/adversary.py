@@ -13,7 +13,7 @@ from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 from swarmcensus.support import safe_source
-from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.plugins import Plugins
 
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
@@ -110,9 +110,9 @@ def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
     try:
         return tree, _contents(tree, constants)
     except syntax.BrokenContract as error:
-        raise InputError(f"adversary file {path}, line {error.line}: {error}") from None
+        raise BrainError.of(path, error, where=f"adversary file {path}, line {error.line}") from None
     except ValueError as error:
-        raise InputError(f"adversary file {path}: {error}") from None
+        raise BrainError.within(f"adversary file {path}", error) from None
 
 
 def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:

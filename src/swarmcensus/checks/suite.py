@@ -15,7 +15,7 @@ from pathlib import Path
 from swarmcensus import brains
 from swarmcensus.brains import adversary, robot_math
 from swarmcensus.studies import taken_in_results
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 
@@ -74,7 +74,7 @@ def brain_to_check(path: str | Path, wrapping: str = "") -> brains.Brain:
     if not _is_adversary(path):
         hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
         if str(path) not in brains.PLUGINS and not Path(path).is_file() and (hint or wrapping):
-            raise InputError(f"brain {str(path)!r}: {hint}there is no brain, adversary or file of this name")
+            raise BrainError.named("brain", str(path), f"{hint}there is no brain, adversary or file of this name")
         if wrapping:
             raise wrong_option(
                 "wrapping",

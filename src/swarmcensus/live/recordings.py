@@ -82,7 +82,8 @@ class LoggedRecording:
         with self._lock:
             if brain not in self._lived:
                 if self.grows:
-                    raise InputError("beside: this swarm still runs: another brain can be compared when it has ended")
+                    still = "this swarm still runs: another brain can be compared when it has ended"
+                    raise InputError(f"beside: {still}", key="beside")
                 self._lived[brain] = under(self.recording, brain, clock=self.clock, keep=True)
             return self._lived[brain]
 

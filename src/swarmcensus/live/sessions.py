@@ -52,7 +52,7 @@ class Session:
             }  # fmt: skip
             do = request.get("do")
             if not isinstance(do, str) or do not in does:
-                raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
+                raise InputError.at("do", repr(str(do)[:40]), f"should be one of {', '.join(does)}")
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
@@ -134,7 +134,7 @@ class Session:
         """What is new of a recording whose logs grow, since the version that the page knows."""
         recording = self.offer.logged
         if recording is None or len(self.shows) != 1:
-            raise InputError("do = 'news': only of a recording in logs, without another brain beside it")
+            raise InputError.at("do", "'news'", "only of a recording in logs, without another brain beside it")
         news = recording.news(_whole(request, "since", 0, 2**53))
         return [{**news, "fixed": fixed(self.offer)}]
 
@@ -255,9 +255,8 @@ def _read(text: str | bytes) -> dict[str, Any]:
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
     for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
-        raise InputError(
-            f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
-        )
+        meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
+        raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request
 
 

@@ -66,10 +66,9 @@ def compare(output: str, folder: Path) -> Comparison:
     settings = _settings(folder / "settings.py")
     name, mark, bits = _head(lines[0])
     if (name, mark) != (settings["BRAIN"], settings["MARK"]):
-        raise InputError(
-            f"the output is of the brain {name!r} with the mark {mark}, the folder {folder} of {settings['BRAIN']!r} "
-            f"with {settings['MARK']}: give the folder whose files are on the board"
-        )
+        both = f"the brain {name!r} with the mark {mark}, the folder {folder} of {settings['BRAIN']!r}"
+        right = f"with {settings['MARK']}: give the folder whose files are on the board"
+        raise InputError(f"the output is of {both} {right}", file=folder)
     brain = brains.load(str(folder / "brain.py"))
     for own in ("codec.py", "runtime.py", "selftest.py"):
         _check_same(folder / own)
@@ -200,4 +199,5 @@ def _check_same(path: Path) -> None:
         "selftest.py": BOARDS / "selftest.py",
     }
     if ast.dump(_parsed(path)) != ast.dump(_parsed(ours[path.name])):
-        raise InputError(f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again")
+        other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
+        raise InputError(other, file=path)

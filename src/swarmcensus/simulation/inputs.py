@@ -19,7 +19,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     try:
         links = NO_LINKS if moves else sampling.links(setting, seed, first, trials)
     except ValueError as error:
-        raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
+        raise InputError.of(None, error, where=f"trials {first} to {first + trials - 1} of {setting}") from error
     b, w, assumed_b, assumed_w = sampling.accuracies(setting, seed, first, trials)
     beliefs = (assumed_b, assumed_w)
     if setting.precision == "single":

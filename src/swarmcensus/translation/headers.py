@@ -52,7 +52,7 @@ def header(brain: Brain) -> str:
     try:
         return _header(brain)
     except Untranslatable as error:
-        raise BrainError(f"brain file {brain.path}, line {error.line}: {error}", file=brain.path) from None
+        raise BrainError.of(brain.path, error, where=f"brain file {brain.path}, line {error.line}") from None
 
 
 def unit_of(brain: Brain) -> Unit:

@@ -104,7 +104,7 @@ def test_a_change_is_named(small_results, tmp_path, capsys):
 @pytest.mark.parametrize("sample", ["0", "-1", "2", "nan"])
 def test_bad_samples(sample, small_file, capsys):
     assert main(["verify", str(small_file), "--sample", sample]) == 2
-    assert "should be a share above 0" in capsys.readouterr().err
+    assert f"swarmcensus: --sample {sample}: should be a share above 0" in capsys.readouterr().err
 
 
 def test_metrics_of_only_some_merged_results():

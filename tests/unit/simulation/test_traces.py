@@ -124,9 +124,9 @@ def test_what_is_refused(arguments, said):
 
 
 def test_replay_of_what_is_not_there(small_results):
-    with pytest.raises(sc.InputError, match="setting 99: these results hold setting 0 to 31"):
+    with pytest.raises(sc.InputError, match="setting=99: these results hold setting 0 to 31"):
         sc.replay(small_results, 99, 0)
-    with pytest.raises(sc.InputError, match="trial 4: these results hold trial 0 to 3"):
+    with pytest.raises(sc.InputError, match="trial=4: these results hold trial 0 to 3"):
         sc.replay(small_results, 0, 4)
 
 

@@ -9,7 +9,7 @@ from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once
 from swarmcensus.cli.output import say, wrote
-from swarmcensus.support.errors import OptionError
+from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, wrong_option
@@ -69,7 +69,13 @@ def watch(options: argparse.Namespace) -> int:
     offer = offer_of(options.of, tuple(options.brain_file if is_results else options.brain))
     if offer.logged:
         _warn_of_gaps(offer.logged)
-    query, play = first_view(offer, asked)
+    try:
+        query, play = first_view(offer, asked)
+    except InputError as error:
+        for name in ("set", "parameter"):
+            if error.key in dict(getattr(options, name)):
+                raise OptionError(f"--{name} {error}", key=error.key, value=error.value, hint=error.hint) from None
+        raise
     if options.out is not None:
         return _export(options, offer, query, play)
     return _serve(options, offer, query, play)

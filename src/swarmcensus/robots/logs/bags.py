@@ -249,7 +249,8 @@ def _decoded(raw: list[Raw], wanted: dict[str, tuple[Callable[[_Events, Raw, str
 
 def _reading(events: _Events, raw: Raw, robot: str, value: Any) -> None:
     if value == value and value not in (0, 1):
-        raise InputError(f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)")
+        found = f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)"
+        raise ResultsError(found, key=raw.topic, value=value)
     events.seen.append((raw.time, robot, float(value)))
 
 

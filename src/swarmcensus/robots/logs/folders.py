@@ -61,7 +61,7 @@ def read_recording(folder: Path, brain_file: str | Path | None = None, fill_rati
         except InputError as error:
             absent.append(str(error))
     if not logs:
-        raise InputError(f"{folder}: no robot's log can be read: {absent[0]}" if absent else without_logs(folder))
+        raise ResultsError.of(folder, f"no robot's log can be read: {absent[0]}") if absent else without_logs(folder)
     return of.recording(logs, absent)
 
 
@@ -107,9 +107,9 @@ class Folder:
         return Member(log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm)
 
 
-def without_logs(folder: Path) -> str:
-    """What is wrong with a folder that holds no log."""
-    return f"{folder}: it holds no log: should be a folder with files such as robot-0.log"
+def without_logs(folder: Path) -> ResultsError:
+    """The error of a folder that holds no log."""
+    return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
 
 
 class Brains:

@@ -11,7 +11,6 @@ from swarmcensus.robots.logs.lives import Life, Reliving
 from swarmcensus.robots.logs.logs import LogReader, RobotLog
 from swarmcensus.robots.logs.others import Relived
 from swarmcensus.robots.logs.traces import note_logged
-from swarmcensus.support.errors import InputError
 
 RECENT = 60.0  # seconds without a new block after which a swarm without an end counts as killed
 GONE = 3.0  # seconds without a new block after which a robot counts as gone
@@ -91,7 +90,7 @@ class GrowingRecording:
             self._readers[name].more()
         logs = [reader.log for reader in self._readers.values() if reader.log is not None]
         if not logs:
-            raise InputError(without_logs(self.path))
+            raise without_logs(self.path)
         return logs
 
 

@@ -17,7 +17,7 @@ from swarmcensus.robots.logs.lives import Start, starts_of
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.origins import Origins, Place
 from swarmcensus.robots.logs.replicas import Replica, format_of, other_replica
-from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.errors import BrainError, InputError, ResultsError
 
 UNKNOWN = {
     "missing": "messages whose sender's log lacks the tick",
@@ -58,7 +58,8 @@ def under(
 ) -> Relived:
     """Run another brain on a recording; `keep` keeps the memory and the messages of each tick. Raises InputError."""
     if brain.is_oracle:
-        raise InputError(f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so")
+        bound = f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so"
+        raise BrainError(bound, key="brain", value=brain.name)
     return _OneBrain(recording, brain, message, clock or Clock(recording.members), keep).live()
 
 
@@ -232,7 +233,7 @@ def brain_of(member: Member, brain: Brain) -> Brain | None:
     try:
         return brains.lying_brain(liar.with_parameters(_told(member, liar.parameters)), brain)
     except ValueError as error:
-        raise InputError(f"robot {member.number}: {error}") from None
+        raise InputError.named("robot", member.number, error) from None
 
 
 def _told(member: Member, parameters: Mapping[str, object]) -> dict[str, object]:

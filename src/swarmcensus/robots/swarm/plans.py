@@ -14,7 +14,7 @@ from swarmcensus.robots import on_node
 from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.simulation import inputs_of, record_readings
 from swarmcensus.studies import Setting, Study
-from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.errors import InputError, OptionError, StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 
@@ -125,24 +125,23 @@ def _in_bytes(setting: Setting) -> Setting:
 
 def _check(setting: Setting, study: Study, air: Air) -> None:
     if setting.body is not None:
-        raise InputError(
-            f"{study.name}: robots that move have no fixed neighbours: a swarm of processes needs a fixed network, "
-            'such as topology = "ring"'
-        )
+        needs = 'a swarm of processes needs a fixed network, such as topology = "ring"'
+        raise StudyError.within(study.name, f"robots that move have no fixed neighbours: {needs}", "topology")
     if setting.faults:
-        raise InputError(f"{study.name}: [[faults]] are not run by processes: --fault makes robots fail")
+        raise StudyError.within(study.name, "[[faults]] are not run by processes: --fault makes robots fail", "faults")
     check_is_no_bound(setting.brain)
     if any(brain.jams for brain in setting.brains):
-        raise InputError(f"{study.name}: a robot jams others' messages, which no robot does over sockets")
+        raise StudyError.within(study.name, "a robot jams others' messages, which no robot does over sockets", "brain")
     if setting.robots > MOST_ROBOTS:
-        raise InputError(f"{setting.robots:,} robots: {MOST_ROBOTS:,} processes are the most on one machine")
-    if setting.observations_per_round > MOST_LOOKS:
-        raise InputError(
-            f"{setting.observations_per_round:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
-        )
+        most = f"{setting.robots:,} robots: {MOST_ROBOTS:,} processes are the most on one machine"
+        raise InputError(most, key="robots", value=setting.robots)
+    if (observations := setting.observations_per_round) > MOST_LOOKS:
+        most = f"{observations:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
+        raise InputError(most, key="observations_per_round", value=observations)
     size = max(map(datagram_bytes, setting.brains))
     if size > MOST_BYTES:
-        raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
+        most = f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram"
+        raise InputError(most, key="message", value=size)
     check_hz(air.hz, HIGHEST_HZ)
     for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
         if not 0.0 <= value <= 0.9:

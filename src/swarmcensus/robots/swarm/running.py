@@ -144,9 +144,10 @@ def _start(swarm: Swarm) -> None:
     while missing := [number for number in first if swarm.robots[number].address is None]:
         _listen(swarm, LOOK)
         for number, why in swarm.children.dead():
-            raise InputError(f"robot {number} cannot be started: {why}")
+            raise InputError(f"robot {number} cannot be started: {why}", key="robot", value=number)
         if time.monotonic() > until:
-            raise InputError(f"robot {missing[0]} does not report: the machine may be too busy for so many processes")
+            busy = "the machine may be too busy for so many processes"
+            raise InputError(f"robot {missing[0]} does not report: {busy}", key="robot", value=missing[0])
     swarm.started = time.monotonic() + AHEAD
     _tell_all(swarm)
 
