@@ -21,7 +21,7 @@ from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies.tables import Measure
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
 from tests.support.places import DOCS
-from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of
+from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
 
 EVERY = [
     Numbers("single", "double"),
@@ -95,14 +95,10 @@ def test_robots_that_move_and_steer_round_as_the_reference(brain):
 @pytest.mark.interpreted
 @pytest.mark.parametrize("adversary", ["jammer", "opposite"])
 def test_liars_talk_in_the_same_format(adversary):
-    study = sc.Study(
-        trials=1,
-        seed=SEED,
-        swarm={"robots": 6, "brain": "commons", "accuracy": 0.8, "precision": "single"},
-        world={"topology": "ring", "fill_ratio": 0.55, "message": "ratio16"},
-        schedule={"rounds": 10},
-        members=[{"robots": 2, "brain": adversary, "honest": False}],
-    )
+    study = study_of(
+        "commons", robots=6, accuracy=0.8, precision="single", rounds=10, trials=1,
+        members=[{"robots": 2, "brain": adversary, "honest": False}], message="ratio16",
+    )  # fmt: skip
     lives_as_the_reference(study.settings())
 
 
@@ -158,12 +154,10 @@ def test_the_codec_in_single_precision_has_the_bits_of_float32():
 
 @pytest.mark.interpreted
 def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
-    study = sc.Study(
-        trials=2,
-        swarm={"robots": 5, "brain": ["commons", "three-state"], "accuracy": 0.8, "precision": [*get_args(Precision)]},
-        world={"topology": "ring", "fill_ratio": 0.55, "message": [*get_args(Format)]},
-        schedule={"rounds": 5},
-    )
+    study = study_of(
+        ["commons", "three-state"], robots=5, accuracy=0.8, precision=[*get_args(Precision)], rounds=5, trials=2,
+        message=[*get_args(Format)],
+    )  # fmt: skip
     data = sc.run(study, jobs=1)
     assert data["message"].values[:5].tolist() == ["double", "float32", "float16", "ratio16", "ratio8"]
     assert set(data["precision"].values) == {"single", "double"}
@@ -200,10 +194,7 @@ def test_overflowing_numbers_are_counted_and_clipped(tmp_path, capsys):
         "def fuse(me):\n    pass\n"
         "def estimate(me):\n    return me.x\n"
     )
-    study = sc.Study(
-        trials=1, swarm={"robots": 2, "brain": str(path), "accuracy": 0.8},
-        world={"topology": "full", "fill_ratio": 0.55, "message": "float16"}, schedule={"rounds": 5},
-    )  # fmt: skip
+    study = study_of(str(path), robots=2, accuracy=0.8, rounds=5, trials=1, topology="full", message="float16")
     data = sc.run(study, jobs=1, out=tmp_path / "large.nc")
     assert data["messages_clipped"].values.tolist() == [[[3.0, 3.0]]]
     assert main(["show", str(tmp_path / "large.nc")]) == 0

@@ -10,6 +10,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.simulation import sampling
+from tests.support.small import study_of
 
 
 @pytest.mark.long(but=["ring"])
@@ -24,11 +25,9 @@ def test_the_oracles_error_is_as_small_as_can_be(topology):
     rng = np.random.default_rng(1)
     b = w = rng.uniform(0.55, 0.95, robots)
     members = [{"robots": 1, "accuracy": float(one)} for one in b[1:]]
-    study = sc.Study(
-        seed=12, trials=trials, members=members,
-        swarm={"brain": "oracle", "robots": robots, "accuracy": float(b[0]), "assumed_accuracy": 0.9},
-        world={"topology": topology, "fill_ratio": f, "link_success": 0.5},
-        schedule={"rounds": rounds, "observations_per_round": 1},
+    study = study_of(
+        "oracle", robots=robots, accuracy=float(b[0]), assumed_accuracy=0.9, rounds=rounds, looks=1, trials=trials,
+        seed=12, members=members, topology=topology, fill_ratio=f, link_success=0.5,
     )  # fmt: skip
     final = sc.run(study)["final_estimate"].values[0, :, 0]
     p = b * f + (1 - w) * (1 - f)
@@ -41,9 +40,9 @@ def test_the_oracles_error_is_as_small_as_can_be(topology):
 
 def test_a_robot_alone_is_a_binomial():
     """Its estimate is Eq. 4 of a binomial count, whatever the others do: chi-square over all counts at 0.1 %."""
-    study = sc.Study(
-        seed=13, trials=100, swarm={"brain": "alone", "robots": 40, "accuracy": {"black": 0.9, "white": 0.7}},
-        world={"topology": "full", "fill_ratio": 0.6}, schedule={"rounds": 4, "observations_per_round": 3},
+    study = study_of(
+        "alone", robots=40, accuracy={"black": 0.9, "white": 0.7}, rounds=4, looks=3, trials=100, seed=13,
+        topology="full", fill_ratio=0.6,
     )  # fmt: skip
     results = sc.run(study)
     assert (results["messages_sent"].values == 0).all()
@@ -62,11 +61,9 @@ def test_a_robot_alone_is_a_binomial():
 
 def mended(wrong, seed, trials=40):
     """Final errors of asdf and the paper's brain (brain, trial), robots of accuracy 0.75 of which some believe 0.95."""
-    study = sc.Study(
-        seed=seed, trials=trials,
-        swarm={"brain": ["minimalistic", {"file": "asdf", "every": 100}], "robots": 20, "accuracy": 0.75},
-        members=[{"robots": wrong, "assumed_accuracy": 0.95}],
-        world={"topology": "full", "fill_ratio": 0.85}, schedule={"rounds": 500, "observations_per_round": 10},
+    study = study_of(
+        ["minimalistic", {"file": "asdf", "every": 100}], robots=20, accuracy=0.75, rounds=500, trials=trials,
+        seed=seed, members=[{"robots": wrong, "assumed_accuracy": 0.95}], topology="full", fill_ratio=0.85,
     )  # fmt: skip
     results = sc.run(study)
     return study, results, np.median(abs(results["final_estimate"].values - 0.85), axis=2)

@@ -11,6 +11,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 P = 1e-3
 TIMES = {"explore": 2.0, "disseminate": 4.0}
@@ -19,14 +20,10 @@ UNWEIGHTED = TIMES | {"listen": 2.0, "weighted": 0.0}
 
 def run(brain, trials, robots=10, rounds=400, looks=1, fill_ratio=0.55, topology="full", **parameters):
     """One setting of robots with perfect sensors."""
-    study = sc.Study(
-        trials=trials,
-        seed=23,
-        swarm={"robots": robots, "accuracy": 1.0, "brain": [{"file": brain, **parameters}]},
-        world={"topology": topology, "fill_ratio": fill_ratio},
-        schedule={"rounds": rounds, "observations_per_round": looks},
-        measure={"checkpoints": [rounds]},
-    )
+    study = study_of(
+        [{"file": brain, **parameters}], robots=robots, accuracy=1.0, rounds=rounds, looks=looks, trials=trials,
+        seed=23, measure={"checkpoints": [rounds]}, topology=topology, fill_ratio=fill_ratio,
+    )  # fmt: skip
     return sc.run(study, jobs=2).isel(setting=0)
 
 

@@ -8,7 +8,8 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import brains
 from tests.support.lying import CONSTANT
-from tests.support.second import SEED, brain
+from tests.support.second import brain
+from tests.support.small import SEED
 
 PLACES = brains.load("linear-consensus").functions
 P = 1e-3

@@ -93,14 +93,6 @@ def test_machine_code_says_and_knows_the_same(untraced):
     agrees(brains.lying_brain(adversary_of(SOURCE), brain(RICH)))
 
 
-def test_silent_brain_and_insiders():
-    used = brains.lying_brain(knowing(("own_v", "n"), "def lie(me, x):\n    return me.own_v\n"), brains.load("alone"))
-    me = robot(used, 3, 4)
-    assert used.functions.broadcast(me) is None
-    assert me.liar_own_v == 0.0
-    assert me.n == 3.0
-
-
 @pytest.mark.parametrize(
     ("lies", "source", "said"),
     [

@@ -10,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, trials as engine
 from swarmcensus.simulation.trials import Metrics, run_batch, segment_length
-from tests.support.small import FAILS, beliefs_of
+from tests.support.small import FAILS, beliefs_of, study_of
 
 GO = np.zeros(1, np.uint8)
 MEASURE = Metrics(0.01, 10, (10, 60))
@@ -202,9 +202,6 @@ def test_memory_grows_with_the_root_of_rounds(robots, rounds):
 
 def test_a_brain_that_divides_by_zero_is_named(tmp_path):
     (tmp_path / "bad.py").write_text(FAILS)
-    study = sc.Study(
-        trials=1, swarm={"brain": str(tmp_path / "bad.py"), "robots": 3, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 70}
-    )  # fmt: skip
+    study = study_of(str(tmp_path / "bad.py"), robots=3, accuracy=0.8, rounds=70, trials=1, fill_ratio=0.5)
     with pytest.raises(sc.InputError, match=r"bad.py' fails in trial 0 of ring.*ZeroDivisionError"):
         sc.run(study)

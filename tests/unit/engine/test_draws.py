@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.changes import renew, source_of
@@ -26,7 +25,7 @@ from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault, stops
 from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests.reference import rounds as reference
-from tests.support.small import SEED, heard_in, moving_of, settings_of
+from tests.support.small import SEED, heard_in, moving_of, settings_of, study_of
 
 # ---- random numbers
 
@@ -173,10 +172,9 @@ def test_black_counts_are_binomial_and_addressed(looks):
 )  # fmt: skip
 def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members, change, looks):
     """In each round those of tables that stand for its own fill ratio and accuracies."""
-    study = sc.Study(
-        trials=2, seed=SEED, swarm={"robots": 5, "accuracy": accuracy}, members=members,
-        world={"topology": "ring", "fill_ratio": {"from": 0.9, "to": 0.2} | change},
-        schedule={"rounds": 5, "observations_per_round": looks},
+    study = study_of(
+        robots=5, accuracy=accuracy, rounds=5, looks=looks, trials=2, members=members,
+        fill_ratio={"from": 0.9, "to": 0.2} | change,
     )  # fmt: skip
     (setting,) = study.settings()
     sizes = [PART] * (looks // PART) + [looks % PART]

@@ -11,7 +11,6 @@ from swarmcensus.simulation import sampling
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
-from swarmcensus.support.errors import InputError
 from tests.reference import rounds as reference
 from tests.support.second import ALL, LUCKY, MEANS, OURS, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
@@ -125,35 +124,6 @@ def test_local_estimates_ignore_the_network():
         for setting in fixed(brain(ALL), topology=["ring", "full", "line"], link_success=[1.0, 0.5])
     ]
     assert all((one == final[0]).all() for one in final)
-
-
-@pytest.mark.parametrize("name", ["broadcast", "estimate", "decide", "done"])
-@pytest.mark.parametrize("how", ["itself", "helper"])
-def test_what_only_tells_has_none(name, how):
-    more = {"decide": "\n\ndef decide(me):\n    return 0\n", "done": "\n\ndef done(me):\n    return False\n"}
-    helper = "\n\ndef lot(me):\n    return me.luck\n"
-    source = changed(("(estimate(me),)", "(me.n,)")) + more.get(name, "") + helper
-    line = "    lot = me.luck\n" if how == "itself" else "    lots = lot(me)\n"
-    source = changed((f"def {name}(me):\n", f"def {name}(me):\n{line}"), source=source)
-    where = "" if how == "itself" else " in lot"
-    with pytest.raises(
-        InputError, match=rf"brain.py, line \d+: {name} reads me.luck{where}, which is new only in observe,"
-    ):
-        brain(source)
-
-
-@pytest.mark.parametrize("line", ["me.luck = 0.5", "me.luck *= 2.0", "del me.luck"])
-def test_it_is_only_for_reading(line):
-    with pytest.raises(InputError, match=r"fuse sets me.luck, which is read-only"):
-        brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}")))
-
-
-def test_sums_have_none():
-    source = changed(("    me.heard = me.luck", "    me.heard += me.luck"), source=LUCKY)
-    with pytest.raises(
-        InputError, match=r"receive reads me.luck: with SUMS, what it adds may depend only on the message"
-    ):
-        brain(changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("heard",)'), source=source))
 
 
 @pytest.mark.interpreted

@@ -19,7 +19,7 @@ from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
 from tests.support.second import MEANS, STEER, agreed, brain, changed, fixed, moving
-from tests.support.small import FAULTS, GO, SEED
+from tests.support.small import FAULTS, GO, SEED, study_of
 
 LIAR = changed(("return (estimate(me),)", "return (1.0 - estimate(me),)"))
 LISTENS = changed(
@@ -142,14 +142,10 @@ def test_the_same_of_robots_that_move():
 
 @pytest.mark.interpreted
 def test_results_have_as_many_robots_as_are_honest():
-    study = sc.Study(
-        trials=2,
-        seed=SEED,
-        swarm={"brain": brain(LISTENS), "robots": 10, "accuracy": 0.7},
-        schedule={"rounds": 5},
-        world={"topology": "ring", "fill_ratio": 0.5},
-        members=[*liars([0, 0.2]), {"robots": 1, "accuracy": 0.9}],
-    )
+    study = study_of(
+        brain(LISTENS), robots=10, accuracy=0.7, rounds=5, trials=2,
+        members=[*liars([0, 0.2]), {"robots": 1, "accuracy": 0.9}], fill_ratio=0.5,
+    )  # fmt: skip
     data = sc.run(study, jobs=1)
     assert data["robots"].values.tolist() == [10, 10]
     assert data["members"].values.tolist() == ["1 accuracy 0.9", "0.2 liar.py, not honest; 1 accuracy 0.9"]

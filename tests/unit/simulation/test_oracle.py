@@ -11,6 +11,7 @@ from swarmcensus.engine.constants import SENSING
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError
+from tests.support.small import study_of
 
 ORACLE = brains.load("oracle")
 MIXED = {"black": "U(0.55, 1.0)", "white": "U(0.1, 0.9)"}
@@ -73,11 +74,9 @@ def test_while_robots_see_it_is_a_step_behind_at_the_most():
 
 
 def test_oracle_ignores_networks_and_beliefs():
-    made = sc.Study(
-        seed=9, trials=2,
-        swarm={"brain": "oracle", "robots": 8, "accuracy": MIXED, "assumed_accuracy": [0.7, {"error": "N(0, 0.2)"}]},
-        world={"topology": ["full", "ring", "line"], "fill_ratio": 0.6, "link_success": [1.0, 0.2]},
-        schedule={"rounds": 30, "observations_per_round": 2},
+    made = study_of(
+        "oracle", robots=8, accuracy=MIXED, assumed_accuracy=[0.7, {"error": "N(0, 0.2)"}], rounds=30, looks=2,
+        trials=2, seed=9, topology=["full", "ring", "line"], fill_ratio=0.6, link_success=[1.0, 0.2],
     )  # fmt: skip
     results = sc.run(made)
     final = results["final_estimate"].values

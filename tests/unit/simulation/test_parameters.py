@@ -8,7 +8,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
-from swarmcensus.support.errors import InputError
 from tests.support.second import MEANS, brain, changed, fixed
 from tests.support.small import SEED
 
@@ -152,45 +151,3 @@ def test_a_name_that_results_have_taken_is_refused(here, capsys, name):
     (here / "s.toml").write_text(STUDY.replace("prior = [1, 10.0, 40], ", ""))
     assert main(["run", "s.toml"]) == 2
     assert f"a parameter {name!r}, a name that is taken in the results" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("declared", "said"),
-    [
-        ('{"n": 1.0}', "PARAMETERS['n'] is in MEMORY too"),
-        ('{"b": 1.0}', "PARAMETERS key 'b' is reserved by the engine"),
-        ('{"luck": 1.0}', "PARAMETERS key 'luck' is reserved by the engine"),
-        ('{"name": 1.0}', "PARAMETERS key 'name' is reserved by the engine"),
-        ('{"file": 1.0}', "PARAMETERS key 'file' is reserved by the engine"),
-        ('{"a b": 1.0}', "PARAMETERS key 'a b' is not a name"),
-        ('{"p": "x"}', "PARAMETERS['p'] = 'x': not a number"),
-        ('{"p": ()}', "PARAMETERS['p'] = (): a vector of 0"),
-        ('("p",)', "PARAMETERS should be a dict such as"),
-    ],
-)
-def test_wrong_declarations_are_refused(declared, said):
-    with pytest.raises(InputError) as caught:
-        brain(changed(("MEMORY =", f"PARAMETERS = {declared}\nMEMORY =")))
-    assert said in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "me.prior = 1.0",
-        "me.prior += 1.0",
-        "me.among[0] = 1.0",
-        "me.n, me.prior = 1.0, 2.0",
-        "del me.prior",
-        "me.among = me.among",
-        "for me.prior in range(3):\n        pass",
-    ],
-)
-@pytest.mark.parametrize("function", ["fuse", "helper"])
-def test_they_are_only_for_reading(line, function):
-    source = PRIOR + f"\n\ndef helper(me):\n    {'pass' if function == 'fuse' else line}\n"
-    source = changed(
-        ("def fuse(me):\n    pass", f"def fuse(me):\n    {line if function == 'fuse' else 'helper(me)'}"), source=source
-    )
-    with pytest.raises(InputError, match=rf"brain.py, line \d+: .*{function} .*read-only"):
-        brain(source)

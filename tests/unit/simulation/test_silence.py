@@ -8,7 +8,7 @@ from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.second import brain, changed, fixed, moving
-from tests.support.small import GO, SEED
+from tests.support.small import GO, SEED, study_of
 
 EARS = (
     ("MEMORY = {", 'MEMORY = {"ears": 0.0, '),
@@ -145,13 +145,7 @@ def test_recorded_data(compiled):
 
 @pytest.mark.interpreted
 def test_message_counts_are_missing_without_a_robot():
-    study = sc.Study(
-        trials=2,
-        seed=3,
-        swarm={"brain": brain(ODD), "robots": [2, 4], "accuracy": 0.7},
-        schedule={"rounds": 5, "observations_per_round": 1},
-        world={"topology": "ring", "fill_ratio": 0.5},
-    )
+    study = study_of(brain(ODD), robots=[2, 4], accuracy=0.7, rounds=5, looks=1, trials=2, seed=3, fill_ratio=0.5)
     once = sc.run(study, jobs=1)
     nobody = np.nan
     for name, counts in (

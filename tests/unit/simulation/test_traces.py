@@ -7,6 +7,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results import recordings
 from swarmcensus.results.replaying import recording
+from tests.support.small import study_of
 
 READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
 
@@ -61,10 +62,9 @@ def test_messages_are_heard_at_their_step(compiled, every):
 def test_a_trial_on_directed_links_is_recorded_as_messages():
     """And both the engine and CPython make the same of them, bit for bit."""
     edges = [[0, 1], [1, 2], [2, 0], [3, 0], [0, 3]]
-    study = sc.Study(
-        trials=2, swarm={"robots": 5, "accuracy": 0.7, "brain": ["minimalistic", "legacy"]},
-        world={"topology": {"name": "office", "edges": edges, "directed": True}, "fill_ratio": 0.55},
-        schedule={"rounds": 7, "observations_per_round": 3},
+    study = study_of(
+        ["minimalistic", "legacy"], robots=5, accuracy=0.7, rounds=7, looks=3, trials=2,
+        topology={"name": "office", "edges": edges, "directed": True},
     )  # fmt: skip
     results = sc.run(study, jobs=1)
     for k, setting in enumerate(study.settings()):

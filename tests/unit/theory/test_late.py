@@ -14,6 +14,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.theory.late_mixing import fits, late_moments
 from swarmcensus.theory.mixing import moments
 from tests.support.graphs import COMMONS, GRAPHS
+from tests.support.small import study_of
 
 
 def by_brute_force(matrix, delay, last):
@@ -71,11 +72,10 @@ WORLDS = {"ring": "ring", "full": "full", "star": {"name": "star", "edges": [[0,
 
 @pytest.fixture(scope="module")
 def runs():
-    study = sc.Study(
-        trials=300, seed=21,
-        swarm={"brain": str(COMMONS), "robots": 8, "accuracy": [0.8, {"black": 0.95, "white": 0.7}]},
-        world={"topology": list(WORLDS.values()), "fill_ratio": 0.45, "message_delay": [2, 10]},
-        schedule={"rounds": 40, "observations_per_round": 20}, measure={"checkpoints": [5, 40], "estimates": True},
+    study = study_of(
+        str(COMMONS), robots=8, accuracy=[0.8, {"black": 0.95, "white": 0.7}], rounds=40, looks=20, trials=300,
+        seed=21, measure={"checkpoints": [5, 40], "estimates": True}, topology=list(WORLDS.values()), fill_ratio=0.45,
+        message_delay=[2, 10],
     )  # fmt: skip
     return sc.run(study)
 
@@ -126,10 +126,5 @@ def test_what_cannot_be_held_is_refused():
         theory.mixing_variance(theory.mixing_matrix("ring", 1000), 5, 10, 0.5, 0.8, delay=20)
     with pytest.raises(InputError, match="delay = -1: should be from 0"):
         theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.8, delay=-1)
-    data = sc.run(
-        sc.Study(
-            trials=6, swarm={"robots": 1000, "accuracy": 0.8}, schedule={"rounds": 30},
-            world={"topology": "ring", "fill_ratio": 0.45, "message_delay": 25},
-        )
-    )  # fmt: skip
+    data = sc.run(study_of(robots=1000, accuracy=0.8, rounds=30, trials=6, fill_ratio=0.45, message_delay=25))
     assert sc.explain(data, 0).absent == {"mixed": "messages are late, in too large a network"}

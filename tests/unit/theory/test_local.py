@@ -13,6 +13,7 @@ import swarmcensus as sc
 from swarmcensus import brains, theory
 from swarmcensus.support.errors import InputError
 from swarmcensus.theory.local import binomial
+from tests.support.small import study_of
 
 SENSORS = [(0.7, 0.7), (0.9, 0.6), (1.0, 0.6), (1.0, 1.0), (0.3, 0.4), (0.0, 0.0), (0.5, 0.5), (0.2, 0.8)]
 
@@ -110,10 +111,9 @@ def test_normal_shares_and_medians_are_those_of_scipy():
 @pytest.mark.parametrize(("b", "w", "f"), [(0.6, 0.6, 0.55), (0.9, 0.7, 0.95), (0.3, 0.4, 0.05)])
 def test_runs_have_this_law(b, w, f):
     """Chi-square of the estimates of robots alone, and binomial p-values of right ones; error rate 0.1 % each."""
-    study = sc.Study(
-        trials=40, seed=11, swarm={"brain": "alone", "robots": 100, "accuracy": {"black": b, "white": w}},
-        world={"topology": "ring", "fill_ratio": f}, schedule={"rounds": 20, "observations_per_round": 2},
-        measure={"checkpoints": [1, 5, 20], "estimates": True},
+    study = study_of(
+        "alone", robots=100, accuracy={"black": b, "white": w}, rounds=20, looks=2, trials=40, seed=11,
+        measure={"checkpoints": [1, 5, 20], "estimates": True}, fill_ratio=f,
     )  # fmt: skip
     results = sc.run(study)
     for k, rounds in enumerate((1, 5, 20)):

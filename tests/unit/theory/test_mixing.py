@@ -14,6 +14,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.theory.matrices import geometric, spectrum_of
 from swarmcensus.theory.mixing import by_powers, moments
 from tests.support.graphs import COMMONS, DIRECTED, GRAPHS
+from tests.support.small import study_of
 
 
 def test_matrices_are_means_over_oneself_and_whom_one_hears():
@@ -120,11 +121,10 @@ WORLDS = {
 def runs():
     found = {}
     for name, (topology, robots) in WORLDS.items():
-        study = sc.Study(
-            trials=300, seed=21,
-            swarm={"brain": str(COMMONS), "robots": robots, "accuracy": [0.8, {"black": 0.95, "white": 0.7}]},
-            world={"topology": topology, "fill_ratio": 0.45}, schedule={"rounds": 40, "observations_per_round": 20},
-            measure={"checkpoints": [5, 40], "estimates": True},
+        study = study_of(
+            str(COMMONS), robots=robots, accuracy=[0.8, {"black": 0.95, "white": 0.7}], rounds=40, looks=20,
+            trials=300, seed=21, measure={"checkpoints": [5, 40], "estimates": True}, topology=topology,
+            fill_ratio=0.45,
         )  # fmt: skip
         found[name] = sc.run(study)
     return found

@@ -12,6 +12,7 @@ import swarmcensus as sc
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support import plugins
 from swarmcensus.worlds import networks, wiring
+from tests.support.small import study_of
 
 
 def parse(value, tmp_path):
@@ -336,8 +337,7 @@ def test_deterministic_generator_makes_one_graph(tmp_path):
     assert links_of(topology, 5, trials=7).starts.tolist() == [0, 8]
     assert nx.utils.graphs_equal(graph_of(links_of(topology, 5), 0, 5), nx.star_graph(4))
     one, other = (
-        sc.run(sc.Study(trials=6, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": form, "fill_ratio": 0.4},
-                        schedule={"rounds": 20}))["final_estimate"].values
+        sc.run(study_of(rounds=20, trials=6, topology=form))["final_estimate"].values
         for form in (star, {"name": "star", "edges": [[0, k] for k in range(1, 5)]})
     )  # fmt: skip
     assert np.array_equal(one, other)

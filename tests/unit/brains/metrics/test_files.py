@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.brains import metrics
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
@@ -19,7 +18,6 @@ from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import trials, watches
 from swarmcensus.studies.coordinates import is_taken
 from swarmcensus.support.bins import right_bin
-from swarmcensus.support.errors import without_colours
 
 LIBRARY = metrics.PLUGINS.shipped
 STUDY = """
@@ -157,15 +155,6 @@ def test_curves_kept_in_pieces(fixed, monkeypatch):
         xr.testing.assert_identical(again[name], fixed[name])
 
 
-def test_results_tell_what_a_metric_is_and_keep_its_source(fixed):
-    assert fixed["first_right"].attrs["units"] == "rounds"
-    assert "correct bin for good" in fixed["first_right"].attrs["long_name"]
-    assert fixed["swarm_right"].dims == ("setting", "trial")
-    kept = json.loads(fixed.attrs["metrics"])
-    assert kept["first_right"]["source"] == metrics.load("first-right").source
-    assert set(kept) == {metrics.load(name).variable for name in LIBRARY}
-
-
 def test_summaries_and_tables_have_metrics(fixed):
     table = sc.summary(fixed)
     first = fixed["first_right"].values
@@ -179,20 +168,6 @@ def test_summaries_and_tables_have_metrics(fixed):
     one = frame[(frame["setting"] == 2) & (frame["trial"] == 4) & (frame["robot"] == 0)].iloc[0]
     assert one["time_right"] == fixed["time_right"].values[2, 4, 0]
     assert one["swarm_right"] == fixed["swarm_right"].values[2, 4]
-
-
-@pytest.mark.long
-def test_metrics_in_terminal_and_json(fixed, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    sc.save(fixed, "a.nc")
-    main(["show", "a.nc", "--sort", "time_right"])
-    shown = capsys.readouterr().out
-    assert "swarm_right" in shown.splitlines()[2]
-    assert " inf" in shown
-    assert "time_right: share of rounds in the correct bin (1)" in shown
-    main(["show", "a.nc", "--json"])
-    found = json.loads(capsys.readouterr().out)["settings"]
-    assert {"infinity"} == {s["swarm_right"]["median"] for s in found if isinstance(s["swarm_right"]["median"], str)}
 
 
 @pytest.mark.long
@@ -213,25 +188,6 @@ def test_resumed_run_keeps_its_metrics(fixed, tmp_path, monkeypatch, capsys):
     assert re.search(r"a\.nc is of another run: metrics is 'mine \(\w{8}\), swarm_right \(\w{8}\)' there", said)
     assert main(["run", "s.toml", "--out", "a.nc", "--fresh"]) == 0
     assert (sc.load("a.nc")["mine"] < 0).any()
-
-
-@pytest.mark.long
-def test_what_was_cut_off_is_taken_from_shards(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
-    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 1e-6)
-
-    def stop(progress):
-        if progress.done > 10:
-            raise OSError("the machine fell")
-
-    with pytest.raises(OSError, match="fell"):
-        sc.run(study(), out="a.nc", progress=stop)
-    assert list(Path("a.nc.parts").glob("*.npz"))
-    again = sc.run(study(), out="a.nc")
-    whole = sc.run(study())
-    for name in whole.data_vars:
-        xr.testing.assert_identical(again[name], whole[name])
 
 
 @pytest.mark.long
@@ -416,47 +372,6 @@ def test_what_python_refuses_or_finds_otherwise_is_refused(line, message, tmp_pa
     assert message in str(error.value)
 
 
-@pytest.mark.long
-def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    text = brains.load("minimalistic").source
-    head, _, tail = text.partition("def estimate(me):\n")
-    Path("nan.py").write_text(f"import math\n{head}def estimate(me):\n    return math.nan if me.t > 50.0 else 0.5\n")
-    assert tail
-    asked = small(["mean-error"])
-    asked["swarm"]["brain"] = "nan.py"
-    with pytest.raises(
-        sc.InputError, match=r"brain 'nan\.py' fails in trial.*: robot 0, after round \d+: estimate gives nan"
-    ):
-        sc.run(sc.Study(**asked))
-
-
-@pytest.mark.interpreted
-def test_names_of_metrics(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
-    names = ["items.py", "about.py", "file.py", "metrics.py", "self.py"]
-    for name in names:
-        Path(name).write_text(MINE)
-    results = sc.run(sc.Study(**small(names)), out="a.nc")
-    for name in names:
-        np.testing.assert_array_equal(results[name[:-3]], results["final_estimate"])
-
-
-@pytest.mark.long
-def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("sub").mkdir()
-    Path("sub/mine.py").write_text(MINE)
-    Path("sub/s.toml").write_text(STUDY.format(metrics='["mine.py"]'))
-    assert main(["run", "sub/s.toml", "--out", "a.nc"]) == 0
-    assert main(["verify", "a.nc"]) == 2
-    assert "give it with --brain-file, as it was" in capsys.readouterr().err
-    assert main(["verify", "a.nc", "--brain-file", "sub/mine.py"]) == 0
-    Path("sub/mine.py").write_text(MINE + "\n")
-    assert main(["verify", "a.nc", "--brain-file", "sub/mine.py"]) == 2
-
-
 @pytest.mark.interpreted
 def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -477,11 +392,6 @@ def test_rounding_is_no_fault_of_a_metric(tmp_path, monkeypatch):
     for power in ("** 3.0", "** 2.5 * 1e-6"):
         Path("skew.py").write_text(skew.replace("** 3.0", power).replace("(estimate - truth)", "abs(estimate - truth)"))
         sc.run(sc.Study(**small(["skew.py"])))
-
-
-def test_a_name_in_an_annotation_is_not_looked_for(tmp_path):
-    (tmp_path / "mine.py").write_text(MINE.replace("my.last = estimate", "now: Number = estimate\n    my.last = now"))
-    assert metrics.load("mine.py", tmp_path).fields == ("last",)
 
 
 @pytest.mark.parametrize(
@@ -520,12 +430,6 @@ def test_captures_and_names_of_one_function_are_told_apart(tmp_path):
     (tmp_path / "bad.py").write_text(MINE.replace("my.last = estimate", "slope = 1.0").replace("my.last\n", "slope\n"))
     with pytest.raises(sc.InputError, match="result uses slope, which is not defined"):
         metrics.load("bad.py", tmp_path)
-
-
-def test_numbas_colours_are_left_out_of_what_is_told():
-    """As where colorama is installed."""
-    text = "\x1b[1m\x1b[1mFailed in nopython mode pipeline\x1b[0m\n\x1b[1mCannot cast Literal to float64\x1b[0m\n"
-    assert watches._gist(without_colours(text)) == "Cannot cast Literal to float64"
 
 
 def test_a_file_says_which_way_is_better_and_what_it_is_called(tmp_path, monkeypatch):
