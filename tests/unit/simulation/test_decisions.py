@@ -1,6 +1,5 @@
 """decide and done: what robots decide and when, what all agree on, and who has seen enough."""
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,8 +10,6 @@ from swarmcensus import brains
 from swarmcensus.analysis.comparing import cells
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
-from swarmcensus.cli.commands import main
-from swarmcensus.results.replaying import recording
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
@@ -75,12 +72,6 @@ def test_no_decision_by_hand():
     assert data["decision_round"].values.tolist() == [1, NEVER, 1]
     assert data["decision_change"].values.tolist() == [3, NEVER, 1]
     assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (-1, NEVER, 0)
-
-
-@pytest.mark.interpreted
-def test_first_agreement_counts():
-    data = told(listed([[0, 0, 0], [3, 3, 3]] * 3))
-    assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (0, 1, 0)
 
 
 @pytest.mark.parametrize("options", [2, 3, 7, 10, 100])
@@ -226,22 +217,6 @@ def test_decide_and_done_only_read():
         assert f"{name} (line " in fault
 
 
-@pytest.mark.interpreted
-def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
-    """All of an interval is then infinite, and so it is said."""
-    monkeypatch.chdir(tmp_path)
-    for name, test in (("one", "me.name < 1.0"), ("two", "me.name > 1.0")):
-        Path(f"{name}.py").write_text(MEANS + f"\n\ndef decide(me):\n    return 1 if {test} else -1\n")
-    study = study_of(
-        ["one.py", "two.py"], robots=3, accuracy=0.7, rounds=6, trials=5, topology="line", fill_ratio=[0.8, 0.3]
-    )
-    sc.save(sc.run(study, jobs=1), "r.nc")
-    assert main(["compare", "r.nc"]) == 0
-    said = capsys.readouterr()
-    assert "never" in said.out
-    assert "warning" not in said.err
-
-
 @pytest.mark.filterwarnings("error")
 def test_an_infinite_interval_has_no_width():
     """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
@@ -250,24 +225,6 @@ def test_an_infinite_interval_has_no_width():
     told = cells.numbers(values, low, high, np.array([5, 5]), measure)
     assert told[0][0] == "never"
     assert told[1] == ("50", "[40, 60]")
-
-
-@pytest.mark.long
-def test_recorded_readings_are_those_that_were_made(tmp_path):
-    """Who is done in the middle of a round makes the rest of its readings, and none of the next: `infer` agrees."""
-    source = changed(("me.t >= 3.0", "me.t >= 25.0"), source=ENDS)
-    (tmp_path / "some.py").write_text(source)
-    study = study_of(str(tmp_path / "some.py"), robots=4, accuracy=0.7, rounds=6, trials=1, fill_ratio=0.5)
-    results = sc.run(study, jobs=1)
-    trace = sc.replay(results, 0, 0, brain_file=tmp_path / "some.py")
-    assert (trace["t"].values[-1] == 30.0).all()
-    assert (trace["blacks"].values[4:] == 0.0).all()
-    readings, links = recording(results, 0, 0, brain_file=tmp_path / "some.py")
-    assert np.isfinite(readings).sum(axis=0).tolist() == [30] * 4
-    told = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py")
-    assert (told["n"].values == trace["n"].values).all()
-    slow = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py", compiled=False)
-    assert (slow["n"].values == trace["n"].values).all()
 
 
 @pytest.mark.interpreted

@@ -29,14 +29,6 @@ def test_never_zero_and_never_one():
 
 
 @pytest.mark.interpreted
-def test_each_call_has_its_own():
-    """Of 5 robots on a ring, 8 rounds: all that was seen, heard and fused by differs."""
-    fields = lives(LUCKY)
-    every = np.concatenate([fields[name][1:].ravel() for name in OURS])
-    assert len(np.unique(every)) == every.size == 120
-
-
-@pytest.mark.interpreted
 def test_each_message_has_its_own_random_draw():
     """A full network of three: the last message heard is that of the last robot, by its own luck."""
     source = changed(
@@ -79,15 +71,6 @@ def test_two_brains_have_the_same():
     assert (both["fused"] == fused["fused"]).all()
     assert (both["heard"] == fused["heard"]).all()
     assert (lives(LUCKY, accuracy=0.9)["fused"] == both["fused"]).all()
-
-
-@pytest.mark.interpreted
-def test_robots_trials_seeds_and_networks_have_others():
-    ring = lives(LUCKY)["fused"]
-    for other in (lives(LUCKY, trial=1), lives(LUCKY, topology="line"), lives(LUCKY, robots=6)):
-        assert not np.isin(other["fused"][1:], ring[1:]).any()
-    (setting,) = fixed(brain(LUCKY))
-    assert not np.isin(record_trial(setting, SEED + 1, 0)[0]["fused"][1:], ring[1:]).any()
 
 
 @pytest.mark.interpreted

@@ -43,14 +43,6 @@ def test_on_the_move_and_in_a_mixed_swarm():
     assert (fields["own"][-1][who == 0] == np.flatnonzero(who == 0)).all()
 
 
-@pytest.mark.long(only=["True"])
-@pytest.mark.parametrize("compiled", [True, False])
-def test_recorded_data(compiled):
-    trace = sc.infer(np.ones((2, 3)), [[0, 1], [1, 2]], 0.8, 1, brain(HEARS), compiled=compiled)
-    assert trace["own"].values[-1].tolist() == [0.0, 1.0, 2.0]
-    assert trace["sum"].values[-1].tolist() == [2.0, 4.0, 2.0]
-
-
 @pytest.mark.interpreted
 def test_news_of_the_leader_come_a_robot_further_each_round():
     """The example by hand: on a line, robot i believes in round k what robot 0 had seen in round k - i."""

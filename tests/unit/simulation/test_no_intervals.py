@@ -1,7 +1,5 @@
 """Answers that are refused: of `interval` before anything runs, by the suite and where robots are asked; estimates."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -14,7 +12,7 @@ from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.second import MEANS, SAYS, brain, changed, fixed, moving
-from tests.support.small import GO, SEED, study_of
+from tests.support.small import GO, SEED
 
 WRONG = {
     "the wrong way round": ({"low": 0.75, "high": 0.25}, r"\(0.75, 0.25\)"),
@@ -81,16 +79,6 @@ def test_a_replay_shows_a_wrong_estimate_and_warns_of_it():
     assert trace["estimate"].values[:, 0].tolist() == [0.5, 0.5, 0.5, 1.5, 1.5]
 
 
-def test_it_only_reads():
-    fault = suite.fault_of(
-        PROMISES["functions that tell something only read"],
-        brain(MEANS + "\n\ndef interval(me):\n    me.n += 1.0\n    return 0.0, 1.0\n"),
-    )
-    assert fault
-    assert "interval (line " in fault
-    assert "changes me.n" in fault
-
-
 @pytest.mark.long
 def test_differences_of_machine_code_are_found():
     body = "    return 0.0, 1.0 if (math.floor(me.t) + 3) * 4611686018427387904 > 0 else 0.5\n"  # beyond 64 bits
@@ -102,20 +90,3 @@ def test_differences_of_machine_code_are_found():
     fault = suite.fault_of(compiles, brain(three))
     assert fault
     assert "interval gives UniTuple(float64 x 3), not two numbers, low and high" in fault
-
-
-@pytest.mark.long
-def test_the_line_in_which_it_fails_is_told(tmp_path, monkeypatch):
-    """At a checkpoint, where it is asked, and not before."""
-    source = MEANS + "\n\ndef interval(me):\n    return 0.0, 1.0 / (me.t - 2.0) / (me.t - 5.0) * 0.0 + 1.0\n"
-    monkeypatch.chdir(tmp_path)
-    Path("brain.py").write_text(source)
-    study = study_of(
-        "brain.py", robots=3, accuracy=0.7, rounds=6, looks=1, trials=1, measure={"checkpoints": [4, 5]},
-        topology="line", fill_ratio=0.8,
-    )  # fmt: skip
-    with pytest.raises(
-        InputError, match=r"ZeroDivisionError: division by zero, at brain.py, line 29: return 0.0, 1.0 / "
-    ):
-        sc.run(study, jobs=1)
-    assert (sc.run(study.with_(measure={"checkpoints": [3, 4]}), jobs=1)["coverage"] == 1.0).all()

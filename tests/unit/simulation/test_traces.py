@@ -130,11 +130,6 @@ def test_replay_of_what_is_not_there(small_results):
         sc.replay(small_results, 0, 4)
 
 
-def test_a_selection_keeps_its_settings_numbers(small_results):
-    part = small_results.isel(setting=[20])
-    assert sc.replay(part, 20, 1)["estimate"].values[-1, 0] == small_results["final_estimate"].values[20, 1, 0]
-
-
 def test_recordings_survive_their_files(small_results, tmp_path):
     readings, edges = recording(small_results, 4, 1)
     readings[3, 2] = np.nan
@@ -142,16 +137,6 @@ def test_recordings_survive_their_files(small_results, tmp_path):
     recordings.write_rows(tmp_path / "l.csv", ["i", "j"], edges)
     assert np.array_equal(recordings.read_observations(tmp_path / "o.csv"), readings, equal_nan=True)
     assert (recordings.read_links(tmp_path / "l.csv") == edges).all()
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [("", "no observations"), ("1,1\n0,2\n", "line 2: '2'"), ("1,1\n0\n", "line 2: 1 value where there were 2")],
-)
-def test_bad_observation_files(text, said, tmp_path):
-    (tmp_path / "o.csv").write_text(text)
-    with pytest.raises(sc.InputError, match=said):
-        recordings.read_observations(tmp_path / "o.csv")
 
 
 def test_accuracy_files(tmp_path):

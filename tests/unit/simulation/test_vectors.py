@@ -1,11 +1,9 @@
 """Vectors in MEMORY, PARAMETERS and MESSAGE: so many numbers under one name."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
@@ -73,25 +71,6 @@ def test_vectors_in_messages():
         assert fields["heard"][1, me].tolist() == [n + 3.0 * n, 6.0 + 3.0 * n]
 
 
-def test_what_they_cost_is_counted_number_by_number():
-    assert brain(COUNTS).memory_bytes == 4 * (2 + 2 + 2 + 2)
-    assert brain(COUNTS).message_bytes == 8
-    assert brain(ALL).memory_bytes == 4 * (7 + 3 + 2)
-
-
-@pytest.mark.interpreted
-def test_a_trace_and_its_file_have_them(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("counts.py").write_text(COUNTS)
-    study = study_of("counts.py", robots=3, accuracy=0.7, rounds=4, trials=1, fill_ratio=0.5)
-    sc.save(sc.run(study), "r.nc")
-    trace = sc.replay("r.nc", 0, 0, brain_file="counts.py")
-    assert trace["seen"].dims == ("round", "robot", "item_seen")
-    assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--brain-file", "counts.py", "--out", "t.nc"]) == 0
-    with xr.open_dataset("t.nc") as kept:
-        assert (kept["seen"].values == trace["seen"].values).all()
-
-
 @pytest.mark.interpreted
 def test_a_belief_over_ten_bins_is_bayes_rule():
     """The example by hand: a robot's weights are the logarithms of binomial likelihoods, up to a constant."""
@@ -151,51 +130,6 @@ def test_a_message_of_another_shape_is_told(message, given, said):
     with pytest.raises(InputError, match=said):
         run_batch(setting, SEED, 0, 1, MEASURE, GO)
     assert suite.fault_of(PROMISES["gives finite messages and estimates in [0, 1]"], brain(source))
-
-
-@pytest.mark.interpreted
-def test_an_estimate_may_use_math_on_items():
-    source = changed(
-        ("return me.n / me.t if me.t > 0.0 else 0.5", "return math.exp(-me.seen[0])"),
-        ("MEMORY =", "import math\n\nMEMORY ="),
-        source=COUNTS,
-    )
-    (setting,) = fixed(brain(source))
-    fields, estimates, _ = record_trial(setting, SEED, 0)
-    assert estimates == pytest.approx(np.vectorize(lambda x: math.exp(-x))(fields["seen"][..., 0]), rel=1e-15)
-
-
-@pytest.mark.long
-def test_message_vector_is_not_overread(tmp_path):
-    """It would be what other robots say, or nobody's memory."""
-    source = '''"""Reads where nothing is."""
-MEMORY = {"x": 0.5, "place": 3000000.0}
-MESSAGE = {"ballot": (0.0,) * 3}
-
-
-def observe(me, blacks, looks):
-    pass
-
-
-def broadcast(me):
-    return ((me.x, me.x, me.x),)
-
-
-def receive(me, message):
-    me.x = message[0][int(me.place)]
-
-
-def fuse(me):
-    pass
-
-
-def estimate(me):
-    return me.x
-'''
-    (tmp_path / "beyond.py").write_text(source)
-    study = study_of(str(tmp_path / "beyond.py"), robots=4, accuracy=0.7, rounds=3, trials=1, fill_ratio=0.5)
-    with pytest.raises(InputError, match="IndexError"):
-        sc.run(study, jobs=1)
 
 
 def test_a_list_may_be_repeated_too():
