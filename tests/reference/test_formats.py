@@ -12,13 +12,9 @@ from swarmcensus import brains
 from swarmcensus.brains.packing import BYTES, Format, Numbers, Precision, parts
 from swarmcensus.brains.single import codec_source, rounded_to_single
 from swarmcensus.cli.commands import main
-from swarmcensus.live.robots import robot_of
-from swarmcensus.live.shows import Show
-from swarmcensus.live.simulated import Simulated
 from swarmcensus.runtime import codec
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
-from swarmcensus.studies.tables import Measure
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
 from tests.support.places import DOCS
 from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
@@ -170,17 +166,6 @@ def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
             assert size == reference_formats.size(setting.brain)
     again = sc.replay(data, 3, 1)
     assert again["estimate"].values[-1].tolist() == data["final_estimate"].values[3, 1].tolist()
-
-
-@pytest.mark.interpreted
-def test_live_page_shows_assumed_accuracies_and_formats():
-    setting = settings_of(robots=4, brain="minimalistic", accuracy=0.7, rounds=5, **keys_of(EVERY[1]))[0]
-    show = Show(Simulated(setting, SEED, 0), Measure())
-    told = robot_of(show, 3, 1)
-    assert told["sensor"]["believed_b"] == rounded_to_single(0.7) != 0.7
-    trace = record_trial(setting, SEED, 0)
-    assert told["fields"]["alpha"] == trace[0]["alpha"][3, 1]
-    assert sum(heard["said"]["heard_alpha"] for heard in told["heard"]) == trace[0]["beta"][3, 1]
 
 
 @pytest.mark.interpreted

@@ -309,19 +309,6 @@ def failed_by(stops_of_trial, part, at):
     return set(np.flatnonzero(stops_of_trial[part] == at).tolist())
 
 
-def test_faults_pick_robots_apart_from_one_another():
-    """Two faults of 4 in 10 robots meet in 1.6 robots on average: within 4 standard errors of 100 trials."""
-    faults = (Fault(at=4, robots=4, stop="sensing"), Fault(at=6, robots=0.4, stop="talking"))
-    met = []
-    for trial in range(100):
-        when = stops(faults, SEED, trial, 10)
-        one, other = failed_by(when, 1, 4), failed_by(when, 2, 6)
-        assert len(one) == len(other) == 4
-        met.append(len(one & other))
-    law = stats.hypergeom(10, 4, 4)
-    assert abs(np.mean(met) - law.mean()) < 4 * law.std() / 10
-
-
 def test_each_robot_fails_as_often_as_any_other():
     """Of 100 trials, by chi-square at the 0.1 % level; and afresh for another trial, seed and size of the swarm."""
     faults = (Fault(at=4, robots=3, stop="moving"),)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.brains.packing import BYTES, Numbers
+from swarmcensus.brains.packing import Numbers
 from swarmcensus.runtime import codec, runtime
 from tests.reference.formats import Formats
 from tests.support.boards import Air, Clock, Readings, messages_of
@@ -64,15 +64,6 @@ def test_a_swarm_of_robots_is_one_of_the_reference(name):
             assert robots[k].estimate == brain.functions.estimate(me)
     assert not any(robot.undone or robot.refused or robot.stale for robot in robots)
     assert all(robot.heard == 78 + k for k, robot in enumerate(robots)) or brain.uses.silence
-
-
-def test_sizes_of_codings_are_those_of_the_plans():
-    assert runtime.SIZES == BYTES
-
-
-def test_a_message_of_a_pair_fits_into_nine_bytes():
-    assert messages_of(COMMONS, "ratio16", checked=False).size == 9
-    assert messages_of(COMMONS, "ratio8", checked=True).size == 12
 
 
 @pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import swarmcensus as sc
 from swarmcensus import brains, theory
 from swarmcensus.support.errors import InputError
 from swarmcensus.theory.local import binomial
-from tests.support.small import study_of
 
 SENSORS = [(0.7, 0.7), (0.9, 0.6), (1.0, 0.6), (1.0, 1.0), (0.3, 0.4), (0.0, 0.0), (0.5, 0.5), (0.2, 0.8)]
 
@@ -69,13 +67,6 @@ def test_chances_are_binomial(tries, chance):
     )
 
 
-def test_it_becomes_normal_and_meets_the_bound():
-    law = theory.local_law(100_000, 0.55, 0.7)
-    bound = float(theory.robot_bound(100_000, 0.55, 0.7))
-    assert law.variance == pytest.approx(bound, rel=1e-6)
-    assert theory.error_law(law, 0.55).quantile(0.5) == pytest.approx(float(theory.median_error(bound)), rel=0.01)
-
-
 def test_several_sensors_are_mixed():
     laws = [theory.local_law(10, 0.55, 0.9), theory.local_law(10, 0.55, 0.5)]
     both = theory.mixed_law(laws)
@@ -106,29 +97,6 @@ def test_normal_shares_and_medians_are_those_of_scipy():
     assert theory.normal_median_error(np.array([0.01, 0.02, 0.3, 2.0]) ** 2, 0.95) == pytest.approx(expected, rel=0.02)
     assert theory.normal_median_error([0.04**2], 0.5) == pytest.approx(0.6744897501960817 * 0.04)
     assert theory.median_error(0.04**2) == pytest.approx(0.6744897501960817 * 0.04)
-
-
-@pytest.mark.parametrize(("b", "w", "f"), [(0.6, 0.6, 0.55), (0.9, 0.7, 0.95), (0.3, 0.4, 0.05)])
-def test_runs_have_this_law(b, w, f):
-    """Chi-square of the estimates of robots alone, and binomial p-values of right ones; error rate 0.1 % each."""
-    study = study_of(
-        "alone", robots=100, accuracy={"black": b, "white": w}, rounds=20, looks=2, trials=40, seed=11,
-        measure={"checkpoints": [1, 5, 20], "estimates": True}, fill_ratio=f,
-    )  # fmt: skip
-    results = sc.run(study)
-    for k, rounds in enumerate((1, 5, 20)):
-        law = theory.local_law(2 * rounds, f, b, w)
-        estimates = results["estimates"].values[0, k].ravel()
-        place = np.searchsorted(law.values, estimates)
-        assert np.isin(estimates, law.values).all()
-        expected = law.chances * estimates.size
-        likely = expected >= 5
-        seen = np.bincount(place, minlength=len(expected))
-        seen, expected = (np.append(v[likely], v[~likely].sum()) for v in (seen, expected))
-        kept = expected > 0
-        assert stats.chisquare(seen[kept], expected[kept] * seen.sum() / expected.sum()).pvalue > 1e-3
-        right = round(float(results["correct"].values[0, k].sum()) * 100)
-        assert stats.binomtest(right, estimates.size, theory.right_share(law, f)).pvalue > 1e-3
 
 
 @pytest.mark.parametrize(

@@ -39,24 +39,6 @@ def test_spectrum_against_matrix_powers(graph):
     assert (spectrum_of(matrix) is None) == graph.is_directed()
 
 
-def test_symmetric_weights_have_a_spectrum_too():
-    """Metropolis weights of a line: 1 / (1 + the larger degree), and the rest for oneself."""
-    matrix = np.diag([1 / 3] * 3, 1) + np.diag([1 / 3] * 3, -1)
-    np.fill_diagonal(matrix, 1.0 - matrix.sum(axis=1))
-    assert spectrum_of(matrix) is not None
-    np.testing.assert_allclose(theory.stationary_law(matrix), [0.25] * 4)
-    ones = np.ones(4)
-    np.testing.assert_allclose(moments(matrix, [50], ones, ones), by_powers(matrix, [50], ones, ones))
-
-
-def test_powers_that_settle_are_not_multiplied_on():
-    """A long time costs no more than a short one, and comes to the same."""
-    matrix = theory.mixing_matrix(DIRECTED)
-    law = theory.stationary_law(matrix)
-    late = theory.variance_factors(matrix, 10**5) * 10**5
-    np.testing.assert_allclose(late, (law**2).sum(), rtol=1e-3)
-
-
 def test_by_hand():
     """Two robots: each reading is at once worth half to both. Nobody: each robot has its own."""
     np.testing.assert_allclose(
@@ -92,12 +74,6 @@ def test_variances_are_those_of_brute_force(graph):
     for t, variance in zip((1, 4, 12), expected, strict=True):
         np.testing.assert_allclose(seen[t][0] / variance, 1.0, atol=5 * np.sqrt(2 / draws))
         assert (np.abs(seen[t][1] - f) < 5 * np.sqrt(variance / draws)).all()
-
-
-def test_equal_sensors_scale_the_factors():
-    matrix = theory.mixing_matrix("ring", 12)
-    expected = theory.variance_factors(matrix, [3, 30]) * theory.reading_variance(0.95, 0.8, 0.7) / 10
-    np.testing.assert_allclose(theory.mixing_variance(matrix, [3, 30], 10, 0.95, 0.8, 0.7), expected, rtol=1e-12)
 
 
 def test_a_robot_that_knows_only_blind_ones_knows_nothing():
@@ -220,10 +196,6 @@ def test_bounds_hold_the_factors(graph):
         assert (low <= factors * (1 + 1e-9)).all()
         assert (factors <= high * (1 + 1e-9)).all()
     np.testing.assert_allclose(low, high, rtol=0.05)
-
-
-def test_lone_robot_is_mixed_at_once():
-    assert theory.mixing_time_bound([1.0], np.inf) == theory.mixing_time(np.eye(1)) == 0
 
 
 @pytest.mark.parametrize(
