@@ -93,11 +93,9 @@ def test_unused_optional_parts_are_reported(capsys):
     assert f"-     {optional[0]}: not used\n" in capsys.readouterr().out
 
 
-@pytest.mark.long(only=["0"])
-@pytest.mark.parametrize("without_numba", ["0", "1"])
-def test_all_checks_of_a_shipped_brain(without_numba, untraced_processes, monkeypatch):
+@pytest.mark.long
+def test_all_checks_of_a_shipped_brain(untraced_processes):
     """In a process of their own; all brains are checked in this one elsewhere."""
-    monkeypatch.setenv("NUMBA_DISABLE_JIT", without_numba)
     found = check("minimalistic")
     assert len(found) == len(checks()) + 1
     assert [c.fault for c in found] == [None] * len(found)

@@ -10,7 +10,6 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import theory
-from swarmcensus.support.errors import InputError
 from swarmcensus.theory.matrices import geometric, spectrum_of
 from swarmcensus.theory.mixing import by_powers, moments
 from tests.support.graphs import COMMONS, DIRECTED, GRAPHS
@@ -196,50 +195,3 @@ def test_bounds_hold_the_factors(graph):
         assert (low <= factors * (1 + 1e-9)).all()
         assert (factors <= high * (1 + 1e-9)).all()
     np.testing.assert_allclose(low, high, rtol=0.05)
-
-
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (
-            lambda: theory.mixing_time(theory.mixing_matrix([(0, 1), (2, 3)])),
-            "the network is not connected: nothing from robot",
-        ),
-        (lambda: theory.relaxation_time(np.eye(2)), "the network is not connected"),
-        (
-            lambda: theory.stationary_law(theory.mixing_matrix([(0, 1)], directed=True)),
-            "nothing from robot 1 ever reaches",
-        ),
-        (lambda: theory.mixing_time([[0, 1], [1, 0]]), "the network never mixes"),
-        (lambda: theory.mixing_time(np.eye(1), 1.5), "distance = 1.5"),
-        (lambda: theory.mixing_time(np.eye(1), 0), "distance = 0"),
-        (lambda: theory.variance_factors([[0.5, 0.6], [0.5, 0.5]], 3), "the weights of row 0 sum to 1.1: should be 1"),
-        (lambda: theory.variance_factors([[1.5, -0.5], [0, 1]], 3), "matrix has a negative weight"),
-        (lambda: theory.variance_factors([[1.0, 0.0]], 3), "should be a square"),
-        (lambda: theory.variance_factors(np.eye(2), 0), "rounds = 0: should be from 1"),
-        (lambda: theory.variance_factors(np.eye(2), []), "rounds = []: should hold a number"),
-        (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.5), "b + w = 1 for all robots"),
-        (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, [0.7] * 3), "should be one number, or 2, one a robot"),
-        (lambda: theory.mixing_matrix("scale-free", 10), "differs from trial to trial"),
-        (lambda: theory.mixing_matrix("rign", 10), "did you mean 'ring'?"),
-        (lambda: theory.mixing_matrix("ring"), "has no size of its own: say how many robots"),
-        (lambda: theory.mixing_matrix("ring", -3), "-3 robots: should be 1 to 4,096"),
-        (lambda: theory.mixing_matrix("ring", 10_000), "10,000 robots: should be 1 to 4,096, as a matrix has"),
-        (lambda: theory.ring_spectrum(2), "robots = 2: should be from 3"),
-        (lambda: theory.factor_bounds([0.5, 0.6], 3.0, 5), "law: should be weights above 0"),
-        (lambda: theory.factor_bounds([0.5, 0.5], -3.0, 5), "relaxation = -3"),
-        (lambda: theory.factor_bounds([0.5, 0.5], [1, 2], 5), "relaxation = [1, 2]"),
-        (lambda: theory.mixing_time(np.eye(1), [0.1, 0.2]), "distance = [0.1, 0.2]"),
-        (lambda: theory.mixing_time_bound([0.5, 0.5], np.inf), "relaxation = inf"),
-        (lambda: theory.mixing_time_bound([0.5, 0.5], 3.0, [0.1, 0.2]), "distance = [0.1, 0.2]"),
-        (lambda: theory.mixed_sums(np.eye(2), 10, 10, [0.1, 0.2], 0.7), "fill_ratio = [0.1, 0.2]"),
-        (lambda: theory.relaxation_of([[1, 0.5], [0.2, 0.1]]), "spectrum: should be the eigenvalues of W, one a robot"),
-        (lambda: theory.relaxation_of([1, 1.5]), "spectrum: should be the eigenvalues of W, one a robot, from -1 to 1"),
-        (lambda: theory.alike_factors([], 3), "spectrum: should be the eigenvalues of W, one a robot"),
-    ],
-)
-def test_bad_input_is_one_sentence(call, said):
-    with pytest.raises(InputError) as error:
-        call()
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)
