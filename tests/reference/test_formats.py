@@ -9,7 +9,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.brains.packing import BYTES, Format, Numbers, Precision, parts
+from swarmcensus.brains.packing import Format, Numbers, Precision
 from swarmcensus.brains.single import codec_source, rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.runtime import codec
@@ -202,17 +202,6 @@ def test_unknown_formats_are_named(table, key, value, said):
     with pytest.raises(sc.InputError, match="study: ") as error:
         sc.Study(trials=1, **tables)
     assert said in str(error.value)
-
-
-def test_every_part_of_a_message_is_coded_once():
-    for name in brains.shipped():
-        brain = brains.load(name)
-        for format in ("float32", "float16", "ratio16", "ratio8"):
-            made = parts(brain.message, brain.roles, format)
-            assert sorted(k for part in made for k in part.places) == list(
-                range(sum(max(n, 1) for n in brain.message.values()))
-            )
-            assert brain.with_numbers(Numbers(message=format)).message_bytes == sum(BYTES[part.coding] for part in made)
 
 
 def test_formats_page_lists_all_brains():

@@ -92,32 +92,12 @@ class TestNoise:
         low, high = f_ratio.ppf([0.0005, 0.9995], 300, 300)
         assert low < statistic < high
 
-    @pytest.mark.parametrize(
-        "world", [{"topology": "ring"}, {"topology": "scale-free", "link_success": 0.3}, {"topology": "full"}]
-    )
-    def test_robots_hardly_ever_begin_anew_where_nothing_changes(self, world):
+    @pytest.mark.parametrize("topology", ["ring", "full"])
+    def test_robots_hardly_ever_begin_anew_where_nothing_changes(self, topology):
         """Then estimates are those of a brain that finds no change, to the bit: in 18 of 20 trials or more."""
-        study = sc.Study(
-            trials=20, seed=4, swarm={"robots": 30, "accuracy": 0.75, "brain": ["census", NEVER]},
-            world=world | {"fill_ratio": 0.55}, schedule={"rounds": 400, "observations_per_round": 10},
-        )  # fmt: skip
+        study = study_of(["census", NEVER], robots=30, accuracy=0.75, rounds=400, trials=20, seed=4, topology=topology)
         found, never = sc.run(study)["final_estimate"].values
         assert (found == never).all(axis=-1).sum() >= 18
-
-
-class TestPatches:
-    @pytest.mark.parametrize("q", [0.1, 0.5])
-    def test_alike_is_the_correlation_of_successive_readings(self, q):
-        """Each reading is the one before with probability 0.7; over 20,000 rounds."""
-        random = np.random.default_rng(8)
-        (me,) = robots(1, 1.0, 1.0)
-        me.near, me.rounds, me.fresh, me.last = q, 2.0, 1.0, 0.0
-        known = []
-        for repeats in random.random(20000) < 0.7:
-            me.fresh_s = me.last if repeats else float(random.random() < q)
-            DO.walk(me)
-            known.append(me.alike)
-        assert np.mean(known[5000:]) == pytest.approx(0.7, abs=0.05)
 
 
 class TestMixed:
@@ -159,16 +139,6 @@ class TestChange:
         DO.fuse(first)
         assert first.v < 3.0
         assert first.x == pytest.approx(begun, abs=0.01)  # the prior counts more now
-
-    def test_restarted_neighbour_needs_agreement(self):
-        for off, begins in ((0.02, 0.0), (2.5, 1.0)):
-            first, other = self.settled()
-            other.anew = 1.0
-            DO.receive(first, DO.broadcast(other))
-            deviation = (first.noise / first.short_v) ** 0.5
-            first.short_s += 2.0 * off * deviation * first.short_v  # the mean with the other halves it
-            DO.fuse(first)
-            assert first.anew == begins
 
     @pytest.mark.parametrize(
         ("voices", "begun", "least"),
@@ -259,7 +229,7 @@ class TestLiars:
             DO.fuse(me)
         assert me.guard == 0.0
 
-    @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -1e6, 1e30])
+    @pytest.mark.parametrize("value", [math.nan, -math.inf, 1e30])
     @pytest.mark.parametrize(
         "field", ["s", "v", "ripe_s", "ripe_v", "short_s", "short_v", "coins", "noise", "seen", "own_s", "own_v"]
     )
@@ -289,20 +259,6 @@ class TestLiars:
                 DO.observe(me, 5.0, 10.0)
                 DO.fuse(me)
                 assert me.trial == 0.0
-        DO.begin_anew(me)
-        assert me.trial == 1.0
-        DO.observe(me, 2.0, 10.0)
-        me.ripe_s = me.s = me.guess = 0.0
-        DO.fuse(me)
-        trial = me.trial
-        assert trial > 1.0
-        DO.begin_anew(me)
-        assert me.trial == trial  # it goes on
-        while me.trial > 0.0:
-            DO.observe(me, 2.0, 10.0)
-            me.ripe_s, me.s = 0.0, 0.0
-            DO.fuse(me)
-        assert me.trust == 4.0
 
     def test_own_readings_decide_whether_a_change_is_one(self):
         """Logarithms of likelihoods of normal readings, whose variance is 1 / (4 v)."""
@@ -329,7 +285,7 @@ class TestLiars:
             assert (me.own_s / me.own_v == pytest.approx(0.2)) == changed
             assert (me.guard > 0.0) != changed
 
-    @pytest.mark.long(but=["shouter", "creeper"])
+    @pytest.mark.long
     @pytest.mark.parametrize(
         "liar",
         [

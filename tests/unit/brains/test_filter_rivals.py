@@ -134,18 +134,6 @@ class TestConsensusInnovations:
             x = x + np.minimum(pull, 1 / (1 + many)) * (hears @ x - many * x) + (z - x) / (t + 1)
             assert fields["x"][t + 1] == pytest.approx(x, abs=1e-12)
 
-    def test_rounds_without_news_are_not_counted(self):
-        """Neither those without readings nor those of a sensor that tells nothing."""
-        me, blind = INNOVATIONS.robot(0.9, 0.9), INNOVATIONS.robot(0.3, 0.7)
-        for looks in (0.0, 10.0, 0.0, 10.0):
-            if looks:
-                INNOVATIONS.functions.observe(me, 5.0, looks)
-                INNOVATIONS.functions.observe(blind, 5.0, looks)
-            INNOVATIONS.functions.fuse(me)
-            INNOVATIONS.functions.fuse(blind)
-        assert (me.rounds, blind.rounds, blind.x) == (2.0, 0.0, 0.5)
-        assert me.x == pytest.approx(0.5, abs=1e-12)
-
 
 class TestCovarianceIntersection:
     @pytest.mark.parametrize("topology", ["full", "ring"])

@@ -120,10 +120,3 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(told, truth, fill):
     assert error.max() < 0.05
     assert np.median(error) < 0.01
     assert np.median(plain) > 3.0 * np.median(error)
-
-
-def test_common_sensor_error_is_invisible():
-    """Told 0.95 and 0.75 at f = 0.75: 0.75 0.5 + 0.25 = 0.625 is made (0.625 - 0.05)/0.9; one or none is right."""
-    for wrong in (19, 20):
-        error = swarm_of(wrong, 0.95, 0.75, 0.75)["final_estimate"].values - (0.625 - 0.05) / 0.9
-        assert abs(error).max() < 0.02

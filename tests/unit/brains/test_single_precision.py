@@ -94,12 +94,6 @@ class TestDays:
 
 
 class TestLives:
-    def test_minds_begin_with_their_own_numbers(self):
-        """Those of a brain in single precision, as the engine keeps them."""
-        brain = brains.load("steadfast").with_numbers(Numbers("single"))
-        mind = single_life._blank(brain)[0]
-        assert (mind["typical"], mind["sure"], mind["cap"]) == (0.25, 2.0, 2.0)
-
     def test_the_very_reading_is_named(self, tmp_path):
         """At the reading 5,000 the sum is 2^24 + 1, which float32 has not."""
         source = brains.load("alone").source.partition("def estimate")[0]
@@ -121,6 +115,7 @@ class TestLives:
 
 
 class TestShell:
+    @pytest.mark.long
     def test_check_says_at_which_reading(self, tmp_path, monkeypatch, capsys):
         monkeypatch.setattr(suite, "check", lambda path, wearing="": [suite.Check(suite.KEEPS, None)])
         assert main(["brains", "--check", "minimalistic", "--single", "--json"]) == 0
@@ -133,8 +128,3 @@ class TestShell:
     def test_it_needs_a_file(self, capsys):
         assert main(["brains", "--single"]) == 2
         assert "--single needs --check" in capsys.readouterr().err
-
-    def test_the_list_has_a_column(self, capsys):
-        assert main(["brains", "--json"]) == 0
-        rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["brains"]}
-        assert rows["minimalistic"]["single_precision_readings"] == single_lives()["minimalistic"]

@@ -12,7 +12,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from tests.support.lives import lived
-from tests.support.long import in_two_sizes
 from tests.support.second import fixed
 from tests.support.small import study_of
 
@@ -175,13 +174,13 @@ def test_steadfast_among_a_fifth_of_liars():
         assert np.mean(np.median(row[draw], axis=1) > limit) > 0.99
 
 
-@in_two_sizes("lies", ("always-black",), LIES)
-def test_robot_between_two_liars_keeps_its_bound(lies):
+@pytest.mark.long
+def test_robot_between_two_liars_keeps_its_bound():
     """On a ring with a third of liars nobody is farther off than the bound, own readings' law of 4 standard errors."""
     found = sc.run(
         study_of(
             "steadfast", robots=20, accuracy=0.75, rounds=300, trials=20, seed=7,
-            members=[{"robots": 0.3, "brain": list(lies), "honest": False}],
+            members=[{"robots": 0.3, "brain": list(LIES), "honest": False}],
         )
     )  # fmt: skip
     most = abs(found["final_estimate"] - 0.55).max().item()

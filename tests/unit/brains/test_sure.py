@@ -29,12 +29,6 @@ def test_the_quantile_is_student_s(alpha, degrees):
     assert SURE.quantile(alpha, degrees) == pytest.approx(stats.t.ppf(1.0 - alpha / 2.0, degrees), rel=1e-9)
 
 
-@pytest.mark.parametrize("degrees", [1.5, 3.5, 4.2, 5.5, 6.9])
-def test_quantile_between_whole_degrees(degrees):
-    ratio = SURE.quantile(0.01, degrees) / stats.t.ppf(0.995, degrees)
-    assert 1.0 <= ratio < (1.02 if degrees > 3.0 else 1.4)
-
-
 def test_streams_alike_give_the_interval_of_a_mean():
     """Equal weights: Student's interval of eight ratios, by SciPy."""
     ratios = np.random.default_rng(4).normal(0.5, 0.1, 8)
@@ -161,23 +155,22 @@ def test_intervals_hold_as_often_as_they_say(alpha, world):
 
 
 def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
-    """At most alpha of them in each of eight cells, by 4 standard errors over 60 trials."""
+    """At most alpha of them in each of four cells, by 4 standard errors over 60 trials."""
     study = study_of(
-        {"file": "sure", "within": [0.03, 0.06]}, robots=16, accuracy=[0.8, 1.0], rounds=1016, trials=60, seed=22,
-        measure={"checkpoints": [1016]}, fill_ratio=[0.05, 0.55],
+        {"file": "sure", "within": 0.06}, robots=16, accuracy=[0.8, 1.0], rounds=504, trials=60, seed=22,
+        fill_ratio=[0.05, 0.55],
     )  # fmt: skip
     found = sc.run(study)
-    truth, within = found["fill_ratio"].values[:, None, None], found["within"].values[:, None, None]
     stopped = np.isfinite(found["done_estimate"].values)
-    wrong = (stopped & (np.abs(found["done_estimate"].values - truth) > within)).mean(axis=2)
+    off = np.abs(found["done_estimate"] - found["fill_ratio"]).transpose("setting", "trial", "robot").values
+    wrong = (stopped & (off > 0.06)).mean(axis=2)
     assert stopped.all()
     assert np.all(wrong.mean(axis=1) <= 0.05 + 4.0 * wrong.std(axis=1) / 60**0.5)
     assert np.all(wrong.mean(axis=1) < 0.05)
-    at = found["done_round"].median(("trial", "robot")).values.reshape(2, 2, 2)
     assert np.all(found["done_round"].values % 8 == 0)
-    assert at.min() >= 8
 
 
+@pytest.mark.long
 def test_wrong_stops_on_patches():
     """At most alpha of them, where a spread within robots' walks misses them for a third: 4 standard errors."""
     study = sc.Study(

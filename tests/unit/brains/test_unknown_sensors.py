@@ -103,18 +103,6 @@ def test_the_filters_step_is_that_of_a_numerical_linearisation():
         assert m * p * (1 - p) == pytest.approx(published)
 
 
-def test_filter_learns_nothing_at_one_half():
-    me = robot(CPF, 0.8, 0.8)
-    me.t, me.n, me.past_x = 1000.0, 700.0, 0.5
-    CPF.functions.learn(me)
-    assert me.mu == pytest.approx(0.8 - 5e-5)
-    assert me.variance == pytest.approx(1e-4 + 5e-8)
-    few = robot(CPF, 0.9, 0.9)
-    few.t, few.n, few.past_x = 49.0, 40.0, 0.9  # 4.9 whites at the most
-    CPF.functions.learn(few)
-    assert few.mu == pytest.approx(0.9 - 5e-5)
-
-
 def test_what_is_believed_is_the_mean_of_a_truncated_normal():
     for mu in (0.3, 0.499, 0.5, 0.7, 0.98, 1.0):
         for sd in (0.001, 0.05, 0.4):
@@ -126,21 +114,6 @@ def test_what_is_believed_is_the_mean_of_a_truncated_normal():
             plain = robot(CPF, 0.8, 0.8)
             plain.mu, plain.variance = mu, sd * sd
             assert CPF.functions.believed(plain) == min(max(mu, 0.5), 1.0)
-
-
-@pytest.mark.parametrize("looks", [1, 7, 13, 15, 24, 26, 58, 94, 134, 190])
-@pytest.mark.parametrize("black", [True, False])
-def test_a_perfect_sensor_that_sees_one_colour_alone_is_borne(looks, black):
-    """Readings are forgotten bit by bit, and still none of a colour is none; the last ones of the other fade away."""
-    me, run = robot(CPF, 1.0, 1.0, drift=0.0, noise=0.0, doubt=0.0), CPF.functions
-    run.observe(me, float(looks * (not black)), float(looks))
-    for _ in range(40_000 // looks):
-        run.observe(me, float(looks * black), float(looks))
-        run.fuse(me)
-        assert math.isfinite(me.alpha)
-    assert me.x_hat == float(black)
-    assert me.n == (me.t if black else 0.0)
-    assert me.alpha == pytest.approx(me.t)
 
 
 def test_counts_are_forgotten_bit_by_bit():

@@ -94,19 +94,6 @@ def test_rounds_are_made_of_their_single_readings(mixed):
         assert (sc.replay(results, k, 1)["blacks"].values[1:] == rounds).all()
 
 
-def test_settings_that_share_a_world_meet_the_same_readings(small_results, small_study):
-    """Another topology or brain changes neither tiles nor sensors."""
-    settings = small_study.settings()
-    alike = [k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.55)]
-    assert len(alike) == 4
-    first, *others = (sc.replay(small_results, k, 2)["blacks"].values for k in alike)
-    assert all((first == other).all() for other in others)
-    differing = next(
-        k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.95)
-    )
-    assert (first != sc.replay(small_results, differing, 2)["blacks"].values).any()
-
-
 class TestDeterminism:
     def test_batches(self, small_study):
         for setting in small_study.settings()[::5]:

@@ -67,32 +67,6 @@ def test_a_swarm_of_robots_is_one_of_the_reference(name):
 
 
 @pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])
-@pytest.mark.parametrize("name", ["commons", "sure", "minimalistic", "bayes-cpf", "three-state"])
-def test_what_rounding_took_is_said_later(name, format_):
-    """The sums of what is said and of what is heard stay within a step; a part that is too large owes nothing."""
-    brain = brains.load(name)
-    messages = messages_of(brain, format_)
-    owes = {k for part in messages.plan if part.owed for k in part.places}
-    random_, told, heard = random.Random(3), np.zeros(messages.count), np.zeros(messages.count)
-    for tick in range(200):
-        numbers = [random_.uniform(0.1, 0.9) for _ in range(messages.count)]
-        for _, places, _ in messages.plan:
-            if len(places) == 2:  # an information is at most as large as its confidence
-                numbers[places[0]] *= numbers[places[1]]
-        said, rest = [], list(numbers)
-        for length in messages.lengths:
-            said.append(tuple(rest[:length]) if length else rest[0])
-            rest = rest[length or 1 :]
-        _, _, _, got = messages.unpack(messages.pack(tuple(said), 0, 1, tick))
-        told += numbers
-        heard += [x for part in got for x in np.atleast_1d(part)]
-    for k in range(messages.count):
-        assert abs(told[k] - heard[k]) < (0.4 if k in owes else 30.0)
-        if k in owes:
-            assert math.isclose(told[k] - heard[k], messages.owed[k], abs_tol=1e-9)
-
-
-@pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])
 @pytest.mark.parametrize("name", brains.shipped())
 def test_messages_are_read_as_in_the_reference(name, format_):
     """Packed and unpacked, with what is owed: large, small, negative and plain numbers."""
