@@ -13,7 +13,7 @@ from swarmcensus.engine.constants import DRAW_ALONE, DRAW_ALONE_FUSE, DRAW_FUSE,
 from swarmcensus.simulation.oracle import own_draws
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
-from tests.support.second import DRAWING, OURS, brain, changed, fixed
+from tests.support.second import OURS, RANDOM, brain, changed, fixed
 from tests.support.small import SEED
 
 ROUNDS, ROBOTS = 1000, 6
@@ -35,7 +35,7 @@ def together(one, other, cells=8):
 def trials():
     """Two robots a link: on a line of six whose ends hear one message a round; the first rounds of two trials."""
     pairs = {"name": "pairs", "edges": [[0, 1], [2, 3], [4, 5]]}
-    (setting,) = fixed(brain(DRAWING), robots=ROBOTS, rounds=ROUNDS, topology=pairs)
+    (setting,) = fixed(brain(RANDOM), robots=ROBOTS, rounds=ROUNDS, topology=pairs)
     found = [record_trial(setting, SEED, trial) for trial in (0, 1)]
     return [({name: fields[name][1:] for name in OURS}, blacks[1:]) for fields, _, blacks in found]
 
@@ -91,7 +91,7 @@ def test_trials_are_independent(trials):
 
 def test_all_purposes_are_independent():
     """Observing, fusing, steering and the two of a robot alone, and robots side by side: 21 grids, 0.21 %."""
-    (setting,) = fixed(brain(DRAWING))
+    (setting,) = fixed(brain(RANDOM))
     keys = addresses.draw_keys(setting, SEED)
     purposes = (DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER, DRAW_ALONE, DRAW_ALONE_FUSE)
     words = {p: np.array([own_draws(keys, 0, tick, p, 8) for tick in range(1, 1001)]) for p in purposes}

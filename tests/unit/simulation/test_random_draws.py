@@ -12,7 +12,7 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
-from tests.support.second import ALL, DRAWING, MEANS, OURS, STEER, brain, changed, fixed, moving
+from tests.support.second import ALL, MEANS, OURS, RANDOM, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED
 
 
@@ -34,7 +34,7 @@ def test_each_message_has_its_own_random_draw():
     source = changed(
         ("me.heard = me.luck", "me.heard += me.luck"),
         ("    me.fused = me.luck", "    me.fused = me.heard\n    me.heard = 0.0"),
-        source=DRAWING,
+        source=RANDOM,
     )
     every = lives(source, robots=3, topology="full")["fused"]
     one = {"name": "one", "edges": [[1, 0]], "directed": True}
@@ -67,17 +67,17 @@ def test_it_changes_nothing_else(world):
 @pytest.mark.interpreted
 def test_two_brains_have_the_same():
     """So that they differ by what they are, and not by chance: whatever one of them does not ask for."""
-    both, fused = lives(DRAWING), lives(changed(("me.seen = me.luck", "me.seen = 0.0"), source=DRAWING))
+    both, fused = lives(RANDOM), lives(changed(("me.seen = me.luck", "me.seen = 0.0"), source=RANDOM))
     assert (both["fused"] == fused["fused"]).all()
     assert (both["heard"] == fused["heard"]).all()
-    assert (lives(DRAWING, accuracy=0.9)["fused"] == both["fused"]).all()
+    assert (lives(RANDOM, accuracy=0.9)["fused"] == both["fused"]).all()
 
 
 @pytest.mark.interpreted
 def test_a_round_without_a_reading_costs_none():
     """A sensor that fails changes no other luck."""
-    failed = lives(DRAWING, faults=[{"at": 3, "robots": 2, "stop": "sensing"}])
-    whole = lives(DRAWING)
+    failed = lives(RANDOM, faults=[{"at": 3, "robots": 2, "stop": "sensing"}])
+    whole = lives(RANDOM)
     assert (failed["fused"] == whole["fused"]).all()
     assert (failed["heard"] == whole["heard"]).all()
     assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
@@ -86,14 +86,14 @@ def test_a_round_without_a_reading_costs_none():
 @pytest.mark.interpreted
 def test_on_the_move_and_of_robots_that_steer():
     """A brain whose steering is by lot has the same luck elsewhere as one that walks at random."""
-    walks, steers = (record_ride(moving(brain(s)), SEED, 0).fields for s in (DRAWING, DRAWING + STEER))
+    walks, steers = (record_ride(moving(brain(s)), SEED, 0).fields for s in (RANDOM, RANDOM + STEER))
     assert (walks["fused"] == steers["fused"]).all()
     assert len(np.unique(walks["fused"][1:])) == 25 * 6
 
 
 @pytest.mark.interpreted
 def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
-    (mixed,) = fixed(brain(DRAWING), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
+    (mixed,) = fixed(brain(RANDOM), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
     who = sampling.groups(mixed, SEED, 0, 1)[0]
     one, other = record_trial(mixed, SEED, 0)[0], record_trial(replace(mixed, members=()), SEED, 0)[0]
     for name in OURS:
