@@ -18,7 +18,7 @@ def ran(name, **tables):
 
 def test_each_uses_what_it_is_there_to_show():
     used = {name: brains.load(EXAMPLE / f"{name}.py") for name in BRAINS}
-    assert used["pairwise"].uses.drawing == {"receive"}
+    assert used["pairwise"].uses.random == {"receive"}
     assert used["prior"].parameters == {"prior": 10.0, "expected": 0.5}
     assert used["histogram"].lengths["belief"] == used["histogram"].options == 10
     assert used["quiet"].uses.silence
