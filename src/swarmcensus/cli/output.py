@@ -1,7 +1,7 @@
 """What a command prints: answers and names of files on stdout, messages on stderr, as --quiet and --verbose ask.
 
 A table is laid out for people on a terminal. In a file or a pipe it is tab-separated columns: a line of names, then a
-line for each row, with all digits; what people are told beside the table is then on stderr, as are names of files.
+line for each row, with all digits; other messages and names of files are then on stderr.
 
 All packages log to the logger `swarmcensus` and below: INFO is printed by default, DEBUG only with --verbose.
 """
@@ -100,7 +100,7 @@ def present(
 ) -> None:
     """Print an answer: the document `about` with --json, `show` on a terminal, and elsewhere `rows` as a table.
 
-    `notes` are sentences that `show` prints too; beside `rows` they are messages.
+    `notes` are sentences that `show` prints too; with `rows` they are messages.
     """
     if options.json:
         answer(kind, about())

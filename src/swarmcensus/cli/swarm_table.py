@@ -46,12 +46,12 @@ class _Lines:
     """Says what happens, and how the swarm is, a few times in a run."""
 
     def __init__(self, every: float) -> None:
-        self.every, self.next, self.told = every, every, 0
+        self.every, self.next, self.printed = every, every, 0
 
     def show(self, swarm: "Swarm") -> None:
-        for event in swarm.happened[self.told :]:
+        for event in swarm.happened[self.printed :]:
             say(event)
-        self.told = len(swarm.happened)
+        self.printed = len(swarm.happened)
         if swarm.seconds >= self.next:
             self.next += self.every
             say(f"{swarm.seconds:.1f} s: {', '.join(_parts(swarm))}")
@@ -67,8 +67,8 @@ def _parts(swarm: "Swarm") -> list[str]:
     counts = [known.last.estimate for n in now if (known := swarm.robots[n]).last and members[n].honest]
     if counts:
         low, middle, high = np.quantile(counts, [0.05, 0.5, 0.95])
-        whose = "estimates" if all(member.honest for member in members) else "honest estimates"
-        parts.append(f"{whose} {middle:.3f}, 90 % from {low:.3f} to {high:.3f}")
+        what = "estimates" if all(member.honest for member in members) else "honest estimates"
+        parts.append(f"{what} {middle:.3f}, 90 % from {low:.3f} to {high:.3f}")
     heard = share_heard(swarm.robots)
     return parts if np.isnan(heard) else [*parts, f"{100 * heard:.1f} % heard"]
 

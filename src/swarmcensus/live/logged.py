@@ -203,7 +203,7 @@ class Logged:
         )  # fmt: skip
 
     def _states(self, blocks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """States as the engine has them (round, robot, byte), and whose are known; others are as at the start."""
+        """States as the engine has them (round, robot, byte), and which are known; others are as at the start."""
         history = np.repeat(self.blank[np.newaxis], len(blocks), axis=0)
         known = np.zeros(blocks.shape, np.bool_)
         flat, group = history.reshape(len(blocks), -1), self.given.group

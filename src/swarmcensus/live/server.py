@@ -122,7 +122,7 @@ def app_of(served: Served) -> Any:
         return reply(200, *parts[name])
 
     async def saved(request: Request) -> Response:
-        """The page with one trial, as a file to keep; what is wrong is told as text."""
+        """The page with one trial, as a file to keep; an error is sent as text."""
         if not _is_meant(served, request.headers.get("host", "")) or not _knows(served, request.url.query):
             return reply(403, "This address lacks the token.\n")
         ask = {key: value for key, value in request.query_params.items() if key != "token"}
@@ -163,7 +163,7 @@ def app_of(served: Served) -> Any:
         talking.cancel()  # its last requests need no answer
 
     async def answered(page: WebSocket, session: Session, text: str | bytes) -> list[Spoken]:
-        """The answers of a session to a request; until then the page is told what is compiled."""
+        """The answers of a session to a request; until then the page shows what is compiled."""
         async with anyio.create_task_group() as meanwhile:
             meanwhile.start_soon(notice, page)
             answers = await anyio.to_thread.run_sync(lambda: spoken(session.answer(text)), limiter=limiter)

@@ -5,7 +5,7 @@ import numpy as np
 from swarmcensus.live.shows import Show
 from swarmcensus.simulation import convergence
 
-MOST_VALUES = 20_000_000  # estimates of a trial; K of a larger one is not told
+MOST_VALUES = 20_000_000  # estimates of a trial; K of a larger one is not shown
 AT_ONCE = 100  # robots
 
 

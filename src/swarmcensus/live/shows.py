@@ -32,7 +32,7 @@ LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper f
 SCALE = 65_535
 NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
 MOST_LINKS = 20_000  # in a frame
-KEPT = 4  # stretches whose frames are kept
+KEPT = 4  # stretches with kept frames
 Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -99,7 +99,7 @@ class Show:
 
     @property
     def layers(self) -> int:
-        """The layers of a frame beside estimates: positions if robots move, intervals, decisions."""
+        """The layers of a frame besides estimates: positions if robots move, intervals, decisions."""
         brains = self.setting.brains
         intervals = HAS_INTERVALS * any(brain.has_interval for brain in brains)
         return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in brains) + MOVES * self.moves

@@ -26,7 +26,7 @@ class Remembering(h5py.File):  # type: ignore[misc]
         """The object of this name."""
         if not isinstance(name, str):  # a reference
             return super().__getitem__(name)
-        # the link changes when an object is made anew
+        # the link changes when an object is replaced
         link = self.changes and name != "/" and self.id.links.get_info(name.encode()).u
         if name not in self.seen or self.seen[name][0] != link:
             self.seen[name] = link, super().__getitem__(name)

@@ -21,8 +21,8 @@ def labels_in(results: xr.Dataset) -> dict[str, str]:
     Merged studies may give one label to two brains, which then keep their own names.
     """
     labels, known = _given(results), _brains_in(results)
-    while (alike := namesakes(known, labels)) and labels.keys() & alike[:2]:
-        labels = {name: label for name, label in labels.items() if name not in alike[:2]}
+    while (same := namesakes(known, labels)) and labels.keys() & same[:2]:
+        labels = {name: label for name, label in labels.items() if name not in same[:2]}
     return labels
 
 
@@ -40,7 +40,7 @@ def _given(results: xr.Dataset) -> dict[str, str]:
 
 
 def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
-    """Results whose brains are called so. Raises InputError for an unknown brain, and for one name of two brains."""
+    """Results with these names of brains. Raises InputError for an unknown brain, and for one name of two brains."""
     known = _brains_in(results)
     for name, label in labels.items():
         what = f"--label {name}={label}" if in_shell() else f"labels={{{name!r}: {label!r}}}"

@@ -64,7 +64,7 @@ def check_held(data: xr.Dataset, **numbers: int) -> None:
 
 
 def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:
-    """The places of the settings whose coordinates have these values."""
+    """The places of the settings with these values of coordinates."""
     return np.flatnonzero(np.logical_and.reduce([data[name].values == value for name, value in values.items()]))
 
 

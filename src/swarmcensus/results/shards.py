@@ -243,7 +243,7 @@ class Parts:
 
     @property
     def replaces(self) -> bool:
-        """Whether the shards belong to a run that began anew and will replace the output."""
+        """Whether the shards belong to a run with `fresh`, which will replace the output."""
         return (self.folder / "fresh").exists()
 
     def begin_anew(self) -> None:

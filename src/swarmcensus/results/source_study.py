@@ -153,7 +153,7 @@ def _unread(kind: str, name: str) -> BrainError:
 
 
 def metrics_may_run(study: Study, given: Brains = ()) -> None:
-    """Raise InputError for a metric whose source in the results is neither shipped, nor given, nor found."""
+    """Raise InputError for a metric with a source that is neither shipped, nor given, nor found."""
     paths = [given] if isinstance(given, str | Path) else given or ()
     known = {digest(read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
     for metric in study.measure.metrics:

@@ -276,7 +276,7 @@ def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple
 
 
 def selected(data: xr.Dataset) -> dict[str, Any]:
-    """The attributes of a selection of a dataset, with trials counted anew."""
+    """The attributes of a selection of a dataset, with its own number of trials."""
     left = [
         failure
         for failure in failed_in(data)

@@ -35,7 +35,7 @@ class Progress:
     steps: tuple[int, int] = (0, 0)  # steps of the note: how many are done, of how many
 
 
-Report = Callable[[Progress], None]  # what an argument `progress` may be, beside True and False
+Report = Callable[[Progress], None]  # what an argument `progress` may be, besides True and False
 
 
 @dataclass
@@ -89,7 +89,7 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
 
 
 def _ended(begun: dict[Future[Outcome], Bundle]) -> set[Future[Outcome]]:
-    """Which of some bundles have ended soon; those whose brain never returns are not waited for."""
+    """Which of some bundles have ended soon; brains that never return are not waited for."""
     wall, cpu, ended = time.monotonic(), time.process_time(), set[Future[Outcome]]()
     while len(ended) < len(begun):
         ended = wait(begun, WAIT_SECONDS).done

@@ -115,7 +115,7 @@ class HeldOutput:
         """Write the whole output, if there is anything new, and remove the shards."""
         old = self.old_attributes
         if not data.attrs["trials_done"] and self.out.exists():
-            return  # begun anew and stopped before the first trial: the old output stays
+            return  # a fresh run was stopped before its first trial: the old output stays
         nothing = old is not None and not self.parts.added and not listed(self.parts.folder)
         if nothing and all(old.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
             return

@@ -44,8 +44,8 @@ EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one mor
 class Task:
     """Some trials of one setting, or of several at once.
 
-    A "batch" is of one setting. A "local" task computes local estimates for all settings whose robots observe the
-    same. A "ride" is one trial of all settings that share its trajectories.
+    A "batch" is of one setting. A "local" task computes local estimates for all settings with equal
+    observations. A "ride" is one trial of all settings that share its trajectories.
     """
 
     kind: Literal["batch", "local", "ride"]
@@ -90,7 +90,7 @@ def plan_tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None
     """The tasks for all trials that are `wanted`, each of at most about `seconds`.
 
     Some trials of every setting come first, so that a run that is cut off covers the whole study. `local` marks the
-    trials whose local estimates are wanted.
+    trials of which local estimates are wanted.
     """
     return sorted(_tasks_by_kind(settings, wanted, local, seconds), key=lambda task: task.first)
 

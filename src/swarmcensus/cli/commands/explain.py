@@ -1,4 +1,4 @@
-"""The command `explain`: measurements beside theory. Imports wait until the command needs them."""
+"""The command `explain`: measurements next to theory. Imports wait until the command needs them."""
 
 import argparse
 import math

@@ -173,8 +173,8 @@ def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Reli
     exact = sum(life.to_the_bit for life in lives)
     ticks, relived = sum(life.ticks for life in lives), sum(life.relived for life in lives)
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
-    whose = "its log" if len(lives) == 1 else "their logs"
-    print(f"{recording.title}: {summary_of(recording)}, {counted(ticks, 'tick')} in {whose}{truth}")
+    logs = "its log" if len(lives) == 1 else "their logs"
+    print(f"{recording.title}: {summary_of(recording)}, {counted(ticks, 'tick')} in {logs}{truth}")
     print(
         f"{exact:,} of {counted(len(lives), 'robot')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     )

@@ -19,11 +19,11 @@ from swarmcensus.theory import from_links, spectrum_of, variance_factors
 from swarmcensus.worlds import Accuracy, Body, Floor
 
 SAMPLED_SENSORS = 1001  # sensors that represent a spread of accuracies
-MOST_MIXED = 400  # robots of a network whose mixing is computed, which takes a second
+MOST_MIXED = 400  # robots of the largest network of which the mixing is computed, which takes a second
 POINTS = 80  # times at which mixing is computed
 MOST_READINGS = 1e15
 INNER_STEP = 3  # every third candidate is an inner fill ratio
-REFERENCE = 100  # robots of the swarm whose area represents others, if the area follows from a density
+REFERENCE = 100  # robots of the swarm with the area that represents others, if it follows from a density
 
 
 class Prediction(NamedTuple):

@@ -55,7 +55,7 @@ class Search:
     cases: list[Case] = field(init=False)
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
-    checked: set[int] = field(default_factory=set)  # sizes whose networks are connected
+    checked: set[int] = field(default_factory=set)  # sizes of swarms with connected networks
 
     def __post_init__(self) -> None:
         """Find the cases."""

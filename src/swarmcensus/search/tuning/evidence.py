@@ -124,7 +124,7 @@ def _harm_of_each(comparison: Comparison) -> str:
 def evidence_of(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
     """Compare what was found with the original in the results of an evaluation with these settings, then with all.
 
-    Names of both contain all searched parameters, also those whose value did not change.
+    Names of both contain all searched parameters, also unchanged ones.
     """
     if plan.target.harms:
         return _evidence_of_harm(data, settings, plan, tuned)
