@@ -33,7 +33,7 @@ class _Voice(logging.Handler):
         """`data` is whether programs read stdout, so that nothing but the answer is printed there."""
         super().__init__()
         self.data = data
-        self.seen: set[str] = set()  # what matplotlib warned of: it repeats itself with each text that it draws
+        self.seen: set[str] = set()  # warnings of matplotlib, which repeats them with each text that it draws
 
     def emit(self, record: logging.LogRecord) -> None:
         line, to_files = record.getMessage(), record.name == WROTE.name and not self.data
@@ -42,7 +42,7 @@ class _Voice(logging.Handler):
             if line in self.seen:
                 return
             self.seen.add(line)
-        # a progress bar would take escape sequences for its own
+        # a progress bar would interpret escape sequences as its own
         print(printable(line), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
 
 
@@ -72,7 +72,7 @@ def say(line: str) -> None:
 
 
 def wrote(line: object) -> None:
-    """Print the name of a written file on stdout; not with --quiet, and on stderr where stdout is for programs."""
+    """Print the name of a written file on stdout; not with --quiet, and on stderr if programs read stdout."""
     WROTE.info("%s", line)
 
 

@@ -45,7 +45,7 @@ def settings(
 
 
 def as_rows(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:
-    """The same settings for programs: the columns of `summary`, with brains called as people see them."""
+    """The same settings for programs: the columns of `summary`, with brains' labels."""
     labels = labels_in(data)
     return [row | {"brain": labels.get(row["brain"], row["brain"])} for row in records(data, checkpoint)]
 

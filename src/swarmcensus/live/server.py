@@ -83,7 +83,7 @@ def bound(host: str, port: int) -> socket.socket:
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         made.bind((host, port))
-        made.listen()  # so that a browser that is early waits, and is not refused
+        made.listen()  # so that an early browser waits and is not refused
     except (OSError, OverflowError) as error:
         made.close()
         hint = "; without --port any free one is taken" if getattr(error, "errno", None) == errno.EADDRINUSE else ""
@@ -157,7 +157,7 @@ def app_of(served: Served) -> Any:
             requests.close()
 
     async def listen(page: WebSocket, into: Any, talking: Any) -> None:
-        """Receive requests while others are answered: an unread one would hide the signs of life behind it."""
+        """Receive requests while others are answered: an unread one would block the pings behind it."""
         while (message := await page.receive())["type"] != "websocket.disconnect":
             await into.send(message["text"] if message.get("text") is not None else message["bytes"])
         talking.cancel()  # its last requests need no answer
@@ -258,7 +258,7 @@ def serve(served: Served) -> None:
 def serving(served: Served) -> Iterator[threading.Thread]:
     """Serve in a thread while a block runs; computations that run when the block ends are abandoned."""
     server = server_of(served)
-    run = contextvars.copy_context().run  # messages name options as where the server was started
+    run = contextvars.copy_context().run  # messages name options as the command or function that started the server
     thread = threading.Thread(target=run, args=(server.run, [served.socket]), daemon=True)  # so are threads it starts
     thread.start()
     while not server.started and thread.is_alive():

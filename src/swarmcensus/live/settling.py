@@ -10,7 +10,7 @@ AT_ONCE = 100  # robots
 
 
 class Settling:
-    """A trial on its way to its end, in pieces."""
+    """A trial that is computed to its end in pieces."""
 
     def __init__(self, show: Show, delta: float) -> None:
         """Begin at round 0; robots settle when their estimates stay within `delta`."""

@@ -136,7 +136,7 @@ class Show:
         flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
         flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
         honest = self.honest
-        read = rounds > 0  # before any reading nobody is right: an estimate is only the brain's first value
+        read = rounds > 0  # before any reading no robot is right: its estimate is only the brain's first value
         own, there = x[:, honest], ~np.isnan(x[:, honest])
         values = {
             "truth": truths,

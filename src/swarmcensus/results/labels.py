@@ -1,4 +1,4 @@
-"""What brains are called in tables and figures: by labels of their study or of the user, else by their own names."""
+"""Names of brains in tables and figures: labels of their study or of the user, else their own names."""
 
 import json
 import tomllib
@@ -57,7 +57,7 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
 
 
 def titles_in(*results: xr.Dataset) -> dict[str, str]:
-    """What figures call brains: their labels in these results, or the titles of shipped brains."""
+    """Names of brains in figures: their labels in these results, or the titles of shipped brains."""
     titles = dict(TITLES)
     for each in results:
         titles |= labels_in(each)
@@ -65,7 +65,7 @@ def titles_in(*results: xr.Dataset) -> dict[str, str]:
 
 
 def titles_of_contenders(*results: xr.Dataset) -> dict[str, str]:
-    """What figures call brains by the names that contenders have, in which labels already stand for brains."""
+    """Names in figures by the names of contenders, in which labels already stand for brains."""
     labels = {name: label for each in results for name, label in labels_in(each).items()}
     titles = {name: title for name, title in TITLES.items() if name not in labels}
     return titles | {label: label for label in labels.values()}

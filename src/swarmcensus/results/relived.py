@@ -1,4 +1,4 @@
-"""Days of robots as results: each brain is a setting of one trial, measured as a simulated one."""
+"""Recordings as results: each brain is a setting of one trial, measured as a simulated one."""
 
 from collections.abc import Sequence
 

@@ -24,7 +24,7 @@ from swarmcensus.support.safe_source import digest, read_source
 from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.worlds import MOVING
 
-RELIVED = "relived"  # the attribute of results that robots made, and no simulation
+RELIVED = "relived"  # the attribute of results that are of robots, not of a simulation
 CHANGED = "its source has changed since these results were made"
 Brains = str | Path | Sequence[str | Path] | None  # brain files, given for those that results name
 

@@ -78,7 +78,7 @@ def unmask(data: xr.Dataset) -> str | None:
 
 
 def wrong(data: xr.Dataset) -> str | None:
-    """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing is."""
+    """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
     if wrong := wrong_format(data):
         return wrong
     lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]

@@ -1,4 +1,4 @@
-"""Hands bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
+"""Submits bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
 
 import logging
 import time
@@ -31,7 +31,7 @@ class Progress:
     work_total: float
     note: str = ""  # what happens while no trials run, such as compiling
     stage: str = ""  # which of several parts this is
-    part: str = ""  # what the totals are of, in words, if work that nobody can foretell may follow
+    part: str = ""  # what the totals are of, if an unknown amount of work may follow
     steps: tuple[int, int] = (0, 0)  # steps of the note: how many are done, of how many
 
 

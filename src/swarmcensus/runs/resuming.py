@@ -183,7 +183,7 @@ class HeldOutput:
             return taken
         rounds, done = np.array([self.settings[number].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
         names = [name for name in taken if name == "correct" or name in ESTIMATES | INTERVALS]
-        needed = {name: done & (name not in INTERVALS) for name in names}  # which a setting's brain may not have
+        needed = {name: done & (name not in INTERVALS) for name in names}  # a setting's brain may have none
         return taken | {
             name: self._select_checkpoints(taken[name][np.newaxis], np.array(checkpoints), rounds, needed[name], path)[
                 0

@@ -96,7 +96,7 @@ def plan_tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None
 
 
 def _tasks_by_kind(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:
-    # nearly always all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
+    # usually all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
     every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
         if setting.body is None:

@@ -1,4 +1,4 @@
-"""Which brain is better in which world, by how much and at what cost, and what should be kept in mind: `sc.compare`."""
+"""Which brain is better in which world, by how much and at what cost, and with which cautions: `sc.compare`."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace

@@ -184,7 +184,7 @@ def _contest(contest_input: ContestInput, with_intervals: bool, against: int | N
     duels = signed_ranks(ahead.T)
     tested_overall = (
         (duels.below + duels.equal + duels.above > 0) & (met.sum() > 1) & tested
-    )  # in one, the world's own tests say it all
+    )  # in one world, its own tests are enough
     return Contest(
         low=low,
         values=centres(numbers, statistic),

@@ -1,4 +1,4 @@
-"""The command `relive`: lives robots' states again from their logs, under their brain or others."""
+"""The command `relive`: computes robots' states again from their logs, with their brain or others."""
 
 import argparse
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from swarmcensus.brains import Brain
     from swarmcensus.robots import Life, Recording, Relived
 
-DIFFER = 1  # exit code where a state was not lived again to the bit, as of `verify`
+DIFFER = 1  # exit code if a state differs in any bit, as of `verify`
 SHOWN = 8  # lines of a list
 
 
@@ -43,7 +43,7 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
 
 
 def relive(options: argparse.Namespace) -> int:
-    """Live the states of a folder again."""
+    """Compute the states of a folder again."""
     from swarmcensus.robots import Clock, read_recording, relive_all, traces, under
 
     _check(options)
@@ -71,7 +71,7 @@ def relive(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Raise InputError for options that do not go together, before anything is lived."""
+    """Raise InputError for options that do not go together, before anything is computed."""
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.support.files import check_output
 
@@ -206,7 +206,7 @@ def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Reli
 
 
 def _break_lines(lives: Sequence["Life"]) -> list[str]:
-    """A line for each difference; robots that ran another brain are together in one."""
+    """A line for each difference, and one for all robots that ran another brain."""
     from swarmcensus.robots import ANOTHER
 
     together: dict[str, list[int]] = {}

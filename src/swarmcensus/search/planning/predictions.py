@@ -119,7 +119,7 @@ def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
     floor = mission.area.floor[0] if mission.area.floor else Floor()
     if math.isinf(tiles):
         return of_reading / readings
-    ordered = floor != Floor()  # such floors have exactly so many black tiles
+    ordered = floor != Floor()  # such floors have an exact number of black tiles
     of_floor = theory.tiles_variance(
         theory.even_concentration(readings, round(tiles)),
         f,

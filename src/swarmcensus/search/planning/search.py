@@ -131,7 +131,7 @@ class Search:
         what = "first look" if trials < mission.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
 
-        def show(progress: Progress) -> None:  # how many steps follow depends on what this one finds
+        def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))
 
         found_curves = curves(mission, study, self.jobs, show)
