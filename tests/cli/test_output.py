@@ -182,25 +182,6 @@ def test_a_plan(both):
     assert f"{value:.1f} [{low:.1f}, {high:.1f}]" in table
 
 
-def test_an_installation(both):
-    found, table = both("doctor")
-    assert found["libraries"]["numpy"] in table
-    assert str(found["cores"]) in table
-
-
-@pytest.mark.parametrize(
-    ("command", "why"),
-    [
-        ("studies ring --json", "--json goes with the list of studies only, not with ring"),
-        ("brains --show commons --json", "--json does not go with --show"),
-    ],
-)
-def test_what_is_no_table_is_no_document(command, why, said):
-    code, out, error = said(command)
-    assert (code, out) == (2, "")
-    assert why in error
-
-
 def test_quiet_says_nothing_but_answers_and_errors(results, said, tmp_path):
     assert said(f"run two.toml --out {tmp_path / 'q.nc'} --quiet") == (0, "", "")
     assert (tmp_path / "q.nc").is_file()
@@ -243,11 +224,6 @@ def test_verbose_says_what_is_found_and_finished(said, tmp_path):
     assert re.search(
         r"^minimalistic, f = 0\.5: [\d.]+ % of 9 robots are right after [\d.]+ min, in 50 trials$", error, re.M
     )
-
-
-def test_loud_and_quiet_exclude_each_other(said):
-    code, _, error = said("show two.nc --quiet --verbose")
-    assert (code, "--verbose does not go with --quiet" in error) == (2, True)
 
 
 def test_a_command_leaves_no_voice_behind(said):
@@ -293,13 +269,11 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
 SHELL = [sys.executable, "-m", "swarmcensus"]
 
 
-@pytest.mark.long(only=["show two.nc"])
-@pytest.mark.parametrize("command", ["show two.nc", "studies"])
-def test_whoever_stops_reading_is_told_no_more_than_that(results, command):
+def test_a_reader_that_goes_away_is_no_error(results):
     """As `| head -1` does."""
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run([*SHELL, *command.split()], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+    done = subprocess.run([*SHELL, "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
     os.close(write)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -364,7 +338,3 @@ def test_who_stops_it_before_it_began_reads_no_traceback():
     """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
-
-
-def test_a_folder_is_no_results_file(said):
-    assert said("show .") == (2, "", "swarmcensus: results file .: it is a folder\n")

@@ -164,15 +164,6 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
     assert "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE" in told
 
 
-def test_it_imports_nothing_that_takes_long():
-    """So that it answers where one of these is broken."""
-    code = (
-        "import sys; from swarmcensus.cli.commands import main; main(['doctor']); "
-        "assert not {'numba', 'xarray', 'matplotlib'} & set(sys.modules), 'imported'"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
-
-
 def test_new_files_overwrite_nothing(here, capsys):
     """The example's brain and a new one would have one name; two examples have the very same brain."""
     for words in ("new brain", "studies example/compare", "studies example/ranking", "new brain", "studies ring"):

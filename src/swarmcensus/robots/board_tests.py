@@ -1,4 +1,4 @@
-"""Whether a board computes what it should: its self-test's output beside that of CPython in the same precision."""
+"""Whether a board computes what it should: its self-test's output compared to that of CPython in the same precision."""
 
 import ast
 import builtins
@@ -37,7 +37,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A board's self-test beside the reference."""
+    """A board's self-test and the reference."""
 
     brain: str
     bits: int  # binary digits of the board's numbers
@@ -114,7 +114,7 @@ def reference(brain: brains.Brain, settings: Mapping[str, Any], single: bool) ->
 
 
 def _module(path: Path, modules: Mapping[str, Any]) -> types.ModuleType:
-    """A file run as a board runs it: it finds only `modules` beside it, and those of Python."""
+    """A file run as a board runs it: it finds only `modules` and those of Python."""
 
     def find(name: str, *rest: Any) -> Any:
         if rest and rest[-1] == 1 and not name:  # from . import

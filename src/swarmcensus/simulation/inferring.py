@@ -93,12 +93,12 @@ def infer(
         signals = np.zeros(robots if layout.is_signalled else 0, np.uint8)
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
-            alike = swarm((used,), np.zeros(robots, np.int64), "recorded", draws)
+            swarmed = swarm((used,), np.zeros(robots, np.int64), "recorded", draws)
             interruptible(compiler.compile_world("kernel").follow)(
-                alike, outbox, signals, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends,
+                swarmed, outbox, signals, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends,
                 history, estimates,
             )  # fmt: skip
-            fields = fields_of((used,), alike, history, estimates)
+            fields = fields_of((used,), swarmed, history, estimates)
         except Exception as error:
             what = f"brain {used.name!r} fails: {type(error).__name__}: {error}"
             raise BrainError(what, key="brain", value=used.name) from error

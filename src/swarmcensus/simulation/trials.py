@@ -26,7 +26,7 @@ from swarmcensus.worlds import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
-CROWD_BYTES = 1_000_000_000  # of these, where no other trial is run beside
+CROWD_BYTES = 1_000_000_000  # of these, where no other trial runs at the same time
 SHARED_BYTES = 250_000_000  # of each trial, where several threads share the memory
 
 

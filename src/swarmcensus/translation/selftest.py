@@ -98,7 +98,7 @@ def _apart(one: str, other: str) -> float:
 
 
 def in_c(brain: Brain, unit: Unit) -> str:
-    """The self-test's C source, for a file beside brain.h."""
+    """The self-test's C source, for a file next to brain.h."""
     answers = ["    test_put_number(estimate(me));"]
     answers += ["    test_put_number(decide(me));"] * brain.decides
     answers += ["    test_put_number(done(me) ? 1 : 0);"] * brain.ends

@@ -186,18 +186,6 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert refused["error"] == "do = 'news': only of a recording in logs, without another brain beside it"
 
 
-def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):
-    recording = Recording(whole, tmp_path / "day")
-    recording.grow(1.0)
-    assert growing.may_grow(recording.folder)
-    later = growing.time.time() + 100.0
-    monkeypatch.setattr(growing.time, "time", lambda: later)
-    assert not growing.may_grow(recording.folder)
-    session = Session(offer_of(recording.folder))
-    _, begun = asked(session, do="begin", ask={"beside": "voter"})
-    assert "beside" not in begun["form"]["fixed"]
-
-
 def test_last_rounds_of_a_recording(tmp_path):
     """Robots that missed ticks have lived fewer rounds; one that was killed before the end is away."""
     folder = tmp_path / "day"

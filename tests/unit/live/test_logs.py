@@ -2,6 +2,7 @@
 
 import base64
 import json
+import shutil
 import warnings
 import zlib
 from pathlib import Path
@@ -22,7 +23,6 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.logs.others import under
 from swarmcensus.robots.logs.traces import as_logged, estimates_of
-from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
 from tests.support.relived import SEED, logged, setting_of, told
 from tests.support.watching import parsed
@@ -74,18 +74,6 @@ def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precis
             assert [heard["from"] for heard in one.pop("heard")] == [heard["from"] for heard in other.pop("heard")]
             one.pop("adds"), other.pop("adds")
             assert one == other
-
-
-def test_what_was_heard_is_shown_in_numbers(tmp_path):
-    setting = made(tmp_path / "day")
-    [show] = show_of(tmp_path / "day")
-    memory = record_trial(setting, SEED, 0)[0]
-    told = robot_of(show, 12, 2)
-    assert told["heard"]
-    for heard in told["heard"]:
-        assert set(heard["said"]) == set(setting.brain.message)
-        assert all(isinstance(value, float) for value in heard["said"].values())
-    assert told["fields"] == {name: memory[name][12, 2].tolist() for name in setting.brain.memory}
 
 
 def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
@@ -162,41 +150,31 @@ def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["BOARDS"], "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
-        (["STRANGE"], "swarm.json: study: "),
-        (["NUMBER"], "swarm.json: setting = 7: should be from 0 to 0"),
-        (["MOVES"], "swarm.json: study: its robots move, and logs do not say where they were"),
-        (["FEW"], "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
-        (["EMPTY"], "EMPTY: it holds no log"),
-        (["DAY", "--set", "accuracy=0.9"], "accuracy = 0.9"),
-        (["DAY", "--set", "seed=99"], "seed = 99"),
-        (["DAY", "--set", "tick=31"], "tick = 31"),
-        (["DAY", "--brain", "everyone"], "everyone"),
-        (["DAY", "--brain", "oracle"], "the brain 'oracle' is a bound"),
+        ("BOARDS", "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
+        ("STRANGE", "swarm.json: study: "),
+        ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
+        ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
+        ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
+        ("DAY --set accuracy=0.9", "accuracy = 0.9"),
+        ("DAY --set tick=31", "tick = 31"),
+        ("DAY --brain everyone", "everyone"),
+        ("DAY --brain oracle", "the brain 'oracle' is a bound"),
     ],
 )
-def test_what_cannot_be_watched_is_told_in_a_sentence(recording, tmp_path, monkeypatch, capsys, arguments, says):
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_watched_is_told_in_a_sentence(recording, here, refused, arguments, says):
     about = json.loads((recording / "swarm.json").read_text())
     moves = about["study"].replace('topology = "ring"', 'topology = "moving"\ndensity = 1.0')
     changes = {
         "STRANGE": {"study": "swarm = 3"}, "NUMBER": {"setting": 7}, "MOVES": {"study": moves},
-        "FEW": {"study": about["study"].replace("robots = 4", "robots = 2")}, "BOARDS": None, "EMPTY": None,
+        "FEW": {"study": about["study"].replace("robots = 4", "robots = 2")}, "BOARDS": {}, "DAY": {},
     }  # fmt: skip
-    for name, change in changes.items():
-        folder = tmp_path / name
-        folder.mkdir()
-        if name != "EMPTY":
-            for path in recording.glob("*.log"):
-                (folder / path.name).write_bytes(path.read_bytes())
-            (folder / "brain.py").write_text((recording / "brain.py").read_text())
-        if change:
-            (folder / "swarm.json").write_text(json.dumps(about | change))
-    given = [str(recording) if word == "DAY" else word for word in arguments]
-    assert main(["watch", *given, "--out", "page.html"]) == 2
-    said = capsys.readouterr().err
-    assert says in said
-    assert not list(tmp_path.glob("*.html"))
+    folder, *options = arguments.split()
+    shutil.copytree(recording, folder)
+    if folder == "BOARDS":
+        (here / folder / "swarm.json").unlink()
+    else:
+        (here / folder / "swarm.json").write_text(json.dumps(about | changes[folder]))
+    assert says in refused("watch", folder, *options, "--out", "page.html")
 
 
 def test_python_takes_a_folder_too(recording):
@@ -235,10 +213,9 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
         assert one["brain"] == other["brain"]
 
 
-def test_own_brain_comes_from_the_folder_of_logs(tmp_path, monkeypatch):
+def test_own_brain_comes_from_the_folder_of_logs(here):
     """Also where its file has changed since."""
-    monkeypatch.chdir(tmp_path)
-    mine = tmp_path / "mine.py"
+    tmp_path, mine = here, here / "mine.py"
     mine.write_text(brains.load("commons").source)
     study, _, swarm = logged(tmp_path / "day", "mine.py", robots=4, rounds=ROUNDS)
     swarm.run()

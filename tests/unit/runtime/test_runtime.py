@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.brains.packing import BYTES, Numbers
+from swarmcensus.brains.packing import Numbers
 from swarmcensus.runtime import codec, runtime
 from tests.reference.formats import Formats
 from tests.support.boards import Air, Clock, Readings, messages_of
@@ -64,41 +64,6 @@ def test_a_swarm_of_robots_is_one_of_the_reference(name):
             assert robots[k].estimate == brain.functions.estimate(me)
     assert not any(robot.undone or robot.refused or robot.stale for robot in robots)
     assert all(robot.heard == 78 + k for k, robot in enumerate(robots)) or brain.uses.silence
-
-
-def test_sizes_of_codings_are_those_of_the_plans():
-    assert runtime.SIZES == BYTES
-
-
-def test_a_message_of_a_pair_fits_into_nine_bytes():
-    assert messages_of(COMMONS, "ratio16", checked=False).size == 9
-    assert messages_of(COMMONS, "ratio8", checked=True).size == 12
-
-
-@pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])
-@pytest.mark.parametrize("name", ["commons", "sure", "minimalistic", "bayes-cpf", "three-state"])
-def test_what_rounding_took_is_said_later(name, format_):
-    """The sums of what is said and of what is heard stay within a step; a part that is too large owes nothing."""
-    brain = brains.load(name)
-    messages = messages_of(brain, format_)
-    owes = {k for part in messages.plan if part.owed for k in part.places}
-    random_, told, heard = random.Random(3), np.zeros(messages.count), np.zeros(messages.count)
-    for tick in range(200):
-        numbers = [random_.uniform(0.1, 0.9) for _ in range(messages.count)]
-        for _, places, _ in messages.plan:
-            if len(places) == 2:  # an information is at most as large as its confidence
-                numbers[places[0]] *= numbers[places[1]]
-        said, rest = [], list(numbers)
-        for length in messages.lengths:
-            said.append(tuple(rest[:length]) if length else rest[0])
-            rest = rest[length or 1 :]
-        _, _, _, got = messages.unpack(messages.pack(tuple(said), 0, 1, tick))
-        told += numbers
-        heard += [x for part in got for x in np.atleast_1d(part)]
-    for k in range(messages.count):
-        assert abs(told[k] - heard[k]) < (0.4 if k in owes else 30.0)
-        if k in owes:
-            assert math.isclose(told[k] - heard[k], messages.owed[k], abs_tol=1e-9)
 
 
 @pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])

@@ -23,7 +23,7 @@ MESSAGES = (*NUMBERS, *(f"{name}MultiArray" for name in NUMBERS), "String")
 MOST_STEPS = 10_000_000
 MOST_LACKING = 2**32  # bytes of a cut file that are made up; more is a damaged number
 NANO = 10**9
-# of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length is told
+# of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length stands
 CHUNK_HEAD, COMPRESSION, COMPRESSION_END = 49, 37, 41
 
 

@@ -61,7 +61,7 @@ class Life:
         return self.relived == self.ticks and not self.breaks
 
     def differs(self, boot: int, tick: int, reason: str) -> None:
-        """Note that a tick was not lived again; a reason for the whole log is told once, not at each state."""
+        """Note that a tick was not lived again; a reason for the whole log is given once, not at each state."""
         if not said_before(reason, [one.reason for one in self.breaks]):
             self.breaks.append(Break(boot, tick, reason))
 
@@ -83,7 +83,7 @@ class Reliving:
         self.life = Life(member.number)
         self._at = 0  # the next block
         self._replica: Replica | None = None
-        self._first = -1  # the block from whose state the state came
+        self._first = -1  # the block of the state that the replica started from
         self._boot = 0
 
     def go_on(self) -> Life:

@@ -17,7 +17,7 @@ Lives = Callable[[Replica, Tick], bool]
 
 
 def said_before(reason: str, before: Sequence[str]) -> bool:
-    """Whether a reason was told, and holds for the whole log."""
+    """Whether a reason was given, and holds for the whole log."""
     return reason in before and any(one in reason for one in WHOLE)
 
 
@@ -53,7 +53,7 @@ def reason_of(member: Member, first: int, at: int, replica: Replica, lives: Live
         what = f"it said {_hex(tick.said)}, and its readings and messages lead to {_hex(replica.said)}"
     else:
         what = f"it believed {tick.estimate:.6g}, and its readings and messages lead to {replica.estimate:.6g}"
-    return f"the log was changed, or the sensor and the log were told different readings: {what}"
+    return f"the log was changed, or the sensor and the log got different readings: {what}"
 
 
 def _hashes(member: Member, state: State) -> str | None:
@@ -73,7 +73,7 @@ def _readings(tick: Tick, replica: Replica, lives: Lives) -> str | None:
             replica.estimate, replica.stuck = estimate, stuck
             if lives(replica, tick._replace(blacks=blacks, looks=looks)):
                 return (
-                    f"the sensor told the log something else than the brain: the log has {tick.blacks} black of "
+                    f"the log got another reading than the brain: the log has {tick.blacks} black of "
                     f"{tick.looks}, and what the robot said and held is that of {blacks} of {looks}"
                 )
     return None

@@ -30,7 +30,7 @@ class Air:
     """What becomes of messages, and how uneven clocks are."""
 
     hz: float = 10.0
-    delay: int = 0  # milliseconds, beside the rounds of a study
+    delay: int = 0  # milliseconds, in addition to the rounds of a study
     duplicate: float = 0.0  # share of messages that are heard twice
     jitter: float = 0.1  # a tick comes late by up to this share of a period
     host: str = "127.0.0.1"

@@ -13,7 +13,7 @@ from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, header, piece, quoted
 
 TICKS_A_SECOND = 32  # of a Kilobot's clock
-FLASH, RAM = 20_000, 1_300  # bytes left beside Kilobot's own library, its boot loader and a stack
+FLASH, RAM = 20_000, 1_300  # bytes left by Kilobot's own library, its boot loader and a stack
 FLAGS = ("-funsigned-char", "-funsigned-bitfields", "-fpack-struct", "-fshort-enums")  # those of Kilobot's library
 
 
@@ -40,7 +40,7 @@ def kilobot_files(order: Order) -> dict[str, str]:
 
 
 def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int | None]:
-    """The bytes of flash and of memory beside Kilobot's own library; None without avr-gcc. Raises InputError."""
+    """The bytes of flash and of memory besides Kilobot's own library; None without avr-gcc. Raises InputError."""
     name = order.brain.name
     if order.brain.memory_bytes > RAM:
         raise _too_large(name, f"remembers {order.brain.memory_bytes:,} bytes, and a Kilobot has {RAM:,} for it")

@@ -10,7 +10,6 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.robots.logs import replicas
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
@@ -23,18 +22,17 @@ from tests.support.relived import SEED, estimates_of, logged, setting_of, told
 pytestmark = pytest.mark.interpreted
 
 
+def day_of(folder, brain="commons", **given):
+    """Logs of a swarm that lived to its end: its study, and what its robots showed."""
+    study, _, swarm = logged(folder, brain, **given)
+    swarm.run()
+    return study, swarm.close()
+
+
 def lived(folder):
     """The day of a folder, and its lives."""
     recording = read_recording(folder)
     return recording, [relive(member) for member in recording.members]
-
-
-def broken(folder, robot):
-    """The first difference of a robot's life."""
-    _, lives = lived(folder)
-    assert all(life.to_the_bit for life in lives if life.number != robot)
-    (first, *_) = lives[robot].breaks
-    return first
 
 
 def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
@@ -117,9 +115,7 @@ def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
 
 
 def test_replay_of_a_cut_log(tmp_path):
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    shown = swarm.close()
+    _, shown = day_of(tmp_path / "day")
     path = tmp_path / "day" / "robot-1.log"
     path.write_bytes(path.read_bytes()[:-300])
     recording, lives = lived(tmp_path / "day")
@@ -137,9 +133,7 @@ def test_replay_of_a_cut_log(tmp_path):
 
 
 def test_replay_goes_on_after_a_flipped_byte(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", more={"saves": 8})
-    swarm.run()
-    swarm.close()
+    day_of(tmp_path / "day", more={"saves": 8})
     path = tmp_path / "day" / "robot-3.log"
     data = bytearray(path.read_bytes())
     blocks = read_log(path).blocks
@@ -160,21 +154,17 @@ def test_replay_goes_on_after_a_flipped_byte(tmp_path):
 
 
 def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", more={"saves": 8, "lies": lambda robot, tick: (robot, tick) == (2, 19)})
-    swarm.run()
-    swarm.close()
-    first = broken(tmp_path / "day", 2)
-    assert (first.boot, first.tick) == (0, 19)
-    assert "the sensor told the log something else" in first.reason
+    day_of(tmp_path / "day", more={"saves": 8, "lies": lambda robot, tick: (robot, tick) == (2, 19)})
     _, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit for life in lives if life.number != 2)
+    [first] = lives[2].breaks
+    assert (first.boot, first.tick) == (0, 19)
+    assert "the log got another reading" in first.reason
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
-    assert len(lives[2].breaks) == 1
 
 
 def test_another_brains_file_is_named(tmp_path):
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    swarm.close()
+    day_of(tmp_path / "day")
     source = (tmp_path / "day" / "brain.py").read_text()
     (tmp_path / "day" / "brain.py").write_text(source + "\n# changed\n")
     assert all(life.to_the_bit for life in lived(tmp_path / "day")[1])  # a comment changes nothing
@@ -183,35 +173,8 @@ def test_another_brains_file_is_named(tmp_path):
     assert all("ran another brain: the hash" in life.breaks[0].reason for life in lives)
 
 
-def test_numbers_of_another_precision_are_named(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
-    for robot in swarm.robots:
-        robot.log.close()
-    for path in (tmp_path / "day").glob("*.log"):
-        path.unlink()
-    for robot in swarm.robots:  # the log is told double
-        robot.log.single = False
-        robot.log.file = None
-        robot.record(robot.log)
-    swarm.run()
-    swarm.close()
-    _, lives = lived(tmp_path / "day")
-    assert all("the robot computed in single precision" in life.breaks[0].reason for life in lives)
-
-
-def test_a_broken_replay_fails(tmp_path, monkeypatch):
-    """The tests above notice a runtime that does something else."""
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    swarm.close()
-    monkeypatch.setattr(replicas.Replica, "hear", lambda self, code: None)
-    assert not any(life.to_the_bit for life in lived(tmp_path / "day")[1])
-
-
 def test_missing_robots_are_counted(tmp_path):
-    study, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    swarm.close()
+    study, _ = day_of(tmp_path / "day")
     told(tmp_path / "day", study, robots=[{"number": k, "log": f"robot-{k}.log"} for k in range(5)])
     (tmp_path / "day" / "robot-4.log").unlink()
     recording, lives = lived(tmp_path / "day")
@@ -264,9 +227,7 @@ def test_a_message_is_of_the_nearest_tick_with_its_low_bytes(tmp_path, brain):
 
 
 def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", "voter")
-    swarm.run()
-    swarm.close()
+    day_of(tmp_path / "day", "voter")
     recording = read_recording(tmp_path / "day")
     result = under(recording, brains.load("commons"))
     silent = sum(tick.said is None for member in recording.members for tick in member.log.ticks)
@@ -275,50 +236,19 @@ def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
     assert not +back.counts
 
 
-DONE = (
-    brains.load("commons").source
-    + '''
-
-def done(me):
-    """Enough readings."""
-    return me.v > 4.0
-'''
-)
-
-
 def test_readings_that_were_not_made_are_counted(tmp_path):
     own = tmp_path / "ends.py"
-    own.write_text(DONE)
-    _, _, swarm = logged(tmp_path / "day", str(own))
-    swarm.run()
-    swarm.close()
+    own.write_text(brains.load("commons").source + '\n\ndef done(me):\n    """Enough."""\n    return me.v > 4.0\n')
+    day_of(tmp_path / "day", str(own))
     recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
     without = sum(not tick.looks for member in recording.members for tick in member.log.ticks)
     assert under(recording, brains.load("minimalistic")).counts["unread"] == without > 0
 
 
-def test_forged_names_are_found(tmp_path):
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run(20)
-    receiver, body = swarm.robots[0], swarm.bodies[0]
-    forged = bytearray(swarm.bodies[1].sent)
-    forged[4:6] = struct.pack("<H", 21)  # the next tick
-    forged[6] ^= 1
-    body.waiting.append(bytes(forged))
-    receiver._hear()
-    swarm.run()
-    swarm.close()
-    recording, lives = lived(tmp_path / "day")
-    assert all(life.to_the_bit for life in lives)
-    assert +under(recording, recording.brain).counts == {"forged": 1}
-
-
 def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
     """Each of two robots heard a message that the other said only after it."""
-    _, _, swarm = logged(tmp_path / "day", robots=2, rounds=9, topology="full")
-    swarm.run()
-    swarm.close()
+    day_of(tmp_path / "day", robots=2, rounds=9, topology="full")
     recording = read_recording(tmp_path / "day")
     changed = []
     for member, other in zip(recording.members, recording.members[::-1], strict=True):
@@ -335,9 +265,7 @@ def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
 
 def test_whatever_a_log_holds_it_is_read_and_told_of(tmp_path, capsys):
     """Bytes are changed and parts are cut, also so that checksums are right: nothing is raised."""
-    _, _, swarm = logged(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
-    swarm.run()
-    swarm.close()
+    day_of(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
     path = tmp_path / "day" / "robot-1.log"
     data, chance = path.read_bytes(), random.Random(5)
     exact = len(data)
