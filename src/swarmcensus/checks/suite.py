@@ -198,7 +198,7 @@ def report(path: str, patience: float, wrapping: str = "") -> None:
 
 
 def single_life(path: str | Path, wrapping: str = "") -> str | dict[str, int | None]:
-    """At which reading of a day single and double precision part, by `single_life.Departure`'s names; or why it ended."""
+    """At which reading of a day single and double precision part, by the names of `Departure`; or why it ended."""
     brain = brain_to_check(path, wrapping)
     done = _child("live", path, COMPILE_PATIENCE, wrapping)
     if done.returncode:

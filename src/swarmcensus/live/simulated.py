@@ -1,4 +1,4 @@
-"""A trial that is simulated while it is watched: a life, and what each robot reads and hears in it."""
+"""A trial that is simulated while it is watched, and what each robot reads and hears in it."""
 
 import functools
 from typing import Any

@@ -96,10 +96,8 @@ def check_tools() -> None:
     if lacking := chips.missing(chips.AVR):
         names = " and ".join(filter(None, (", ".join(lacking[:-1]), lacking[-1])))
         verb = "is" if len(lacking) == 1 else "are"
-        raise OptionError(
-            f"--cost: {names} {verb} not installed: Debian's packages gcc-avr, avr-libc and simavr have them",
-            key="cost",
-        )
+        have = "Debian's packages gcc-avr, avr-libc and simavr have them"
+        raise OptionError(f"--cost: {names} {verb} not installed: {have}", key="cost")
 
 
 def cost(brain: Brain) -> Cost:
@@ -110,11 +108,8 @@ def cost(brain: Brain) -> Cost:
         except chips.NoRoom:
             continue
     flash, ram = chips.FLASH[chips.LARGE] // 1024, chips.RAM[chips.LARGE] // 1024
-    raise BrainError(
-        f"brain {brain.name}: an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small",
-        key="brain",
-        value=brain.name,
-    )
+    small = f"an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small"
+    raise BrainError(f"brain {brain.name}: {small}", key="brain", value=brain.name)
 
 
 def _cost_on(brain: Brain, chip: str) -> Cost:

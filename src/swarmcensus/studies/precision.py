@@ -29,7 +29,7 @@ Fewest = Annotated[int, Field(strict=True, ge=intervals.FEWEST, lt=2**31)]
 def look_level(trials: int) -> float:
     """The level of an interval after `trials` trials, such that 95 % of the intervals that end a run hold.
 
-    A run is more likely to stop at an interval whose spread is underestimated. This matters with few trials only, as
+    A run is more likely to stop at an interval with an underestimated spread. This matters with few trials only, as
     the spread of many is well known (Chow and Robbins, 1965). So early looks use a higher level. `EARLY` comes from
     benchmarks/intervals.py.
     """

@@ -25,12 +25,9 @@ def expected(brain: Brain) -> str:
         return lived(brain, brain.functions, states)
     except Exception as error:
         what = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
-        raise BrainError(
-            f"brain {brain.name!r} fails in the self-test: {what}; "
-            f"{command('swarmcensus', 'brains', '--check', brain.name)} shows where",
-            key="brain",
-            value=brain.name,
-        ) from error
+        fails = f"brain {brain.name!r} fails in the self-test: {what}"
+        check = command("swarmcensus", "brains", "--check", brain.name)
+        raise BrainError(f"{fails}; {check} shows where", key="brain", value=brain.name) from error
 
 
 def lived(brain: Brain, functions: Any, states: Sequence[Any], codec: Any = None) -> str:

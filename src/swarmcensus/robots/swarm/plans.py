@@ -152,12 +152,8 @@ def _check_delay(setting: Setting, air: Air) -> None:
     """Raise InputError if no message could arrive before the end."""
     seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
     if air.delay >= 1000.0 * seconds > 0.0:
-        raise OptionError(
-            f"--delay {air.delay / 1000.0:g}s: the run takes {seconds:g} s, so that no message would arrive: should be "
-            "shorter than the run",
-            key="delay",
-            value=air.delay / 1000.0,
-        )
+        delay, late = air.delay / 1000.0, f"the run takes {seconds:g} s, so that no message would arrive"
+        raise OptionError(f"--delay {delay:g}s: {late}: should be shorter than the run", key="delay", value=delay)
 
 
 def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[PlannedRobot, ...]:

@@ -49,7 +49,7 @@ def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, 
         return ends(tuple(value))
     try:
         return ends((value, value))
-    except ValidationError as error:  # it names each mistake twice, once for each end
+    except ValidationError as error:  # it lists each mistake twice, once for each end
         raise ValueError(error.errors()[0]["msg"]) from None
 
 

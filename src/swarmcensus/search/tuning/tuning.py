@@ -95,7 +95,7 @@ def tune(
     `parameters` are ranges, such as ["prior=1:100:log", "weights[0]=0:1"]. `brain` is needed if several of the study's
     brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
     `trials` trials in each world, with seeds that the study does not use. With `out`, a .toml file, a fragment of a
-    study file is written there; beside it are the log (.csv), from which the same call continues unless `fresh`, and
+    study file is written there; next to it are the log (.csv), from which the same call continues unless `fresh`, and
     the results of the evaluation (.nc), if there is one. `progress` and `say` are as for `run`. Raises InputError, and
     KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
     """
@@ -219,7 +219,7 @@ def _is_of_another(out: Path, study: Study) -> bool:
 
 
 def _titles(out: Path) -> list[str]:
-    """The names of the study whose results `out` holds, and of the study of an unfinished run, as far as they exist."""
+    """The names of the study with results in `out`, and of the study of an unfinished run, as far as they exist."""
     titles = []
     if out.exists():
         titles.append(str(store.load(out).attrs.get("title", "")))
