@@ -17,7 +17,7 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK
 from swarmcensus.figures.files import save
-from swarmcensus.figures.kinds.arena import FINE, Arena, arena as drawn
+from swarmcensus.figures.kinds.arena import Arena, arena as drawn
 from swarmcensus.figures.kinds.film import film
 from swarmcensus.figures.scenes import FLOOR, scene_of
 from swarmcensus.results.recordings import write_trace
@@ -119,13 +119,6 @@ def test_discs_headings_and_links_are_where_the_trace_says(trace, arena, tick):
     assert arena.right.get_text() == f"{right} of 9"
 
 
-def test_a_brain_s_vectors_are_not_in_the_way(trace):
-    more = trace.assign(heard=(("round", "robot", "item_heard"), np.zeros((*trace["estimate"].shape, 3))))
-    one, other = (Arena(of, robot=3) for of in (trace, more.transpose("item_heard", ...)))
-    assert one.position.tolist() == other.position.tolist()
-    assert one.estimate.tolist() == other.estimate.tolist()
-
-
 def test_what_is_drawn_is_to_scale_and_in_its_place(trace):
     """By the dots of the picture: the disc's size and colour, a link's colour, tiles, and where they are."""
     arena = Arena(trace)
@@ -199,17 +192,6 @@ def test_partial_trace_and_dollars_in_titles(trace, tmp_path: Path):
     np.testing.assert_array_equal(part.discs.get_offsets(), whole.discs.get_offsets())
     with pytest.raises(InputError, match="ticks 10 to 29"):
         drawn(stretch, tick=30)
-
-
-def test_floors_finer_than_a_picture_are_drawn_as_means(trace):
-    floor = trace[FLOOR].values
-    times = -(-FINE // len(floor)) + 1
-    fine = trace.assign_attrs(tile_side=trace.attrs["tile_side"] / times)
-    fine = fine.drop_vars(FLOOR).assign({FLOOR: (("row", "column"), np.kron(floor, np.ones((times, times), np.uint8)))})
-    small_image, big_image = (next(a.images[0] for a in drawn(each, tick=5).axes if a.images) for each in (trace, fine))
-    assert max(big_image.get_array().shape) <= FINE
-    np.testing.assert_allclose(big_image.get_extent(), small_image.get_extent(), atol=times * fine.attrs["tile_side"])
-    assert big_image.get_array().mean() == pytest.approx(small_image.get_array().mean(), abs=0.002)
 
 
 def test_what_cannot_be_drawn_is_an_input_error(results, trace):

@@ -17,7 +17,7 @@ from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.kinds.decisions import decisions_grid
 from swarmcensus.figures.kinds.scatter import label_dots, scatter_grid
-from swarmcensus.figures.looks import keyed, looks_of, palette
+from swarmcensus.figures.looks import looks_of, palette
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.selecting import TooMuch, where
 from swarmcensus.support.errors import InputError
@@ -52,16 +52,6 @@ def test_looks_of_accuracies():
     assert spread[0].colour == "#000000"  # as in the paper
     many = looks_of([f"U(0.5,0.{i})" for i in range(6, 10)], "d").values()
     assert len({(look.colour, look.marker) for look in many}) == 4
-
-
-def test_key_of_many_accuracies():
-    numbers = [f"{0.5 + 0.005 * i:.3f}" for i in range(80)]
-    title, named = keyed(looks_of([*numbers, "U(0.5,0.9)"], "o"))
-    assert title == "sensor accuracy\n(21 of 81 named)"
-    assert next(iter(named)) == numbers[0]
-    assert list(named)[-2:] == [numbers[-1], "U(0.5,0.9)"]
-    assert keyed(looks_of(PAPER, "o")) == ("sensor accuracy", looks_of(PAPER, "o"))
-    assert [look.short for look in looks_of(["0.7000001", "0.7000002"], "o").values()] == [".7000001", ".7000002"]
 
 
 def test_labels_keep_the_order_of_their_dots_and_do_not_touch():
@@ -150,16 +140,6 @@ def test_medians_have_crosses_of_intervals_over_trials():
     assert not drawn(ax, "cross 0.7").size
     assert "95 % interval" in texts(figure)
     assert "interval" not in texts(figures.scatter(results.isel(trial=slice(5))))
-
-
-def test_dots_above_the_limit_are_counted():
-    results = study(["0.6"])
-    figure = figures.scatter(results, error_limit=0.03)
-    assert figure.axes[0].get_ylim()[1] == 0.03
-    above = int((results.convergence_error > 0.03).sum())
-    assert above > 0
-    assert f"{above} of 40 dots" in texts(figure)
-    assert "lie above" not in texts(figures.scatter(results))
 
 
 def test_panels_share_limits_unless_they_set_their_own():
@@ -312,15 +292,6 @@ def test_curves_of_one_robot_and_of_a_thousand():
     )
 
 
-def test_curves_skip_robots_and_rounds_without_estimate():
-    run = trace(4)
-    run["estimate"][:, 3] = np.nan
-    run["estimate"][40:] = np.nan
-    (ax,) = figures.curves(run).axes
-    assert len(ax.collections[0].get_paths()) == 3
-    assert drawn(ax, "median")[-1, 0] == 39
-
-
 # ---- heatmap
 
 
@@ -348,21 +319,6 @@ def test_heatmap_shows_medians_of_finished_cells():
             back = luminance(ax.images[0].to_rgba(ax.images[0].get_array())[y, x, :3])
             fore = luminance(text.get_color())
             assert (max(back, fore) + 0.05) / (min(back, fore) + 0.05) >= 4.2  # legible
-
-
-def test_heatmap_says_which_colours_are_best():
-    figure = figures.heatmap(grid_study())
-    for ax in figure.axes:
-        (bar,) = ax.child_axes
-        best, worst = bar.texts
-        assert best.get_text().startswith("best ")
-        assert worst.get_text().endswith(" worst")
-        shown = bar.images[0].to_rgba(bar.images[0].get_array())[0]
-        cells = ax.images[0]
-        values = cells.get_array()
-        np.testing.assert_allclose(shown[0], cells.to_rgba(values.min()))
-        np.testing.assert_allclose(shown[-1], cells.to_rgba(values.max()))
-        assert float(best.get_text().split()[1]) == pytest.approx(values.min(), abs=0.6 if values.max() > 1 else 1e-3)
 
 
 def selected(error, results):
@@ -540,14 +496,6 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     assert first[0].startswith(b"\x89PNG")
     assert b"<dc:date>" not in first[1]
     assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.png", "f0.55.svg"]
-
-
-def test_many_dots_are_one_picture_inside_the_svg(tmp_path: Path):
-    results = study(robots=100, trials=30)
-    (svg,) = figures.save(figures.scatter(results), tmp_path / "many", ["svg"])
-    text = svg.read_text()
-    assert text.count("<image") == 1
-    assert len(text) < 1_000_000
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
