@@ -34,23 +34,23 @@ def called(function):
     return numba.njit(lambda *given: function(*given))
 
 
-def settings_of(robots=5, brain="minimalistic", accuracy=0.7, rounds=8, looks=1, faults=(), **world):
+def settings_of(robots=5, brain="minimalistic", accuracy=0.7, rounds=8, looks=1, faults=(), members=(), **world):
     """The settings of a study on fixed networks."""
     swarm = {"robots": robots, "brain": brain, "accuracy": accuracy}
     swarm |= {key: world.pop(key) for key in ("assumed_accuracy", "precision") if key in world}
     study = sc.Study(
         trials=3, seed=SEED, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55} | world, faults=list(faults),
-        schedule={"rounds": rounds, "observations_per_round": looks},
+        members=list(members), schedule={"rounds": rounds, "observations_per_round": looks},
     )  # fmt: skip
     return study.settings()
 
 
-def moving_of(robots=6, brain="minimalistic", accuracy=0.7, ticks=12, faults=(), body=None, **world):
+def moving_of(robots=6, brain="minimalistic", accuracy=0.7, ticks=12, faults=(), members=(), body=None, **world):
     """The one setting of a study of robots that move."""
     swarm = {"robots": robots, "brain": brain, "accuracy": accuracy}
     swarm |= {key: world.pop(key) for key in ("precision",) if key in world}
     study = sc.Study(
-        trials=3, seed=SEED, swarm=swarm, faults=list(faults),
+        trials=3, seed=SEED, swarm=swarm, faults=list(faults), members=list(members),
         world={"topology": "moving", "density": 8, "fill_ratio": 0.55, "body": {"tile": 0.05} | (body or {})} | world,
         schedule={"ticks": ticks},
     )  # fmt: skip
