@@ -2,7 +2,7 @@
 
     pip install cosmic-ray
     python tests/mutation.py                       # a sample of 300 faults
-    python tests/mutation.py faults minds --sample 50
+    python tests/mutation.py faults states --sample 50
 
 Faults are Cosmic Ray's (another operator, number, comparison or truth value; a loop that never runs), and two more that
 fit addressed randomness: two neighbouring arguments of a call change places, and a keyword argument is left out. Each
@@ -47,7 +47,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "simulation/metrics": (f"unit/simulation/test_metrics {NETS}", BATCHES),
     "support/intervals": ("unit/support/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
     "worlds/sensors": (QUICK_SENSORS, f"{SENSORS} {BELIEFS} statistical/test_theory"),
-    "worlds/spreading": (QUICK_SENSORS, f"{SENSORS} {BELIEFS} statistical/test_theory"),
+    "worlds/distributions": (QUICK_SENSORS, f"{SENSORS} {BELIEFS} statistical/test_theory"),
     "worlds/networks": (f"{WIRING} {NETS} {DRAWS}", f"cli/test_bad_inputs {BATCHES}"),
     "worlds/wiring": (f"{WIRING} {NETS} {DRAWS}", f"unit/support/test_plugins {BATCHES}"),
     "worlds/faults": (f"{DRAWS} {NETS}", FAULTS),
@@ -60,7 +60,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "engine/watching": (WATCHED, METRICS),
     "simulation/watches": (WATCHED, METRICS),
     "engine/failures": (FAULTS, f"{NETS} {WALKS}"),
-    "engine/minds": (f"{NETS} {WALKS} unit/simulation/test_decisions", f"{BATCHES} {FAULTS} {MOVING}"),
+    "engine/states": (f"{NETS} {WALKS} unit/simulation/test_decisions", f"{BATCHES} {FAULTS} {MOVING}"),
     "simulation/trials": (f"{NETS} {WALKS}", f"{BATCHES} cli/test_bad_inputs unit/results/test_remeasuring"),
     "engine/riding": (WALKS, f"{MOVING} {FAULTS} {STEERING}"),
     "simulation/inputs": (f"{NETS} {WALKS}", f"{BATCHES} {MOVING}"),

@@ -181,8 +181,8 @@ def test_theory_says_what_it_leaves_out(capsys):
 
 @pytest.mark.long
 def test_a_density_replaces_the_side_of_a_file(capsys):
-    wishes = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
-    Path("yard.toml").write_text("[area]\nside = 3\n" + wishes)
+    tables = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
+    Path("yard.toml").write_text("[area]\nside = 3\n" + tables)
     options = ["--minutes", "0.5", "--trials", "40", "--brain", "commons", "--lying", "0.1", "--accuracy", "0.85:0.9"]
     assert main(["plan", "yard.toml", "--density", "3", "--density", "6", *options]) == 0
     out = " ".join(capsys.readouterr().out.split())

@@ -183,14 +183,14 @@ def test_what_was_not_compiled_is_told_and_not_called(monkeypatch):
 def test_large_full_networks_hear_everyone_else(robots):
     """Some pass through the cache as a whole, others block by block; both against sums of all but one, by NumPy."""
     (setting,) = settings_of(robots=robots, rounds=3, looks=10, topology="full", accuracy="U(0.6, 0.9)")
-    minds, _, _ = record_trial(setting, SEED, 1)
+    states, _, _ = record_trial(setting, SEED, 1)
     for k in (1, 3):
-        alpha, x_hat = minds["alpha"][k], minds["x_hat"][k]
+        alpha, x_hat = states["alpha"][k], states["x_hat"][k]
         beta = alpha.sum() - alpha
-        assert minds["beta"][k] == pytest.approx(beta, rel=1e-11)
-        assert minds["x_bar"][k] == pytest.approx(((alpha * x_hat).sum() - alpha * x_hat) / beta, rel=1e-11)
+        assert states["beta"][k] == pytest.approx(beta, rel=1e-11)
+        assert states["x_bar"][k] == pytest.approx(((alpha * x_hat).sum() - alpha * x_hat) / beta, rel=1e-11)
     batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
-    assert np.array_equal(batch.final[0], minds["x"][3])
+    assert np.array_equal(batch.final[0], states["x"][3])
 
 
 @pytest.mark.long(but=["return me.x_hat, me.alpha-return me.x"])

@@ -11,6 +11,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 P = 1e-3
 TIMES = {"explore": 2.0, "disseminate": 4.0}
@@ -19,14 +20,10 @@ UNWEIGHTED = TIMES | {"listen": 2.0, "weighted": 0.0}
 
 def run(brain, trials, robots=10, rounds=400, looks=1, fill_ratio=0.55, topology="full", **parameters):
     """One setting of robots with perfect sensors."""
-    study = sc.Study(
-        trials=trials,
-        seed=23,
-        swarm={"robots": robots, "accuracy": 1.0, "brain": [{"file": brain, **parameters}]},
-        world={"topology": topology, "fill_ratio": fill_ratio},
-        schedule={"rounds": rounds, "observations_per_round": looks},
-        measure={"checkpoints": [rounds]},
-    )
+    study = study_of(
+        [{"file": brain, **parameters}], robots=robots, accuracy=1.0, rounds=rounds, looks=looks, trials=trials,
+        seed=23, measure={"checkpoints": [rounds]}, topology=topology, fill_ratio=fill_ratio,
+    )  # fmt: skip
     return sc.run(study, jobs=2).isel(setting=0)
 
 
@@ -80,17 +77,6 @@ def test_times_are_exponential_and_rounded_up(brain, least, told):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
-def test_the_voters_exit_probability_is_the_first_share(share):
-    """Without qualities, all in reach: each robot's first opinion is as likely to be everybody's last. 0.1 %."""
-    trials = 1500
-    last = run("voter", trials, black_first=share, **UNWEIGHTED)["decision"].values
-    assert (last.min(axis=1) == last.max(axis=1)).mean() > 0.99
-    black = int((last.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, trials, share).pvalue > P
-
-
-@pytest.mark.long
 @pytest.mark.parametrize("senders", [3, 4])
 def test_the_majority_amplifies_the_first_share(senders):
     """6 of 10 begin with black, and it wins in more than 60 % of trials, the voter's share; of 5 in a half: 0.1 %."""
@@ -112,17 +98,6 @@ def test_qualities_decide_among_voters():
     last = run("voter", trials, fill_ratio=0.7, looks=20, **given)["decision"].values
     black = int((last.mean(axis=1) > 0.5).sum())
     assert stats.binomtest(black, trials, 0.5, alternative="greater").pvalue < 1e-9
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("fill_ratio", "better"), [(0.7, 1.0), (0.3, 0.0)])
-def test_direct_comparison_finds_the_better(fill_ratio, better):
-    """Of 300 readings, 0.7 and 0.3 are told apart but for one time in 10^11: nobody errs, in 200 swarms of 10."""
-    wrong = stats.binom.cdf(300, 600, 0.7)  # that of two robots with 300 readings the worse has the higher quality
-    results = run("direct-comparison", 200, looks=300, fill_ratio=fill_ratio, first=0.0, **TIMES, listen=2.0)
-    assert wrong * 200 * 10 * 400 < 1e-9
-    assert (results["decision"].values == better).all()
-    assert (results["consensus"].values == better).all()
 
 
 def fixed_point(wrong, quiet):
@@ -156,38 +131,6 @@ def test_cross_inhibition_with_wrong_messages():
     assert np.maximum(switched, 1.0 - switched).max() < 0.75
 
 
-@pytest.mark.long
-def test_cross_inhibition_breaks_the_deadlock():
-    """At f = 0.5 it comes to a consensus of all, in a time that grows as log N; direct switching's grows as N.
-
-    Differences grow at the rate 1/2 in times of having an opinion; without cross-inhibition they only diffuse. From 10
-    robots to 40 the mean logarithm of the time grows by less than log 2.2, and by more than that: 4 standard errors,
-    0.02 % in all.
-    """
-    given = TIMES | {"explore": 4.0, "weighted": 0.0, "fill_ratio": 0.5}
-    for brain, rounds, side, more in (
-        ("cross-inhibition", 600, -1.0, {"uncommitted": 2.0}),
-        ("direct-switching", 3000, 1.0, {}),
-    ):
-        few, many = (run(brain, 100, n, rounds, **given, **more)["consensus_round"].values for n in (10, 40))
-        assert np.isfinite([few, many]).all()
-        grown = np.log(many).mean() - np.log(few).mean()
-        error = np.sqrt((np.log(many).var(ddof=1) + np.log(few).var(ddof=1)) / 100)
-        assert side * (grown - np.log(2.2)) > 4.0 * error
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("brain", ["weighted-voter", "three-state"])
-def test_dances_for_good_bins_are_copied(brain):
-    """Bins by a narrow measure at f = 0.55: all agree, on the best bin in more than half of 60 swarms (p < 0.1 %)."""
-    results = run(brain, 60, 50, 1500, 20, every=1.0, width=0.05)
-    last = results["decision"].values
-    assert (last.max(axis=1) == last.min(axis=1)).all()
-    best = int((last[:, 0] == results["right_option"].values).sum())
-    assert results["right_option"].values[0] == 5
-    assert stats.binomtest(best, 60, 0.5, alternative="greater").pvalue < P
-
-
 def test_the_weighted_voter_copies_dancers_by_their_number():
     """Three dance for bin 2, one for bin 7, six do not dance: the chance of bin 2 is 3/4, two-sided, 0.1 %."""
     used = brains.load("weighted-voter").with_parameters({"every": 1.0})
@@ -199,8 +142,8 @@ def test_the_weighted_voter_copies_dancers_by_their_number():
         me.luck = 0.5
         used.functions.fuse(me)
         me.steps = 0.0
-        for message, luck in zip(said, lots, strict=True):
-            me.luck = float(luck)
+        for message, draws in zip(said, lots, strict=True):
+            me.luck = float(draws)
             used.functions.receive(me, message)
         used.functions.fuse(me)
         assert me.site in {2.0, 7.0}

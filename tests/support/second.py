@@ -1,4 +1,4 @@
-"""Brains that use the contract's second edition, and small swarms of them."""
+"""Brains that use the contract's optional functions, and small swarms of them."""
 
 from pathlib import Path
 
@@ -236,14 +236,14 @@ def changed(*changes, source=MEANS):
     return source
 
 
-def fixed(used, members=(), faults=(), **given):
+def fixed(used, members=(), **given):
     """A study's settings on fixed networks, of 3 trials with the seed of `small`."""
-    return settings_of(brain=used, members=members, faults=faults, **given)
+    return settings_of(brain=used, members=members, **given)
 
 
-def moving(used, members=(), faults=(), ticks=25, **given):
+def moving(used, members=(), ticks=25, **given):
     """The one setting of a study of robots that move."""
-    return moving_of(brain=used, members=members, faults=faults, ticks=ticks, **given)
+    return moving_of(brain=used, members=members, ticks=ticks, **given)
 
 
 def agreed(decisions):
@@ -260,7 +260,7 @@ def first(values, holds):
     return np.where(found.any(axis=0), found.argmax(axis=0) + 1.0, np.inf)
 
 
-LUCKY = changed(
+RANDOM = changed(
     ("MEMORY = {", 'MEMORY = {"seen": 0.0, "heard": 0.0, "fused": 0.0, '),
     ("me.n += blacks", "me.n += blacks\n    me.seen = me.luck"),
     ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.heard = me.luck"),

@@ -150,10 +150,10 @@ def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
     if strange := next((type(each).__name__ for each in own if not hasattr(each, "get_figure")), None):
         raise InputError.at("ax", strange, "should be matplotlib Axes, or a list of them")
     if len(own) != panels and panels == 1:
-        raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them")
+        raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them", key="ax")
     if len(own) != panels:
         holds = "ax holds one panel" if len(own) == 1 else f"ax has {len(own)} axes"
-        raise InputError(f"{holds}, not {panels}: {fewer}, or give a list of {panels} axes")
+        raise InputError(f"{holds}, not {panels}: {fewer}, or give a list of {panels} axes", key="ax")
     return own
 
 

@@ -88,7 +88,7 @@ def bound(host: str, port: int) -> socket.socket:
         made.close()
         hint = "; without --port any free one is taken" if getattr(error, "errno", None) == errno.EADDRINUSE else ""
         why = getattr(error, "strerror", None) or error
-        raise InputError(f"cannot listen on {host}, port {port}: {why}{hint}") from None
+        raise InputError(f"cannot listen on {host}, port {port}: {why}{hint}", key="port", value=port) from None
     return made
 
 

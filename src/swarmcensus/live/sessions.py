@@ -10,7 +10,7 @@ from typing import Any
 
 from swarmcensus.brains import Brain, Value, adversary, length
 from swarmcensus.live.compilations import COMPILATIONS
-from swarmcensus.live.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_DAY, PLAYED, Offer, Wanted, names_of, wanted
+from swarmcensus.live.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_RECORDING, PLAYED, Offer, Wanted, names_of, wanted
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.scenes import scene_of
 from swarmcensus.live.settling import Settling
@@ -52,7 +52,7 @@ class Session:
             }  # fmt: skip
             do = request.get("do")
             if not isinstance(do, str) or do not in does:
-                raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
+                raise InputError.at("do", repr(str(do)[:40]), f"should be one of {', '.join(does)}")
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
@@ -131,11 +131,11 @@ class Session:
             return [{"told": robot_of(show, tick, robot), "side": side}]
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
-        """What is new of a day whose logs grow, since the version that the page knows."""
-        day = self.offer.logged
-        if day is None or len(self.shows) != 1:
-            raise InputError("do = 'news': only of a day in logs, without another brain beside it")
-        news = day.news(_whole(request, "since", 0, 2**53))
+        """What is new of a recording whose logs grow, since the version that the page knows."""
+        recording = self.offer.logged
+        if recording is None or len(self.shows) != 1:
+            raise InputError.at("do", "'news'", "only of a recording in logs, without another brain beside it")
+        news = recording.news(_whole(request, "since", 0, 2**53))
         return [{**news, "fixed": fixed(self.offer)}]
 
     def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
@@ -222,9 +222,11 @@ def _plain(value: Value) -> Any:
 
 
 def fixed(offer: Offer) -> list[str]:
-    """The controls that cannot be changed: on a day in logs all but the brain beside it, and that while it grows."""
-    day = offer.logged
-    return [key for key in KEYS if key not in ON_A_DAY or (day.grows and key == "beside")] if day else []
+    """The controls that cannot be changed: of logs all but the second brain, and that, too, while they grow."""
+    recording = offer.logged
+    return (
+        [key for key in KEYS if key not in ON_A_RECORDING or (recording.grows and key == "beside")] if recording else []
+    )
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:
@@ -253,9 +255,8 @@ def _read(text: str | bytes) -> dict[str, Any]:
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
     for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
-        raise InputError(
-            f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
-        )
+        meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
+        raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request
 
 

@@ -181,9 +181,9 @@ class Show:
         return self.setting.fill_ratios(np.maximum(rounds, 1))
 
     def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
-        """The fields of all minds after some rounds of a stretch, as in a trace; vectors have one more axis.
+        """The fields of all states after some rounds of a stretch, as in a trace; vectors have one more axis.
 
-        They are NaN where a mind is not known.
+        They are NaN where a state is not known.
         """
         parts = (a[rows] for a in (stretch.history, stretch.estimates))
         again = stretch.first > 0  # fields_of takes the first row for the start, before any decision

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import OptionError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell
 
@@ -45,12 +45,14 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
     for name, label in labels.items():
         what = f"--label {name}={label}" if in_shell() else f"labels={{{name!r}: {label!r}}}"
         if name not in known:
-            raise InputError(f"{what}: {did_you_mean(name, known)}the brains here are {', '.join(known)}")
+            there = f"{did_you_mean(name, known)}the brains here are {', '.join(known)}"
+            raise OptionError(f"{what}: {there}", key="labels", value=name)
         if not isinstance(label, str) or not label.strip() or not label.isprintable():
-            raise InputError(f"{what}: a label should be a line of text")
+            raise OptionError(f"{what}: a label should be a line of text", key="labels", value=label)
     labelled = results.assign_attrs({LABELS: json.dumps(dict(labels))})
-    if alike := namesakes(known, _given(labelled)):
-        raise InputError("{} and {} would both be called {!r}: give them two labels".format(*alike))
+    if same := namesakes(known, _given(labelled)):
+        both = "{} and {} would both be called {!r}: give them two labels".format(*same)
+        raise OptionError(both, key="labels", value=same[2])
     return labelled
 
 

@@ -36,12 +36,8 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     except ValueError:
         values = []
     if len(values) not in (1, 2):
-        raise InputError(
-            f"accuracy {text!r}: there is no such file: should be 0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row "
-            "for each robot",
-            key="accuracy",
-            value=text,
-        )
+        should = "0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row for each robot"
+        raise InputError.named("accuracy", text, f"there is no such file: should be {should}")
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 

@@ -47,11 +47,12 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
     """Raise InputError unless `data` has the variables `names`, and the dimensions are not empty."""
     for dimension in dimensions:
         if not data.sizes.get(dimension):
-            raise InputError(f"this dataset has no {dimension}: select with a list or a mask that is not empty")
+            why = "select with a list or a mask that is not empty"
+            raise InputError(f"this dataset has no {dimension}: {why}", key=dimension)
     for name in names:
         if name not in data.variables:
             hint = ": set local = true under [measure] and run again" if name.startswith("local_") else ""
-            raise InputError(f"this dataset has no variable {name!r}{hint}")
+            raise InputError(f"this dataset has no variable {name!r}{hint}", key=name)
 
 
 def check_held(data: xr.Dataset, **numbers: int) -> None:
@@ -59,7 +60,7 @@ def check_held(data: xr.Dataset, **numbers: int) -> None:
     for name, number in numbers.items():
         known = data[name].values
         if number not in known:
-            raise InputError(f"{name} {number}: these results hold {name} {known.min()} to {known.max()}")
+            raise wrong_option(name, number, f"these results hold {name} {known.min()} to {known.max()}")
 
 
 def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:

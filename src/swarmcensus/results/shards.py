@@ -149,7 +149,8 @@ class Parts:
         for path in (self.folder, *(self.folder / name for name in OURS)):
             if path.is_symlink() or (path.is_dir() and path != self.folder):
                 what = "link" if path.is_symlink() else "folder"
-                raise InputError(f"{path} is a {what}: a run keeps its work there, and leaves none; remove it")
+                why = f"{path} is a {what}: a run keeps its work there, and leaves none; remove it"
+                raise InputError(why, file=path)
         try:
             acquire(self.lock)
         except Timeout:

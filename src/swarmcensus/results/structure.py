@@ -27,7 +27,7 @@ from swarmcensus.results.values import (
     robots_in,
 )
 from swarmcensus.studies import COORDINATES
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, stored
 from swarmcensus.support.safe_source import digest
 from swarmcensus.worlds import MOVING
@@ -310,10 +310,11 @@ def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise _unknown_origin(key, error) from None
     if changed:
-        raise InputError(f"the source of the {what} {changed[0]!r} is not the one that the hash beside it is of")
+        why = f"the source of the {what} {changed[0]!r} is not the one that the hash beside it is of"
+        raise ResultsError(why, key=key, value=changed[0])
     return sources
 
 
-def _unknown_origin(key: str, error: Exception) -> InputError:
+def _unknown_origin(key: str, error: Exception) -> ResultsError:
     why = f"no attribute {error}" if isinstance(error, KeyError) else f"{key} should be names with sha256 and source"
-    return InputError(f"these results do not say how they were made (attributes study and {key}): {why}")
+    return ResultsError(f"these results do not say how they were made (attributes study and {key}): {why}", key=key)

@@ -215,7 +215,8 @@ def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
     if checkpoint is None:
         return np.searchsorted(known, rounds, side="right") - 1
     if checkpoint not in known:
-        raise InputError(f"checkpoint {checkpoint}: decisions were recorded after round {', '.join(map(str, known))}")
+        after = ", ".join(map(str, known))
+        raise InputError.named("checkpoint", checkpoint, f"decisions were recorded after round {after}")
     return np.where(rounds >= checkpoint, np.searchsorted(known, checkpoint), -1)
 
 

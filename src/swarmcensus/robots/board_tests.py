@@ -1,4 +1,4 @@
-"""Whether a board computes what it should: its self-test's output beside that of CPython in the same precision."""
+"""Whether a board computes what it should: its self-test's output compared to that of CPython in the same precision."""
 
 import ast
 import builtins
@@ -37,7 +37,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A board's self-test beside the reference."""
+    """A board's self-test and the reference."""
 
     brain: str
     bits: int  # binary digits of the board's numbers
@@ -66,10 +66,9 @@ def compare(output: str, folder: Path) -> Comparison:
     settings = _settings(folder / "settings.py")
     name, mark, bits = _head(lines[0])
     if (name, mark) != (settings["BRAIN"], settings["MARK"]):
-        raise InputError(
-            f"the output is of the brain {name!r} with the mark {mark}, the folder {folder} of {settings['BRAIN']!r} "
-            f"with {settings['MARK']}: give the folder whose files are on the board"
-        )
+        both = f"the brain {name!r} with the mark {mark}, the folder {folder} of {settings['BRAIN']!r}"
+        right = f"with {settings['MARK']}: give the folder whose files are on the board"
+        raise InputError(f"the output is of {both} {right}", file=folder)
     brain = brains.load(str(folder / "brain.py"))
     for own in ("codec.py", "runtime.py", "selftest.py"):
         _check_same(folder / own)
@@ -115,7 +114,7 @@ def reference(brain: brains.Brain, settings: Mapping[str, Any], single: bool) ->
 
 
 def _module(path: Path, modules: Mapping[str, Any]) -> types.ModuleType:
-    """A file run as a board runs it: it finds only `modules` beside it, and those of Python."""
+    """A file run as a board runs it: it finds only `modules` and those of Python."""
 
     def find(name: str, *rest: Any) -> Any:
         if rest and rest[-1] == 1 and not name:  # from . import
@@ -200,4 +199,5 @@ def _check_same(path: Path) -> None:
         "selftest.py": BOARDS / "selftest.py",
     }
     if ast.dump(_parsed(path)) != ast.dump(_parsed(ours[path.name])):
-        raise InputError(f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again")
+        other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
+        raise InputError(other, file=path)

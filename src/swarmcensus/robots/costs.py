@@ -16,11 +16,11 @@ from swarmcensus.translation import filled, header, piece
 
 NUMBERS = Numbers(precision="single", message="ratio16")
 TICKS = 200
-LEAST_STACK = 256  # bytes of RAM beside a program's memory; no shipped brain needs more
-LUCKY = 16  # a tick's luck, in sixteenths
+LEAST_STACK = 256  # bytes of RAM besides a program's memory; no shipped brain needs more
+DRAWS = 16  # a random numbers of a tick, in sixteenths
 KILOBOT_FLASH = 32768 - 4096 - 7168  # less its bootloader, and its library with rules for its radio
 KILOBOT_RAM = 2048 - 256  # less the variables of the library, and what interrupts put on the stack
-KILOBOT_MESSAGE = 9 - 6  # bytes of its messages, less a header by which robots are told apart and losses are noticed
+KILOBOT_MESSAGE = 9 - 6  # bytes of its messages, less a header which names the sender and shows losses
 
 
 class Cost(NamedTuple):
@@ -32,7 +32,7 @@ class Cost(NamedTuple):
     coded_flash: int  # with messages as bytes
     coded_cycles: int
     longest: int  # cycles of the longest tick, with messages as bytes
-    ram: int  # bytes of memory, and what the compiler puts beside it
+    ram: int  # bytes of memory, and what the compiler adds
     stack: int  # bytes, at most
     message: int  # bytes
     chip: str  # on which cycles were counted: a larger one of the same core if its memory has no room here
@@ -136,13 +136,13 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
     """Compile and run the program around a brain."""
     (folder / "brain.h").write_text(text)
     source = folder / "cost.c"
-    lucky = brain.uses.luck and not empty
+    is_random = brain.uses.luck and not empty
     source.write_text(
         filled(
             "cost.c",
             ticks=TICKS,
             start=", 1" if brain.uses.name and not empty else "",
-            luck=f"cost_me.luck = ((number)(tick % {LUCKY}) + 0.5f) / {LUCKY}.0f;" if lucky else "",
+            draws=f"cost_me.luck = ((number)(tick % {DRAWS}) + 0.5f) / {DRAWS}.0f;" if is_random else "",
             talk=CODED if coded else PLAIN,
         )
     )

@@ -181,8 +181,8 @@ def _engine_is_compiled(setting: Setting) -> bool:
 def _is_compiled(setting: Setting, study: Study) -> bool:
     uses = [setting.use] + ["alone"] * (study.measure.local and not setting.body)
     mixed = len(setting.brains) > 1
-    minds = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.brains)
-    return minds and _engine_is_compiled(setting)
+    states = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.brains)
+    return states and _engine_is_compiled(setting)
 
 
 @interruptible

@@ -29,7 +29,7 @@ from swarmcensus.results import (
     store,
 )
 from swarmcensus.studies import Setting, Study
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
@@ -247,7 +247,7 @@ def hold_output(
             try:
                 old = store.stored(out)
             except InputError as error:
-                raise InputError(f"{error}. {hint()}") from None
+                raise ResultsError(f"{error}. {hint()}", file=out) from None
         output = HeldOutput(out, study, settings, parts, say, old)
         del old
         try:

@@ -25,6 +25,7 @@ from swarmcensus.simulation import seconds
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import in_shell, wrong_option
 
 LOG = logging.getLogger(__name__)
 
@@ -57,16 +58,12 @@ def run(
     study = study if isinstance(study, Study) else Study.load(study)
     study.check_trials()
     jobs = pools.thread_count(jobs)
-    if share is not None and study.until:
-        raise InputError(
-            f"share {share[0]}/{share[1]}: a study whose trials follow a rule cannot be shared, because their number "
-            "is not known beforehand: give trials a number"
-        )
-    if share is not None and not 1 <= share[0] <= share[1] <= study.trials:
-        raise InputError(
-            f"share {share[0]}/{share[1]}: should be k/n with 1 <= k <= n, and n no more than the study's trials "
-            f"({study.trials})"
-        )
+    if share is not None:
+        _check_share(study, share)
+    if cluster is not None:
+        from swarmcensus.runs.clusters import check
+
+        check(cluster)
     settings = study.settings()
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
@@ -172,6 +169,16 @@ def _report_failures(state: State, data: xr.Dataset) -> None:
         f"setting {state.failures[0].setting}: {first}",
         stacklevel=3,
     )
+
+
+def _check_share(study: Study, share: tuple[int, int]) -> None:
+    shown = "{}/{}".format(*share) if in_shell() else share
+    if study.until:
+        why = "a study whose trials follow a rule cannot be shared, because their number is not known beforehand"
+        raise wrong_option("share", shown, f"{why}: give trials a number")
+    if not 1 <= share[0] <= share[1] <= study.trials:
+        should = f"should be k/n with 1 <= k <= n, and n no more than the study's trials ({study.trials})"
+        raise wrong_option("share", shown, should)
 
 
 @contextlib.contextmanager

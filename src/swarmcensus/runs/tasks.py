@@ -35,7 +35,7 @@ from swarmcensus.simulation import (
 from swarmcensus.studies import KEYS, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 
-RIDE_BYTES = 256_000_000  # most memory for the curves of all minds on one trajectory
+RIDE_BYTES = 256_000_000  # most memory for the curves of all states on one trajectory
 EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings
 EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one more task costs 0.1 ms
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from swarmcensus.support.errors import InputError, TableError
+from swarmcensus.support.errors import TableError
 from swarmcensus.support.tables import Table, plain
 from swarmcensus.worlds import from_one
 
@@ -30,7 +30,8 @@ def readings_of(table: Table) -> np.ndarray:
     if not table.rows or not table.width:
         raise TableError.of(table.source, f"no observations: there should be {RIGHT}, and rows")
     if table.gap:
-        raise InputError(f"{table.source}, line {table.gap} is empty: write NA where a robot observed nothing")
+        empty = f"{table.source}, line {table.gap} is empty"
+        raise TableError.of(table.source, "write NA where a robot observed nothing", where=empty)
     if table.names is None:
         return _values(table, range(table.width))
     names = [plain(name) for name in table.names]
@@ -90,7 +91,7 @@ def _long(table: Table, names: list[str]) -> np.ndarray:
     places, first = np.unique(step * shape[1] + robot, return_index=True)
     if len(places) < len(step):
         again = int(np.setdiff1d(np.arange(len(step)), first)[0])
-        raise InputError(f"{table.where(again)}: a second observation of robot {robot[again]} at step {step[again]}")
+        raise table.error(again, f"a second observation of robot {robot[again]} at step {step[again]}")
     readings = np.full(shape, np.nan)
     readings[step, robot] = values
     return readings

@@ -139,8 +139,10 @@ def study_error(error: ValidationError, where: str, model: type[BaseModel] = Tab
     message = pydantic_message(first["msg"])
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     value = first["input"]
-    if not key:
-        return StudyError.within(where, message + more)
+    if not key:  # of a check of several values, which names one
+        cause = first.get("ctx", {}).get("error")
+        named = (cause.key, cause.value) if isinstance(cause, StudyError) else ()
+        return StudyError.within(where, message + more, *named)
     if first["type"] == "literal_error" and isinstance(value, str):
         hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
         message += f": {hint.rstrip()}" if hint else ""

@@ -91,7 +91,11 @@ class Table(NamedTuple):
     def wrong(self, row: int, k: int, right: str) -> InputError:
         """The error for a cell that is not what it should be."""
         cell = str(self.rows[row][k]).strip()
-        return TableError(f"{self.where(row)}: {cell!r}: should be {right}", file=self.source, value=cell)
+        return self.error(row, f"{cell!r}: should be {right}", self.names[k] if self.names else None, cell)
+
+    def error(self, row: int, what: str, key: str | None = None, value: str | None = None) -> TableError:
+        """The error of a row; of a cell, `key` is the column's name and `value` the cell."""
+        return TableError.of(self.source, what, key, value, where=self.where(row))
 
     def counts(self, k: int, starts: tuple[int, ...] = (0,)) -> bool:
         """Whether a column counts the rows."""
@@ -137,11 +141,8 @@ class Table(NamedTuple):
         cells = self.heading()
         if cells == list(range(len(cells))):
             shown = self.separator.join(self.rows[0])
-            raise TableError(
-                f"{self.where(0)}: {shown!r} may be names of columns or {rows}: if names, write {names} instead; if "
-                f"{rows}, add a line {names} above it",
-                file=self.source,
-            )
+            advice = f"if names, write {names} instead; if {rows}, add a line {names} above it"
+            raise self.error(0, f"{shown!r} may be names of columns or {rows}: {advice}")
 
     def refuse(self, columns: Sequence[int], right: str) -> NoReturn:
         """Raise InputError for columns that are not understood, or for too many without names."""
@@ -256,7 +257,8 @@ def _without_attributes(path: str | Path, line: int, text: str) -> str:
     if found is None or found.start() == 0:
         return text
     if found[1].strip():
-        raise TableError(f"{path}, line {line}: {found[0].strip()}: links have no attributes: write it with data=False")
+        what = f"{found[0].strip()}: links have no attributes: write it with data=False"
+        raise TableError.of(path, what, where=f"{path}, line {line}")
     return text[: found.start()]
 
 
@@ -280,7 +282,7 @@ def _with_names_for_all(table: Table) -> Table:
         names = ["", *names]
     if len(names) != width:
         names_there = counted(len(names), "name")
-        raise InputError(f"{table.source}, line {table.lines[0]}: {counted(width, 'value')} under {names_there}")
+        raise table.error(0, f"{counted(width, 'value')} under {names_there}")
     return table._replace(names=names, rows=rows)
 
 

@@ -126,7 +126,8 @@ def binomial(tries: int, chance: float) -> Floats:
 
 def _single(name: str, value: float) -> float:
     if numbers(name, value).ndim:
-        raise InputError(f"{name} has several numbers: should be one, of one robot; `mixed_law` joins several laws")
+        should = "one, of one robot; `mixed_law` joins several laws"
+        raise InputError(f"{name} has several numbers: should be {should}", key=name)
     return value
 
 

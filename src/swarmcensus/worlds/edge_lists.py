@@ -66,7 +66,7 @@ def links_of(table: Table, right: str, directed: bool = False, messages: bool = 
     table = table.without(*(k for k in range(table.width) if table.rows and table.is_empty(k)))
     if table.names is None:
         if table.width == 3 and not messages:
-            raise InputError(f"{table.where(0)}: {' '.join(table.rows[0])!r} has a third column: {WEIGHTS}")
+            raise table.error(0, f"{' '.join(table.rows[0])!r} has a third column: {WEIGHTS}")
         if table.width != 2:
             table.refuse((), right)
         links = np.stack([table.whole(0), table.whole(1)], axis=1)
@@ -99,7 +99,7 @@ def _check_types(table: Table, k: int, directed: bool, messages: bool) -> None:
                 remedy = "give a message for each direction" if directed else f"give messages, as {MESSAGES}"
             else:
                 remedy = "see directed = true"
-            raise InputError(f"{table.where(n)}: {row[k]!r}: all links are {right} here: {remedy}")
+            raise table.error(n, f"{row[k]!r}: all links are {right} here: {remedy}", TYPE, row[k])
 
 
 def unlinked(robots: int, pairs: np.ndarray) -> str:

@@ -56,7 +56,7 @@ def stops(faults: tuple[Fault, ...], seed: int, trial: int, robots: int) -> np.n
     for number, fault in enumerate(faults):
         key = address(seed, "faults", number=number, robots=robots)
         lots = np.empty((1, robots))
-        compile_world().spread_uniform(key, trial, 0.0, 1.0, lots)
+        compile_world().draw_uniform(key, trial, 0.0, 1.0, lots)
         failing = np.argsort(lots[0], kind="stable")[: fault.count(robots)]
         for part in map(NAMES.__getitem__, fault.stop):
             out[part, failing] = np.minimum(out[part, failing], fault.at)

@@ -16,16 +16,9 @@ def ran(name, **tables):
     return sc.run(sc.Study.load(EXAMPLE / f"{name}.toml").with_(trials=4, schedule=schedule, **tables), jobs=2)
 
 
-@pytest.fixture(scope="module")
-def quiet_and_sure():
-    """Two of the brains of the second edition's study."""
-    brain = [{"file": "quiet.py", "step": [0.005, 0.05]}, "sprt.py"]
-    return ran("second-edition", swarm={"brain": brain, "robots": 50, "accuracy": 0.7})
-
-
 def test_each_uses_what_it_is_there_to_show():
     used = {name: brains.load(EXAMPLE / f"{name}.py") for name in BRAINS}
-    assert used["pairwise"].uses.lucky == {"receive"}
+    assert used["pairwise"].uses.random == {"receive"}
     assert used["prior"].parameters == {"prior": 10.0, "expected": 0.5}
     assert used["histogram"].lengths["belief"] == used["histogram"].options == 10
     assert used["quiet"].uses.silence
@@ -47,23 +40,6 @@ def test_all_believe_better_than_chance():
     right = (data["decision"] == data["right_option"]).mean(["trial", "robot"]).values[decided]
     assert set(data["brain"].values[decided]) == {"histogram.py", "sprt.py"}
     assert (right > 0.85).all()
-
-
-@pytest.mark.long
-def test_the_quiet_speak_less_and_know_nearly_as_much(quiet_and_sure):
-    data = quiet_and_sure
-    quiet = data.sel(setting=(data["brain"] == "quiet.py").values)
-    said = quiet["messages_sent"].mean(["trial", "robot"]).values
-    coarse = quiet["step"].values == 0.05
-    assert said[coarse].max() < 5 < said[~coarse].min() < said[~coarse].max() < 60
-
-
-def test_who_is_sure_looks_no_more(quiet_and_sure):
-    data = quiet_and_sure
-    sprt = data.sel(setting=(data["brain"] == "sprt.py").values)
-    assert (sprt["done_round"].values == sprt["decision_round"].values).all()
-    assert np.median(sprt["done_round"]) < 100
-    assert (sprt["messages_sent"] == 200).all()
 
 
 @pytest.mark.long
@@ -95,5 +71,5 @@ def test_who_forgets_notices_that_the_floor_is_another():
     before = data["correct"].sel(checkpoint=[100, 299]).values[way != ""]
     assert (before == 1).mean() > 0.9
     # nobody notices that the sensors wear: as 0.9 is believed and 0.65 is true, 0.25 is taken for more
-    worn = np.median(data["final_estimate"].values[way == ""], axis=(1, 2))
-    assert (worn > 0.3).all()
+    wrapped = np.median(data["final_estimate"].values[way == ""], axis=(1, 2))
+    assert (wrapped > 0.3).all()

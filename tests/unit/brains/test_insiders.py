@@ -1,4 +1,4 @@
-"""Adversaries that know the brain they wear: what they say by field, what they read, and what is refused."""
+"""Adversaries that know the brain they wrap: what they say by field, what they read, and what is refused."""
 
 from pathlib import Path
 
@@ -93,14 +93,6 @@ def test_machine_code_says_and_knows_the_same(untraced):
     agrees(brains.lying_brain(adversary_of(SOURCE), brain(RICH)))
 
 
-def test_silent_brain_and_insiders():
-    used = brains.lying_brain(knowing(("own_v", "n"), "def lie(me, x):\n    return me.own_v\n"), brains.load("alone"))
-    me = robot(used, 3, 4)
-    assert used.functions.broadcast(me) is None
-    assert me.liar_own_v == 0.0
-    assert me.n == 3.0
-
-
 @pytest.mark.parametrize(
     ("lies", "source", "said"),
     [
@@ -115,7 +107,7 @@ def test_silent_brain_and_insiders():
     ],
 )
 def test_a_brain_that_it_does_not_fit_is_told_with_the_line(lies, source, said):
-    with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wear the brain 'brain\.py': ") as error:
+    with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wrap the brain 'brain\.py': ") as error:
         brains.lying_brain(lies, brain(source))
     assert said in str(error.value)
 
@@ -126,30 +118,19 @@ def test_a_brain_that_it_does_not_fit_is_told_with_the_line(lies, source, said):
         ('KNOWS = "n"\n' + HONEST, "line 1: KNOWS = 'n': should be a tuple of fields of the brain"),
         ('X = 1\nKNOWS = ("n", 2)\n' + HONEST, "line 2: KNOWS = ('n', 2): should be a tuple"),
         ('MEMORY = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "line 2: KNOWS names 'n', which is a field of its own"),
-        ('PARAMETERS = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "which is a field of its own"),
-        ('KNOWS = ("b",)\n' + HONEST, "line 1: KNOWS names 'b', which every adversary has"),
         ('KNOWS = ("luck",)\n' + HONEST, "KNOWS names 'luck', which every adversary has"),
+        (HONEST.replace("x\n", "me.n\n"), "line 2: lie uses me.n: a robot has only b, w"),
         (
-            HONEST.replace("x\n", "me.n\n"),
-            "line 2: lie uses me.n: a robot has only b, w and the fields of MEMORY and PARAMETERS, and of the ",
+            'KNOWS = ("n",)\n' + HONEST.replace("return x", "me.n = 1.0\n    return x"),
+            "line 3: lie sets me.n",
         ),
-        (
-            'KNOWS = ("n",)\ndef lie(me, x):\n    me.n = 1.0\n    return x\n',
-            "line 3: lie sets me.n, which is read-only",
-        ),
-        ('KNOWS = ("n",)\n' + HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x takes 1 arguments: 2 are right"),
-        ('KNOWS = ("n",)\n' + HONEST + "\ndef say_x(me, v):\n    pass\n", "line 5: say_x may end without returning"),
-        (
-            "def lie(me, x):\n    return x\n\n\ndef say_x(me, v):\n    return me.luck\n",
-            "say_x reads me.luck, which is new",
-        ),
-        (
-            "say_x = 1.0\n\n\ndef lie(me, x):\n    return x\n\n\ndef say_x(me, v):\n    return v\n",
-            "say_x is also the name of a function",
-        ),
+        (HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x takes 1 arguments: 2 are right"),
+        (HONEST + "\ndef say_x(me, v):\n    pass\n", "line 4: say_x may end without returning"),
+        (HONEST + "\ndef say_x(me, v):\n    return me.luck\n", "say_x reads me.luck, which is new"),
+        ("say_x = 1.0\n" + HONEST + "\ndef say_x(me, v):\n    return v\n", "say_x is also the name of a function"),
     ],
 )
-def test_what_is_no_insider_is_told_with_the_line(source, said):
+def test_faults_of_an_insider_are_named(source, said):
     with pytest.raises(InputError, match=r"^adversary file liar\.py") as error:
         adversary_of(source)
     assert said in str(error.value)
@@ -161,15 +142,15 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     Path("rich.py").write_text(RICH)
     assert suite.notes("knows.py", "rich.py") == ["say_other says nothing: the MESSAGE of rich.py has no other"]
     assert suite.notes("always-black") == []
-    assert main(["brains", "--show", "knows.py", "--wearing", "rich.py"]) == 0
+    assert main(["brains", "--show", "knows.py", "--wrapping", "rich.py"]) == 0
     shown = capsys.readouterr().out
     assert "def liar_say_t(me, value):\n    return value + 10.0 * me.n + 100.0 * me.liar_rounds + me.mood" in shown
     assert "KNOWS" not in shown
-    assert main(["brains", "--show", "knows.py", "--wearing", "commons"]) == 2
-    assert "cannot wear the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in capsys.readouterr().err
+    assert main(["brains", "--show", "knows.py", "--wrapping", "commons"]) == 2
+    assert "cannot wrap the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in capsys.readouterr().err
     assert main(["brains", "--show", "knows.py"]) == 2
     assert "KNOWS names 'mood'" in (error := capsys.readouterr().err)
-    assert error.endswith("no such field: name another brain with --wearing\n")
+    assert error.endswith("no such field: name another brain with --wrapping\n")
 
 
 STUDY = """
@@ -216,19 +197,9 @@ def test_insider_is_run_again_from_results(tmp_path, monkeypatch, capsys):
 
 def test_the_shipped_insider_is_what_its_first_lines_say():
     """By hand: sums move by `step`, own sums by `own`, both further by `grow` a round, from round `sleeps` on."""
-    base = EXAMPLE
-    lies = adversary.load("insider.py", base).with_parameters(
-        {
-            "step": 0.02,
-            "own": 0.05,
-            "short": -0.01,
-            "grow": 0.01,
-            "weight": 3.0,
-            "sleeps": 1.0,
-            "noise": 4.0,
-            "anew": 2.0,
-        }
-    )
+    told = {"step": 0.02, "own": 0.05, "short": -0.01, "grow": 0.01}
+    told |= {"weight": 3.0, "sleeps": 1.0, "noise": 4.0, "anew": 2.0}
+    lies = adversary.load("insider.py", EXAMPLE).with_parameters(told)
     used, honest = brains.lying_brain(lies, brains.load("census")), brains.load("census")
     fields = list(honest.message)
 
@@ -237,10 +208,10 @@ def test_the_shipped_insider_is_what_its_first_lines_say():
 
     me, other = robot(used, 7, 10), robot(honest, 7, 10)
     assert said(used, me) == pytest.approx(said(honest, other))  # asleep
-    for one, mind in ((used, me), (honest, other)):
-        mind.luck = 0.75
-        one.functions.fuse(mind)
-        one.functions.observe(mind, 7, 10)
+    for one, state in ((used, me), (honest, other)):
+        state.luck = 0.75
+        one.functions.fuse(state)
+        one.functions.observe(state, 7, 10)
     found, due = said(used, me), said(honest, other)
     for total, weight, step in (("s", "v", 0.02), ("own_s", "own_v", 0.05), ("short_s", "short_v", -0.01)):
         x = due[total] / due[weight]

@@ -5,7 +5,6 @@ import tomllib
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 import swarmcensus as sc
 from swarmcensus import brains
@@ -52,21 +51,6 @@ def test_rounds_by_hand(debiased):
         assert list(me.y) == pytest.approx(y, abs=1e-12)
         assert NET.functions.estimate(me) == pytest.approx(sigma(output @ fires + 0.3), abs=1e-12)
         assert NET.functions.broadcast(me) == (me.x,)
-
-
-def test_many_short_steps_follow_the_differential_equation():
-    """With time constants of a thousand rounds, Euler's rule is near to what SciPy integrates."""
-    given = drawn(2) | {"tau": tuple(1000.0 * (1 + np.arange(5)))}
-    me = NET.with_parameters(given).robot(0.7, 0.7)
-    tau, bias = np.array(given["tau"]), np.array(given["bias"])
-    weights, inputs = np.reshape(given["weights"], (5, 5)), np.reshape(given["inputs"], (5, 3))
-    drive = inputs @ [1.0, 0.4, 1.0]
-    exact = solve_ivp(lambda _, y: (weights @ sigma(y + bias) + drive - y) / tau, (0, 3000), np.zeros(5), rtol=1e-9)
-    for _ in range(3000):
-        NET.functions.observe(me, 1.0, 1.0)
-        NET.functions.receive(me, (0.7,))
-        NET.functions.fuse(me)
-    assert list(me.y) == pytest.approx(exact.y[:, -1], abs=3e-3)
 
 
 def test_nothing_overflows():
@@ -128,23 +112,3 @@ def test_recurrent_net_generalises():
     for accuracy in ("0.7", "0.9", "U(0.6,0.9)"):
         assert of("recurrent", accuracy, 1.0) < 0.75 * of("alone", accuracy)
         assert of("oracle", accuracy) < of("minimalistic", accuracy) < of("recurrent", accuracy, 1.0)
-
-
-@pytest.mark.long
-def test_it_is_good_for_as_long_as_it_was_trained_for():
-    """Not for half as long, and for eight times as long it is no better, while a robot alone is."""
-    results = sc.run(
-        sc.Study(
-            seed=6, trials=20, swarm={"brain": ["recurrent", "alone"], "robots": 30, "accuracy": [0.7, 0.9]},
-            world={"topology": "line", "fill_ratio": [0.25, 0.85]},
-            schedule={"rounds": [50, 100, 800], "observations_per_round": 1},
-        )
-    )  # fmt: skip
-    errors = abs(results["final_estimate"] - results["fill_ratio"]).median(["trial", "robot"])
-
-    def of(brain, rounds):
-        return float(errors[((results["brain"] == brain) & (results["rounds"] == rounds)).values].mean())
-
-    assert of("recurrent", 50) > 1.5 * of("recurrent", 100)
-    assert of("recurrent", 800) > of("recurrent", 100)
-    assert of("recurrent", 800) > 3 * of("alone", 800)

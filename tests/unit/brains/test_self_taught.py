@@ -5,6 +5,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 TAUGHT = brains.load("self-taught")
 RUN = TAUGHT.functions
@@ -15,14 +16,14 @@ def robot(b=0.8, w=0.8, **given):
     return TAUGHT.with_parameters(given).robot(b, w)
 
 
-def talk(minds, rounds, hears):
+def talk(states, rounds, hears):
     """So many rounds without new readings; `hears(k)` are those that robot k hears."""
     for _ in range(rounds):
-        said = [RUN.broadcast(me) for me in minds]
-        for k, me in enumerate(minds):
+        said = [RUN.broadcast(me) for me in states]
+        for k, me in enumerate(states):
             for j in hears(k):
                 RUN.receive(me, said[j])
-        for me in minds:
+        for me in states:
             RUN.fuse(me)
 
 
@@ -55,11 +56,11 @@ def test_self_taught_reaches_the_random_effects_mean(graph):
     b = chance.uniform(0.6, 0.95, robots)
     t = chance.integers(200, 900, robots).astype(float)
     n = np.floor(t * chance.uniform(0.4, 0.6, robots))
-    minds = [robot(a, a, memory=1e5, **ALL_FIT) for a in b]
-    for me, black, looks in zip(minds, n, t, strict=True):
+    states = [robot(a, a, memory=1e5, **ALL_FIT) for a in b]
+    for me, black, looks in zip(states, n, t, strict=True):
         RUN.observe(me, black, looks)
     hears = everyone(robots) if graph == "full" else lambda k: ((k - 1) % robots, (k + 1) % robots)
-    talk(minds, 1500, hears)
+    talk(states, 1500, hears)
     x, d = (n / t - 1 + b) / (2 * b - 1), 0.0
     e = 0.25 / ((2 * b - 1) ** 2 * t)
     for _ in range(2000):
@@ -67,7 +68,7 @@ def test_self_taught_reaches_the_random_effects_mean(graph):
         f = (g * x).sum() / g.sum()
         d += 0.1 * (max((g * (x * x - e)).sum() / g.sum() - f * f, 0.0) - d)
     assert d > 0.005
-    for me in minds:
+    for me in states:
         assert me.s / me.v == pytest.approx(f, abs=2e-4)
         assert me.spread == pytest.approx(d, rel=0.02)
 
@@ -76,65 +77,37 @@ def test_self_taught_reaches_the_random_effects_mean(graph):
 @pytest.mark.parametrize("wrong", range(12))
 def test_majority_keeps_its_evidence(wrong):
     """Eleven robots without noise, of which some read 0.7 where the others read 0.3; 5 against 6 is the limit."""
-    minds = [robot(1.0, 1.0) for _ in range(11)]
-    for k, me in enumerate(minds):
+    states = [robot(1.0, 1.0) for _ in range(11)]
+    for k, me in enumerate(states):
         RUN.observe(me, 7e3 if k < wrong else 3e3, 1e4)
-    talk(minds, 1500, everyone(11))
-    out = np.array([me.out for me in minds])
-    f = {me.s / me.v for me in minds}
+    talk(states, 1500, everyone(11))
+    out = np.array([me.out for me in states])
+    f = {me.s / me.v for me in states}
     if min(wrong, 11 - wrong) in (1, 2, 3, 4):
         assert (out == [(k < wrong) == (wrong < 6) for k in range(11)]).all()
         assert max(abs(x - (0.3 if wrong < 6 else 0.7)) for x in f) < 1e-3
-        assert all(me.given_v < 1e-3 * me.v for me in minds if me.out)
+        assert all(me.given_v < 1e-3 * me.v for me in states if me.out)
     elif wrong in (0, 11):
         assert not out.any()
 
 
 def test_what_the_swarm_makes_of_a_sensor_is_what_it_is():
     """A sensor of 0.7 that is told 0.9, at f = 0.8: n/t = 0.62 and b = w = (0.62 + 0.8 - 1)/(2 0.8 - 1) = 0.7."""
-    minds = [robot(0.9, 0.9) for _ in range(6)]
-    for k, me in enumerate(minds):
+    states = [robot(0.9, 0.9) for _ in range(6)]
+    for k, me in enumerate(states):
         RUN.observe(me, 1e6 * (0.62 if k == 0 else 0.74), 1e6)
-    talk(minds, 800, everyone(6))
-    assert [me.out for me in minds] == [1.0] + [0.0] * 5
-    assert minds[0].accuracy == pytest.approx(0.7, abs=1e-4)
-    assert minds[1].accuracy == 0.9
-    assert RUN.estimate(minds[0]) == pytest.approx(0.8, abs=1e-4)
-
-
-def test_who_fits_again_puts_its_evidence_in_again():
-    minds = [robot(1.0, 1.0) for _ in range(5)]
-    for k, me in enumerate(minds):
-        RUN.observe(me, 90.0 if k == 0 else 400.0, 100.0 if k == 0 else 1000.0)
-    talk(minds, 300, everyone(5))
-    assert minds[0].out == 1.0
-    RUN.observe(minds[0], 310.0, 900.0)  # 0.4 of all
-    talk(minds, 300, everyone(5))
-    assert minds[0].out == 0.0
-    assert minds[0].given_v == pytest.approx(minds[1].given_v, rel=0.01)
-
-
-@pytest.mark.interpreted
-def test_mirrored_worlds_look_alike():
-    """(f, b) and (1 - f, 1 - b) give the same readings: told so, all are sure, and nobody is out in either."""
-    chance = np.random.default_rng(6)
-    readings = (chance.random((200, 6)) < 0.7 * 0.9 + 0.3 * 0.1).astype(float)
-    ring = [[k, (k + 1) % 6] for k in range(6)]
-    right, mirrored = (sc.infer(readings, ring, a, 2, brain=TAUGHT) for a in (0.9, 0.1))
-    assert right["estimate"].values + mirrored["estimate"].values == pytest.approx(1.0, abs=1e-9)
-    assert right["estimate"].values[-1] == pytest.approx(0.7, abs=0.05)
-    assert not right["out"].values[-1].any()
-    assert not mirrored["out"].values[-1].any()
+    talk(states, 800, everyone(6))
+    assert [me.out for me in states] == [1.0] + [0.0] * 5
+    assert states[0].accuracy == pytest.approx(0.7, abs=1e-4)
+    assert states[1].accuracy == 0.9
+    assert RUN.estimate(states[0]) == pytest.approx(0.8, abs=1e-4)
 
 
 def swarm_of(wrong, told, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):
     return sc.run(
-        sc.Study(
-            seed=8, trials=trials,
-            swarm={"brain": brain, "robots": 20, "accuracy": truth, "assumed_accuracy": truth},
-            members=[{"robots": wrong, "assumed_accuracy": told}],
-            world={"topology": topology, "fill_ratio": fill},
-            schedule={"rounds": rounds, "observations_per_round": 10},
+        study_of(
+            brain, robots=20, accuracy=truth, assumed_accuracy=truth, rounds=rounds, trials=trials, seed=8,
+            members=[{"robots": wrong, "assumed_accuracy": told}], topology=topology, fill_ratio=fill,
         )
     )  # fmt: skip
 
@@ -147,30 +120,3 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(told, truth, fill):
     assert error.max() < 0.05
     assert np.median(error) < 0.01
     assert np.median(plain) > 3.0 * np.median(error)
-
-
-def test_common_sensor_error_is_invisible():
-    """Told 0.95 and 0.75 at f = 0.75: 0.75 0.5 + 0.25 = 0.625 is made (0.625 - 0.05)/0.9; one or none is right."""
-    for wrong in (19, 20):
-        error = swarm_of(wrong, 0.95, 0.75, 0.75)["final_estimate"].values - (0.625 - 0.05) / 0.9
-        assert abs(error).max() < 0.02
-
-
-def test_one_honest_robot_against_impossible_readings():
-    """Told 0.55, but 0.95 at f = 0.95: 0.905 black is more than an all-black floor gives: nineteen step back."""
-    error = abs(swarm_of(19, 0.55, 0.95, 0.95, rounds=1200)["final_estimate"].values - 0.95)
-    assert error.max() < 0.03
-    nobody = swarm_of(20, 0.55, 0.95, 0.95)["final_estimate"].values
-    assert nobody == pytest.approx(0.5, abs=0.02)  # all have stepped back, and say that they do not know
-
-
-@pytest.mark.parametrize("topology", ["ring", "full"])
-def test_where_nobody_is_wrong_it_is_little_worse_than_commons(topology):
-    """At the median of 30 swarms of mixed sensors, whose ratio is known to a tenth: at most a quarter more error."""
-    study = sc.Study(
-        seed=8, trials=30, swarm={"brain": ["commons", "self-taught"], "robots": 20, "accuracy": "U(0.525, 0.975)"},
-        world={"topology": topology, "fill_ratio": 0.55}, schedule={"rounds": 400, "observations_per_round": 10},
-    )  # fmt: skip
-    error = abs(sc.run(study)["final_estimate"].values - 0.55)
-    assert np.median(error[1]) < 1.25 * np.median(error[0])
-    assert error[1].max() < 0.05

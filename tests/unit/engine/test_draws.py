@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.changes import renew, source_of
@@ -26,7 +25,7 @@ from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault, stops
 from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests.reference import rounds as reference
-from tests.support.small import SEED, heard_in, moving_of, settings_of
+from tests.support.small import SEED, heard_in, moving_of, settings_of, study_of
 
 # ---- random numbers
 
@@ -173,10 +172,9 @@ def test_black_counts_are_binomial_and_addressed(looks):
 )  # fmt: skip
 def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members, change, looks):
     """In each round those of tables that stand for its own fill ratio and accuracies."""
-    study = sc.Study(
-        trials=2, seed=SEED, swarm={"robots": 5, "accuracy": accuracy}, members=members,
-        world={"topology": "ring", "fill_ratio": {"from": 0.9, "to": 0.2} | change},
-        schedule={"rounds": 5, "observations_per_round": looks},
+    study = study_of(
+        robots=5, accuracy=accuracy, rounds=5, looks=looks, trials=2, members=members,
+        fill_ratio={"from": 0.9, "to": 0.2} | change,
     )  # fmt: skip
     (setting,) = study.settings()
     sizes = [PART] * (looks // PART) + [looks % PART]
@@ -213,7 +211,7 @@ def test_sure_readings_are_sure(b, w, fill_ratio, p):
 
 def test_uniform_spreads_are_of_trial_and_robot():
     key, out = address(SEED, "spread"), np.empty((2, 5))
-    compile_world().spread_uniform(key, 3, 0.2, 0.7, out)
+    compile_world().draw_uniform(key, 3, 0.2, 0.7, out)
     expected = [[0.2 + 0.5 * reference.unit(reference.robots_word(key, 3 + t, 0, i)) for i in range(5)] for t in (0, 1)]
     assert out == pytest.approx(np.array(expected), rel=1e-12)
 
@@ -222,7 +220,7 @@ def test_uniform_spreads_are_of_trial_and_robot():
 def test_normal_spreads_are_drawn_by_rejection(mean, sd):
     """From U(low, high), with the density of the normal distribution over its peak as the chance to be taken."""
     key, out = address(SEED, "spread"), np.empty((2, 6))
-    compile_world().spread_normal(key, 3, mean, sd, out)
+    compile_world().draw_normal(key, 3, mean, sd, out)
     low, high = max(0.0, mean - 9 * sd), min(1.0, mean + 9 * sd)
     for t in (0, 1):
         for i in range(6):
@@ -311,19 +309,6 @@ def failed_by(stops_of_trial, part, at):
     return set(np.flatnonzero(stops_of_trial[part] == at).tolist())
 
 
-def test_faults_pick_robots_apart_from_one_another():
-    """Two faults of 4 in 10 robots meet in 1.6 robots on average: within 4 standard errors of 100 trials."""
-    faults = (Fault(at=4, robots=4, stop="sensing"), Fault(at=6, robots=0.4, stop="talking"))
-    met = []
-    for trial in range(100):
-        when = stops(faults, SEED, trial, 10)
-        one, other = failed_by(when, 1, 4), failed_by(when, 2, 6)
-        assert len(one) == len(other) == 4
-        met.append(len(one & other))
-    law = stats.hypergeom(10, 4, 4)
-    assert abs(np.mean(met) - law.mean()) < 4 * law.std() / 10
-
-
 def test_each_robot_fails_as_often_as_any_other():
     """Of 100 trials, by chi-square at the 0.1 % level; and afresh for another trial, seed and size of the swarm."""
     faults = (Fault(at=4, robots=3, stop="moving"),)
@@ -371,7 +356,7 @@ def test_chance_is_of_key_and_trial():
         assert (draw(chances[0]) == draw(Chance(keys[0], 0))).all()
     assert (chances[1].uniform(5)[:2] == chances[1].uniform(2)).all()
     drawn = np.empty((1, 5))
-    compile_world().spread_uniform(keys[0], 1, 0.0, 1.0, drawn)
+    compile_world().draw_uniform(keys[0], 1, 0.0, 1.0, drawn)
     assert (chances[1].uniform(5) == drawn[0]).all()
 
 

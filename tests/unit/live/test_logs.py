@@ -18,7 +18,7 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.logs.others import under
 from swarmcensus.robots.logs.traces import as_logged, estimates_of
@@ -39,7 +39,7 @@ def made(folder, brain="commons", **given):
 
 
 @pytest.fixture(scope="module")
-def day(tmp_path_factory):
+def recording(tmp_path_factory):
     folder = tmp_path_factory.mktemp("days") / "day"
     made(folder)
     return folder
@@ -88,7 +88,7 @@ def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
         [show] = show_of(tmp_path / "day")
         ticks = list(range(show.rounds + 1))
         shown = parsed(show.frames(ticks))
-    known = read_day(tmp_path / "day")
+    known = read_recording(tmp_path / "day")
     x = estimates_of(known, as_logged(known, relive_all(known)), Clock(known.members))
     away = np.isnan(x)
     assert away.sum() == 5
@@ -105,9 +105,9 @@ def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
     json.dumps(gone, allow_nan=False)
 
 
-def test_the_same_day_under_another_brain_is_beside_it(day):
-    [mine, other] = show_of(day, {"beside": "voter"})
-    known = read_day(day)
+def test_the_same_day_under_another_brain_is_beside_it(recording):
+    [mine, other] = show_of(recording, {"beside": "voter"})
+    known = read_recording(recording)
     lived = under(known, brains.load("voter"), keep=True)
     x = estimates_of(known, lived, Clock(known.members))
     ticks = list(range(ROUNDS + 1))
@@ -117,8 +117,8 @@ def test_the_same_day_under_another_brain_is_beside_it(day):
     assert robot_of(other, 20, 1)["brain"] == "voter"
 
 
-def test_fixed_controls_and_frames(day):
-    session = Session(offer_of(day))
+def test_fixed_controls_and_frames(recording):
+    session = Session(offer_of(recording))
     [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"trial": "0", "seed": str(SEED)}}))
     assert begun["form"]["name"] == "day"
     assert {"robots", "accuracy", "seed", "brain"} <= set(begun["form"]["fixed"])
@@ -127,28 +127,28 @@ def test_fixed_controls_and_frames(day):
     assert parsed(frames)["ticks"].tolist() == [5, 6, 7]
     assert end["frames"] == 3
     [refused] = session.answer(json.dumps({"id": 3, "do": "begin", "ask": {"robots": "9"}}))
-    assert refused["error"] == "robots = 9: this day is as its logs have it: only beside can be chosen"
+    assert refused["error"] == "robots = 9: this recording is as its logs have it: only beside can be chosen"
 
 
-def test_the_exported_page_holds_the_day(day, tmp_path, capsys):
+def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
     page = tmp_path / "day.html"
-    assert main(["watch", str(day), "--out", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
+    assert main(["watch", str(recording), "--out", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
     text = page.read_text()
     start = text.index('type="application/json">') + len('type="application/json">')
-    recording = json.loads(text[start : text.index("</script>", start)])
-    assert [scene["brain"] for scene in recording["scenes"]] == ["commons", "voter"]
-    shown = parsed(zlib.decompress(base64.b64decode(recording["frames"][0][0])))
-    known = read_day(day)
+    held = json.loads(text[start : text.index("</script>", start)])
+    assert [scene["brain"] for scene in held["scenes"]] == ["commons", "voter"]
+    shown = parsed(zlib.decompress(base64.b64decode(held["frames"][0][0])))
+    known = read_recording(recording)
     for column, member in enumerate(known.members):
         logs = np.array([tick.estimate for tick in member.log.ticks])
         np.testing.assert_allclose(shown["layers"][1:, 0, column] / 65_534, logs, atol=1 / 65_534)
-    assert recording["played"] == {"tick": "7"}
+    assert held["played"] == {"tick": "7"}
 
 
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        ("BOARDS", "BOARDS: watch needs swarm.json with the study of the day, as swarmcensus swarm writes it"),
+        ("BOARDS", "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
         ("STRANGE", "swarm.json: study: "),
         ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
         ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
@@ -159,15 +159,15 @@ def test_the_exported_page_holds_the_day(day, tmp_path, capsys):
         ("DAY --brain oracle", "the brain 'oracle' is a bound"),
     ],
 )
-def test_what_cannot_be_watched_is_told_in_a_sentence(day, here, refused, arguments, says):
-    about = json.loads((day / "swarm.json").read_text())
+def test_what_cannot_be_watched_is_told_in_a_sentence(recording, here, refused, arguments, says):
+    about = json.loads((recording / "swarm.json").read_text())
     moves = about["study"].replace('topology = "ring"', 'topology = "moving"\ndensity = 1.0')
     changes = {
         "STRANGE": {"study": "swarm = 3"}, "NUMBER": {"setting": 7}, "MOVES": {"study": moves},
         "FEW": {"study": about["study"].replace("robots = 4", "robots = 2")}, "BOARDS": {}, "DAY": {},
     }  # fmt: skip
     folder, *options = arguments.split()
-    shutil.copytree(day, folder)
+    shutil.copytree(recording, folder)
     if folder == "BOARDS":
         (here / folder / "swarm.json").unlink()
     else:

@@ -270,11 +270,11 @@ def test_quick_changes_during_a_computation(page, folder, monkeypatch):
 @pytest.mark.long
 def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
     """After the second time; what was there before can be watched on."""
-    begun, wishes = Session.answer, []
+    begun, commands = Session.answer, []
 
     def deadly(session, words):
         if '"robots":"77"' in words:
-            wishes.append(words)
+            commands.append(words)
             raise RuntimeError("as of a socket that is closed")
         return begun(session, words)
 
@@ -285,7 +285,7 @@ def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
     page.keyboard.press("End")
     at(page, 300)
     until(page, "[state.source.tries, state.source.waiting.size, state.scenes[0].robots]", [0, 0, 12])
-    assert len(wishes) == 2
+    assert len(commands) == 2
 
 
 @pytest.mark.long

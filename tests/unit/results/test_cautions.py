@@ -26,20 +26,6 @@ observations_per_round = 100
 """
 
 
-@pytest.mark.long
-def test_swarms_that_begin_at_the_truth_are_warned_of(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "s.toml").write_text(STUDY)
-    assert main(["run", "s.toml"]) == 0
-    said = capsys.readouterr().err
-    assert "warning: setting 0: 100 % of the robots have K = 0" in said
-    assert "by delta = 0.01 or more" in said
-    assert (sc.load("s.nc")["convergence_round"][0] == 0).all()
-    (tmp_path / "s.toml").write_text(STUDY.replace("[0.5, 0.7]", "0.7"))
-    assert main(["run", "s.toml", "--out", "t.nc"]) == 0
-    assert "K = 0" not in capsys.readouterr().err
-
-
 def test_shares_are_of_the_robots_that_were_run(small_results):
     data = small_results.copy(deep=True)
     when = data["convergence_round"]

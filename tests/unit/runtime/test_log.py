@@ -103,8 +103,8 @@ def test_after_damage_a_log_goes_on_with_the_next_state(tmp_path, damage):
 
 def test_luck_is_kept(tmp_path):
     chance = random.Random(3)
-    lives(tmp_path / "log", name="voter", luck=chance.random)
-    assert all(tick.luck for tick in read_log(tmp_path / "log").ticks)
+    lives(tmp_path / "log", name="voter", draws=chance.random)
+    assert all(tick.draws for tick in read_log(tmp_path / "log").ticks)
 
 
 def test_a_full_log_counts_what_it_leaves_out(tmp_path):

@@ -1,19 +1,13 @@
 """Floors that change and sensors that drift while robots look: what a study says, and what a run makes of it."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.analysis.explaining import wrong_beliefs
-from swarmcensus.cli.commands import main
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
-from swarmcensus.figures.coordinates import varies
-from swarmcensus.figures.looks import looks_of
-from swarmcensus.results import recordings, store as files
 from swarmcensus.results.selecting import where
 from swarmcensus.simulation import metrics, sampling, walking
 from swarmcensus.simulation.rides import record_ride
@@ -184,18 +178,11 @@ def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
     assert np.array_equal(whole.readings, parts.readings, equal_nan=True)
 
 
-def test_results_with_and_without_changes_are_merged():
-    whole = sc.run(changing([SLOW, 0.3], [0.9, {"start": "U(0.8, 0.9)", "drift": -0.002, "least": 0.6}]))
-    both = sc.merge([whole, sc.run(changing(0.3))])
-    assert both["fill_ratio_change"].values.tolist().count("") == 2  # the plain setting is in both
-    assert "0.85 to 0.25 at 31 until 71" in both["fill_ratio_change"].values
-
-
 def test_members_whose_sensors_wear():
     members = [{"robots": 3, "accuracy": {"start": 0.9, "drift": -0.01, "least": 0.6}}]
-    worn, sound = sc.run(changing(0.3, members=members)), sc.run(changing(0.3))
-    assert worn["members"].values.tolist() == ["3 accuracy 0.9 drift=-0.01 least=0.6"]
-    trace, other = sc.replay(worn, 0, 0), sc.replay(sound, 0, 0)
+    wrapped, sound = sc.run(changing(0.3, members=members)), sc.run(changing(0.3))
+    assert wrapped["members"].values.tolist() == ["3 accuracy 0.9 drift=-0.01 least=0.6"]
+    trace, other = sc.replay(wrapped, 0, 0), sc.replay(sound, 0, 0)
     same = (trace["blacks"].values == other["blacks"].values).all(axis=0)
     assert same.tolist() == (trace["member"] == 0).values.tolist()
 
@@ -214,30 +201,6 @@ def test_other_bins_are_asked_of_the_truth_of_each_checkpoint():
     assert sc.remeasure(floor, delta=0.1).attrs["delta"] == 0.1
 
 
-def test_edges_of_bins_are_warned_of_at_both_ends(tmp_path, capsys):
-    (tmp_path / "s.toml").write_text(changing({"from": 0.3, "to": 0.55, "at": 9}).text)
-    main(["run", str(tmp_path / "s.toml"), "--out", str(tmp_path / "s.nc")])
-    assert "fill ratio 0.3 lies on the edge between two of the 10 bins" in capsys.readouterr().err
-
-
-def test_a_trace_as_csv_has_the_truth_of_each_row(tmp_path):
-    results = sc.run(changing(SLOW, world={"topology": "moving", "density": 8}))
-    recordings.write_trace(sc.replay(results, 0, 0), tmp_path / "trace.csv")
-    table = pd.read_csv(tmp_path / "trace.csv")
-    assert len(table) == 101 * 8
-    assert table["fill_ratio"].to_numpy() == pytest.approx(along(Change(0.85, 0.25, 31, 71).course, table["round"]))
-    assert table["true_fill_ratio"].nunique() > 30
-
-
-def test_captions_call_no_belief_wrong_that_was_right_once():
-    results = sc.run(changing([SLOW, 0.3], [0.8, {"start": 0.9, "drift": -0.001}]))
-    assert {*varies(results)} == {"fill_ratio", "fill_ratio_change", "accuracy"}
-    looks = looks_of(results["accuracy"].values.tolist(), "o")
-    assert [(look.name, look.short) for look in looks.values()] == [
-        ("0.8", ".8"), ("0.9, -0.001 a round to 0.5", "drifts")
-    ]  # fmt: skip
-
-
 def test_an_accuracy_is_read_from_the_text_of_a_dataset():
     """And no cost of a belief is predicted where the truth drifts."""
     told = {"start": "U(0.8, 0.9)", "drift": -0.001, "least": 0.6}
@@ -246,11 +209,3 @@ def test_an_accuracy_is_read_from_the_text_of_a_dataset():
     for text, setting in zip(results["accuracy"].values, made.settings(), strict=True):
         assert wrong_beliefs.accuracy_of(text) == setting.accuracy
     assert [np.isnan(cost.predicted) for cost in wrong_beliefs.costs_of(results)] == [False, True, True]
-
-
-def test_results_name_what_they_hold_to_other_readers(tmp_path):
-    results = sc.run(changing([SLOW, 0.3], measure={"metrics": ["recovery-time"]}))
-    files.save(results, tmp_path / "x.nc")
-    assert sc.load(tmp_path / "x.nc").identical(results)
-    assert json.loads(results.attrs["metrics"])["recovery_time"]["name"] == "recovery-time"
-    assert sc.summary(results)["fill_ratio_change"].tolist() == ["0.85 to 0.25 at 31 until 71", ""]

@@ -11,12 +11,10 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.runs.running import run
 from swarmcensus.simulation import trials as engine
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
-from swarmcensus.support.errors import InputError
-from tests.support.second import MEANS, SAYS, WALD, brain, changed, fixed, moving
+from tests.support.second import MEANS, SAYS, WALD, brain, fixed, moving
 from tests.support.small import GO, SEED, changing
 
 ALONE = {"name": "nobody", "edges": []}
@@ -146,16 +144,6 @@ def test_held_against_the_truth_of_the_moment(world, truth, steers, here):
     assert 0.0 < np.mean(held) < 1.0
 
 
-@pytest.mark.long
-def test_a_field_of_the_memory_may_be_called_so():
-    source = changed(('"n": 0.0', '"n": 0.0, "interval_low": 0.25'), source=WALD)
-    for compiled in (True, False):
-        trace = sc.infer(np.ones((2, 2)), None, 0.8, 1, brain(source), compiled=compiled)
-        assert (trace["interval_low"] == 0.25).all()
-        assert "interval_low_" in trace
-        assert "interval_high" in trace
-
-
 @pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("rows", [1, 3, 100])
 def test_a_brain_with_an_interval_has_the_bits_of_one_without(rows, monkeypatch):
@@ -191,62 +179,6 @@ def test_only_honest_robots_that_have_one_are_counted(world):
             (setting,) = fixed(own, members, fill_ratio=0.6)
             batch = run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (3,)), GO)
         assert batch.intervals[:, 0, 0].tolist() == [1.0, 0.25] if counted else np.isnan(batch.intervals).all()
-
-
-@pytest.mark.long
-def test_stopped_continued_merged_verified_and_read_again(here, monkeypatch, capsys):
-    """All of it has the bits of an undisturbed run, and of brains without an interval nothing."""
-    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
-    study = sc.Study.load("s.toml")
-    whole = sc.run(study, jobs=1)
-    assert np.isnan(whole["coverage"].values[(whole["brain"] == "minimalistic").values]).all()
-    reached = (whole["checkpoint"] <= whole["rounds"]) & (whole["brain"] == "wald.py")
-    for name in TWO:
-        assert (whole[name].notnull().all("trial") == reached).all()
-
-    def stop(progress):
-        if progress.done > 30:
-            raise KeyboardInterrupt
-
-    with pytest.raises(sc.Interrupted):
-        run(study, 1, stop, out="a.nc")
-    sc.run(study, out="a.nc", jobs=1)
-    fewer = study.with_(measure={"checkpoints": [12, 30]})
-    continued = sc.load("a.nc")
-    sc.run(fewer, out="a.nc", jobs=1)
-    taken = sc.load("a.nc")
-    sc.save(whole.isel(setting=slice(4, None)), "b.nc")
-    sc.save(whole.isel(trial=slice(1, 3), setting=slice(9)), "c.nc")
-    sc.save(whole.isel(setting=slice(5)), "d.nc")
-    merged = sc.merge(["b.nc", "c.nc", "d.nc"])
-    for name in TWO:
-        assert np.array_equal(continued[name], whole[name], equal_nan=True)
-        assert np.array_equal(taken[name], whole[name].sel(checkpoint=[12, 30]), equal_nan=True)
-        place = [merged["fingerprint"].values.tolist().index(mark) for mark in whole["fingerprint"].values]
-        assert np.array_equal(merged[name].values[place], whole[name], equal_nan=True)
-    assert not sc.verify(whole, 1.0, brain_file="wald.py").differences
-    spoiled = whole.copy(deep=True)
-    spoiled["coverage"].values[-1, 0, 3] += 0.25
-    (difference,) = sc.verify(spoiled, 1.0, brain_file="wald.py").differences
-    assert (difference.setting, difference.trial, difference.variable) == (11, 3, "coverage")
-    spoiled["coverage"].values[-1, 0, 3] = np.nan
-    sc.save(spoiled, "b.nc")
-    with pytest.raises(InputError, match="coverage of setting 11, checkpoint 5, trial 3 is missing, though"):
-        sc.load("b.nc")
-
-
-def test_a_run_that_was_killed_is_read_from_its_shards(here, monkeypatch):
-    """At the checkpoints of the run that goes on, of which those of brains without an interval are missing still."""
-    from tests.support.resuming import cut_off
-
-    cut_off("a.nc", 60, STUDY)
-    study = sc.Study.load("s.toml").with_(measure={"checkpoints": [5, 30]})
-    lines = []
-    again = run(study, 1, out="a.nc", say=lines.append)
-    assert "of a run that was cut off" in lines[0]
-    whole = sc.run(study, jobs=1)
-    for name in TWO:
-        assert np.array_equal(again[name], whole[name], equal_nan=True)
 
 
 @pytest.mark.long

@@ -107,17 +107,6 @@ def test_a_robot_alone_counts_rounds_by_its_readings():
     assert functions.estimate(me) == 0.0
 
 
-def test_readings_follow_a_ramp():
-    oracle = brains.load("oracle")
-    me, functions = oracle.robot(1.0, 1.0), oracle.functions
-    me.change, me.until = 3.0, 9.0
-    for k in range(1, 6):
-        if k == 5:
-            functions.observe(me, 3.0, 10.0)
-        functions.fuse(me)
-    assert functions.estimate(me) == pytest.approx(0.3)
-
-
 def test_where_nothing_changes_it_has_no_schedule():
     [still], [ramp] = study(MIXED, 0.3).settings(), study(DRIFT, RAMP).settings()
     assert schedule_of(still) == {}

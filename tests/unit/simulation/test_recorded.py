@@ -19,7 +19,7 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
-from tests.support.small import FAILS
+from tests.support.small import FAILS, study_of
 
 pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -100,17 +100,17 @@ def _watched(metric, study, setting, curves, truths):
         ends.append((low / study.measure.bins, np.inf if low == last else (low + 1) / study.measure.bins))
     given = {"delta": study.measure.delta, "rounds": float(setting.rounds), "robots": float(curves.shape[1])}
     low, high = ends[0]
-    minds = [metric.record(low=low, high=high, **given) for _ in range(1 if metric.of_swarm else curves.shape[1])]
-    for my in minds:
+    states = [metric.record(low=low, high=high, **given) for _ in range(1 if metric.of_swarm else curves.shape[1])]
+    for my in states:
         functions.begin(my)
     for k, (row, truth) in enumerate(zip(curves.tolist(), truths.tolist(), strict=True), start=1):
-        for my in minds:
+        for my in states:
             my.low, my.high = ends[k - 1]
         for i, x in enumerate(row):
-            functions.watch(minds[0 if metric.of_swarm else i], k, x, truth)
+            functions.watch(states[0 if metric.of_swarm else i], k, x, truth)
         if metric.of_swarm:
-            functions.after(minds[0], k)
-    found = [functions.result(my) for my in minds]
+            functions.after(states[0], k)
+    found = [functions.result(my) for my in states]
     return found[0] if metric.of_swarm else np.array(found)
 
 
@@ -173,8 +173,8 @@ def _compared(study, results, k, trial):
     trace = sc.replay(results, k, trial)
     found = worked_out(study, setting, trace)
     honest = honest_in(trace)
-    lucky = any(brain.uses.luck for brain in setting.brains)
-    if study.measure.local and not lucky:
+    drawing = any(brain.uses.luck for brain in setting.brains)
+    if study.measure.local and not drawing:
         found |= alone(study, setting, trial, honest)
     recorded = results.isel(setting=k, trial=trial)
     for name, value in found.items():
@@ -236,11 +236,9 @@ def test_a_run_records_what_its_replays_show(here, monkeypatch):
 
 def test_replays_of_trials_that_fail_say_what_the_run_says(here):
     """A brain that now and then divides by zero."""
-    study = sc.Study(
-        trials=TRIALS, swarm={"robots": 3, "brain": "fails.py", "accuracy": 0.6},
-        world={"topology": "ring", "fill_ratio": [0.55, 0.65, 0.7]},
-        schedule={"rounds": 6, "observations_per_round": 100},
-    )  # fmt: skip
+    study = study_of(
+        "fails.py", robots=3, accuracy=0.6, rounds=6, looks=100, trials=TRIALS, fill_ratio=[0.55, 0.65, 0.7]
+    )
     found, compared = differences(study)
     assert not found, "\n".join(found)
     assert 0 < compared < 3 * TRIALS

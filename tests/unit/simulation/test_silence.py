@@ -8,7 +8,7 @@ from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.second import brain, changed, fixed, moving
-from tests.support.small import GO, SEED
+from tests.support.small import GO, SEED, study_of
 
 EARS = (
     ("MEMORY = {", 'MEMORY = {"ears": 0.0, '),
@@ -60,38 +60,6 @@ def test_who_speaks_by_its_name_by_hand():
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize("topology", ["ring", "full"])
-def test_who_never_speaks_is_never_heard(topology):
-    assert counts(MUTE, topology=topology) == ([0] * 5, [0] * 5)
-
-
-@pytest.mark.interpreted
-def test_who_always_speaks_is_heard_by_all_its_neighbours():
-    assert counts(LOUD, topology="ring", rounds=6) == ([6] * 5, [12] * 5)
-    assert counts(LOUD, topology="full", rounds=6) == ([6] * 5, [24] * 5)
-
-
-@pytest.mark.long
-@pytest.mark.interpreted
-def test_losses_lose_what_is_heard_and_not_what_is_said():
-    """Of 5 robots times 2 neighbours times 200 rounds, half get through: within four standard errors, 0.01 %."""
-    for source, said in ((ODD, 200), (LOUD, 400)):
-        sent, heard = counts(source, topology="ring", rounds=400, link_success=0.5)
-        assert sent == [said] * 5
-        assert abs(sum(heard) - 5 * said) < 4 * np.sqrt(10 * said / 4)
-        assert len(set(heard)) > 1
-
-
-@pytest.mark.interpreted
-def test_trials_of_a_batch_are_counted_each():
-    (setting,) = fixed(brain(ODD), topology="scale-free", robots=9, link_success=0.7)
-    batch = run_batch(setting, SEED, 0, 3, MEASURE, GO)
-    for trial in range(3):
-        assert (run_batch(setting, SEED, trial, 1, MEASURE, GO).counts[0] == batch.counts[trial]).all()
-    assert (batch.counts[0] != batch.counts[1]).any()
-
-
-@pytest.mark.interpreted
 def test_nothing_is_heard_of_what_was_not_said():
     """A message of zeros would count as one: what is summed up is what was said, of who spoke in that very round."""
     speaks = changed(("me.ears += 1.0 + message[0] - message[0]", "me.ears += 1.0 + message[0]"), source=ODD)
@@ -133,25 +101,9 @@ def test_on_the_move(source, delay):
     assert (ride.fields["ears"][-1] == heard).all()
 
 
-@pytest.mark.long(only=["True"])
-@pytest.mark.parametrize("compiled", [True, False])
-def test_recorded_data(compiled):
-    """Three robots on a line that speak after odd readings, and one that makes none."""
-    readings = np.ones((6, 3))
-    readings[:, 2] = np.nan
-    trace = sc.infer(readings, [[0, 1], [1, 2]], 0.8, 1, brain(ODD), compiled=compiled)
-    assert trace["ears"].values[-1].tolist() == [3.0, 3.0, 3.0]
-
-
 @pytest.mark.interpreted
 def test_message_counts_are_missing_without_a_robot():
-    study = sc.Study(
-        trials=2,
-        seed=3,
-        swarm={"brain": brain(ODD), "robots": [2, 4], "accuracy": 0.7},
-        schedule={"rounds": 5, "observations_per_round": 1},
-        world={"topology": "ring", "fill_ratio": 0.5},
-    )
+    study = study_of(brain(ODD), robots=[2, 4], accuracy=0.7, rounds=5, looks=1, trials=2, seed=3, fill_ratio=0.5)
     once = sc.run(study, jobs=1)
     nobody = np.nan
     for name, counts in (

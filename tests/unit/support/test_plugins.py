@@ -25,7 +25,7 @@ from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.support import plugins
 from swarmcensus.support.readers import AS_TERMINAL
-from swarmcensus.worlds import patterns, spreading, wiring
+from swarmcensus.worlds import distributions, patterns, wiring
 from tests.support.long import in_two_sizes
 from tests.support.meadow import install, install_meadow
 
@@ -37,7 +37,7 @@ ALL_PLUGINS = [
     metrics.PLUGINS,
     wiring.PLUGINS,
     patterns.PLUGINS,
-    spreading.PLUGINS,
+    distributions.PLUGINS,
     kinds.PLUGINS,
     targets.PLUGINS,
 ]

@@ -6,12 +6,12 @@ import re
 import networkx as nx
 import numpy as np
 import pytest
-from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support import plugins
 from swarmcensus.worlds import networks, wiring
+from tests.support.small import study_of
 
 
 def parse(value, tmp_path):
@@ -54,39 +54,6 @@ def test_scale_free_is_a_tree(robots, tmp_path):
         assert nx.is_tree(graph_of(links, trial, robots))
 
 
-def test_scale_free_networks_are_addressed(tmp_path):
-    topology = parse("scale-free", tmp_path)
-    whole, part = links_of(topology, 40, trials=3), links_of(topology, 40, trials=1, first=2)
-    graphs = [graph_of(whole, t, 40) for t in range(3)]
-    assert not nx.utils.graphs_equal(graphs[0], graphs[1])
-    assert nx.utils.graphs_equal(graphs[2], graph_of(part, 0, 40))
-
-
-def test_degrees_of_scale_free_networks(tmp_path):
-    """P(k) = 4 / (k (k + 1) (k + 2)) for m = 1 (Bollobas et al. 2001): chi-square, 0.1 % level, fixed seed."""
-    robots, trials = 2000, 10
-    links = links_of(parse("scale-free", tmp_path), robots, trials)
-    degrees = np.concatenate(
-        [np.bincount(links.receivers[links.starts[t] : links.starts[t + 1]], minlength=robots) for t in range(trials)]
-    )
-    k = np.arange(1, 9)
-    law = 4 / (k * (k + 1) * (k + 2))
-    expected = np.append(law, 1 - law.sum()) * len(degrees)
-    found = np.append([(degrees == j).sum() for j in k], (degrees > 8).sum())
-    assert stats.chisquare(found, expected).pvalue > 1e-3
-
-
-def test_first_robots_attach_in_proportion_to_degree(tmp_path):
-    """The third robot joins either of two alike; the fourth prefers the hub, 2 to 1 to 1."""
-    trials = 4000
-    links = links_of(parse("scale-free", tmp_path), 4, trials)
-    hub = 0
-    for t in range(trials):
-        graph = graph_of(links, t, 4)
-        hub += max(dict(graph.degree).values()) == 3
-    assert stats.binomtest(hub, trials, 0.5).pvalue > 1e-3
-
-
 def test_edge_list_file(tmp_path):
     (tmp_path / "office.csv").write_text("from,to\n0,1\n1,4\n4,1\n")
     topology = parse("office.csv", tmp_path)
@@ -117,12 +84,6 @@ def test_a_graphs_own_numbers_are_kept(tmp_path):
     assert parse(nx.DiGraph([(np.int64(3), 2), (0, 1)]), tmp_path).edges == ((0, 1), (3, 2))
     assert parse(nx.Graph([("c", "a"), ("b", "a")]), tmp_path).edges == ((0, 1), (1, 2))
     assert parse(nx.Graph([(-1, 0)]), tmp_path).edges == ((0, 1),)
-
-
-def test_a_file_without_edges_is_refused(tmp_path):
-    (tmp_path / "links.csv").write_text("i,j\n")
-    with pytest.raises(ValueError, match="has no edges"):
-        parse("links.csv", tmp_path)
 
 
 def test_networkx_graph(tmp_path):
@@ -197,14 +158,6 @@ def test_graphs_whose_edges_have_weights_are_refused(tmp_path):
     swarm = {"robots": 3, "accuracy": 0.7}
     with pytest.raises(sc.InputError, match=r"world.topology\[1\] = graph"):
         sc.Study(trials=1, swarm=swarm, world={"topology": ["ring", graph], "fill_ratio": 0.5})
-
-
-def test_numbers_of_any_name_on_edges_are_refused(tmp_path):
-    graph = nx.Graph([(0, 1, {"label": "x", "near": True}), (1, 2)])
-    assert parse(graph, tmp_path).edges == ((0, 1), (1, 2))
-    graph[0][1]["distance"] = np.float32(2)
-    with pytest.raises(ValueError, match=r"distance = 2\.0"):
-        parse(graph, tmp_path)
 
 
 def test_parallel_edges_and_loops_are_refused(tmp_path):
@@ -336,8 +289,7 @@ def test_deterministic_generator_makes_one_graph(tmp_path):
     assert links_of(topology, 5, trials=7).starts.tolist() == [0, 8]
     assert nx.utils.graphs_equal(graph_of(links_of(topology, 5), 0, 5), nx.star_graph(4))
     one, other = (
-        sc.run(sc.Study(trials=6, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": form, "fill_ratio": 0.4},
-                        schedule={"rounds": 20}))["final_estimate"].values
+        sc.run(study_of(rounds=20, trials=6, topology=form))["final_estimate"].values
         for form in (star, {"name": "star", "edges": [[0, k] for k in range(1, 5)]})
     )  # fmt: skip
     assert np.array_equal(one, other)

@@ -69,7 +69,7 @@ def expect(
     study, setting = origin or setting_of(data, number, run=False)
     trials = data["trial"].values[done(data.sel(setting=[number]))[0]]
     if not trials.size:
-        raise InputError(f"setting {number}: none of its trials has been run", key="setting", value=number)
+        raise InputError.named("setting", number, "none of its trials has been run")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
     drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
     absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))

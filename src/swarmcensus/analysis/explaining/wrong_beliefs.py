@@ -59,7 +59,8 @@ def costs(results: xr.Dataset) -> list[Cost]:
     if (results["assumed_accuracy"].values == results["accuracy"].values).all():
         raise InputError(
             "all robots of these results know their sensors: set assumed_accuracy under [swarm], "
-            "such as [{error = -0.05}, {error = 0}, {error = 0.05}], and run again"
+            "such as [{error = -0.05}, {error = 0}, {error = 0.05}], and run again",
+            key="assumed_accuracy",
         )
     return costs_of(results)
 
@@ -115,7 +116,9 @@ def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, beli
     if black != white:
         raise InputError(
             f"assumed_accuracy {belief} is off from the accuracy {accuracy} by {black:g} for black and {white:g} for "
-            "white: this figure shows one error for both, as {error = ...} gives; select others"
+            "white: this figure shows one error for both, as {error = ...} gives; select others",
+            key="assumed_accuracy",
+            value=belief,
         )
     return black
 

@@ -211,7 +211,7 @@ class Page:
     def stay(self) -> None:
         """Serve on after the swarm's end, until Ctrl-C."""
         if self._serves:
-            say("The live page goes on showing the day. Press Ctrl-C to stop.")
+            say("The live page goes on showing the recording. Press Ctrl-C to stop.")
             with contextlib.suppress(KeyboardInterrupt):
                 while True:
                     time.sleep(0.5)

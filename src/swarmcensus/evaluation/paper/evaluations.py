@@ -90,7 +90,8 @@ def evaluation(name: str) -> Evaluation:
     """The evaluation with this name. Raises InputError."""
     if name not in EVALUATIONS:
         known = ", ".join(EVALUATIONS)
-        raise InputError(f"there is no {name!r} to reproduce: {did_you_mean(name, EVALUATIONS)}known are {known}")
+        why = f"there is no {name!r} to reproduce: {did_you_mean(name, EVALUATIONS)}known are {known}"
+        raise InputError(why, key="evaluation", value=name)
     return EVALUATIONS[name]
 
 

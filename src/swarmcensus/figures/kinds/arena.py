@@ -132,7 +132,7 @@ class Arena:
         if "position" not in trace or "side" not in trace.attrs:
             raise InputError("nothing to draw: the trace has no positions, for its robots do not move")
         if "link" not in trace:
-            raise InputError("the trace has no links: replay it with links=True")
+            raise InputError("the trace has no links: replay it with links=True", key="links")
         require(trace, "estimate", "heading", dimensions=("round", "robot"))
         first = "edge", "fault", "part", "round", "robot", "axis", "link", "end", "row", "column"
         trace = trace.transpose(*first, ..., missing_dims="ignore")
@@ -160,7 +160,7 @@ class Arena:
         """Return the index of a tick in the trace. Raises InputError if the trace lacks it."""
         (indices,) = np.nonzero(self.ticks == tick)
         if not indices.size:
-            raise InputError(f"tick {tick}: this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
+            raise InputError.named("tick", tick, f"this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
         return int(indices[0])
 
     def paint(self, tick: int) -> bool:

@@ -130,7 +130,7 @@ def lines(
     x, color = _axes_of(data, x, color, panels or ())
     statistic = statistic or statistic_of(y)
     if statistic not in get_args(Statistic):
-        raise InputError(f"statistic {statistic!r}: should be one of {', '.join(get_args(Statistic))}")
+        raise InputError.named("statistic", statistic, f"should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
     has = [any(not np.isnan(p.value) for points in panel.values() for p in points) for panel in series]
@@ -345,7 +345,8 @@ def measured(results: xr.Dataset, name: str, at_checkpoints: bool) -> xr.Dataset
     variables = variables_of(results)
     if name not in variables:
         known = [*variables, *derivable(results)]
-        raise InputError(f"y {name!r}: {did_you_mean(name, known)}what is measured here is {', '.join(known)}")
+        here = f"{did_you_mean(name, known)}what is measured here is {', '.join(known)}"
+        raise InputError.named("y", name, here)
     whole = results[name].dtype.kind == "i"
     variable = results[name].astype(float)
     variable = variable.where(variable >= 0) if whole else variable

@@ -92,7 +92,7 @@ def _settings(plan: Plan, member: Member, folder: Path, command_port: int, token
     brain, setting = member.brain, plan.setting
     is_single = setting.precision == "single"
     parameters = {name: _rounded(value) if is_single else value for name, value in brain.overrides}
-    beside = folder / RUN / f"{member.number}"
+    base = folder / RUN / f"{member.number}"
     values = {
         "NUMBER": member.number,
         "HOST": plan.air.host,
@@ -112,12 +112,12 @@ def _settings(plan: Plan, member: Member, folder: Path, command_port: int, token
         "PERIOD": plan.period,
         "LOOKS": setting.observations_per_round,
         "ROUNDS": setting.rounds,
-        "READINGS": f"{beside}.readings",
-        "MEMORY": f"{beside}.memory",
+        "READINGS": f"{base}.readings",
+        "MEMORY": f"{base}.memory",
         "SAVE_EVERY": max(FEWEST, round(SAVED * 1000.0 / plan.period)),
         "LOG": str(folder / log_of(member.number)),
         "SEED": plan.chance,
-        "LUCK": plan.luck if brain.uses.luck else None,
+        "LUCK": plan.draws if brain.uses.luck else None,
         "LOSS": plan.loss,
         "DUPLICATE": plan.air.duplicate,
         "DELAY": plan.delay,

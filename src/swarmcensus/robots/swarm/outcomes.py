@@ -9,7 +9,7 @@ from swarmcensus.robots.swarm.plans import Plan
 from swarmcensus.robots.swarm.reports import Known, share_heard, total
 from swarmcensus.support.bins import right_bin
 
-SILENCE = 3.0  # seconds beside a period; robots report some times a second, or each tick
+SILENCE = 3.0  # seconds in addition to a period; robots report some times a second, or each tick
 
 
 @dataclass(frozen=True)

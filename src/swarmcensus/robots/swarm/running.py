@@ -1,4 +1,4 @@
-"""Running a swarm: processes are started, told who hears them, disturbed, watched and ended."""
+"""Running a swarm: processes are started, learn who hears them, are disturbed, watched and ended."""
 
 import contextlib
 import itertools
@@ -30,7 +30,7 @@ A_ROBOT = 0.2
 AFTER = 2.0  # seconds that robots may take longer than their rounds should
 LOOK = 0.05  # seconds from one look at processes and faults to the next
 SHOW = 0.25
-TELL_AGAIN = 0.2  # seconds until a robot that has not heard what it was told is told again
+TELL_AGAIN = 0.2  # seconds until an order that a robot has not confirmed is sent again
 WEIGH = 5.0  # seconds from one look at memory to the next
 FLOOD = 1.0  # seconds that garbage comes
 FLOODED = 300  # datagrams that a robot gets in it
@@ -60,7 +60,7 @@ class Swarm:
     started: float = 0.0  # of the clock `time.monotonic`
     cuts: list[frozenset[int]] = field(default_factory=list)
     version: int = 0
-    told: dict[int, float] = field(default_factory=dict)  # when each robot was told something last
+    sent_at: dict[int, float] = field(default_factory=dict)  # when each robot was last sent orders
     happened: list[str] = field(default_factory=list)
     floods: list[Flood] = field(default_factory=list)
     memory: int = 0  # bytes, at the peak
@@ -144,9 +144,10 @@ def _start(swarm: Swarm) -> None:
     while missing := [number for number in first if swarm.robots[number].address is None]:
         _listen(swarm, LOOK)
         for number, why in swarm.children.dead():
-            raise InputError(f"robot {number} cannot be started: {why}")
+            raise InputError(f"robot {number} cannot be started: {why}", key="robot", value=number)
         if time.monotonic() > until:
-            raise InputError(f"robot {missing[0]} does not report: the machine may be too busy for so many processes")
+            busy = "the machine may be too busy for so many processes"
+            raise InputError(f"robot {missing[0]} does not report: {busy}", key="robot", value=missing[0])
     swarm.started = time.monotonic() + AHEAD
     _tell_all(swarm)
 
@@ -249,8 +250,8 @@ def _tell(swarm: Swarm, number: int, heard_by: Sequence[int]) -> None:
     if address is None:
         return
     ports = ",".join(str(swarm.ports[other]) for other in heard_by if other in swarm.ports)
-    swarm.told[number] = time.monotonic()
-    with contextlib.suppress(OSError, OverflowError):  # it is told again
+    swarm.sent_at[number] = time.monotonic()
+    with contextlib.suppress(OSError, OverflowError):  # it is sent again
         swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
 
 
@@ -261,7 +262,7 @@ def _tell_again(swarm: Swarm) -> None:
         number
         for number, known in enumerate(swarm.robots)
         if known.address and known.last and known.last.version < swarm.version
-        and known.state == "runs" and now - swarm.told.get(number, 0.0) > TELL_AGAIN
+        and known.state == "runs" and now - swarm.sent_at.get(number, 0.0) > TELL_AGAIN
     ]  # fmt: skip
     if deaf:
         heard_by = hearers(swarm.plan, swarm.cuts)

@@ -30,6 +30,7 @@ from swarmcensus.studies import (
     text_of_file,
     to_toml,
 )
+from swarmcensus.support.errors import StudyError
 from swarmcensus.support.forms import Form, Number, Schema, Share, Table, says
 from swarmcensus.worlds import Accuracy, Body, Positive, arena
 
@@ -162,7 +163,7 @@ class Mission(Table):
             ("free.minutes", self.free.minutes),
         ):
             if ends is not None and ends[0] > ends[1]:
-                raise ValueError(f"{key} = [{ends[0]:g}, {ends[1]:g}]: the lower end of a range comes first")
+                raise StudyError.at(key, f"[{ends[0]:g}, {ends[1]:g}]", "the lower end of a range comes first")
         check_consistency(self)
         check_liars(self)
         check_areas(self)

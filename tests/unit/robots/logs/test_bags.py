@@ -134,12 +134,6 @@ def test_the_last_reading_of_a_step_counts_and_it_is_told(tmp_path):
     assert recorded.messages.shape == (0, 3)
 
 
-def test_no_reading_is_nan(tmp_path):
-    write(tmp_path / "bag", [(START + k * PERIOD, "/r0/f", "Float32", v) for k, v in enumerate([1.0, np.nan, 0.0])])
-    readings = read_bag(tmp_path / "bag", "/r{robot}/f", None, 0.1).readings
-    np.testing.assert_array_equal(readings, [[1], [np.nan], [0]])
-
-
 def long_bag(path, storage):
     events = [(START + k * PERIOD, f"/robot_{r}/floor", "Bool", (k + r) % 3 == 0) for k in range(9000) for r in (0, 1)]
     write(path, events, storage)
@@ -201,47 +195,30 @@ FLOOR = "/robot_{robot}/floor"
         (["bag", "--readings", "/robot_0/floor", "--period", "1"], "should name a robot once as {robot}"),
         (
             ["bag", "--readings", "/r{robot}/x", "--period", "1"],
-            "there are /picture_0 (std_msgs/msg/Header), /robot_0/",
+            "there are /picture_0 (std_msgs/msg/String), /robot_0/",
         ),
-        (["bag", "--readings", FLOOR, "--period", "0"], "--period 0"),
         (["bag", "--readings", FLOOR, "--period", "nan"], "--period nan"),
         (["bag", "--readings", FLOOR, "--period", "1e-8"], "steps of --period 1e-08: 10,000,000 at most"),
         (
             ["bag", "--readings", "/picture_{robot}", "--period", "1"],
-            "/picture_0 is of std_msgs/msg/Header: --readings",
+            "/picture_0 is of std_msgs/msg/String: --readings",
         ),
         (["bag", "--readings", "/robot_{robot}/grey", "--period", "1"], "/robot_0/grey: a reading of 7: should be 0"),
         (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", "/robot_{robot}/far"], "/robot_0/far names 9, of which"),
         (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", FLOOR], "/robot_0/floor is of std_msgs/msg/Bool: --messages"),
         (["bag", *TOPICS, "--links", "l.csv"], "--links l.csv and --messages /robot_{robot}/heard: one of them"),
         (["empty", *TOPICS], "empty: no bag of rosbag2"),
-        (["nowhere.db3", *TOPICS], "nowhere.db3: there is no such bag"),
         (["text.db3", *TOPICS], "text.db3"),
         (["text.mcap", *TOPICS], "text.mcap"),
         (["o.csv", "--period", "1"], "--period"),
     ],
 )
 def test_wrong_input_is_one_sentence(tmp_path, monkeypatch, capsys, arguments, told):
-    from rosbags.rosbag2 import Writer
-    from rosbags.typesys import Stores, get_typestore
-
     monkeypatch.chdir(tmp_path)
-    store = get_typestore(Stores.ROS2_HUMBLE)
     events = [(START + k * 10**9, "/robot_0/floor", "Bool", True) for k in range(2)]
     events += [(START, "/robot_0/grey", "UInt8", 7), (START, "/robot_0/far", "Int32MultiArray", [9])]
-    events += [(START, "/robot_0/heard", "Int32", 0)]
-    write(tmp_path / "other", events)
-    with Writer(tmp_path / "bag", version=9) as writer:
-        header = "std_msgs/msg/Header"
-        writer.add_connection("/picture_0", header, typestore=store)
-        for time, topic, kind, value in events:
-            name = f"std_msgs/msg/{kind}"
-            types = store.types
-            layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
-            given = {"layout": layout, "data": np.array(value, np.int32)} if "Multi" in kind else {"data": value}
-            known = {c.topic: c for c in writer.connections}
-            connection = known.get(topic) or writer.add_connection(topic, name, typestore=store)
-            writer.write(connection, time, store.serialize_cdr(types[name](**given), name))
+    events += [(START, "/robot_0/heard", "Int32", 0), (START, "/picture_0", "String", "a cat")]
+    write(tmp_path / "bag", events)
     (tmp_path / "empty").mkdir()
     for name in ("text.db3", "text.mcap"):
         (tmp_path / name).write_text("hello")

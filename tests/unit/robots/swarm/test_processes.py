@@ -119,12 +119,9 @@ def test_crashed_robot_is_reported(tmp_path):
 
 def test_liars_are_processes_too(tmp_path, capsys):
     world = {"topology": "full", "fill_ratio": 0.2, "message": "ratio16"}
-    members = [{"robots": 1, "brain": "forger", "honest": False}]
-    text = Study(
-        name="lied", trials=1, swarm={"robots": 4, "accuracy": 0.9, "brain": "commons"}, world=world,
-        schedule={"rounds": 60, "observations_per_round": 1}, members=members,
-    ).text  # fmt: skip
-    (tmp_path / "lied.toml").write_text(text)
+    tables = {"swarm": {"robots": 4, "accuracy": 0.9, "brain": "commons"}, "schedule": {"rounds": 60}}
+    lied = Study(trials=1, world=world, members=[{"robots": 1, "brain": "forger", "honest": False}], **tables)
+    (tmp_path / "lied.toml").write_text(lied.text)
     quick = ["--hz", "100", "--json", "--quiet"]
     run(capsys, tmp_path / "out", what=str(tmp_path / "lied.toml"), quick=quick)
     about = json.loads((tmp_path / "out" / "swarm.json").read_text())
@@ -204,7 +201,6 @@ def test_nothing_is_left_behind(tmp_path, by):
     ("text", "says"),
     [
         ("5 kill", "kill names robots, such as 3 or 0-9"),
-        ("soon kill 3", "should be such as"),
         ("5s kil 3", "did you mean 'kill'"),
         ("5s kill 20", "should be from 0 to 19"),
         ("5s kill 9-3", "the lower number first"),
@@ -213,7 +209,6 @@ def test_nothing_is_left_behind(tmp_path, by):
         ("5s heal", "nothing is parted then"),
         ("5s continue 3", "robot 3 runs then"),
         ("5s partition 0-19", "these are all robots"),
-        ("50s kill 3", "the swarm ends at 50 s"),
         ("500 rounds kill 3", "the swarm ends at 50 s"),
     ],
 )
@@ -226,14 +221,11 @@ def test_wrong_faults_are_refused_in_a_sentence(text, says):
 def test_faults_in_order():
     texts = ["2 min kill 1", "30 rounds kill 2", "500ms stop 0,4-6", "1s continue 0, 5"]
     faults = faults_of(texts, 20, 100, 500.0)
-    assert [(f.seconds, f.action, f.robots) for f in faults] == [
-        (0.5, "stop", (0, 4, 5, 6)),
-        (1.0, "continue", (0, 5)),
-        (3.0, "kill", (2,)),
-        (120.0, "kill", (1,)),
-    ]
-    with pytest.raises(InputError, match="robot 1 is killed then"):
-        faults_of(["1s kill 1", "2s stop 1"], 20, 100, 50.0)
+    wanted = [(0.5, "stop", (0, 4, 5, 6)), (1.0, "continue", (0, 5)), (3.0, "kill", (2,)), (120.0, "kill", (1,))]
+    assert [(f.seconds, f.action, f.robots) for f in faults] == wanted
+    for first, said in (("kill", "robot 1 is killed then"), ("stop", "robot 1 is stopped then")):
+        with pytest.raises(InputError, match=said):
+            faults_of([f"1s {first} 1", "2s stop 1"], 20, 100, 50.0)
 
 
 @pytest.mark.parametrize(
@@ -241,11 +233,8 @@ def test_faults_in_order():
     [
         (["commons", "--hz", "0"], "--hz 0"),
         (["commons", "--delay", "5"], "--delay 5"),
-        (["commons", "--link-success", "2"], "--link-success 2"),
-        (["commons", "--jitter", "-1"], "--jitter -1"),
         (["commons", "--duplicate", "1"], "--duplicate 1"),
         (["commons", "--topology", "moving"], "robots that move"),
-        (["commons", "--message", "double"], "--message double: should be float32"),
         (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
         (["commons", "--robots", "5000"], "1,000 processes"),
         (["commons", "--setting", "1"], "--setting goes with a study"),
@@ -262,14 +251,6 @@ def test_wrong_options_are_refused_in_a_sentence(tmp_path, monkeypatch, capsys, 
     assert not [*tmp_path.iterdir()]
 
 
-def test_a_folder_that_is_not_empty_is_refused(tmp_path, capsys):
-    (tmp_path / "here").write_text("")
-    assert main(["swarm", "commons", "--out", str(tmp_path)]) == 2
-    assert f"{tmp_path} is not empty, it holds " in capsys.readouterr().err
-    assert main(["swarm", "commons", "--out", str(tmp_path / "here")]) == 2
-    assert "is a file: name a new folder" in capsys.readouterr().err
-
-
 @pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
 def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
     arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "0.0.0.0", "--out", str(tmp_path / "out")]
@@ -283,11 +264,6 @@ def test_localhost_is_this_machine_alone(tmp_path, capsys):
     assert main(["swarm", "commons", *arguments, "--out", str(tmp_path / "out")]) == 1
     assert "Anyone" not in capsys.readouterr().err
     assert json.loads((tmp_path / "out" / "swarm.json").read_text())["result"]["memory"] > 1_000_000
-
-
-def test_a_stopped_robot_is_not_stopped_again():
-    with pytest.raises(InputError, match="robot 1 is stopped then"):
-        faults_of(["1s stop 1", "2s stop 1"], 4, 100, 50.0)
 
 
 def test_what_processes_cannot_run_is_refused():

@@ -35,13 +35,9 @@ def share_right(minutes, robots, trials=400, **world):
     """The share of robots within 0.05 of the truth after so many minutes, by a run of another seed."""
     moves = world["topology"] == "moving"
     rounds = round(minutes * 60 / (0.1 if moves else 1.0))
-    study = sc.Study(
-        trials=trials,
-        seed=987,
-        swarm={"robots": robots, "accuracy": 0.7, "brain": "commons"},
-        world={"fill_ratio": 0.55} | world,
-        schedule={"ticks": rounds} if moves else {"rounds": rounds},
-    )
+    swarm = {"robots": robots, "accuracy": 0.7, "brain": "commons"}
+    schedule = {"ticks": rounds} if moves else {"rounds": rounds}
+    study = sc.Study(trials=trials, seed=987, swarm=swarm, world={"fill_ratio": 0.55} | world, schedule=schedule)
     data = sc.run(study, jobs=2)
     truth = data["true_fill_ratio"].values[..., np.newaxis] if moves else 0.55
     return float((np.abs(data["final_estimate"].values - truth) <= 0.05).mean())
