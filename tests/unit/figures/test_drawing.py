@@ -118,10 +118,6 @@ def test_a_mixed_swarm_is_a_ring_and_lies_below():
     assert ring.get_markerfacecolor() == "none"
     assert dot.get_markerfacecolor() == palette(1)[0]
     assert lines["dots U(0.5,0.9)"].get_zorder() < lines["dots 0.6"].get_zorder()
-    ax.figure.canvas.draw()
-    shown = np.asarray(ax.figure.canvas.buffer_rgba())[..., :3] / 255
-    x, y = ax.transData.transform(dot.get_xydata()[0])
-    np.testing.assert_allclose(shown[len(shown) - 1 - int(y), int(x)], to_rgb(palette(1)[0]), atol=0.02)
 
 
 def test_medians_have_crosses_of_intervals_over_trials():
@@ -142,30 +138,12 @@ def test_medians_have_crosses_of_intervals_over_trials():
     assert "interval" not in texts(figures.scatter(results.isel(trial=slice(5))))
 
 
-def test_panels_share_limits_unless_they_set_their_own():
-    small, large = study(["0.6"]), study(["0.6"], seed=1)
-    large["convergence_error"] *= 4
-    panels = [("one", small), ("two", large), ("local", small, True), ("own", large, False, 0.05)]
-    figure = scatter_grid(panels, title="all")
-    one, two, local, own = figure.axes
-    assert one.get_ylim() == two.get_ylim() == local.get_ylim()
-    assert one.get_ylim()[1] >= large.convergence_error.max()
-    assert own.get_ylim()[1] == 0.05
-    assert one.get_xlim() == two.get_xlim() == own.get_xlim() != local.get_xlim()
-    assert [ax.get_title("left") for ax in figure.axes] == ["(a) one", "(b) two", "(c) local", "(d) own"]
-    assert sum(ax.get_legend() is not None for ax in figure.axes) == 1
-
-
 def test_the_axis_of_convergence_begins_where_the_data_do():
     late = study(["0.6"])
     late["convergence_round"] = late["convergence_round"] % 50 + 950
     (ax,) = figures.scatter(late).axes
     assert ax.get_xscale() == "linear"
     assert 900 < ax.get_xlim()[0] < 950 < 1000 < ax.get_xlim()[1] < 1010
-    late["convergence_round"][0, 0, 0] = 20  # one that is early takes no room from all others
-    (ax,) = figures.scatter(late).axes
-    assert ax.get_xscale() == "linear"
-    assert -50 < ax.get_xlim()[0] < 20
     late["convergence_round"][0, :, :4] = 20
     (ax,) = figures.scatter(late).axes
     assert ax.get_xscale() == "asinh"
@@ -180,11 +158,6 @@ def test_empty_panel_is_left_out_with_a_note():
         assert "left out, no trial has been run: not run" in texts(figure)
         [axes] = figure.axes
         assert axes.lines
-        figure = Figure(figsize=(8, 3))
-        FigureCanvasAgg(figure)
-        _, right = grid([("run", full), ("not run", empty)], ax=figure.subplots(1, 2)).axes[:2]
-        assert not right.lines
-        assert "no trial has been run" in texts(figure)
 
 
 # ---- decisions
@@ -231,17 +204,6 @@ def test_a_thin_line_is_the_interval_over_trials():
     assert "95 % interval" in texts(figure)
     few = figures.decisions(results.isel(trial=slice(5)))
     assert "interval" not in texts(few)
-
-
-def test_many_checkpoints_are_sampled():
-    results = study(["0.6", "0.7"], checkpoints=range(10, 1010, 10))
-    results = forget(results, checkpoint=slice(90, None))
-    figure = figures.decisions(results)
-    assert "12 of 90 checkpoints" in texts(figure)
-    labels = [t.get_text() for t in figure.axes[0].get_xticklabels()]
-    assert (len(labels), labels[0], labels[-1]) == (12, "10", "900")
-    shown = results.correct.mean("trial").sel(checkpoint=[int(label) for label in labels])
-    np.testing.assert_allclose(drawn(figure.axes[0], "right 0.7")[:, 1], 100 * shown.isel(setting=1))
 
 
 # ---- curves
