@@ -9,19 +9,15 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.brains.packing import BYTES, Format, Numbers, Precision, parts
+from swarmcensus.brains.packing import Format, Numbers, Precision
 from swarmcensus.brains.single import codec_source, rounded_to_single
 from swarmcensus.cli.commands import main
-from swarmcensus.live.robots import robot_of
-from swarmcensus.live.shows import Show
-from swarmcensus.live.simulated import Simulated
 from swarmcensus.runtime import codec
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
-from swarmcensus.studies.tables import Measure
 from tests.reference import formats as reference_formats, rounds as reference, walks as reference_walks
 from tests.support.places import DOCS
-from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of
+from tests.support.small import FAULTS, SEED, failing, heard_in, moving_of, settings_of, study_of
 
 EVERY = [
     Numbers("single", "double"),
@@ -95,14 +91,10 @@ def test_robots_that_move_and_steer_round_as_the_reference(brain):
 @pytest.mark.interpreted
 @pytest.mark.parametrize("adversary", ["jammer", "opposite"])
 def test_liars_talk_in_the_same_format(adversary):
-    study = sc.Study(
-        trials=1,
-        seed=SEED,
-        swarm={"robots": 6, "brain": "commons", "accuracy": 0.8, "precision": "single"},
-        world={"topology": "ring", "fill_ratio": 0.55, "message": "ratio16"},
-        schedule={"rounds": 10},
-        members=[{"robots": 2, "brain": adversary, "honest": False}],
-    )
+    study = study_of(
+        "commons", robots=6, accuracy=0.8, precision="single", rounds=10, trials=1,
+        members=[{"robots": 2, "brain": adversary, "honest": False}], message="ratio16",
+    )  # fmt: skip
     lives_as_the_reference(study.settings())
 
 
@@ -158,12 +150,10 @@ def test_the_codec_in_single_precision_has_the_bits_of_float32():
 
 @pytest.mark.interpreted
 def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
-    study = sc.Study(
-        trials=2,
-        swarm={"robots": 5, "brain": ["commons", "three-state"], "accuracy": 0.8, "precision": [*get_args(Precision)]},
-        world={"topology": "ring", "fill_ratio": 0.55, "message": [*get_args(Format)]},
-        schedule={"rounds": 5},
-    )
+    study = study_of(
+        ["commons", "three-state"], robots=5, accuracy=0.8, precision=[*get_args(Precision)], rounds=5, trials=2,
+        message=[*get_args(Format)],
+    )  # fmt: skip
     data = sc.run(study, jobs=1)
     assert data["message"].values[:5].tolist() == ["double", "float32", "float16", "ratio16", "ratio8"]
     assert set(data["precision"].values) == {"single", "double"}
@@ -179,17 +169,6 @@ def test_results_say_formats_sizes_and_what_was_too_large(tmp_path):
 
 
 @pytest.mark.interpreted
-def test_live_page_shows_assumed_accuracies_and_formats():
-    setting = settings_of(robots=4, brain="minimalistic", accuracy=0.7, rounds=5, **keys_of(EVERY[1]))[0]
-    show = Show(Simulated(setting, SEED, 0), Measure())
-    told = robot_of(show, 3, 1)
-    assert told["sensor"]["believed_b"] == rounded_to_single(0.7) != 0.7
-    trace = record_trial(setting, SEED, 0)
-    assert told["fields"]["alpha"] == trace[0]["alpha"][3, 1]
-    assert sum(heard["said"]["heard_alpha"] for heard in told["heard"]) == trace[0]["beta"][3, 1]
-
-
-@pytest.mark.interpreted
 def test_overflowing_numbers_are_counted_and_clipped(tmp_path, capsys):
     path = tmp_path / "large.py"
     path.write_text(
@@ -200,10 +179,7 @@ def test_overflowing_numbers_are_counted_and_clipped(tmp_path, capsys):
         "def fuse(me):\n    pass\n"
         "def estimate(me):\n    return me.x\n"
     )
-    study = sc.Study(
-        trials=1, swarm={"robots": 2, "brain": str(path), "accuracy": 0.8},
-        world={"topology": "full", "fill_ratio": 0.55, "message": "float16"}, schedule={"rounds": 5},
-    )  # fmt: skip
+    study = study_of(str(path), robots=2, accuracy=0.8, rounds=5, trials=1, topology="full", message="float16")
     data = sc.run(study, jobs=1, out=tmp_path / "large.nc")
     assert data["messages_clipped"].values.tolist() == [[[3.0, 3.0]]]
     assert main(["show", str(tmp_path / "large.nc")]) == 0
@@ -226,17 +202,6 @@ def test_unknown_formats_are_named(table, key, value, said):
     with pytest.raises(sc.InputError, match="study: ") as error:
         sc.Study(trials=1, **tables)
     assert said in str(error.value)
-
-
-def test_every_part_of_a_message_is_coded_once():
-    for name in brains.shipped():
-        brain = brains.load(name)
-        for format in ("float32", "float16", "ratio16", "ratio8"):
-            made = parts(brain.message, brain.roles, format)
-            assert sorted(k for part in made for k in part.places) == list(
-                range(sum(max(n, 1) for n in brain.message.values()))
-            )
-            assert brain.with_numbers(Numbers(message=format)).message_bytes == sum(BYTES[part.coding] for part in made)
 
 
 def test_formats_page_lists_all_brains():

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import swarmcensus as sc
 from swarmcensus.engine.constants import HEARD
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.long import in_two_sizes
+from tests.support.small import study_of
 
 pytestmark = pytest.mark.interpreted
 SEED = 11
@@ -16,10 +16,10 @@ GO = np.zeros(1, np.uint8)
 
 def setting(name, robots, rounds, topology="ring", **parameters):
     """A swarm of which all but one lie."""
-    study = sc.Study(
-        trials=1, seed=SEED, swarm={"robots": robots, "accuracy": 0.7},
-        world={"topology": topology, "fill_ratio": 0.5}, schedule={"rounds": rounds, "observations_per_round": 1},
-        members=[{"robots": robots - 1, "brain": {"file": name, **parameters}, "honest": False}],
+    study = study_of(
+        robots=robots, accuracy=0.7, rounds=rounds, looks=1, trials=1, seed=SEED,
+        members=[{"robots": robots - 1, "brain": {"file": name, **parameters}, "honest": False}], topology=topology,
+        fill_ratio=0.5,
     )  # fmt: skip
     (found,) = study.settings()
     return found

@@ -8,10 +8,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.simulation.trials import record_trial
-from tests.support.small import SEED
+from tests.support.small import SEED, study_of
 
 CHANGING = brains.load("changing-floor")
 ALARM = 4.05  # between two values that the sums can take: rounding then decides nothing
@@ -72,13 +71,10 @@ def test_false_alarms_and_delays_of_the_detector(mean, f):
 
 
 def lives(name, parameters, trial=0, **world):
-    study = sc.Study(
-        trials=1,
-        seed=SEED,
-        swarm={"brain": brains.load(name).with_parameters(parameters), "robots": 10, "accuracy": 0.9},
-        world={"topology": "full", "fill_ratio": 0.65} | world,
-        schedule={"rounds": 400, "observations_per_round": 1},
-    )
+    study = study_of(
+        brains.load(name).with_parameters(parameters), robots=10, accuracy=0.9, rounds=400, looks=1, trials=1,
+        **{"topology": "full", "fill_ratio": 0.65} | world,
+    )  # fmt: skip
     (setting,) = study.settings()
     fields, _, blacks = record_trial(setting, SEED, trial)
     return fields, blacks
@@ -97,29 +93,3 @@ def test_soft_feedback_says_black_as_often_as_it_should():
     error = np.sqrt((black * (1.0 - black)).sum())
     assert abs((said - black).sum()) < 4.0 * error
     assert abs((said - blacks[1:]).sum()) > 4.0 * error  # what it would be without feedback
-
-
-@pytest.mark.long
-def test_positive_feedback_is_sooner():
-    """On a ring, over 40 trials: the mean round of decision is less by more than four paired standard errors; 0.003 %.
-
-    As often right on this floor, or nearly.
-    """
-    study = sc.Study(
-        trials=40,
-        seed=SEED,
-        swarm={
-            "brain": [brains.load("bayes-bots").with_parameters({"every": 1, "feedback": on}) for on in (0, 1)],
-            "robots": 30,
-            "accuracy": 0.9,
-        },
-        world={"topology": "ring", "fill_ratio": 0.58},
-        schedule={"rounds": 1500, "observations_per_round": 1},
-    )
-    found = sc.run(study, jobs=1)
-    assert np.isfinite(found["decision_round"]).all()
-    off, on = found["decision_round"].mean("robot").values
-    gain = off - on
-    assert gain.mean() > 4.0 * gain.std(ddof=1) / np.sqrt(len(gain))
-    right = (found["decision"] == 1).mean(["trial", "robot"]).values
-    assert (right > 0.9).all()

@@ -11,19 +11,13 @@ from scipy import stats
 
 from swarmcensus.engine.constants import DRAW_ALONE, DRAW_ALONE_FUSE, DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
 from swarmcensus.simulation.oracle import own_draws
-from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
-from tests.support.second import OURS, RANDOM, brain, changed, fixed, moving
+from tests.support.second import OURS, RANDOM, brain, changed, fixed
 from tests.support.small import SEED
 
 ROUNDS, ROBOTS = 1000, 6
 P = 1e-4  # of each comparison
-EARS = changed(
-    ("me.heard = me.luck", "me.heard = me.luck\n    me.ears += 1.0"),
-    ("MEMORY = {", 'MEMORY = {"ears": 0.0, '),
-    source=RANDOM,
-)
 
 
 def uniform(values):
@@ -35,15 +29,6 @@ def together(one, other, cells=8):
     """The p of a chi-square test that pairs of uniform numbers fill a grid of cells x cells evenly."""
     found, *_ = np.histogram2d(np.ravel(one), np.ravel(other), bins=cells, range=[[0, 1], [0, 1]])
     return stats.chisquare(found.ravel()).pvalue
-
-
-def apart(values, which):
-    """The p of a test that numbers have one law, whatever else happens: `which` of two or a few things."""
-    values, which = np.ravel(values), np.ravel(which)
-    parts = [values[which == one] for one in np.unique(which)]
-    table = [np.histogram(part, bins=10, range=(0, 1))[0] for part in parts if len(part) > 200]
-    assert len(table) > 1
-    return stats.chi2_contingency(np.array(table)).pvalue
 
 
 @pytest.fixture(scope="module")
@@ -78,15 +63,6 @@ def test_calls_of_a_round_are_independent(trials):
         assert together(trials[0][0][one], trials[0][0][other]) > P
 
 
-def test_robots_are_independent(trials):
-    """All 15 pairs of robots, of each call, as one grid each: 0.03 %; and neighbours across calls, 0.03 %."""
-    for name in OURS:
-        values = trials[0][0][name]
-        pairs = [(values[:, i], values[:, j]) for i, j in combinations(range(ROBOTS), 2)]
-        assert together(*map(np.concatenate, zip(*pairs[::5], strict=True))) > P
-        assert together(values[:, 0::2], trials[0][0]["fused" if name != "fused" else "seen"][:, 1::2]) > P
-
-
 @pytest.mark.parametrize("lag", [1, 2, 7])
 def test_rounds_are_independent(trials, lag):
     """Serially, and across calls: 0.09 % over all lags, by grids; correlations within 4 standard errors, 0.06 %."""
@@ -96,37 +72,6 @@ def test_rounds_are_independent(trials, lag):
         r = np.corrcoef(values[:-lag].ravel(), values[lag:].ravel())[0, 1]
         assert abs(r) < 4 / np.sqrt(values[lag:].size)
     assert together(trials[0][0]["fused"][:-lag], trials[0][0]["seen"][lag:]) > P
-
-
-def test_trials_are_independent(trials):
-    """0.03 %."""
-    for name in OURS:
-        assert together(trials[0][0][name], trials[1][0][name]) > P
-
-
-def test_readings_say_nothing_of_it(trials):
-    """Black or white, of the robot, of its neighbour, of the round before and the next: 0.12 %."""
-    fields, blacks = trials[0]
-    swapped = blacks[:, [1, 0, 3, 2, 5, 4]]
-    for name in OURS:
-        assert apart(fields[name], blacks) > P
-        assert apart(fields[name], swapped) > P
-        assert apart(fields[name][1:], blacks[:-1]) > P
-        assert apart(fields[name][:-1], blacks[1:]) > P
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("topology", ["line", "full"])
-def test_losses_say_nothing_of_it(topology):
-    """Which messages get through depends on the same addresses, under another key: 0.08 % in all."""
-    (setting,) = fixed(brain(EARS), robots=2, rounds=6000, topology=topology, link_success=0.5)
-    fields, *_ = record_trial(setting, SEED, 0)
-    heard = np.diff(fields["ears"], axis=0)
-    assert set(np.unique(heard)) == {0.0, 1.0}
-    for name in ("seen", "fused"):
-        assert apart(fields[name][1:], heard) > P
-    assert uniform(fields["heard"][1:][heard == 1]) > P
-    assert apart(fields["heard"][1:-1][heard[:-1] == 1], heard[1:][heard[:-1] == 1]) > P
 
 
 def test_all_purposes_are_independent():
@@ -143,28 +88,6 @@ def test_all_purposes_are_independent():
         assert together(values[one], values[other]) > P
     keyed = np.array([own_draws(addresses.draw_keys(setting, SEED + 1), 0, t, DRAW_FUSE, 8) for t in range(1, 1001)])
     assert together(values[DRAW_FUSE], (keyed >> np.uint64(12)) / 2.0**52) > P
-
-
-@pytest.mark.long
-def test_walks_say_nothing_of_it():
-    """Whether a robot turns or goes straight, whether it looks, and on which tile it stands: 0.12 % in all."""
-    setting = moving(brain(RANDOM), robots=12, ticks=1500, density=3)
-    ride = record_ride(setting, SEED, 0)
-    steps = np.linalg.norm(np.diff(ride.poses[..., :2], axis=0), axis=2)
-    goes = steps > 0.7 * steps.max()
-    looked = ride.looked[1:]
-    for name in ("fused", "seen"):
-        values = ride.fields[name][1:]
-        assert uniform(values[looked]) > P if name == "seen" else uniform(values) > P
-        mine = looked if name == "seen" else np.ones_like(looked)
-        assert apart(values[mine], goes[mine]) > P
-        assert apart(values[mine], ride.colours[1:][mine]) > P
-        assert apart(values[looked], ride.readings[1:][looked]) > P
-    assert together(ride.fields["fused"][1:][looked], ride.fields["seen"][1:][looked]) > P
-    assert apart(ride.fields["fused"][1:], looked) > P
-    heard = ride.fields["heard"]
-    fresh = heard[1:] != heard[:-1]
-    assert uniform(heard[1:][fresh]) > P
 
 
 def test_a_lot_by_luck_is_fair():

@@ -11,6 +11,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 P = 1e-3
 TIMES = {"explore": 2.0, "disseminate": 4.0}
@@ -19,20 +20,11 @@ UNWEIGHTED = TIMES | {"listen": 2.0, "weighted": 0.0}
 
 def run(brain, trials, robots=10, rounds=400, looks=1, fill_ratio=0.55, topology="full", **parameters):
     """One setting of robots with perfect sensors."""
-    study = sc.Study(
-        trials=trials,
-        seed=23,
-        swarm={"robots": robots, "accuracy": 1.0, "brain": [{"file": brain, **parameters}]},
-        world={"topology": topology, "fill_ratio": fill_ratio},
-        schedule={"rounds": rounds, "observations_per_round": looks},
-        measure={"checkpoints": [rounds]},
-    )
+    study = study_of(
+        [{"file": brain, **parameters}], robots=robots, accuracy=1.0, rounds=rounds, looks=looks, trials=trials,
+        seed=23, measure={"checkpoints": [rounds]}, topology=topology, fill_ratio=fill_ratio,
+    )  # fmt: skip
     return sc.run(study, jobs=2).isel(setting=0)
-
-
-def mean_of(time):
-    """Of ceil(Exp(time)), which is geometric."""
-    return -1.0 / np.expm1(-1.0 / time)
 
 
 @pytest.mark.long(but_every=3)
@@ -79,30 +71,6 @@ def test_times_are_exponential_and_rounded_up(brain, least, told):
         assert stats.chisquare(found[1:], expected[1:]).pvalue > P
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
-def test_the_voters_exit_probability_is_the_first_share(share):
-    """Without qualities, all in reach: each robot's first opinion is as likely to be everybody's last. 0.1 %."""
-    trials = 1500
-    last = run("voter", trials, black_first=share, **UNWEIGHTED)["decision"].values
-    assert (last.min(axis=1) == last.max(axis=1)).mean() > 0.99
-    black = int((last.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, trials, share).pvalue > P
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("senders", [3, 4])
-def test_the_majority_amplifies_the_first_share(senders):
-    """6 of 10 begin with black, and it wins in more than 60 % of trials, the voter's share; of 5 in a half: 0.1 %."""
-    trials = 600
-    last = run("majority", trials, black_first=0.6, senders=senders, **UNWEIGHTED)["decision"].values
-    black = int((last.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, trials, 0.6, alternative="greater").pvalue < 1e-6
-    even = run("majority", trials, senders=senders, **UNWEIGHTED)["decision"].values
-    black = int((even.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, trials, 0.5).pvalue > P
-
-
 def test_qualities_decide_among_voters():
     """Perfect sensors and 7 of 10 tiles black: black is told for longer, and wins more often than the half that begins
     with it. That a rule without weights would pass has a chance of 10^-9.
@@ -112,80 +80,6 @@ def test_qualities_decide_among_voters():
     last = run("voter", trials, fill_ratio=0.7, looks=20, **given)["decision"].values
     black = int((last.mean(axis=1) > 0.5).sum())
     assert stats.binomtest(black, trials, 0.5, alternative="greater").pvalue < 1e-9
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("fill_ratio", "better"), [(0.7, 1.0), (0.3, 0.0)])
-def test_direct_comparison_finds_the_better(fill_ratio, better):
-    """Of 300 readings, 0.7 and 0.3 are told apart but for one time in 10^11: nobody errs, in 200 swarms of 10."""
-    wrong = stats.binom.cdf(300, 600, 0.7)  # that of two robots with 300 readings the worse has the higher quality
-    results = run("direct-comparison", 200, looks=300, fill_ratio=fill_ratio, first=0.0, **TIMES, listen=2.0)
-    assert wrong * 200 * 10 * 400 < 1e-9
-    assert (results["decision"].values == better).all()
-    assert (results["consensus"].values == better).all()
-
-
-def fixed_point(wrong, quiet):
-    """Cross-inhibition at f = 0.5 in the mean field: the majority's share of opinions, and the share that has none.
-
-    With r robots of the majority for one of the minority, and p = ((1 - wrong) r + wrong) / (1 + r) of what is heard
-    saying the majority's, opinions are lost and won at equal rates where r = (p / (1 - p))^2, so that s^2 = r with
-    wrong s^2 - (1 - 2 wrong) s + wrong = 0. `quiet` is how long robots have none for, in times of having one.
-    """
-    s = (1.0 - 2.0 * wrong + np.sqrt(1.0 - 4.0 * wrong)) / (2.0 * wrong)
-    p = s / (1.0 + s)
-    majority = s * s / (1.0 + s * s)
-    lost = (majority * (1.0 - p) + (1.0 - majority) * p) * quiet
-    return majority, lost / (1.0 + lost)
-
-
-@pytest.mark.long
-def test_cross_inhibition_with_wrong_messages():
-    """15 of 100 messages are of the other opinion: within 4 standard errors and what a finite swarm loses, 0.02 %."""
-    quiet = 2.0
-    given = TIMES | {"miscommunication": 0.15, "weighted": 0.0, "disseminate": 4.0, "explore": 4.0}
-    opinions = run("cross-inhibition", 40, 200, 600, 1, 0.5, uncommitted=quiet, **given)["decision"].values
-    majority, none = fixed_point(0.15, mean_of(quiet) / mean_of(4.0))
-    assert majority == pytest.approx(0.9518, abs=1e-4)
-    has = (opinions >= 0).sum(axis=1)
-    black = (opinions == 1).sum(axis=1)
-    for found, expected in ((np.maximum(black, has - black) / has, majority), (1.0 - has / 200, none)):
-        assert abs(found.mean() - expected) < 4.0 * found.std(ddof=1) / np.sqrt(len(found)) + 1.0 / 200
-    switched = run("direct-switching", 40, 200, 600, 1, 0.5, **given)["decision"].values.mean(axis=1)
-    assert abs(switched.mean() - 0.5) < 4.0 * switched.std(ddof=1) / np.sqrt(40)
-    assert np.maximum(switched, 1.0 - switched).max() < 0.75
-
-
-@pytest.mark.long
-def test_cross_inhibition_breaks_the_deadlock():
-    """At f = 0.5 it comes to a consensus of all, in a time that grows as log N; direct switching's grows as N.
-
-    Differences grow at the rate 1/2 in times of having an opinion; without cross-inhibition they only diffuse. From 10
-    robots to 40 the mean logarithm of the time grows by less than log 2.2, and by more than that: 4 standard errors,
-    0.02 % in all.
-    """
-    given = TIMES | {"explore": 4.0, "weighted": 0.0, "fill_ratio": 0.5}
-    for brain, rounds, side, more in (
-        ("cross-inhibition", 600, -1.0, {"uncommitted": 2.0}),
-        ("direct-switching", 3000, 1.0, {}),
-    ):
-        few, many = (run(brain, 100, n, rounds, **given, **more)["consensus_round"].values for n in (10, 40))
-        assert np.isfinite([few, many]).all()
-        grown = np.log(many).mean() - np.log(few).mean()
-        error = np.sqrt((np.log(many).var(ddof=1) + np.log(few).var(ddof=1)) / 100)
-        assert side * (grown - np.log(2.2)) > 4.0 * error
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("brain", ["weighted-voter", "three-state"])
-def test_dances_for_good_bins_are_copied(brain):
-    """Bins by a narrow measure at f = 0.55: all agree, on the best bin in more than half of 60 swarms (p < 0.1 %)."""
-    results = run(brain, 60, 50, 1500, 20, every=1.0, width=0.05)
-    last = results["decision"].values
-    assert (last.max(axis=1) == last.min(axis=1)).all()
-    best = int((last[:, 0] == results["right_option"].values).sum())
-    assert results["right_option"].values[0] == 5
-    assert stats.binomtest(best, 60, 0.5, alternative="greater").pvalue < P
 
 
 def test_the_weighted_voter_copies_dancers_by_their_number():

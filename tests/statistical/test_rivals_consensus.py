@@ -7,8 +7,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.support.lying import CONSTANT
-from tests.support.second import SEED, brain
+from tests.support.small import SEED
 
 PLACES = brains.load("linear-consensus").functions
 P = 1e-3
@@ -63,15 +62,6 @@ def test_consensus_and_innovations_scatter_as_computed():
 
 
 @pytest.mark.long
-def test_consensus_innovations_reaches_the_central_estimate():
-    """The network's mean is normal about the truth, with the variance of all readings pooled: KS, error rate 0.1 %."""
-    found, _ = finals(brains.load("consensus-innovations"), trials=400, rounds=60, looks=20)
-    deviation = np.sqrt(0.44 * 0.56 / (10 * 60 * 20 * 0.6**2))
-    assert stats.kstest((found.mean(axis=1) - 0.4) / deviation, "norm").pvalue > P
-    assert stats.kstest((found[:, 0] - 0.4) / (2 * deviation), "norm").pvalue < P
-
-
-@pytest.mark.long
 @pytest.mark.parametrize("f", [0.1, 0.5])
 def test_variance_of_the_information_filter(f):
     """Sensors of all kinds, a full network: the error times the root of all informations is normal, with variance 1.
@@ -99,31 +89,6 @@ def test_variance_of_the_information_filter(f):
     assert stats.kstest(scaled, "norm").pvalue > P
     assert p_value(scaled) > P
     assert p_value(scaled * 1.2) < P
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("name", "outvoted"), [("linear-consensus", 0), ("w-msr", 0)])
-def test_with_noise_a_liar_drags_the_mean_as_without(name, outvoted):
-    """What is linear in the shares has their mean: x_k as computed with q, the share of black readings, in place of f.
-
-    A full network of 8, one liar; the mean over 400 trials within 4 standard errors, error rate 0.01 % each. W-MSR is
-    so with F = 0 alone; with F = 1 it is nearer.
-    """
-    liar = [{"robots": 1, "brain": brain(CONSTANT, "constant.py"), "honest": False}]
-    used = brains.load(name).with_parameters({"phase": 2.0} | ({"drop": outvoted} if name == "w-msr" else {}))
-    found, _ = finals(used, trials=400, rounds=60, looks=5, robots=8, topology="full", members=liar)
-    means = np.nanmean(found, axis=1)
-    q, x = 0.8 * 0.4 + 0.2 * 0.6, 0.5
-    for k in range(1, 31):
-        u = (q + 1) / 2 if k <= 3 else (q + 6 * x + 1) / 8
-        x += (u - x) / k
-    assert abs(means.mean() - x) < 4 * means.std() / 20
-    assert x - q > 0.2
-    if name == "w-msr":
-        found, _ = finals(
-            used.with_parameters({"drop": 1}), trials=400, rounds=60, looks=5, robots=8, topology="full", members=liar
-        )
-        assert abs(np.nanmean(found) - q) < (x - q) / 4
 
 
 def kept_of(names, order, draws):

@@ -67,14 +67,6 @@ def test_exact_distribution_of_the_local_estimator(t, b, w, f):
         assert chi_square(found, expected) > 1e-3
 
 
-def test_rounds_of_one_trial_are_independent():
-    """Black counts of consecutive rounds are uncorrelated: 4 standard errors, error rate 0.01 %."""
-    results = sc.run(study(trials=1, schedule={"rounds": 2000}, swarm={"robots": 2}))
-    blacks = sc.replay(results, 0, 0)["blacks"].values[1:].astype(float)
-    assert abs(np.corrcoef(blacks[:-1, 0], blacks[1:, 0])[0, 1]) < 4 / np.sqrt(2000)
-    assert abs(np.corrcoef(blacks[:, 0], blacks[:, 1])[0, 1]) < 4 / np.sqrt(2000)
-
-
 @pytest.mark.parametrize("looks", [4, 17])
 def test_single_readings_are_coin_flips(looks):
     """One binomial and a random order of it are R independent flips: all patterns of 4 flips occur at their rates.
@@ -90,26 +82,6 @@ def test_single_readings_are_coin_flips(looks):
     assert chi_square(np.bincount(codes, minlength=16), np.array(expected) * len(codes)) > 1e-3
 
 
-def test_a_local_study_sees_what_the_rounds_saw():
-    """The local estimate at the end of the trial is that of all its observations at once."""
-    readings = record_readings(study().settings()[0], 42, 3)
-    results = sc.run(study())
-    alone = sc.infer(readings, None, 0.675, 10)["x_hat"].values[-1]
-    n = readings.sum(axis=0)
-    assert alone == pytest.approx(np.clip((n / 10 + 0.675 - 1) / 0.35, 0, 1))
-    assert (sc.replay(results, 0, 3)["x_hat"].values[-1] == alone).all()
-
-
-def test_a_full_network_holds_the_pooled_estimate():
-    """Eq. 6 over all robots at once, by hand from their local values; every robot holds it."""
-    results = sc.run(study(trials=5, world={"topology": "full"}, schedule={"rounds": 30}))
-    for trial in range(5):
-        trace = sc.replay(results, 0, trial)
-        alpha, x_hat = trace["alpha"].values[1:], trace["x_hat"].values[1:]
-        pooled = (alpha * x_hat).sum(axis=1) / alpha.sum(axis=1)
-        assert trace["estimate"].values[1:] == pytest.approx(np.repeat(pooled[:, np.newaxis], 50, axis=1), rel=1e-12)
-
-
 def test_long_runs_converge_at_the_fisher_rate():
     """A lone robot's error over its Fisher standard error is N(0, 1): KS against it, error rate 0.1 %."""
     lonely = study(
@@ -120,18 +92,6 @@ def test_long_runs_converge_at_the_fisher_rate():
     p = 0.8 * 0.55 + 0.2 * 0.45
     information = 40_000 * 0.6**2 / (p * (1 - p))
     assert stats.kstest((estimates - 0.55) * np.sqrt(information), "norm").pvalue > 1e-3
-
-
-def test_a_ring_robot_averages_three():
-    """At equal accuracies the informed estimate's variance is a third of the local one's: 4 standard errors.
-
-    Neighbours in a ring share robots, so only every third robot is counted.
-    """
-    long = study(trials=100, swarm={"robots": 48, "accuracy": 0.8}, schedule={"rounds": 500})
-    estimates = sc.run(long)["final_estimate"].values[0, :, ::3].ravel()
-    p = 0.8 * 0.55 + 0.2 * 0.45
-    variance = p * (1 - p) / (0.6**2 * 3 * 5000)
-    assert np.var(estimates) == pytest.approx(variance, rel=4 * np.sqrt(2 / len(estimates)))
 
 
 def test_heterogeneous_robots_are_weighed_by_their_information():

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-import swarmcensus as sc
 from swarmcensus import brains
-from tests.support.small import SEED
+from tests.support.small import moving_of, settings_of
 
 ALL = '''"""All of it at once: parameters, vectors, luck, silence, decisions, an end, an interval, a name."""
 
@@ -237,35 +236,14 @@ def changed(*changes, source=MEANS):
     return source
 
 
-def fixed(used, members=(), faults=(), **world):
+def fixed(used, members=(), **given):
     """A study's settings on fixed networks, of 3 trials with the seed of `small`."""
-    told = {name: world.pop(name) for name in ("robots", "accuracy", "rounds", "looks") if name in world}
-    study = sc.Study(
-        trials=3,
-        seed=SEED,
-        swarm={"robots": told.get("robots", 5), "brain": used, "accuracy": told.get("accuracy", 0.7)},
-        world={"topology": "ring", "fill_ratio": 0.55} | world,
-        schedule={"rounds": told.get("rounds", 8), "observations_per_round": told.get("looks", 1)},
-        faults=list(faults),
-        members=list(members),
-    )
-    return study.settings()
+    return settings_of(brain=used, members=members, **given)
 
 
-def moving(used, members=(), faults=(), body=None, **world):
+def moving(used, members=(), ticks=25, **given):
     """The one setting of a study of robots that move."""
-    told = {name: world.pop(name) for name in ("robots", "accuracy", "ticks") if name in world}
-    study = sc.Study(
-        trials=3,
-        seed=SEED,
-        swarm={"robots": told.get("robots", 6), "brain": used, "accuracy": told.get("accuracy", 0.7)},
-        world={"topology": "moving", "density": 8, "fill_ratio": 0.55, "body": {"tile": 0.05} | (body or {})} | world,
-        schedule={"ticks": told.get("ticks", 25)},
-        faults=list(faults),
-        members=list(members),
-    )
-    (setting,) = study.settings()
-    return setting
+    return moving_of(brain=used, members=members, ticks=ticks, **given)
 
 
 def agreed(decisions):

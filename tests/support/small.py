@@ -34,27 +34,28 @@ def called(function):
     return numba.njit(lambda *given: function(*given))
 
 
-def settings_of(robots=5, brain="minimalistic", accuracy=0.7, rounds=8, looks=1, faults=(), **world):
-    """The settings of a study on fixed networks."""
+def study_of(brain="minimalistic", robots=5, accuracy=0.7, rounds=8, looks=10, trials=3, seed=SEED, ticks=None,
+             body=None, members=(), faults=(), measure=None, **world):  # fmt: skip
+    """A study in few words, on a ring unless the world says otherwise; `ticks` are for robots that move."""
     swarm = {"robots": robots, "brain": brain, "accuracy": accuracy}
     swarm |= {key: world.pop(key) for key in ("assumed_accuracy", "precision") if key in world}
-    study = sc.Study(
-        trials=3, seed=SEED, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55} | world, faults=list(faults),
-        schedule={"rounds": rounds, "observations_per_round": looks},
-    )  # fmt: skip
-    return study.settings()
+    schedule = {"rounds": rounds, "observations_per_round": looks}
+    if ticks is not None:
+        schedule = {"ticks": ticks}
+        world = {"topology": "moving", "density": 8, "body": {"tile": 0.05} | (body or {})} | world
+    world = {"topology": "ring", "fill_ratio": 0.55} | world
+    return sc.Study(trials=trials, seed=seed, swarm=swarm, world=world, schedule=schedule, members=list(members),
+                    faults=list(faults), measure=measure or {})  # fmt: skip
 
 
-def moving_of(robots=6, brain="minimalistic", accuracy=0.7, ticks=12, faults=(), body=None, **world):
+def settings_of(robots=5, brain="minimalistic", accuracy=0.7, looks=1, **given):
+    """The settings of a study on fixed networks."""
+    return study_of(brain, robots, accuracy, looks=looks, **given).settings()
+
+
+def moving_of(robots=6, brain="minimalistic", accuracy=0.7, ticks=12, **given):
     """The one setting of a study of robots that move."""
-    swarm = {"robots": robots, "brain": brain, "accuracy": accuracy}
-    swarm |= {key: world.pop(key) for key in ("precision",) if key in world}
-    study = sc.Study(
-        trials=3, seed=SEED, swarm=swarm, faults=list(faults),
-        world={"topology": "moving", "density": 8, "fill_ratio": 0.55, "body": {"tile": 0.05} | (body or {})} | world,
-        schedule={"ticks": ticks},
-    )  # fmt: skip
-    (setting,) = study.settings()
+    (setting,) = study_of(brain, robots, accuracy, ticks=ticks, **given).settings()
     return setting
 
 

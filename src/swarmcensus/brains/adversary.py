@@ -13,7 +13,7 @@ from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 from swarmcensus.support import safe_source
-from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.plugins import Plugins
 
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
@@ -97,12 +97,8 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
     if name in brains.shipped or not exists(name, base):
         return
     if ((base or Path()) / name).is_file() or name not in brains:
-        raise BrainError(
-            f"brain {name!r}: that is an adversary, which wraps the brain of its swarm: name it under [[members]], "
-            "with honest = false",
-            key="brain",
-            value=name,
-        )
+        wraps = "that is an adversary, which wraps the brain of its swarm"
+        raise BrainError.named("brain", name, f"{wraps}: name it under [[members]], with honest = false")
 
 
 def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
@@ -110,9 +106,9 @@ def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
     try:
         return tree, _contents(tree, constants)
     except syntax.BrokenContract as error:
-        raise InputError(f"adversary file {path}, line {error.line}: {error}") from None
+        raise BrainError.of(path, error, where=f"adversary file {path}, line {error.line}") from None
     except ValueError as error:
-        raise InputError(f"adversary file {path}: {error}") from None
+        raise BrainError.within(f"adversary file {path}", error) from None
 
 
 def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:

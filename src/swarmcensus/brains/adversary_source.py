@@ -22,7 +22,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.safe_source import names_set_by
 
-REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are written anew or left out
+REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are rewritten or left out
 ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it
 VALUES = ("estimate", "opinion", "option", "belief", "information")  # roles that an adversary can lie about
 SPARE = 1e-6  # the weight of a belief's other bins; from a weight of 0, a belief could never recover

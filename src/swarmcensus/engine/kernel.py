@@ -75,7 +75,7 @@ def simulate(
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
     uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
-    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
+    partial = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
         number = given.first + trial
@@ -86,7 +86,7 @@ def simulate(
             arrivals = np.zeros((2, most), np.uint32)
         if swarm.draws.size > 0 and most > draws.shape[1]:
             draws = np.zeros((3, most), np.uint64)
-        work = Work(blacks, bits, single, draws, beside, arrivals)
+        work = Work(blacks, bits, single, draws, partial, arrivals)
         source = source_of(sensors_of(sensors, trial))
         renew(source, 1)
         counted = tally_of(tally, trial)

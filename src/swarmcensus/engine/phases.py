@@ -124,44 +124,44 @@ def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, firs
 
 
 @phase(ARRAY, WHOLE, ARRAY, WHOLE, WHOLE)
-def add_up(outbox, place, sums_beside, size, robots):
-    """Fill `sums_beside` for `hear_all`: row 1 + block is the sum of messages of all robots after that block.
+def add_up(outbox, place, partial_sums, size, robots):
+    """Fill `partial_sums` for `hear_all`: row 1 + block is the sum of messages of all robots after that block.
 
     Blocks have `size` robots. Row 0 is the sum over the robots before the first: zeros.
     """
     blocks = (robots + size - ONE) // size
     said = seen_as(outbox, (place + robots, width), number)
-    beside = seen_as(sums_beside, (ONE + blocks, width), number)
+    partial = seen_as(partial_sums, (ONE + blocks, width), number)
     for j in range(np.uint64(width)):
-        beside[0, j] = 0.0
-    sums = sums_at(beside, ZERO)
-    keep_sums(beside, blocks, sums)
+        partial[0, j] = 0.0
+    sums = sums_at(partial, ZERO)
+    keep_sums(partial, blocks, sums)
     for later in range(ONE, blocks):
         first = (blocks - later) * size
         last = min(first + size, robots)
         for below in range(ZERO, last - first):
             sums = sums_with(sums, said, place + last - ONE - below)
-        keep_sums(beside, blocks - later, sums)
+        keep_sums(partial, blocks - later, sums)
 
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
-def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last, draws):
+def hear_all(memory, outbox, place, partial_sums, block, rows, start, first, last, draws):
     """Robots first ... last - 1 hear all others and end the round, in O(N), for brains whose `receive` only adds.
 
     What a robot hears is a sum over the robots before it and a sum over the robots after it: unlike "all minus own",
-    that has no cancellation. Row 0 of `sums_beside` is the sum over the robots before `first`, and becomes that before
+    that has no cancellation. Row 0 of `partial_sums` is the sum over the robots before `first`, and becomes that before
     `last`; row 1 + block is the sum over the robots from `last` on.
     """
     states = seen_as(memory, last, record)
     said = seen_as(outbox, (place + last, width), number)
-    beside = seen_as(sums_beside, (block + ONE + ONE, width), number)
+    partial = seen_as(partial_sums, (block + ONE + ONE, width), number)
     estimates = seen_as(rows, start + last, np.float64)
-    sums = sums_at(beside, ZERO)
+    sums = sums_at(partial, ZERO)
     for i in range(first, last):
         add_sums(states[i], sums)
         sums = sums_with(sums, said, place + i)
-    keep_sums(beside, ZERO, sums)
-    sums = sums_at(beside, block + ONE)
+    keep_sums(partial, ZERO, sums)
+    sums = sums_at(partial, block + ONE)
     for below in range(ZERO, last - first):
         i = last - ONE - below
         add_sums(states[i], sums)

@@ -55,7 +55,7 @@ from .states import (
 
 
 class Buffers(NamedTuple):
-    """Room to work in; made once, because making it anew in each tick would cost small swarms a tenth of their time."""
+    """Room to work in; made once, because making it in each tick would cost small swarms a tenth of their time."""
 
     bits: Any  # (robot): random words
     seen: Any  # (robot): readings
@@ -64,7 +64,7 @@ class Buffers(NamedTuple):
     message_draws: Any  # (message)
     b: Any  # (robot): accuracies of the tick, where they drift
     w: Any
-    beside: Any  # (2, byte): sums of messages, see `phases.add_up`
+    partial: Any  # (2, byte): sums of messages, see `phases.add_up`
 
 
 @njit(nogil=True, **INSIDE)
@@ -196,9 +196,9 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
-            call(swarm.functions[0, ADD_UP], outbox, then, buffers.beside, n, n)
+            call(swarm.functions[0, ADD_UP], outbox, then, buffers.partial, n, n)
             call(
-                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.beside, ZERO, rows, here, ZERO, n,
+                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.partial, ZERO, rows, here, ZERO, n,
                 place(draws, n),
             )  # fmt: skip
             for i in range(n):

@@ -67,7 +67,7 @@ class Work(NamedTuple):
     bits: Any  # (robot): random words
     single: Any  # (robot): single readings; no robots if they do not go alone
     draws: Any  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
-    beside: Any  # (block + 1, byte): sums of messages, see `phases.add_up`
+    partial: Any  # (block + 1, byte): sums of messages, see `phases.add_up`
     arrivals: Any  # (2, message): receivers and senders of what gets through
 
 
@@ -194,7 +194,7 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
     Nothing is counted or judged where the `Tally` has no robots.
     """
     memory, outbox, signals, rows = states
-    blacks, bits, draws, beside = work.blacks, work.bits, work.draws, work.beside
+    blacks, bits, draws, partial = work.blacks, work.bits, work.draws, work.partial
     counts, verdicts, agreed = tally.counts, tally.verdicts, tally.agreed
     tables, key = source.tables, source.sensors.key
     links, bounds, receivers, senders = graph.mode, graph.bounds, graph.receivers, graph.senders
@@ -219,16 +219,16 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
             renew(source, k + 1)
         hears = r >= 0 and k > delay
         if hears and links == FULL:
-            call(shared[ADD_UP], outbox, said, beside, n if at_once else np.uint64(BLOCK), n)
+            call(shared[ADD_UP], outbox, said, partial, n if at_once else np.uint64(BLOCK), n)
             if at_once:
                 if is_random:
                     words(swarm.draws, trial, k, DRAW_FUSE, ZERO, n, draws[1])
-                call(shared[HEAR_ALL], memory, outbox, said, beside, ZERO, rows, here, ZERO, n, place(draws, fused))
+                call(shared[HEAR_ALL], memory, outbox, said, partial, ZERO, rows, here, ZERO, n, place(draws, fused))
         elif hears and links != LISTED:
             hear_pairs(swarm, states, work, radio, counts, stops, trial, k, said, stop)
         if hears and swarm.is_signalled and (in_sums or links == FULL):
             count_said(signals, said, bounds, senders, links, counts)
-        for block in range(ZERO, np.uint64(beside.shape[0] - 1)):
+        for block in range(ZERO, np.uint64(partial.shape[0] - 1)):
             start = block * np.uint64(BLOCK)
             end = min(start + np.uint64(BLOCK), n)
             if r >= 0 and is_random and not (hears and links == FULL and at_once):
@@ -240,7 +240,7 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                 )  # fmt: skip
             elif hears and links == FULL and not at_once:
                 call(
-                    shared[HEAR_ALL], memory, outbox, said, beside, block, rows, here, start, end,
+                    shared[HEAR_ALL], memory, outbox, said, partial, block, rows, here, start, end,
                     place(draws, fused),
                 )  # fmt: skip
             elif r >= 0 and not (hears and links == FULL):

@@ -21,9 +21,9 @@ from swarmcensus.support.hints import did_you_mean
 
 MOST_FRAMES = 600  # in one answer
 MOST_BYTES = 3_000_000
-PATIENCE = 0.2  # seconds of computation before a page is told that it takes longer
+PATIENCE = 0.2  # seconds of computation before a page learns that it takes longer
 TRIED = 3.0  # the most seconds for which a new trial is tried before it is shown
-ASIDE = 0.05  # the same for what a page does not wait for
+ASIDE = 0.05  # the same for requests that a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
 Answer = bytes | dict[str, Any]
@@ -52,7 +52,7 @@ class Session:
             }  # fmt: skip
             do = request.get("do")
             if not isinstance(do, str) or do not in does:
-                raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
+                raise InputError.at("do", repr(str(do)[:40]), f"should be one of {', '.join(does)}")
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
@@ -131,10 +131,10 @@ class Session:
             return [{"told": robot_of(show, tick, robot), "side": side}]
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
-        """What is new of a recording whose logs grow, since the version that the page knows."""
+        """What is new in growing logs since the version that the page knows."""
         recording = self.offer.logged
         if recording is None or len(self.shows) != 1:
-            raise InputError("do = 'news': only of a recording in logs, without another brain beside it")
+            raise InputError.at("do", "'news'", "only of a recording in logs, without another brain beside it")
         news = recording.news(_whole(request, "since", 0, 2**53))
         return [{**news, "fixed": fixed(self.offer)}]
 
@@ -142,7 +142,7 @@ class Session:
         """K of each side, or a note that it takes longer."""
         self._last()
         assert self.trial is not None
-        if self.settling is None:  # trials of their own: what is shown is not wound to and fro
+        if self.settling is None:  # separate trials, so that the shown ones stay at their rounds
             delta = self.trial.study.measure.delta
             self.settling = tuple(Settling(show, delta) for show in self._shows(self.trial))
         began = time.monotonic()
@@ -255,9 +255,8 @@ def _read(text: str | bytes) -> dict[str, Any]:
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
     for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
-        raise InputError(
-            f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
-        )
+        meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
+        raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request
 
 

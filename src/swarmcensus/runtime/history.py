@@ -1,6 +1,6 @@
 """The history of six robots that every machine runs to be compared: readings, losses and random numbers.
 
-Plain Python and MicroPython alike. It is drawn by a generator of whole numbers of 32 bits, so that every machine draws
+Runs in CPython and in MicroPython. It is drawn by a generator of whole numbers of 32 bits, so that every machine draws
 the same.
 """
 
@@ -39,7 +39,7 @@ class Draws:
         return ((self.next() >> 9) * 2 + 1) / 2**24
 
 
-def told(values, single):
+def shown(values, single):
     """Numbers as text, to the bit."""
     return " ".join([bits(1.0 * value, single) for value in values])
 
@@ -63,7 +63,7 @@ def live(brain, states, radios, fields, owed, is_random, single):
     """Yield what each robot answers and sends in each round, and after some rounds its memory, as lines of text.
 
     brain: has the functions of the contract. states: of six robots. radios: the `Messages` of each. fields: of the
-    memory, in their order. owed: which numbers of `owed` are told. is_random: whether the brain uses luck. single:
+    memory, in their order. owed: which numbers of `owed` are shown. is_random: whether the brain uses luck. single:
     whether numbers are in single precision.
     """
     draws = Draws()
@@ -107,8 +107,8 @@ def live(brain, states, radios, fields, owed, is_random, single):
                 command = brain.steer(me)
                 answers.extend([0.0, 0.0, 0.0] if command is None else [1.0, command[0], command[1]])
             sent = "silent" if said[i] is None else hexlify(said[i]).decode()
-            yield f"{k} {i} {told(answers, single)} {sent}"
+            yield f"{k} {i} {shown(answers, single)} {sent}"
         if k in STOPS:
             for i, (me, radio) in enumerate(zip(states, radios)):
                 memory = flat([getattr(me, name) for name in fields]) + [radio.owed[place] for place in owed]
-                yield f"{k} {i} memory {told(memory, single)}"
+                yield f"{k} {i} memory {shown(memory, single)}"

@@ -1,4 +1,4 @@
-"""What a robot lives, in a file, so that its state can be lived again. Plain Python and MicroPython alike.
+"""What a robot does, in a file, so that it can be replayed. Runs in CPython and in MicroPython.
 
 A log is a row of blocks. A block is its kind (1 byte), the length of its body (4), the body, and a checksum of all of
 them (2: the lower half of CRC-32). Numbers have their low byte first. A log is only ever appended to, one block at a

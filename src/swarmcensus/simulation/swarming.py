@@ -15,7 +15,7 @@ from swarmcensus.studies import Setting
 
 NO_DRAWS = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)
-DECIDED, IS_DONE = "decided", "is_done"  # of a trace, beside a brain's own fields
+DECIDED, IS_DONE = "decided", "is_done"  # of a trace, besides a brain's own fields
 
 
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:

@@ -20,13 +20,13 @@ from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, stat
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies import Setting
 from swarmcensus.support.bins import right_bins
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.options import command
 from swarmcensus.worlds import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
-CROWD_BYTES = 1_000_000_000  # of these, where no other trial is run beside
+CROWD_BYTES = 1_000_000_000  # of these, where no other trial runs at the same time
 SHARED_BYTES = 250_000_000  # of each trial, where several threads share the memory
 
 
@@ -236,7 +236,8 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
     if isinstance(error, compiler.NotCompiled):
         check = command("swarmcensus", "brains", "--check", error.brain.path)
         crew, what = (error.brain,), f"it cannot be compiled: {check} says why"
-    return InputError(f"brain {' or '.join(repr(brain.name) for brain in crew)} fails in {which} of {setting}: {what}")
+    names = " or ".join(repr(brain.name) for brain in crew)
+    return BrainError(f"brain {names} fails in {which} of {setting}: {what}", key="brain", value=crew[0].name)
 
 
 @interruptible

@@ -39,7 +39,7 @@ def set_out(
     state = np.zeros((STATE, robots))
     bodies = Bodies(state, body.numbers, side / 2.0, key, commands)
     if not compile_world("walk").place(bodies, trial):
-        raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m")
+        raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m", key="robots", value=robots)
     if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
         state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
     state[PACE] = body.speed * body.tick if speeds is None else speeds

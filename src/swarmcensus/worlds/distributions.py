@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from swarmcensus.engine import compile_world
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.forms import Form, Number, Share, any_of
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import Plugins, error_message
@@ -21,7 +21,7 @@ PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
 ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # where quantiles are tried: the least, a middle and the largest u
 
-MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm whose quantiles give a mean
+MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm: their quantiles give a mean
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Distribution:
         """Raise ValueError if its numbers make no distribution, or if values are below `least` or above 1."""
         module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
-            self._called(f"{_head(self.kind)}: ", lambda: module.check(*self.numbers))
+            self._called(lambda: module.check(*self.numbers), _head(self.kind))
         if hasattr(module, "centre") and not self.edition:
             self._bounded(np.array([module.centre(*self.numbers)]), least)
         else:
@@ -111,24 +111,27 @@ class Distribution:
         if not self.edition:
             return quantile(uniform, *self.numbers)  # type: ignore[no-any-return]
         above = np.maximum(uniform, ENDS[0])
-        values: np.ndarray = self._called(f"{self}: ", lambda: np.array(quantile(above, *self.numbers), np.float64))
+        values: np.ndarray = self._called(lambda: np.array(quantile(above, *self.numbers), np.float64))
         if values.shape != uniform.shape:
-            raise InputError(f"{self}: for numbers {uniform.shape} it should give as many, not {values.shape}")
+            raise self._error(f"for numbers {uniform.shape} it should give as many, not {values.shape}")
         self._bounded(values, least)
         if uniform is ENDS and (values != np.array(quantile(above, *self.numbers))).any():
-            raise InputError(f"{self}: its quantiles should be the same at each call: randomness comes from u alone")
+            raise self._error("its quantiles should be the same at each call: randomness comes from u alone")
         return values
 
     def _bounded(self, values: np.ndarray, least: float) -> None:
         outside = values[~((values >= least) & (values <= 1.0))]
         if outside.size:
-            raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}")
+            raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}", key="spread", value=self)
 
-    def _called(self, head: str, call: Callable[[], Any]) -> Any:
+    def _error(self, what: str, head: str = "") -> BrainError:
+        return BrainError(f"{head or self}: {what}", key="spread", value=self)
+
+    def _called(self, call: Callable[[], Any], head: str = "") -> Any:
         try:
             return call()
         except Exception as error:
-            raise InputError(f"{head}{error_message(error, PLUGINS.path(self.kind))}") from error
+            raise self._error(error_message(error, PLUGINS.path(self.kind)), head) from error
 
 
 def bounds(least: float) -> str:
@@ -223,5 +226,5 @@ def _parameters(kind: str) -> list[inspect.Parameter]:
     if hasattr(module, "quantile"):
         return list(inspect.signature(module.quantile).parameters.values())[1:]
     if kind not in PLUGINS.shipped:
-        raise InputError(f"spread {kind!r}, {PLUGINS.outside[kind].value}: it has no function quantile")
+        raise PLUGINS.error(kind, "it has no function quantile")
     return list(inspect.signature(module.centre).parameters.values())

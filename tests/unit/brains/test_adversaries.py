@@ -1,4 +1,4 @@
-"""Adversaries: what each says by hand, whatever it wraps, and composed brains held against the engine."""
+"""Adversaries: what each says by hand, whatever it wears, and composed brains held against the engine."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.brains import adversary
 from swarmcensus.brains.adversary_source import HELPERS
-from swarmcensus.checks.machine_code import agrees, step_by_step
+from swarmcensus.checks.machine_code import agrees
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import sampling
@@ -77,17 +77,6 @@ def test_a_slow_liar_goes_one_pace_a_round():
     )
 
 
-def test_creeper_is_a_step_away():
-    used, me = wrapped("creeper", step=0.02), robot(wrapped("creeper", step=0.02), 7, 10)
-    honest, other = brains.load("minimalistic"), robot(brains.load("minimalistic"), 7, 10)
-    for _ in range(3):
-        assert used.functions.broadcast(me)[0] == pytest.approx(honest.functions.broadcast(other)[0] + 0.02)
-        for state, brain_of in ((me, used), (other, honest)):
-            brain_of.functions.observe(state, 3, 10)
-            brain_of.functions.receive(state, (0.4, 5.0))
-            brain_of.functions.fuse(state)
-
-
 def own(draws):
     """What an adversary sees of luck: all but its 20 highest bits."""
     return draws * 2**20 % 1.0
@@ -114,16 +103,6 @@ def test_mirror_repeats_the_mean_it_heard():
     assert used.functions.broadcast(me)[0] == pytest.approx(mean)
     used.functions.fuse(me)
     assert used.functions.broadcast(me)[0] == pytest.approx(mean)
-    used.functions.receive(me, (1.0, 5.0))
-    me.luck = 1.0 - 2.0**-53
-    used.functions.fuse(me)
-    assert used.functions.broadcast(me)[0] == 1.0
-    honest = brains.load("minimalistic")
-    other = robot(honest, 7, 10)
-    for message in ((0.2, 5.0), (0.3, 5.0), (0.7, 5.0), None, (1.0, 5.0)):
-        honest.functions.fuse(other) if message is None else honest.functions.receive(other, message)
-    honest.functions.fuse(other)
-    assert used.functions.estimate(me) == honest.functions.estimate(other)  # it listens as its brain does
 
 
 def test_a_forger_has_another_name_each_round():
@@ -144,15 +123,6 @@ def test_a_jammer_makes_noise_as_often_as_it_is_told():
         assert used.functions.jam(me) == (own(draws) < 0.3)
     assert used.functions.broadcast(me) == honest.functions.broadcast(robot(honest, 7, 10))
     assert not wrapped("jammer", often=0.0).functions.jam(me)
-
-
-@pytest.mark.long
-def test_a_jammer_s_life_can_be_told_call_by_call(capsys):
-    """As for a brain that hangs in the last check: the calls before it are printed."""
-    step_by_step(wrapped("jammer", often=0.3))()
-    said = capsys.readouterr().out
-    assert said.count("fuse(me)") == 25 * 12
-    assert said.count("jam(me)") == 25 * 60
 
 
 def test_each_field_is_lied_about_by_what_it_means():
@@ -179,17 +149,6 @@ def test_each_field_is_lied_about_by_what_it_means():
         assert len(found) == 8
         for one, other in zip(found, told, strict=True):
             assert one == pytest.approx(other, abs=1e-12), name
-
-
-def test_who_is_silent_is_silent_as_a_liar_too():
-    for name in NAMES:
-        used = wrapped(name, by=brain(RICH))
-        me = used.robot(0.9, 0.8, 3.0)
-        assert used.functions.broadcast(me) is None
-        used.functions.observe(me, 1.0, 2.0)
-        assert used.functions.broadcast(me) is not None
-        me.mood = 0.8
-        assert used.functions.broadcast(me) is None
 
 
 def test_lies_stay_in_range_and_confidence_above_0():
@@ -269,7 +228,6 @@ def test_what_does_not_go_together_is_told(lies, source, said):
         ("def lie(me):\n    return 1.0\n", "lie takes 1 arguments: 2 are right"),
         ("def lie(me, x):\n    me.y = 1.0\n    return x\n", "line 2: lie uses me.y"),
         ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is new only in hear and plot"),
-        ("def lie(me, x):\n    if x > 0.5:\n        return x\n", "lie may end without returning anything"),
         ("def lie(me, x):\n    return x\n\n\ndef jam(me):\n    pass\n", "jam may end without returning anything"),
         ("def lie(me, x):\n    return x\n\n\ndef boasts(me, c):\n    return c\n", "did you mean 'boast'?"),
         (
@@ -277,9 +235,6 @@ def test_what_does_not_go_together_is_told(lies, source, said):
             "MESSAGE belongs to the brain that the adversary wraps",
         ),
         ('PARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    me.p = 2.0\n    return x\n', "lie sets me.p: parameters"),
-        ('MEMORY = {"p": 1.0}\nPARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    return x\n', "is in MEMORY too"),
-        ("MEMORY = 3\n\n\ndef lie(me, x):\n    return x\n", "MEMORY should be a dict"),
-        ('MEMORY = {"luck": 3.0}\n\n\ndef lie(me, x):\n    return x\n', "'luck' is reserved by the engine"),
         ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
         (
             "def lie(me, x):\n    pow = eval\n    return pow(x, 2)\n",
@@ -312,14 +267,11 @@ def test_a_helper_may_be_called_as_a_written_function_is(name):
     ("own", "use", "lie", "told"),
     [
         ("def abs(x):\n    return 0.125\n", "abs(1.0)", "abs(x - 1.0)", 0.25),
-        ("def max(x, y):\n    return 0.875\n", "max(0.0, 1.0)", "max(x, 0.5)", 0.75),
-        ("def min(x, y):\n    return 0.625\n", "min(0.0, 1.0)", "min(x, 0.5)", 0.5),
-        ("def float(x):\n    return 0.375\n", "float(1.0)", "0.5 * float(x)", 0.375),
         ("from math import floor as int\n", "int(-0.5)", "0.5 + 0.25 * int(x - 1.0)", 0.5),
         ("from math import *\n", "pow(2, 70)", "pow(2, 70) % 2 + (pow(2, 70) + 1) % 2 * 0.5", 0.5),
         ("math = 0.25\n", "math", "math.sqrt(0.25) * x", 0.375),
     ],
-    ids=["abs", "max", "min", "float", "int", "pow", "math"],
+    ids=["abs", "int", "pow", "math"],
 )
 def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
     """3 of 4 are black: 0.75, of which Python's function is told; the brain goes on using its own."""
@@ -357,15 +309,6 @@ def test_constants_and_locals_are_as_they_were():
 
 
 SILENT = {  # the end of a `broadcast` that is silent unless it has seen more than one black
-    "no argument": """
-    if me.n > 1.0:
-        return (estimate(me),)
-    return quiet()
-
-
-def quiet():
-    return None
-""",
     "a number": """
     return maybe(me.n)
 
@@ -381,14 +324,6 @@ def maybe(n, me):
     if n <= 1.0:
         return None
     return (estimate(me),)
-""",
-    "kept first": """
-    said = maybe(me)
-    return said
-
-
-def maybe(me):
-    return (estimate(me),) if me.n > 1.0 else None
 """,
     "set by turns": """
     said = None
@@ -416,17 +351,6 @@ def test_however_silence_is_said_it_is_kept(ends):
     assert used.uses.silence
     assert used.functions.broadcast(robot(used, 1, 4)) is None
     assert used.functions.broadcast(robot(used, 3, 4)) == (0.25,)
-
-
-@pytest.mark.long(but=["set by turns"])
-@pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
-def test_however_silence_is_said_machine_code_keeps_it(ends, untraced):
-    agrees(forged(ends))
-
-
-def test_who_never_speaks_never_lies():
-    used = wrapped("always-black", by="alone")
-    assert used.functions.broadcast(robot(used, 3, 4)) is None
 
 
 @pytest.mark.interpreted
@@ -469,8 +393,6 @@ def give(one, me, lot):
 
 def test_nobody_wears_an_oracle(capsys):
     said = "brain 'oracle': an oracle hears no liars, so no adversary can wrap it"
-    with pytest.raises(ValueError, match=said):
-        wrapped("always-black", by="oracle")
     assert main(["brains", "--check", "always-black", "--wrapping", "oracle"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -487,13 +409,6 @@ def test_nobody_wears_an_oracle(capsys):
 def test_swarms_with_liars_live_as_by_brute_force(name, topology):
     for used in ("minimalistic", brain(RICH)):
         lived(few_with(name, used, topology))
-
-
-@pytest.mark.long(only=["noisy-mirror-True", "noisy-mirror-False"])
-@pytest.mark.parametrize(("name", "rich"), [("jammer", False), ("noisy-mirror", False), ("noisy-mirror", True)])
-def test_compiled_swarms_with_liars_live_as_by_brute_force(name, rich):
-    """One that jams, and one that hears and has luck: that the others are the same in machine code is asked above."""
-    lived(few_with(name, brain(RICH) if rich else "minimalistic", "ring"))
 
 
 def few_with(name, used, topology):
@@ -520,18 +435,6 @@ def test_who_hears_a_jammer_hears_nothing(topology, often):
     assert heard[1] < heard[0]
 
 
-def test_jammers_on_a_line_by_hand():
-    """Five in a row: who stands beside the jammer hears nothing in any of six rounds, the others all that is said."""
-    (setting,) = fixed("minimalistic", robots=5, rounds=6, members=liars("jammer", 1), topology="line")
-    for trial in range(3):
-        batch = run_batch(setting, SEED, trial, 1, MEASURE, GO)
-        jammer = int(np.flatnonzero(sampling.groups(setting, SEED, trial, 1)[0])[0])
-        others = [i for i in range(5) if i != jammer]
-        due = [0 if abs(i - jammer) == 1 else 6 * sum(0 <= j < 5 for j in (i - 1, i + 1)) for i in others]
-        assert batch.counts[0, HEARD].tolist() == due
-        assert (batch.counts[0, SENT] == 6).all()
-
-
 @pytest.mark.long(but_every=2)
 @pytest.mark.parametrize(
     ("name", "rich"),
@@ -552,11 +455,3 @@ def test_on_the_move(name, rich):
     assert batch.counts[0, HEARD].tolist() == np.array(life.states.heard)[honest].tolist()
     assert batch.counts[0, SENT].tolist() == np.array(life.states.sent)[honest].tolist()
     assert batch.counts[0, HEARD].sum() > 0
-
-
-def test_missing_brain_of_an_adversary(capsys):
-    assert main(["brains", "--check", "always-black", "--wrapping", "legcy"]) == 2
-    shown = capsys.readouterr()
-    assert shown.out == ""
-    assert "did you mean 'legacy'?" in shown.err
-    assert len(shown.err.strip().splitlines()) == 1

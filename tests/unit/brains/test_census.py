@@ -9,6 +9,7 @@ from scipy.stats import chi2, f as f_ratio, norm
 import swarmcensus as sc
 from swarmcensus import brains
 from tests.support.places import EXAMPLE
+from tests.support.small import study_of
 
 CENSUS = brains.load("census")
 DO = CENSUS.functions
@@ -54,12 +55,6 @@ class TestRipening:
             ratios.append(me.ripe_s / me.ripe_v)
         assert (ratios[1] - ratios[0]) * 200 == pytest.approx((1 - (r / 200) ** 2) * 3 / 2, abs=0.03)
 
-    def test_age_is_a_third_of_the_rounds(self):
-        (me,) = robots(1)
-        for _ in range(300):
-            round_of([me], [(5.0, 10.0)], [[]])
-        assert 3 * me.ripe_v / me.v == pytest.approx(300, rel=0.01)
-
     def test_nothing_is_biased_by_losses_lateness_and_late_joiners(self):
         """Readings that are what is expected of f leave every ratio at f, whatever is heard, and when."""
         random = np.random.default_rng(1)
@@ -97,58 +92,12 @@ class TestNoise:
         low, high = f_ratio.ppf([0.0005, 0.9995], 300, 300)
         assert low < statistic < high
 
-    @pytest.mark.parametrize(
-        "world", [{"topology": "ring"}, {"topology": "scale-free", "link_success": 0.3}, {"topology": "full"}]
-    )
-    def test_robots_hardly_ever_begin_anew_where_nothing_changes(self, world):
+    @pytest.mark.parametrize("topology", ["ring", "full"])
+    def test_robots_hardly_ever_begin_anew_where_nothing_changes(self, topology):
         """Then estimates are those of a brain that finds no change, to the bit: in 18 of 20 trials or more."""
-        study = sc.Study(
-            trials=20, seed=4, swarm={"robots": 30, "accuracy": 0.75, "brain": ["census", NEVER]},
-            world=world | {"fill_ratio": 0.55}, schedule={"rounds": 400, "observations_per_round": 10},
-        )  # fmt: skip
+        study = study_of(["census", NEVER], robots=30, accuracy=0.75, rounds=400, trials=20, seed=4, topology=topology)
         found, never = sc.run(study)["final_estimate"].values
         assert (found == never).all(axis=-1).sum() >= 18
-
-
-class TestPatches:
-    @pytest.mark.parametrize("looks", [1, 10])
-    @pytest.mark.parametrize("q", [0.02, 0.2, 0.5, 0.99])
-    def test_independent_readings_are_not_alike(self, q, looks):
-        """On average over 4,000 robots and 100 rounds, within 4 standard errors."""
-        random = np.random.default_rng(7)
-        (me,) = robots(1, 1.0, 1.0)
-        me.near, me.rounds, ends = q, 2.0, []
-        blacks = random.binomial(looks, q, (4000, 101)).astype(float)
-        for row in blacks:
-            me.alike, me.fresh, me.last = 0.0, float(looks), row[0] / looks
-            for me.fresh_s in row[1:]:
-                DO.walk(me)
-            ends.append(me.alike)
-        assert abs(np.mean(ends)) < 4.0 * np.std(ends) / 4000**0.5
-
-    @pytest.mark.parametrize("q", [0.1, 0.5])
-    def test_alike_is_the_correlation_of_successive_readings(self, q):
-        """Each reading is the one before with probability 0.7; over 20,000 rounds."""
-        random = np.random.default_rng(8)
-        (me,) = robots(1, 1.0, 1.0)
-        me.near, me.rounds, me.fresh, me.last = q, 2.0, 1.0, 0.0
-        known = []
-        for repeats in random.random(20000) < 0.7:
-            me.fresh_s = me.last if repeats else float(random.random() < q)
-            DO.walk(me)
-            known.append(me.alike)
-        assert np.mean(known[5000:]) == pytest.approx(0.7, abs=0.05)
-
-    @pytest.mark.long
-    def test_liars_on_a_white_floor(self):
-        study = sc.Study(
-            trials=15, seed=9, swarm={"robots": 20, "accuracy": 0.99, "brain": "census"},
-            members=[{"robots": 4, "brain": "creeper", "honest": False}],
-            world={"topology": ["full", "ring"], "fill_ratio": 0.0},
-            schedule={"rounds": 1000, "observations_per_round": 10},
-        )  # fmt: skip
-        errors = np.nanmedian(sc.run(study)["final_estimate"], axis=(1, 2))
-        assert (errors < 0.005).all()  # 0.011 and 0.013 if lies could
 
 
 class TestMixed:
@@ -164,19 +113,6 @@ class TestMixed:
         assert [me.company for me in swarm] == [-1.0, -2.0, -2.0, -2.0, -2.0]
         round_of(swarm, [(1.0, 4.0)] * 5, [[j for j in range(5) if j != k] for k in range(5)])
         assert all(me.company == -1.0 for me in swarm)  # they hear of it
-
-    def test_their_noise_is_at_least_half_of_the_most(self):
-        """(1.02 z)^2 times half of 0.25 / n is a change, (0.98 z)^2 is none, though the coins tell of no noise."""
-        for times, begins in ((0.98, 0.0), (1.02, 1.0)):
-            (me,) = robots(1)
-            for _ in range(100):
-                round_of([me], [(5.0, 10.0)], [[]])
-            me.company, me.noise, me.coin, me.fresh, me.alone, me.coins = -2.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            off = times * 3.5 * math.sqrt(0.5 * 0.25 / 20.0 / 50.0)
-            me.short_v = 50.0 * 20.0
-            me.short_s = me.short_v * (me.ripe_s / me.ripe_v + off)
-            DO.compare(me, 1000.0, 20.0)
-            assert me.anew == begins
 
 
 class TestChange:
@@ -204,25 +140,6 @@ class TestChange:
         assert first.v < 3.0
         assert first.x == pytest.approx(begun, abs=0.01)  # the prior counts more now
 
-    def test_it_counts_all_again_once_it_has_seen_enough(self):
-        first, other = self.settled()
-        first.anew, first.s, first.v = 1.0, 31.0, 31.0
-        DO.fuse(first)
-        DO.receive(first, DO.broadcast(other))
-        DO.fuse(first)
-        assert first.anew == 0.0
-        assert first.v > 31.0
-
-    def test_restarted_neighbour_needs_agreement(self):
-        for off, begins in ((0.02, 0.0), (2.5, 1.0)):
-            first, other = self.settled()
-            other.anew = 1.0
-            DO.receive(first, DO.broadcast(other))
-            deviation = (first.noise / first.short_v) ** 0.5
-            first.short_s += 2.0 * off * deviation * first.short_v  # the mean with the other halves it
-            DO.fuse(first)
-            assert first.anew == begins
-
     @pytest.mark.parametrize(
         ("voices", "begun", "least"),
         [(3, 1, 1.5**2), (8, 1, 1.5**2), (21, 1, 1.5**2 + 1.9302), (84, 2, 1.5**2 + 3.3165), (9001, 1, 3.5**2)],
@@ -238,28 +155,6 @@ class TestChange:
             me.short_s = me.short_v * (me.ripe_s / me.ripe_v + off)
             DO.compare(me, 1000.0, float(voices))
             assert me.anew == begins
-
-    def test_a_small_change_is_found_sooner_than_by_tracking(self):
-        study = sc.Study(
-            trials=10, seed=5, swarm={"robots": 50, "accuracy": 0.75, "brain": ["census", "tracking"]},
-            world={"topology": "ring", "fill_ratio": {"from": 0.65, "to": 0.55, "at": 201}},
-            schedule={"rounds": 500, "observations_per_round": 10},
-            measure={"metrics": ["recovery-time"], "bins": 2},
-        )  # fmt: skip
-        ours, tracking = sc.run(study)["recovery_time"].median(["trial", "robot"]).values
-        assert ours < tracking / 2
-
-
-@pytest.mark.parametrize("world", [{}, {"link_success": 0.1}, {"message_delay": 10}])
-def test_it_is_sooner_than_commons(world):
-    study = sc.Study(
-        trials=10, seed=6, swarm={"robots": 100, "accuracy": 0.625, "brain": ["census", "commons"]},
-        world=world | {"topology": "ring", "fill_ratio": 0.55},
-        schedule={"rounds": 1000, "observations_per_round": 10},
-    )  # fmt: skip
-    rounds = sc.run(study)["convergence_round"].values
-    ours, commons = np.median(np.where(rounds < 0, np.inf, rounds), axis=(1, 2))
-    assert ours < commons / 2
 
 
 class TestLiars:
@@ -294,14 +189,6 @@ class TestLiars:
                 round_of(swarm, [(float(n), 50.0) for n in blacks], [[j for j in range(5) if j != k] for k in range(5)])
             scores.append((swarm[0].near - 0.5) / swarm[0].error)
         assert chi2.ppf(0.0005, 400) < np.square(scores).sum() < chi2.ppf(0.9995, 400)
-
-    def test_a_neighbour_with_other_readings_is_not_heard(self):
-        honest = self.met([(50.0, 100.0), (50.0, 100.0), (95.0, 100.0)])
-        pair = self.met([(50.0, 100.0), (50.0, 100.0)])
-        for me, other in zip(honest, pair, strict=False):
-            assert (me.ripe_s, me.ripe_v, me.near) == (other.ripe_s, other.ripe_v, other.near)
-        assert honest[2].x == pytest.approx(1.0)
-        assert honest[0].guard == 0.0  # in the first round: twice 0
 
     def test_sums_far_from_r_are_not_counted(self):
         (me,) = self.met([(50.0, 100.0)], rounds=10)
@@ -342,22 +229,7 @@ class TestLiars:
             DO.fuse(me)
         assert me.guard == 0.0
 
-    def test_far_readings_are_clipped(self):
-        """Of two robots with v = 36: 0.6 standard errors of a reading and r, and none from 2.5 on."""
-        for blacks, counted in ((50.0, None), (54.0, 0.6), (80.0, 0.0)):
-            (me,) = self.met([(50.0, 100.0)], rounds=10)
-            (other,) = self.met([(blacks, 100.0)], rounds=10)
-            f, error = (blacks / 100 - 0.2) / 0.6, math.sqrt(0.25 / 360 + me.error**2)
-            DO.receive(me, DO.broadcast(other))
-            if counted is None:
-                assert me.near_heard_s / me.near_heard_v == pytest.approx(f)
-            elif counted:
-                assert 0.6 * error < f - me.near < 2.5 * error
-                assert me.near_heard_s / me.near_heard_v == pytest.approx(me.near + 0.6 * error)
-            else:
-                assert me.near_heard_v == 0.0
-
-    @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -1e6, 1e30])
+    @pytest.mark.parametrize("value", [math.nan, -math.inf, 1e30])
     @pytest.mark.parametrize(
         "field", ["s", "v", "ripe_s", "ripe_v", "short_s", "short_v", "coins", "noise", "seen", "own_s", "own_v"]
     )
@@ -387,69 +259,6 @@ class TestLiars:
                 DO.observe(me, 5.0, 10.0)
                 DO.fuse(me)
                 assert me.trial == 0.0
-        DO.begin_anew(me)
-        assert me.trial == 1.0
-        DO.observe(me, 2.0, 10.0)
-        me.ripe_s = me.s = me.guess = 0.0
-        DO.fuse(me)
-        trial = me.trial
-        assert trial > 1.0
-        DO.begin_anew(me)
-        assert me.trial == trial  # it goes on
-        while me.trial > 0.0:
-            DO.observe(me, 2.0, 10.0)
-            me.ripe_s, me.s = 0.0, 0.0
-            DO.fuse(me)
-        assert me.trust == 4.0
-
-    def test_a_trial_of_no_difference_ends_once_others_know_enough(self):
-        (me,) = self.met([(50.0, 100.0)], rounds=50)
-        DO.begin_anew(me)
-        while me.v < 30.0:
-            assert me.trial > 0.0
-            DO.observe(me, 5.0, 10.0)
-            DO.fuse(me)
-        DO.observe(me, 5.0, 10.0)
-        DO.fuse(me)
-        assert (me.anew, me.trial, me.trust, me.pause, me.guard) == (0.0, 0.0, 4.0, 0.0, 0.0)
-
-    def test_a_robot_without_readings_hears_others_again(self):
-        me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
-        DO.begin_anew(me)
-        round_of([me, other], [(0.0, 0.0), (50.0, 100.0)], [[1], [0]])
-        assert me.anew == 0.0
-        before = me.v
-        round_of([me, other], [(0.0, 0.0), (50.0, 100.0)], [[1], [0]])
-        assert me.v > before
-
-    @pytest.mark.parametrize(("own_trial", "heard"), [(0.0, 1.0), (4.0, 0.0)])
-    def test_old_readings_need_confirmation_by_others(self, own_trial, heard):
-        me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
-        other.own_s, other.trial = 0.9 * other.own_v, 4.0
-        me.trial = own_trial
-        DO.observe(me, 50.0, 100.0)
-        DO.receive(me, DO.broadcast(other))
-        assert me.voices == heard
-
-    @pytest.mark.long(only=["slow-liar"])
-    @pytest.mark.parametrize("liar", ["always-black", "slow-liar"])
-    def test_a_swarm_that_hears_liars_all_over_follows_a_change(self, liar):
-        study = sc.Study(
-            trials=15, seed=10, swarm={"robots": 50, "accuracy": 0.75, "brain": "census"},
-            members=[{"robots": 10, "brain": liar, "honest": False}],
-            world={"topology": "full", "fill_ratio": {"from": 0.75, "to": 0.55, "at": 301}},
-            schedule={"rounds": 800, "observations_per_round": 10},
-        )  # fmt: skip
-        errors = np.nanmedian(abs(sc.run(study)["final_estimate"] - 0.55), axis=(0, 2))
-        assert (errors > 0.02).sum() <= 3  # in 15 trials; 8 and 11 if the old readings of liars are excused
-
-    def test_robot_without_readings_follows_confirmed_changes(self):
-        me, other = self.met([(50.0, 100.0)] * 2, rounds=10)
-        other.own_s = 0.9 * other.own_v
-        for trial, heard in ((0.0, 0.0), (4.0, 1.0)):
-            me.trial = trial
-            DO.receive(me, DO.broadcast(other))
-            assert me.voices == heard
 
     def test_own_readings_decide_whether_a_change_is_one(self):
         """Logarithms of likelihoods of normal readings, whose variance is 1 / (4 v)."""
@@ -476,7 +285,7 @@ class TestLiars:
             assert (me.own_s / me.own_v == pytest.approx(0.2)) == changed
             assert (me.guard > 0.0) != changed
 
-    @pytest.mark.long(but=["shouter", "creeper"])
+    @pytest.mark.long
     @pytest.mark.parametrize(
         "liar",
         [
@@ -486,11 +295,9 @@ class TestLiars:
         ],
     )  # fmt: skip
     def test_it_is_better_than_alone_among_liars(self, liar):
-        study = sc.Study(
-            trials=50, seed=8, swarm={"robots": 20, "accuracy": 0.75, "brain": ["census", "alone"]},
-            members=[{"robots": 6, "brain": liar, "honest": False}],
-            world={"topology": ["full", "ring"], "fill_ratio": 0.55},
-            schedule={"rounds": 600, "observations_per_round": 10},
+        study = study_of(
+            ["census", "alone"], robots=20, accuracy=0.75, rounds=600, trials=50, seed=8,
+            members=[{"robots": 6, "brain": liar, "honest": False}], topology=["full", "ring"],
         )  # fmt: skip
         results = sc.run(study)
         errors = np.nanmedian(abs(results["final_estimate"] - 0.55), axis=(1, 2))

@@ -51,14 +51,6 @@ class TestThreeState:
             found.add(tuple(me.beliefs))
         assert len(found) == 1023
 
-    def test_robots_unsure_of_no_bin_in_common_stay_unsure_of_all(self):
-        me, rule = robot("three-state")
-        rounds(me, rule, draws=0.0005 + 2.0 / 1023.0)  # bins 0 and 1
-        assert list(me.beliefs)[:3] == [0.5, 0.5, 0.0]
-        me.steps = 0.0
-        rounds(me, rule, [(1.0, 4.0, (0.0,) * 4 + (0.5, 0.5) + (0.0,) * 4)])
-        assert list(me.beliefs) == [0.5, 0.5, 0.0, 0.0, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0]
-
 
 @pytest.mark.parametrize("name", DANCERS)
 def test_it_dances_as_long_as_its_site_is_good(name):

@@ -1,4 +1,4 @@
-"""The examples of the contract's optional functions: they keep it, and are of use."""
+"""The examples of the contract's second edition: they keep it, and are of use."""
 
 import numpy as np
 import pytest
@@ -14,13 +14,6 @@ def ran(name, **tables):
     """A study's results, with fewer trials and rounds."""
     schedule = {"rounds": 200, "observations_per_round": 10}
     return sc.run(sc.Study.load(EXAMPLE / f"{name}.toml").with_(trials=4, schedule=schedule, **tables), jobs=2)
-
-
-@pytest.fixture(scope="module")
-def quiet_and_sure():
-    """Two of the brains of the study of optional functions."""
-    brain = [{"file": "quiet.py", "step": [0.005, 0.05]}, "sprt.py"]
-    return ran("second-edition", swarm={"brain": brain, "robots": 50, "accuracy": 0.7})
 
 
 def test_each_uses_what_it_is_there_to_show():
@@ -47,23 +40,6 @@ def test_all_believe_better_than_chance():
     right = (data["decision"] == data["right_option"]).mean(["trial", "robot"]).values[decided]
     assert set(data["brain"].values[decided]) == {"histogram.py", "sprt.py"}
     assert (right > 0.85).all()
-
-
-@pytest.mark.long
-def test_the_quiet_speak_less_and_know_nearly_as_much(quiet_and_sure):
-    data = quiet_and_sure
-    quiet = data.sel(setting=(data["brain"] == "quiet.py").values)
-    said = quiet["messages_sent"].mean(["trial", "robot"]).values
-    coarse = quiet["step"].values == 0.05
-    assert said[coarse].max() < 5 < said[~coarse].min() < said[~coarse].max() < 60
-
-
-def test_who_is_sure_looks_no_more(quiet_and_sure):
-    data = quiet_and_sure
-    sprt = data.sel(setting=(data["brain"] == "sprt.py").values)
-    assert (sprt["done_round"].values == sprt["decision_round"].values).all()
-    assert np.median(sprt["done_round"]) < 100
-    assert (sprt["messages_sent"] == 200).all()
 
 
 @pytest.mark.long

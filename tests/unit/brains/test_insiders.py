@@ -93,14 +93,6 @@ def test_machine_code_says_and_knows_the_same(untraced):
     agrees(brains.lying_brain(adversary_of(SOURCE), brain(RICH)))
 
 
-def test_silent_brain_and_insiders():
-    used = brains.lying_brain(knowing(("own_v", "n"), "def lie(me, x):\n    return me.own_v\n"), brains.load("alone"))
-    me = robot(used, 3, 4)
-    assert used.functions.broadcast(me) is None
-    assert me.liar_own_v == 0.0
-    assert me.n == 3.0
-
-
 @pytest.mark.parametrize(
     ("lies", "source", "said"),
     [
@@ -126,30 +118,19 @@ def test_a_brain_that_it_does_not_fit_is_told_with_the_line(lies, source, said):
         ('KNOWS = "n"\n' + HONEST, "line 1: KNOWS = 'n': should be a tuple of fields of the brain"),
         ('X = 1\nKNOWS = ("n", 2)\n' + HONEST, "line 2: KNOWS = ('n', 2): should be a tuple"),
         ('MEMORY = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "line 2: KNOWS names 'n', which is a field of its own"),
-        ('PARAMETERS = {"n": 0.0}\nKNOWS = ("n",)\n' + HONEST, "which is a field of its own"),
-        ('KNOWS = ("b",)\n' + HONEST, "line 1: KNOWS names 'b', which every adversary has"),
         ('KNOWS = ("luck",)\n' + HONEST, "KNOWS names 'luck', which every adversary has"),
+        (HONEST.replace("x\n", "me.n\n"), "line 2: lie uses me.n: a robot has only b, w"),
         (
-            HONEST.replace("x\n", "me.n\n"),
-            "line 2: lie uses me.n: a robot has only b, w and the fields of MEMORY and PARAMETERS, and of the ",
+            'KNOWS = ("n",)\n' + HONEST.replace("return x", "me.n = 1.0\n    return x"),
+            "line 3: lie sets me.n",
         ),
-        (
-            'KNOWS = ("n",)\ndef lie(me, x):\n    me.n = 1.0\n    return x\n',
-            "line 3: lie sets me.n, which is read-only",
-        ),
-        ('KNOWS = ("n",)\n' + HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x takes 1 arguments: 2 are right"),
-        ('KNOWS = ("n",)\n' + HONEST + "\ndef say_x(me, v):\n    pass\n", "line 5: say_x may end without returning"),
-        (
-            "def lie(me, x):\n    return x\n\n\ndef say_x(me, v):\n    return me.luck\n",
-            "say_x reads me.luck, which is new",
-        ),
-        (
-            "say_x = 1.0\n\n\ndef lie(me, x):\n    return x\n\n\ndef say_x(me, v):\n    return v\n",
-            "say_x is also the name of a function",
-        ),
+        (HONEST + "\ndef say_x(me):\n    return 1.0\n", "say_x takes 1 arguments: 2 are right"),
+        (HONEST + "\ndef say_x(me, v):\n    pass\n", "line 4: say_x may end without returning"),
+        (HONEST + "\ndef say_x(me, v):\n    return me.luck\n", "say_x reads me.luck, which is new"),
+        ("say_x = 1.0\n" + HONEST + "\ndef say_x(me, v):\n    return v\n", "say_x is also the name of a function"),
     ],
 )
-def test_what_is_no_insider_is_told_with_the_line(source, said):
+def test_faults_of_an_insider_are_named(source, said):
     with pytest.raises(InputError, match=r"^adversary file liar\.py") as error:
         adversary_of(source)
     assert said in str(error.value)
@@ -216,19 +197,9 @@ def test_insider_is_run_again_from_results(tmp_path, monkeypatch, capsys):
 
 def test_the_shipped_insider_is_what_its_first_lines_say():
     """By hand: sums move by `step`, own sums by `own`, both further by `grow` a round, from round `sleeps` on."""
-    base = EXAMPLE
-    lies = adversary.load("insider.py", base).with_parameters(
-        {
-            "step": 0.02,
-            "own": 0.05,
-            "short": -0.01,
-            "grow": 0.01,
-            "weight": 3.0,
-            "sleeps": 1.0,
-            "noise": 4.0,
-            "anew": 2.0,
-        }
-    )
+    told = {"step": 0.02, "own": 0.05, "short": -0.01, "grow": 0.01}
+    told |= {"weight": 3.0, "sleeps": 1.0, "noise": 4.0, "anew": 2.0}
+    lies = adversary.load("insider.py", EXAMPLE).with_parameters(told)
     used, honest = brains.lying_brain(lies, brains.load("census")), brains.load("census")
     fields = list(honest.message)
 

@@ -5,15 +5,12 @@ import tomllib
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-import swarmcensus as sc
 from swarmcensus import brains
 from tests.support.places import ROOT
 
 NET = brains.load("recurrent")
 STUDIES = ROOT / "studies" / "rivals"
-RANGES = ["tau=1:50:log", "bias=-3:3", "inputs=-3:3", "weights=-4:4", "output=-6:6", "offset=-3:3"]
 
 
 def sigma(z):
@@ -54,21 +51,6 @@ def test_rounds_by_hand(debiased):
         assert NET.functions.broadcast(me) == (me.x,)
 
 
-def test_many_short_steps_follow_the_differential_equation():
-    """With time constants of a thousand rounds, Euler's rule is near to what SciPy integrates."""
-    given = drawn(2) | {"tau": tuple(1000.0 * (1 + np.arange(5)))}
-    me = NET.with_parameters(given).robot(0.7, 0.7)
-    tau, bias = np.array(given["tau"]), np.array(given["bias"])
-    weights, inputs = np.reshape(given["weights"], (5, 5)), np.reshape(given["inputs"], (5, 3))
-    drive = inputs @ [1.0, 0.4, 1.0]
-    exact = solve_ivp(lambda _, y: (weights @ sigma(y + bias) + drive - y) / tau, (0, 3000), np.zeros(5), rtol=1e-9)
-    for _ in range(3000):
-        NET.functions.observe(me, 1.0, 1.0)
-        NET.functions.receive(me, (0.7,))
-        NET.functions.fuse(me)
-    assert list(me.y) == pytest.approx(exact.y[:, -1], abs=3e-3)
-
-
 def test_nothing_overflows():
     assert [NET.functions.squash(z) for z in (-1e9, 0.0, 1e9)] == [0.0, 0.5, 1.0]
     assert NET.functions.squash(1.7) == pytest.approx(1 / (1 + math.exp(-1.7)), abs=1e-15)
@@ -92,59 +74,3 @@ def test_the_weights_are_those_that_the_search_found():
     unseen = tomllib.loads((STUDIES / "recurrent-unseen.toml").read_text(encoding="utf-8"))
     assert unseen["swarm"]["brain"][1] == line
     assert NET.parameters["debiased"] == 0.0
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("name", "losses"),
-    [
-        ("recurrent", (0.5, 0.426895641421138, 0.5933630576245719)),
-        ("recurrent-debiased", (0.5, 0.39385013124247337, 0.5946142688492598)),
-    ],
-)
-def test_the_search_begins_as_its_log_says(name, losses):
-    """The start's loss, the least and the mean of the first generation: the whole of it takes minutes."""
-    tuned = sc.tune(STUDIES / f"{name}.toml", RANGES, budget=33, trials=2, jobs=1)
-    [start, *first] = [one.loss for one in tuned.evaluations]
-    assert (start, min(first), float(np.mean(first))) == pytest.approx(losses, abs=1e-9)
-
-
-@pytest.mark.long
-def test_recurrent_net_generalises():
-    """Not told its sensors, it is level where they are good; told of them, with weights trained so, it is nearer."""
-    study = sc.Study.load(STUDIES / "recurrent-unseen.toml")
-    results = sc.run(study)
-    errors = abs(results["final_estimate"] - results["fill_ratio"]).median(["trial", "robot"])
-
-    def of(brain, accuracy, debiased=None):
-        mine = (results["brain"] == brain) & (results["accuracy"] == accuracy)
-        if debiased is not None:
-            mine &= results["debiased"] == debiased
-        return float(errors[mine.values].mean())
-
-    for accuracy in ("0.7", "U(0.6,0.9)"):
-        assert of("recurrent", accuracy, 0.0) < 0.9 * of("alone", accuracy)
-    assert of("recurrent", "0.9", 0.0) == pytest.approx(of("alone", "0.9"), rel=0.1)
-    for accuracy in ("0.7", "0.9", "U(0.6,0.9)"):
-        assert of("recurrent", accuracy, 1.0) < 0.75 * of("alone", accuracy)
-        assert of("oracle", accuracy) < of("minimalistic", accuracy) < of("recurrent", accuracy, 1.0)
-
-
-@pytest.mark.long
-def test_it_is_good_for_as_long_as_it_was_trained_for():
-    """Not for half as long, and for eight times as long it is no better, while a robot alone is."""
-    results = sc.run(
-        sc.Study(
-            seed=6, trials=20, swarm={"brain": ["recurrent", "alone"], "robots": 30, "accuracy": [0.7, 0.9]},
-            world={"topology": "line", "fill_ratio": [0.25, 0.85]},
-            schedule={"rounds": [50, 100, 800], "observations_per_round": 1},
-        )
-    )  # fmt: skip
-    errors = abs(results["final_estimate"] - results["fill_ratio"]).median(["trial", "robot"])
-
-    def of(brain, rounds):
-        return float(errors[((results["brain"] == brain) & (results["rounds"] == rounds)).values].mean())
-
-    assert of("recurrent", 50) > 1.5 * of("recurrent", 100)
-    assert of("recurrent", 800) > of("recurrent", 100)
-    assert of("recurrent", 800) > 3 * of("alone", 800)

@@ -5,6 +5,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 TAUGHT = brains.load("self-taught")
 RUN = TAUGHT.functions
@@ -102,39 +103,11 @@ def test_what_the_swarm_makes_of_a_sensor_is_what_it_is():
     assert RUN.estimate(states[0]) == pytest.approx(0.8, abs=1e-4)
 
 
-def test_who_fits_again_puts_its_evidence_in_again():
-    states = [robot(1.0, 1.0) for _ in range(5)]
-    for k, me in enumerate(states):
-        RUN.observe(me, 90.0 if k == 0 else 400.0, 100.0 if k == 0 else 1000.0)
-    talk(states, 300, everyone(5))
-    assert states[0].out == 1.0
-    RUN.observe(states[0], 310.0, 900.0)  # 0.4 of all
-    talk(states, 300, everyone(5))
-    assert states[0].out == 0.0
-    assert states[0].given_v == pytest.approx(states[1].given_v, rel=0.01)
-
-
-@pytest.mark.interpreted
-def test_mirrored_worlds_look_alike():
-    """(f, b) and (1 - f, 1 - b) give the same readings: told so, all are sure, and nobody is out in either."""
-    chance = np.random.default_rng(6)
-    readings = (chance.random((200, 6)) < 0.7 * 0.9 + 0.3 * 0.1).astype(float)
-    ring = [[k, (k + 1) % 6] for k in range(6)]
-    right, mirrored = (sc.infer(readings, ring, a, 2, brain=TAUGHT) for a in (0.9, 0.1))
-    assert right["estimate"].values + mirrored["estimate"].values == pytest.approx(1.0, abs=1e-9)
-    assert right["estimate"].values[-1] == pytest.approx(0.7, abs=0.05)
-    assert not right["out"].values[-1].any()
-    assert not mirrored["out"].values[-1].any()
-
-
 def swarm_of(wrong, told, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):
     return sc.run(
-        sc.Study(
-            seed=8, trials=trials,
-            swarm={"brain": brain, "robots": 20, "accuracy": truth, "assumed_accuracy": truth},
-            members=[{"robots": wrong, "assumed_accuracy": told}],
-            world={"topology": topology, "fill_ratio": fill},
-            schedule={"rounds": rounds, "observations_per_round": 10},
+        study_of(
+            brain, robots=20, accuracy=truth, assumed_accuracy=truth, rounds=rounds, trials=trials, seed=8,
+            members=[{"robots": wrong, "assumed_accuracy": told}], topology=topology, fill_ratio=fill,
         )
     )  # fmt: skip
 
@@ -147,30 +120,3 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(told, truth, fill):
     assert error.max() < 0.05
     assert np.median(error) < 0.01
     assert np.median(plain) > 3.0 * np.median(error)
-
-
-def test_common_sensor_error_is_invisible():
-    """Told 0.95 and 0.75 at f = 0.75: 0.75 0.5 + 0.25 = 0.625 is made (0.625 - 0.05)/0.9; one or none is right."""
-    for wrong in (19, 20):
-        error = swarm_of(wrong, 0.95, 0.75, 0.75)["final_estimate"].values - (0.625 - 0.05) / 0.9
-        assert abs(error).max() < 0.02
-
-
-def test_one_honest_robot_against_impossible_readings():
-    """Told 0.55, but 0.95 at f = 0.95: 0.905 black is more than an all-black floor gives: nineteen step back."""
-    error = abs(swarm_of(19, 0.55, 0.95, 0.95, rounds=1200)["final_estimate"].values - 0.95)
-    assert error.max() < 0.03
-    nobody = swarm_of(20, 0.55, 0.95, 0.95)["final_estimate"].values
-    assert nobody == pytest.approx(0.5, abs=0.02)  # all have stepped back, and say that they do not know
-
-
-@pytest.mark.parametrize("topology", ["ring", "full"])
-def test_where_nobody_is_wrong_it_is_little_worse_than_commons(topology):
-    """At the median of 30 swarms of mixed sensors, whose ratio is known to a tenth: at most a quarter more error."""
-    study = sc.Study(
-        seed=8, trials=30, swarm={"brain": ["commons", "self-taught"], "robots": 20, "accuracy": "U(0.525, 0.975)"},
-        world={"topology": topology, "fill_ratio": 0.55}, schedule={"rounds": 400, "observations_per_round": 10},
-    )  # fmt: skip
-    error = abs(sc.run(study)["final_estimate"].values - 0.55)
-    assert np.median(error[1]) < 1.25 * np.median(error[0])
-    assert error[1].max() < 0.05

@@ -76,23 +76,6 @@ class TestRests:
                 single.functions.observe(me, 1.0, 1.0)
             assert me.v + me.v_rest == pytest.approx(1e6 + added, abs=1e-3)
 
-    def test_nothing_of_a_mean_is_lost_in_single_precision(self):
-        brain = brains.load("commons").with_numbers(Numbers("single"))
-        me = brain.robot(rounded_to_single(0.8), rounded_to_single(0.8))
-        me.v, me.v_rest = 1e6, 2.0**-30  # what rounding took so far
-        brain.functions.receive(me, (0.0, 1e6 + 0.0625))
-        brain.functions.receive(me, (0.0, 1e6 + 0.0625))
-        brain.functions.fuse(me)
-        assert me.v != 1e6 + 0.125 / 3.0
-        assert me.v + me.v_rest == pytest.approx(1e6 + 0.125 / 3.0, abs=1e-8)
-
-    def test_a_restart_forgets_the_rests(self):
-        brain = brains.load("tracking")
-        me = brain.robot(0.8, 0.8)
-        me.s, me.v, me.long_s, me.long_v, me.s_rest, me.v_rest = 90.0, 100.0, 1e4, 1e5, 0.25, 0.5
-        brain.functions.fuse(me)
-        assert (me.long_s, me.long_v, me.s_rest, me.v_rest) == (pytest.approx(0.9), 1.0, 0.0, 0.0)
-
 
 class TestDays:
     """A day of a swarm at 10 Hz, a fifth of the messages lost; `swift` keeps its momentum only if none is."""
@@ -111,18 +94,6 @@ class TestDays:
 
 
 class TestLives:
-    @pytest.mark.long
-    def test_commons_needs_the_rests(self, tmp_path):
-        """Without them, single precision leaves double precision within 2^26 readings."""
-        assert single_life.life(forgetful("commons", tmp_path), 1000, beyond=True).first is not None
-        assert single_life.life(brains.load("commons"), 1000, beyond=True) == (None, None)
-
-    def test_minds_begin_with_their_own_numbers(self):
-        """Those of a brain in single precision, as the engine keeps them."""
-        brain = brains.load("steadfast").with_numbers(Numbers("single"))
-        state = single_life._blank(brain)[0]
-        assert (state["typical"], state["sure"], state["cap"]) == (0.25, 2.0, 2.0)
-
     def test_the_very_reading_is_named(self, tmp_path):
         """At the reading 5,000 the sum is 2^24 + 1, which float32 has not."""
         source = brains.load("alone").source.partition("def estimate")[0]
@@ -144,6 +115,7 @@ class TestLives:
 
 
 class TestShell:
+    @pytest.mark.long
     def test_check_says_at_which_reading(self, tmp_path, monkeypatch, capsys):
         monkeypatch.setattr(suite, "check", lambda path, wrapping="": [suite.Check(suite.KEEPS, None)])
         assert main(["brains", "--check", "minimalistic", "--single", "--json"]) == 0
@@ -156,8 +128,3 @@ class TestShell:
     def test_it_needs_a_file(self, capsys):
         assert main(["brains", "--single"]) == 2
         assert "--single needs --check" in capsys.readouterr().err
-
-    def test_the_list_has_a_column(self, capsys):
-        assert main(["brains", "--json"]) == 0
-        rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)["brains"]}
-        assert rows["minimalistic"]["single_precision_readings"] == single_lives()["minimalistic"]

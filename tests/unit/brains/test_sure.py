@@ -12,6 +12,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 SURE = brains.load("sure").functions
 
@@ -26,12 +27,6 @@ def state(b=0.9, w=0.8, name=0.0, **given):
 @pytest.mark.parametrize("degrees", [1.0, 2.0, 3.0, 6.0, 7.0])
 def test_the_quantile_is_student_s(alpha, degrees):
     assert SURE.quantile(alpha, degrees) == pytest.approx(stats.t.ppf(1.0 - alpha / 2.0, degrees), rel=1e-9)
-
-
-@pytest.mark.parametrize("degrees", [1.5, 3.5, 4.2, 5.5, 6.9])
-def test_quantile_between_whole_degrees(degrees):
-    ratio = SURE.quantile(0.01, degrees) / stats.t.ppf(0.995, degrees)
-    assert 1.0 <= ratio < (1.02 if degrees > 3.0 else 1.4)
 
 
 def test_streams_alike_give_the_interval_of_a_mean():
@@ -61,29 +56,12 @@ def test_unequal_streams_have_fewer_degrees_of_freedom():
     assert (high - low) / 2.0 > stats.t.ppf(0.975, 7) * error
 
 
-def test_nearly_all_evidence_in_one_stream_tells_nothing():
-    for least in (1e-4, 1e-20):
-        me = state(s=[0.5] + [0.5 * least] * 7, v=[1.0] + [least] * 7, looks=10**6, voices=3.0, rounds=1.0)
-        assert SURE.interval(me) == (0.0, 1.0)
-
-
 def test_readings_all_alike_are_no_certainty():
     """Perfect sensors that saw only black: what share of white would not have shown, with 95 %."""
     me = state(b=1.0, w=1.0, s=[10.0] * 8, v=[10.0] * 8, looks=80.0, voices=8.0, rounds=8.0)
     low, high = SURE.interval(me)
     assert (low, high) == (pytest.approx(1.0 - math.log(20.0) / 80.0), 1.0)
     assert low**80 == pytest.approx(0.05, rel=0.1)
-
-
-def test_a_robot_without_evidence_in_some_stream_cannot_tell():
-    me = state(v=[1.0] * 7 + [0.0], s=[0.5] * 8, looks=100.0, voices=3.0, rounds=1.0)
-    assert SURE.interval(me) == (0.0, 1.0)
-    nobody = state(b=0.5, w=0.5)
-    for _ in range(40):
-        SURE.observe(nobody, 3.0, 5.0)
-        SURE.fuse(nobody)
-    assert SURE.interval(nobody) == (0.0, 1.0)
-    assert not SURE.done(nobody)
 
 
 def test_eight_robots_feed_all_streams():
@@ -103,16 +81,6 @@ def test_eight_robots_feed_all_streams():
             assert (SURE.interval(me) != (0.0, 1.0)) == told
 
 
-def test_who_must_never_miss_says_all():
-    """Where all streams have evidence, it divided by alpha."""
-    me = state(alpha=0.0, s=[0.5] * 8, v=[1.0] * 8)
-    for _ in range(16):
-        SURE.observe(me, 3.0, 5.0)
-        SURE.fuse(me)
-    assert SURE.interval(me) == (0.0, 1.0)
-    assert not SURE.done(me)
-
-
 def test_looks_follow_twice_as_many_rounds_each():
     me, looks = state(within=0.0), []
     for round in range(1, 121):
@@ -120,16 +88,6 @@ def test_looks_follow_twice_as_many_rounds_each():
         if me.look > len(looks):
             looks.append(round)
     assert looks == [8, 24, 56, 120]
-
-
-def test_blocks_double_for_independent_readings():
-    """In the third stream first: a robot named 10."""
-    me, fed = state(name=10.0, pairs=1e6, looks=1e7), []
-    for _ in range(24):
-        fed.append(SURE.stream(me))
-        SURE.fuse(me)
-    assert fed[:8] == [2, 3, 4, 5, 6, 7, 0, 1]
-    assert fed[8:] == [(2 + k // 2) % 8 for k in range(16)]
 
 
 def test_products_of_successive_rounds_are_averaged():
@@ -174,20 +132,12 @@ def test_streams_change_slowly_on_patches():
         assert (SURE.interval(me) != (0.0, 1.0)) == fed
 
 
-def test_all_looks_together_spend_alpha():
-    spent = sum(4.0 * 0.05 / ((j + 3.0) * (j + 4.0)) for j in range(1, 10**5))
-    assert spent == pytest.approx(0.05, rel=1e-4)
-    assert spent < 0.05
-
-
 def covered(alpha, trials, robots, **world):
     """Each trial's share of robots whose interval holds f, at each checkpoint."""
     brain = {"file": "sure", "alpha": alpha, "within": 1e-9}
-    study = sc.Study(
-        trials=trials, seed=21,
-        swarm={"brain": brain, "robots": robots, "accuracy": [0.7, "U(0.525, 0.975)"]},
-        world={"topology": "ring", "fill_ratio": [0.55, 0.95]} | world,
-        schedule={"rounds": 120, "observations_per_round": 10}, measure={"checkpoints": [40, 120]},
+    study = study_of(
+        brain, robots=robots, accuracy=[0.7, "U(0.525, 0.975)"], rounds=120, trials=trials, seed=21,
+        measure={"checkpoints": [40, 120]}, **{"fill_ratio": [0.55, 0.95]} | world,
     )  # fmt: skip
     return sc.run(study)["coverage"].values
 
@@ -205,25 +155,22 @@ def test_intervals_hold_as_often_as_they_say(alpha, world):
 
 
 def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
-    """At most alpha of them in each of eight cells, by 4 standard errors over 60 trials."""
-    study = sc.Study(
-        trials=60, seed=22,
-        swarm={"brain": {"file": "sure", "within": [0.03, 0.06]}, "robots": 16, "accuracy": [0.8, 1.0]},
-        world={"topology": "ring", "fill_ratio": [0.05, 0.55]},
-        schedule={"rounds": 1016, "observations_per_round": 10}, measure={"checkpoints": [1016]},
+    """At most alpha of them in each of four cells, by 4 standard errors over 60 trials."""
+    study = study_of(
+        {"file": "sure", "within": 0.06}, robots=16, accuracy=[0.8, 1.0], rounds=504, trials=60, seed=22,
+        fill_ratio=[0.05, 0.55],
     )  # fmt: skip
     found = sc.run(study)
-    truth, within = found["fill_ratio"].values[:, None, None], found["within"].values[:, None, None]
     stopped = np.isfinite(found["done_estimate"].values)
-    wrong = (stopped & (np.abs(found["done_estimate"].values - truth) > within)).mean(axis=2)
+    off = np.abs(found["done_estimate"] - found["fill_ratio"]).transpose("setting", "trial", "robot").values
+    wrong = (stopped & (off > 0.06)).mean(axis=2)
     assert stopped.all()
     assert np.all(wrong.mean(axis=1) <= 0.05 + 4.0 * wrong.std(axis=1) / 60**0.5)
     assert np.all(wrong.mean(axis=1) < 0.05)
-    at = found["done_round"].median(("trial", "robot")).values.reshape(2, 2, 2)
     assert np.all(found["done_round"].values % 8 == 0)
-    assert at.min() >= 8
 
 
+@pytest.mark.long
 def test_wrong_stops_on_patches():
     """At most alpha of them, where a spread within robots' walks misses them for a third: 4 standard errors."""
     study = sc.Study(

@@ -5,21 +5,15 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 TRACKING = brains.load("tracking")
 RUN = TRACKING.functions
+BOTH = ["commons", "tracking"]
 
 
 def robot(b=1.0, w=1.0, **given):
     return TRACKING.with_parameters(given).robot(b, w)
-
-
-def study_of(fill_ratio, brain, trials=20, rounds=400, accuracy=0.8, topology="ring", seed=4):
-    return sc.Study(
-        seed=seed, trials=trials, swarm={"brain": brain, "robots": 20, "accuracy": accuracy},
-        world={"topology": topology, "fill_ratio": fill_ratio}, measure={"metrics": ["recovery-time"]},
-        schedule={"rounds": rounds, "observations_per_round": 10},
-    )  # fmt: skip
 
 
 def test_a_round_by_hand():
@@ -69,28 +63,6 @@ def test_the_short_sums_hold_what_is_fresh():
     assert me.v == pytest.approx(30.0)
 
 
-def test_chance_stays_within_the_bound():
-    """Where all are mixed and q = 1/2, the worst, the difference's variance is below the bound and not far below.
-
-    The variance of 4,000 draws is known to 2.2 %: the limits are four standard errors from the exact ratio, which is
-    (sum w^2 / v^2 - 1/V) / (1/v - 1/V).
-    """
-    chance, robots = np.random.default_rng(3), 5
-    me, weights, drawn = robot(z=1e9), np.zeros(0), []
-    for _ in range(60):
-        RUN.observe(me, 5.0, 10.0)
-        RUN.fuse(me)
-        weights = np.append(weights, np.ones(10))
-        weights *= min(1.0, me.v / weights.sum())
-    for _ in range(4000):
-        pooled = chance.binomial(robots, 0.5, len(weights)) / robots
-        drawn.append(pooled.mean() - (weights * pooled).sum() / weights.sum())
-    bound = (1.0 / me.v - 1.0 / me.long_v) / (4.0 * robots)
-    exact = (weights @ weights / me.v**2 - 1.0 / me.long_v) / (1.0 / me.v - 1.0 / me.long_v)
-    assert 0.3 < exact < 0.7
-    assert np.var(drawn) / bound == pytest.approx(exact, rel=0.09)
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_tracking_is_commons_on_constant_floors(topology):
@@ -98,7 +70,8 @@ def test_tracking_is_commons_on_constant_floors(topology):
 
     Of a chance of 3 %, more than 8 of 100 are met once in 300 seeds.
     """
-    final = sc.run(study_of(0.55, ["commons", "tracking"], trials=100, topology=topology))["final_estimate"].values
+    final = sc.run(study_of(BOTH, robots=20, accuracy=0.8, rounds=400, trials=100, seed=4, topology=topology))
+    final = final["final_estimate"].values
     differ = (abs(final[0] - final[1]) > 1e-9).any(axis=1).sum()
     assert differ <= (8 if topology == "full" else 2)
     assert np.median(abs(final[1] - 0.55)) <= 1.02 * np.median(abs(final[0] - 0.55))
@@ -106,24 +79,14 @@ def test_tracking_is_commons_on_constant_floors(topology):
 
 def test_after_a_change_it_is_right_within_few_rounds():
     """Nine of ten robots within 40 rounds, where commons needs more than the 200 that are left."""
-    results = sc.run(study_of({"from": 0.85, "to": 0.25, "at": 201}, ["commons", "tracking"]))
+    changes, measure = {"from": 0.85, "to": 0.25, "at": 201}, {"metrics": ["recovery-time"]}
+    results = sc.run(
+        study_of(BOTH, robots=20, accuracy=0.8, rounds=400, trials=20, seed=4, fill_ratio=changes, measure=measure)
+    )
     recovery = results["recovery_time"].values.reshape(2, -1)
     assert np.isinf(recovery[0]).all()
     assert np.quantile(recovery[1], 0.9) < 40
     assert np.median(abs(results["final_estimate"].values[1] - 0.25)) < 0.01
-
-
-def test_what_changes_by_less_than_the_noise_is_not_seen():
-    """Without a neighbour and with v <= 100, z = 2.5 sees no gap below 2.5 / sqrt(400) = 0.125 less what V shares."""
-    me = robot()
-    for share in [0.5] * 1000 + [0.6] * 2000:
-        RUN.observe(me, share, 1.0)
-        RUN.fuse(me)
-    assert me.long_v == 3000.0
-    for _ in range(300):
-        RUN.observe(me, 0.8, 1.0)
-        RUN.fuse(me)
-    assert me.long_v < 300.0
 
 
 def test_mistaken_restart_is_undone():

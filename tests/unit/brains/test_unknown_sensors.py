@@ -6,10 +6,7 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
-import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.simulation import sampling
-from tests.support.long import in_two_sizes
 
 ASDF, CPF, PAPER = (brains.load(name) for name in ("asdf", "bayes-cpf", "minimalistic"))
 
@@ -66,29 +63,6 @@ def test_asdf_mends_by_hand():
     assert me.alpha == pytest.approx((2 * a - 1) ** 2 * t**3 / (n * (t - n)))
 
 
-@pytest.mark.interpreted
-@in_two_sizes(("trials", "rounds"), (2, 100), (3, 200))
-def test_until_it_mends_asdf_is_the_papers_brain(trials, rounds):
-    study = sc.Study(
-        trials=trials, swarm={"brain": ["minimalistic", "asdf"], "robots": 9, "accuracy": "U(0.6, 0.9)"},
-        world={"topology": "ring", "fill_ratio": 0.7}, schedule={"rounds": rounds, "observations_per_round": 2},
-    )  # fmt: skip
-    final = sc.run(study)["final_estimate"].values
-    assert (final[0] == final[1]).all()
-
-
-def test_a_sensor_that_is_mended_to_one_half_tells_nothing():
-    me, run = robot(ASDF, 0.9, 0.9, every=1.0), ASDF.functions
-    run.observe(me, 50.0, 100.0)
-    for x in (0.79, 0.8, 0.81):
-        run.receive(me, (x, 50.0))
-    run.fuse(me)
-    assert me.accuracy == 0.5
-    assert run.broadcast(me) == (0.5, 0.0)
-    run.observe(me, 900.0, 900.0)
-    assert run.broadcast(me) == (0.5, 0.0)
-
-
 def test_at_one_half_nothing_is_mended():
     """(n/t + x_bar - 1)/(2 x_bar - 1) has no value there."""
     me = robot(ASDF, 0.9, 0.9, every=1.0)
@@ -102,39 +76,6 @@ def test_at_one_half_nothing_is_mended():
     me.x_bar = 0.5 + 1e-9  # just beside it whatever was seen is explained, by an accuracy at the end of its range
     ASDF.functions.mend(me)
     assert me.accuracy == 1e-6
-
-
-def swarm_of(brain, wrong, seed, trials=20, **given):
-    """Ten robots of accuracy 0.75 at f = 0.75, of which some believe in 0.55."""
-    return sc.Study(
-        seed=seed, trials=trials,
-        swarm={"brain": {"file": brain, **given}, "robots": 10, "accuracy": 0.75, "assumed_accuracy": 0.75},
-        members=[{"robots": wrong, "assumed_accuracy": 0.55}],
-        world={"topology": "full", "fill_ratio": 0.75}, schedule={"rounds": 600, "observations_per_round": 10},
-    )  # fmt: skip
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("every", [20, 50])
-def test_a_wrong_majority_locks_in(every):
-    """Eight of ten believe in 0.55, and so read 1: the two that are right are mended until they say the same."""
-    study = swarm_of("asdf", 8, seed=2, trials=4, every=every)
-    results = sc.run(study)
-    assert (results["final_estimate"].values > 0.98).all()
-    for trial in range(4):
-        trace = sc.replay(results, 0, trial)
-        right = sampling.groups(study.settings()[0], 2, trial, 1)[0] == 0
-        before = trace["x_hat"].values[every - 1, right]
-        assert before == pytest.approx(0.75, abs=0.3)
-        assert (trace["mended"].values[-1, right] > 0).all()
-        assert trace["x_hat"].values[-1, right].min() > 0.9  # their own evidence is overwritten
-        last = (600 // every) * every
-        share = trace["n"].values[last, right] / trace["t"].values[last, right]
-        mended = trace["accuracy"].values[last, right]
-        x_bar = trace["x_bar"].values[last, right]
-        changed = trace["mended"].values[last, right] > trace["mended"].values[last - 1, right]
-        told = (share + x_bar - 1) / (2 * x_bar - 1)
-        assert mended[changed] == pytest.approx(told[changed], abs=1e-12)
 
 
 def test_the_filters_step_is_that_of_a_numerical_linearisation():
@@ -162,33 +103,6 @@ def test_the_filters_step_is_that_of_a_numerical_linearisation():
         assert m * p * (1 - p) == pytest.approx(published)
 
 
-def test_filter_learns_nothing_at_one_half():
-    me = robot(CPF, 0.8, 0.8)
-    me.t, me.n, me.past_x = 1000.0, 700.0, 0.5
-    CPF.functions.learn(me)
-    assert me.mu == pytest.approx(0.8 - 5e-5)
-    assert me.variance == pytest.approx(1e-4 + 5e-8)
-    few = robot(CPF, 0.9, 0.9)
-    few.t, few.n, few.past_x = 49.0, 40.0, 0.9  # 4.9 whites at the most
-    CPF.functions.learn(few)
-    assert few.mu == pytest.approx(0.9 - 5e-5)
-
-
-@pytest.mark.parametrize(("b", "w"), [(0.9, 0.6), (0.6, 0.9)])
-def test_told_b_and_w_apart_the_filter_begins_at_their_mean(b, w):
-    """Half of eight readings black: too few to learn of, so that the step is that of the drift alone."""
-    me = robot(CPF, b, w, every=2.0, drift=-1e-3)
-    CPF.functions.observe(me, 4.0, 8.0)
-    assert me.x_hat == pytest.approx((0.5 + w - 1.0) / 0.5)
-    CPF.functions.fuse(me)
-    assert me.x_hat == pytest.approx((0.5 + w - 1.0) / 0.5)  # until the first step it believes what it was told
-    CPF.functions.fuse(me)
-    assert me.mu == pytest.approx(0.75 - 2e-3, abs=1e-12)
-    assert me.x_hat == pytest.approx(0.5)
-    CPF.functions.observe(me, 3.0, 3.0)
-    assert me.x_hat == pytest.approx((me.n / me.t + me.mu - 1.0) / (2.0 * me.mu - 1.0))
-
-
 def test_what_is_believed_is_the_mean_of_a_truncated_normal():
     for mu in (0.3, 0.499, 0.5, 0.7, 0.98, 1.0):
         for sd in (0.001, 0.05, 0.4):
@@ -200,56 +114,6 @@ def test_what_is_believed_is_the_mean_of_a_truncated_normal():
             plain = robot(CPF, 0.8, 0.8)
             plain.mu, plain.variance = mu, sd * sd
             assert CPF.functions.believed(plain) == min(max(mu, 0.5), 1.0)
-
-
-@pytest.mark.long
-def test_of_a_wrong_consensus_right_robots_learn_what_is_wrong():
-    """Six of twenty believe in 0.95: the others' 0.75 is moved to what explains their readings by what is agreed on."""
-    study = sc.Study(
-        seed=3, trials=2,
-        swarm={"brain": {"file": "bayes-cpf", "drift": 0}, "robots": 20, "accuracy": 0.75, "assumed_accuracy": 0.75},
-        members=[{"robots": 6, "assumed_accuracy": 0.95}],
-        world={"topology": "moving", "density": 10, "fill_ratio": 0.85}, schedule={"ticks": 10000},
-    )  # fmt: skip
-    results = sc.run(study)
-    for trial in range(2):
-        right = sampling.groups(study.settings()[0], 3, trial, 1)[0] == 0
-        trace = sc.replay(results, 0, trial)
-        mu, x = trace["mu"].values[-1, right], trace["past_x"].values[-1, right]
-        assert mu.min() > 0.8
-        explained = x * mu + (1 - x) * (1 - mu)
-        assert explained.mean() == pytest.approx(0.85 * 0.75 + 0.15 * 0.25, abs=0.02)
-
-
-@pytest.mark.parametrize("looks", [1, 7, 13, 15, 24, 26, 58, 94, 134, 190])
-@pytest.mark.parametrize("black", [True, False])
-def test_a_perfect_sensor_that_sees_one_colour_alone_is_borne(looks, black):
-    """Readings are forgotten bit by bit, and still none of a colour is none; the last ones of the other fade away."""
-    me, run = robot(CPF, 1.0, 1.0, drift=0.0, noise=0.0, doubt=0.0), CPF.functions
-    run.observe(me, float(looks * (not black)), float(looks))
-    for _ in range(40_000 // looks):
-        run.observe(me, float(looks * black), float(looks))
-        run.fuse(me)
-        assert math.isfinite(me.alpha)
-    assert me.x_hat == float(black)
-    assert me.n == (me.t if black else 0.0)
-    assert me.alpha == pytest.approx(me.t)
-
-
-def test_uninformative_sensor():
-    me, run = robot(CPF, 0.3, 0.3, every=1.0), CPF.functions
-    run.observe(me, 30.0, 100.0)
-    assert me.x_hat == pytest.approx(1.0)
-    run.fuse(me)
-    assert run.broadcast(me) == (0.5, 0.0)
-
-
-def test_a_drift_that_nobody_doubts_is_followed():
-    me, run = robot(CPF, 0.9, 0.9, every=1.0, drift=-1e-3, doubt=0.0, noise=0.0), CPF.functions
-    for _ in range(300):
-        run.observe(me, 1.0, 1.0)
-        run.fuse(me)
-    assert run.believed(me) == pytest.approx(0.6, abs=1e-9)
 
 
 def test_counts_are_forgotten_bit_by_bit():
@@ -284,32 +148,6 @@ def test_the_older_consensus_is_a_mean_of_means():
         me.x = x
         CPF.functions.remember(me)
         assert me.past_x == pytest.approx(told, abs=1e-12)
-
-
-def test_shared_error_is_invisible_to_the_filter():
-    """With x' as made from mu, the expected share of black readings is the seen one: mu follows the drift alone."""
-    black = 0.53
-    for mu in (0.6, 0.7, 0.9):
-        me = robot(CPF, 0.8, 0.8, drift=-1e-5, every=1.0, noise=0.0)
-        me.mu, me.variance, me.t, me.n = mu, 1e-4, 1000.0, 1000.0 * black
-        me.past_x = (black + mu - 1e-5 - 1.0) / (2.0 * (mu - 1e-5) - 1.0)
-        CPF.functions.learn(me)
-        assert me.mu == pytest.approx(mu - 1e-5, abs=1e-13)
-
-
-def test_a_drift_that_sensors_do_not_have_ends_the_estimate():
-    """Robots whose sensors stay as they are: the published drift takes the estimate to 1, and without it nothing is."""
-    study = sc.Study(
-        trials=1,
-        seed=1,
-        swarm={"brain": {"file": "bayes-cpf", "drift": [-1e-5, 0]}, "robots": 10, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": 0.55},
-        schedule={"rounds": 100_000, "observations_per_round": 1},
-        measure={"checkpoints": [100_000]},
-    )
-    errors = np.median(np.abs(sc.run(study, jobs=1)["final_estimate"].values - 0.55), axis=(1, 2))
-    assert errors[0] > 0.3
-    assert errors[1] < 0.05
 
 
 def test_the_local_functions_are_those_of_the_paper():

@@ -8,9 +8,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results.replaying import recording
-from swarmcensus.simulation import metrics, trials as engine
-from swarmcensus.simulation.trials import Metrics, run_batch, segment_length
-from tests.support.small import FAILS, beliefs_of
+from swarmcensus.simulation import trials as engine
+from swarmcensus.simulation.trials import Metrics, run_batch
+from tests.support.small import FAILS, beliefs_of, study_of
 
 GO = np.zeros(1, np.uint8)
 MEASURE = Metrics(0.01, 10, (10, 60))
@@ -74,46 +74,6 @@ def test_run_equals_inference_from_its_observations(mixed, compiled, step):
                 assert (trace[name].values == again[name].values).all()
 
 
-def test_local_estimate_is_a_lone_robots(mixed):
-    study, results = mixed
-    for k, setting in some(study, 11):
-        readings = engine.record_readings(setting, study.seed, 0)
-        curves = sc.infer(readings, None, beliefs_of(setting, study, 0), 1, setting.brain)["estimate"].values
-        index = metrics.convergence(curves)
-        n = setting.robots
-        assert (results["local_convergence_step"].values[k, 0, :n] == index).all()
-        error = metrics.error_at(curves, index, setting.fill_ratio)
-        assert (results["local_convergence_error"].values[k, 0, :n] == error).all()
-
-
-def test_rounds_are_made_of_their_single_readings(mixed):
-    study, results = mixed
-    for k, setting in some(study, 17):
-        readings = engine.record_readings(setting, study.seed, 1)
-        rounds = readings.reshape(setting.rounds, setting.observations_per_round, -1).sum(axis=1)
-        assert (sc.replay(results, k, 1)["blacks"].values[1:] == rounds).all()
-
-
-def test_padding(mixed):
-    study, results = mixed
-    for k, setting in some(study, 13):
-        beyond = results.isel(setting=k, robot=slice(setting.robots, None))
-        assert np.isnan(beyond[["convergence_round", "final_estimate"]].to_array()).all()
-
-
-def test_settings_that_share_a_world_meet_the_same_readings(small_results, small_study):
-    """Another topology or brain changes neither tiles nor sensors."""
-    settings = small_study.settings()
-    alike = [k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.55)]
-    assert len(alike) == 4
-    first, *others = (sc.replay(small_results, k, 2)["blacks"].values for k in alike)
-    assert all((first == other).all() for other in others)
-    differing = next(
-        k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.95)
-    )
-    assert (first != sc.replay(small_results, differing, 2)["blacks"].values).any()
-
-
 class TestDeterminism:
     def test_batches(self, small_study):
         for setting in small_study.settings()[::5]:
@@ -122,26 +82,6 @@ class TestDeterminism:
             for name in ("convergence", "error", "final"):
                 assert (getattr(whole, name) == np.concatenate([getattr(p, name) for p in parts])).all()
             assert (whole.correct == np.concatenate([p.correct for p in parts], axis=1)).all()
-
-    def test_order_and_subsets_of_settings(self, small_results):
-        from tests.support.small import SMALL
-
-        text = SMALL.replace('["full", "ring", "line", "scale-free"]', '["scale-free", "ring"]').replace(
-            "[0.55, 0.95]", "[0.95]"
-        )
-        subset = sc.run(sc.Study.parse(text.replace("trials = 4", "trials = 6")), jobs=2)
-        columns = ("topology", "robots", "accuracy", "fill_ratio")
-
-        def content(data, k):
-            return tuple(str(data[c].values[k]) for c in columns)
-
-        index = {content(small_results, k): k for k in small_results["setting"].values}
-        assert subset.sizes["setting"] == 8
-        for k in range(8):
-            same = small_results.isel(setting=index[content(subset, k)])
-            for name in ("convergence_round", "convergence_error", "final_estimate", "correct"):
-                part = subset.isel(setting=k, trial=slice(4))[name]
-                assert np.array_equal(part.values, same[name].values, equal_nan=part.dtype.kind == "f")
 
     def test_another_seed_gives_other_numbers(self, small_study, small_results):
         other = sc.run(small_study.with_(seed=8), jobs=2)
@@ -166,12 +106,6 @@ def one(study, name, **changes):
     return replace(next(s for s in study.settings() if s.topology.name == name and s.robots == 12), **changes)
 
 
-def test_full_network_by_sums_and_by_pairs(small_study, counting):
-    by_sums = engine.record_trial(one(small_study, "full"), 7, 0)[1]
-    by_pairs = engine.record_trial(one(small_study, "full", brain=counting), 7, 0)[1]
-    assert by_sums == pytest.approx(by_pairs, abs=1e-12)
-
-
 @pytest.mark.parametrize(("name", "neighbours"), [("full", 11), ("ring", 2)])
 def test_lossy_links_let_through_their_share(small_study, counting, name, neighbours):
     """How many of a trial's messages arrive is binomial: within 4 standard errors."""
@@ -180,31 +114,13 @@ def test_lossy_links_let_through_their_share(small_study, counting, name, neighb
     assert abs(history["heard"][-1].sum() - 0.3 * sent) < 4 * np.sqrt(sent * 0.3 * 0.7)
 
 
-def test_no_message_gets_through_at_success_0(small_study):
-    setting = replace(small_study.settings()[-1], link_success=0.0)
-    history, _, _ = engine.record_trial(setting, 7, 0)
-    assert (history["beta"] == 0.0).all()
-
-
 def test_stop_ends_a_run_at_once(small_study):
     stop = np.ones(1, np.uint8)
     assert run_batch(replace(small_study.settings()[0], rounds=10**9, robots=100), 7, 0, 1, MEASURE, stop) is None
 
 
-@pytest.mark.parametrize(("robots", "rounds"), [(100, 1000), (10, 10**6), (10**6, 100), (1, 1), (10**7, 10**4)])
-def test_memory_grows_with_the_root_of_rounds(robots, rounds):
-    record = 96
-    length = segment_length(robots, rounds, record, 1)
-    segments = -(-rounds // length)
-    kept = 8 * robots * length + (segments * robots * record if segments > 1 else 0)
-    assert kept <= max(engine.ROWS_BYTES * 2, 3 * robots * np.sqrt(8 * record * rounds) + 8 * robots)
-
-
 def test_a_brain_that_divides_by_zero_is_named(tmp_path):
     (tmp_path / "bad.py").write_text(FAILS)
-    study = sc.Study(
-        trials=1, swarm={"brain": str(tmp_path / "bad.py"), "robots": 3, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 70}
-    )  # fmt: skip
+    study = study_of(str(tmp_path / "bad.py"), robots=3, accuracy=0.8, rounds=70, trials=1, fill_ratio=0.5)
     with pytest.raises(sc.InputError, match=r"bad.py' fails in trial 0 of ring.*ZeroDivisionError"):
         sc.run(study)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.changes import renew, source_of
@@ -26,7 +25,7 @@ from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault, stops
 from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests.reference import rounds as reference
-from tests.support.small import SEED, heard_in, moving_of, settings_of
+from tests.support.small import SEED, heard_in, moving_of, settings_of, study_of
 
 # ---- random numbers
 
@@ -173,10 +172,9 @@ def test_black_counts_are_binomial_and_addressed(looks):
 )  # fmt: skip
 def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members, change, looks):
     """In each round those of tables that stand for its own fill ratio and accuracies."""
-    study = sc.Study(
-        trials=2, seed=SEED, swarm={"robots": 5, "accuracy": accuracy}, members=members,
-        world={"topology": "ring", "fill_ratio": {"from": 0.9, "to": 0.2} | change},
-        schedule={"rounds": 5, "observations_per_round": looks},
+    study = study_of(
+        robots=5, accuracy=accuracy, rounds=5, looks=looks, trials=2, members=members,
+        fill_ratio={"from": 0.9, "to": 0.2} | change,
     )  # fmt: skip
     (setting,) = study.settings()
     sizes = [PART] * (looks // PART) + [looks % PART]
@@ -197,15 +195,6 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
                 picked(tables[0 if size == PART else -1, 0], word) for size, word in zip(sizes, words_, strict=True)
             ]
             assert blacks[tick, i] == sum(drawn)
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("b", "w", "fill_ratio", "p"), [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)]
-)
-def test_sure_readings_are_sure(b, w, fill_ratio, p):
-    tables = tables_of(np.array([b]), np.array([w]), fill_ratio, 4)
-    assert shares_of(tables[0, 0])[round(4 * p)] == pytest.approx(1.0, abs=1e-14)
 
 
 # ---- what is drawn once a trial
@@ -247,14 +236,6 @@ def test_accuracies_differ_by_address():
     assert (accuracies()[0] is accuracies()[1]) or (accuracies()[0] == accuracies()[1]).all()
     # another text, another draw, and not the same one stretched
     assert not np.isclose(accuracies("U(0.5, 0.7)")[0], 0.5 + (accuracies()[0] - 0.5) / 2).any()
-
-
-def test_width_of_mixed_accuracies():
-    b, w = accuracies({"black": 0.8, "white": "U(0.5, 0.9)"})
-    assert b.shape == w.shape == (2, 6)
-    assert (b == 0.8).all()
-    assert np.unique(w).size == 12
-    assert [v.shape for v in accuracies({"black": 0.8, "white": 0.7})] == [(2, 1), (2, 1)]
 
 
 def test_errors_of_belief_are_drawn_where_the_docs_say():
@@ -309,19 +290,6 @@ def test_scale_free_networks_are_grown_robot_by_robot(robots):
 
 def failed_by(stops_of_trial, part, at):
     return set(np.flatnonzero(stops_of_trial[part] == at).tolist())
-
-
-def test_faults_pick_robots_apart_from_one_another():
-    """Two faults of 4 in 10 robots meet in 1.6 robots on average: within 4 standard errors of 100 trials."""
-    faults = (Fault(at=4, robots=4, stop="sensing"), Fault(at=6, robots=0.4, stop="talking"))
-    met = []
-    for trial in range(100):
-        when = stops(faults, SEED, trial, 10)
-        one, other = failed_by(when, 1, 4), failed_by(when, 2, 6)
-        assert len(one) == len(other) == 4
-        met.append(len(one & other))
-    law = stats.hypergeom(10, 4, 4)
-    assert abs(np.mean(met) - law.mean()) < 4 * law.std() / 10
 
 
 def test_each_robot_fails_as_often_as_any_other():

@@ -6,43 +6,14 @@ from scipy import stats
 
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, alias_row, binomial_row, pick
-from swarmcensus.engine.random import block, unit, words
+from swarmcensus.engine.random import unit, words
 from tests.support.small import called
-
-ONES = np.uint64(0xFFFFFFFFFFFFFFFF)
-ZERO = np.uint64(0)
 
 
 def draw(seed, size, trial=0, tick=1, part=0):
     out = np.zeros(size, np.uint64)
     words(address(seed, "test"), trial, tick, part, 0, size, out)
     return out
-
-
-@pytest.mark.parametrize(
-    ("word", "expected"),
-    [(ZERO, (0xF167B032C3B480BD, 0xE91F9FEE4B7A6FB5)), (ONES, (0xCCDEC5C917A874B1, 0x4DF53ABCA26CEB01))],
-)
-def test_threefry_known_answers(word, expected):
-    """The published vectors of Threefry-2x64 with 13 rounds."""
-    assert tuple(map(int, block(word, word, word, word))) == expected
-
-
-def test_random_words_do_not_depend_on_swarm_size():
-    assert (draw(1, 101)[:17] == draw(1, 17)).all()
-
-
-@pytest.mark.parametrize("change", [{"trial": 1}, {"tick": 2}, {"part": 1}])
-def test_every_part_of_an_address_matters(change):
-    assert not (draw(1, 64) == draw(1, 64, **change)).any()
-
-
-def test_keys_differ_by_seed_purpose_and_content():
-    keys = {
-        tuple(address(*a, **c))
-        for a, c in (((1, "x"), {}), ((2, "x"), {}), ((1, "y"), {}), ((1, "x"), {"f": 0.5}), ((1, "x"), {"f": 0.55}))
-    }
-    assert len(keys) == 5
 
 
 def test_units_are_uniform():

@@ -61,7 +61,8 @@ def test_the_command_takes_parameters(here, refused):
     assert main([*words, "momentum=0.5"]) == 0
     assert "momentum = 0.5" in (here / "run.html").read_text()
     for wrong, said in (
-        (["trust=0.9"], "trust: known here: setting, trial"),
+        (["trust=0.9"], "--parameter trust: known here: setting, trial"),
+        (["momentum=0.7", "--set", "robots=many"], "--set robots = many: should be a whole number"),
         (["momentum=0.7", "--parameter", "momentum=0.5"], "--parameter momentum: the name is given twice"),
         (["momentum=0.7", "--set", "momentum=0.5"], "--set momentum: "),
         (["momentum=0.7", "--set", "=1"], "--set =1: should"),

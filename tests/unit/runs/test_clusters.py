@@ -96,6 +96,14 @@ def test_finished_work_starts_no_cluster(here):
     assert same(sc.load("s.nc"), before)
 
 
+@pytest.mark.parametrize("where", ["local:many", "nowhere.toml"])
+def test_wrong_cluster_of_finished_work_is_refused(here, where):
+    run(study(FIXED), out="s.nc")
+    with pytest.raises(InputError) as caught:
+        run(study(FIXED), out="s.nc", cluster=where)
+    assert (caught.value.key, caught.value.value) == ("cluster", where)
+
+
 def test_a_running_scheduler_gives_the_bits_of_threads(here, scheduler):
     Path("s.toml").write_text(FIXED)
     assert main(["run", "s.toml", "--scheduler", scheduler]) == 0

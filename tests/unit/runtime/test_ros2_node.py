@@ -137,17 +137,6 @@ def test_nodes_that_talk_agree_on_the_fill_ratio(ros):
     assert len(middleware.published["/robot_0/estimate"]) == nodes[0].robot.ticks
 
 
-def test_a_node_that_hears_and_sees_nothing_waits(ros):
-    example, _ = ros
-    node = example.RobotNode(clock=lambda: 0)
-    node.poll()
-    assert node.robot.estimate == 0.5
-    assert (node.sensor.read(), node.radio.receive()) == (None, None)
-    for _ in range(2000):
-        node.see(sys.modules["std_msgs.msg"].Bool(data=True))
-    assert len(node.sensor.readings) == example.WAITING
-
-
 @pytest.mark.parametrize("stopped", [KeyboardInterrupt, None])
 def test_ctrl_c_ends_a_node(ros, stopped):
     example, middleware = ros

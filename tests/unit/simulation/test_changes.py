@@ -1,31 +1,21 @@
 """Floors that change and sensors that drift while robots look: what a study says, and what a run makes of it."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import swarmcensus as sc
 from swarmcensus.analysis.explaining import wrong_beliefs
-from swarmcensus.cli.commands import main
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
-from swarmcensus.figures.coordinates import varies
-from swarmcensus.figures.looks import looks_of
-from swarmcensus.results import recordings, store as files
 from swarmcensus.results.selecting import where
-from swarmcensus.simulation import metrics, sampling, walking
+from swarmcensus.simulation import sampling, walking
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.studies import addresses
-from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds.changes import Change, along, read_change
 from tests.reference import rounds as reference
 from tests.support.second import brain
 from tests.support.small import SEED, SLOW, SWITCH, called, changing, moving_of, settings_of
-
-LIBRARY = ["first-right", "time-right", "mean-error", "largest-jump", "swarm-right", "recovery-time"]
-
 
 # ---- what it is
 
@@ -120,40 +110,6 @@ def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
 # ---- what is measured
 
 
-@pytest.mark.long(but_every=5)
-@pytest.mark.parametrize("change", [SWITCH, SLOW], ids=["switch", "drift"])
-@pytest.mark.parametrize(("moves", "truth"), [(False, "nominal"), (True, "nominal"), (True, "floor")])
-def test_all_is_held_against_the_truth_of_the_round(moves, change, truth):
-    world = {"topology": "moving", "density": 8, "floor": {"clusters": 0.2}} if moves else {}
-    measure = {"metrics": LIBRARY, "checkpoints": [10, 30, 31, 50, 71, 100], "truth": truth}
-    results = sc.run(
-        changing([change, 0.25], world=world, measure=measure, swarm={"robots": 8, "accuracy": [0.7, 0.95]})
-    )
-    for k in range(4):
-        trace = sc.replay(results, k, 2)
-        name = "fill_ratio" if truth == "nominal" else "true_fill_ratio"
-        truths = trace[name].values if name in trace else np.full(101, trace.attrs[name])
-        assert (name in trace) == bool(results["fill_ratio_change"].values[k])
-        x = trace["estimate"].values
-        index = metrics.convergence(x)
-        one = results.isel(setting=k, trial=2)
-        assert (one["convergence_error"].values == metrics.error_at(x, index, truths[-1])).all()
-        for c in results["checkpoint"].values:
-            assert one["correct"].sel(checkpoint=c) == metrics.correct(x[c], truths[c])
-        x, truths = x[1:], truths[1:]
-        bins = right_bins(truths, 10)
-        right = (x >= bins[:, :1]) & (x < bins[:, 1:])
-        near = np.abs(x - truths[:, np.newaxis]) < 0.05
-        last = max([0, *np.flatnonzero(np.diff(truths)) + 1])
-        np.testing.assert_allclose(one["mean_error"], np.abs(x - truths[:, np.newaxis]).mean(axis=0), rtol=1e-12)
-        np.testing.assert_allclose(one["time_right"], right.mean(axis=0), rtol=1e-12)
-        for i in range(8):
-            good = [t for t in range(100) if right[t:, i].all()]
-            assert one["first_right"][i] == (good[0] + 1 if good else np.inf)
-            good = [t for t in range(100) if near[t:, i].all()]
-            assert one["recovery_time"][i] == (max(good[0] - last, 0) if good else np.inf)
-
-
 @pytest.mark.interpreted
 def test_a_consensus_is_right_where_it_is_that_of_the_end():
     source = 'MEMORY = {"t": 0.0, "n": 0.0}\nMESSAGE = ("x",)\n'
@@ -184,13 +140,6 @@ def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
     assert np.array_equal(whole.readings, parts.readings, equal_nan=True)
 
 
-def test_results_with_and_without_changes_are_merged():
-    whole = sc.run(changing([SLOW, 0.3], [0.9, {"start": "U(0.8, 0.9)", "drift": -0.002, "least": 0.6}]))
-    both = sc.merge([whole, sc.run(changing(0.3))])
-    assert both["fill_ratio_change"].values.tolist().count("") == 2  # the plain setting is in both
-    assert "0.85 to 0.25 at 31 until 71" in both["fill_ratio_change"].values
-
-
 def test_members_whose_sensors_wear():
     members = [{"robots": 3, "accuracy": {"start": 0.9, "drift": -0.01, "least": 0.6}}]
     wrapped, sound = sc.run(changing(0.3, members=members)), sc.run(changing(0.3))
@@ -214,30 +163,6 @@ def test_other_bins_are_asked_of_the_truth_of_each_checkpoint():
     assert sc.remeasure(floor, delta=0.1).attrs["delta"] == 0.1
 
 
-def test_edges_of_bins_are_warned_of_at_both_ends(tmp_path, capsys):
-    (tmp_path / "s.toml").write_text(changing({"from": 0.3, "to": 0.55, "at": 9}).text)
-    main(["run", str(tmp_path / "s.toml"), "--out", str(tmp_path / "s.nc")])
-    assert "fill ratio 0.3 lies on the edge between two of the 10 bins" in capsys.readouterr().err
-
-
-def test_a_trace_as_csv_has_the_truth_of_each_row(tmp_path):
-    results = sc.run(changing(SLOW, world={"topology": "moving", "density": 8}))
-    recordings.write_trace(sc.replay(results, 0, 0), tmp_path / "trace.csv")
-    table = pd.read_csv(tmp_path / "trace.csv")
-    assert len(table) == 101 * 8
-    assert table["fill_ratio"].to_numpy() == pytest.approx(along(Change(0.85, 0.25, 31, 71).course, table["round"]))
-    assert table["true_fill_ratio"].nunique() > 30
-
-
-def test_captions_call_no_belief_wrong_that_was_right_once():
-    results = sc.run(changing([SLOW, 0.3], [0.8, {"start": 0.9, "drift": -0.001}]))
-    assert {*varies(results)} == {"fill_ratio", "fill_ratio_change", "accuracy"}
-    looks = looks_of(results["accuracy"].values.tolist(), "o")
-    assert [(look.name, look.short) for look in looks.values()] == [
-        ("0.8", ".8"), ("0.9, -0.001 a round to 0.5", "drifts")
-    ]  # fmt: skip
-
-
 def test_an_accuracy_is_read_from_the_text_of_a_dataset():
     """And no cost of a belief is predicted where the truth drifts."""
     told = {"start": "U(0.8, 0.9)", "drift": -0.001, "least": 0.6}
@@ -246,11 +171,3 @@ def test_an_accuracy_is_read_from_the_text_of_a_dataset():
     for text, setting in zip(results["accuracy"].values, made.settings(), strict=True):
         assert wrong_beliefs.accuracy_of(text) == setting.accuracy
     assert [np.isnan(cost.predicted) for cost in wrong_beliefs.costs_of(results)] == [False, True, True]
-
-
-def test_results_name_what_they_hold_to_other_readers(tmp_path):
-    results = sc.run(changing([SLOW, 0.3], measure={"metrics": ["recovery-time"]}))
-    files.save(results, tmp_path / "x.nc")
-    assert sc.load(tmp_path / "x.nc").identical(results)
-    assert json.loads(results.attrs["metrics"])["recovery_time"]["name"] == "recovery-time"
-    assert sc.summary(results)["fill_ratio_change"].tolist() == ["0.85 to 0.25 at 31 until 71", ""]

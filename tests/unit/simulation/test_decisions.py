@@ -1,6 +1,5 @@
 """decide and done: what robots decide and when, what all agree on, and who has seen enough."""
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,15 +10,13 @@ from swarmcensus import brains
 from swarmcensus.analysis.comparing import cells
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
-from swarmcensus.cli.commands import main
-from swarmcensus.results.replaying import recording
-from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import MEANS, brain, changed, fixed, moving
-from tests.support.small import GO, SEED
+from tests.support.small import GO, SEED, study_of
 
 SPRT = brains.load(EXAMPLE / "sprt.py")
 MEASURE = Metrics(0.01, 10, (), decides=True, ends=True)
@@ -39,13 +36,10 @@ NEVER = np.inf
 
 def told(source, **world):
     """What a study on a line of robots that look once a round has in its results, of trial 0."""
-    study = sc.Study(
-        trials=2,
-        seed=SEED,
-        swarm={"brain": brain(source), "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 6, "observations_per_round": 1},
-        world={"topology": "line", "fill_ratio": 0.8} | world,
-    )
+    study = study_of(
+        brain(source), robots=3, accuracy=0.7, rounds=6, looks=1, trials=2,
+        **{"topology": "line", "fill_ratio": 0.8} | world,
+    )  # fmt: skip
     return sc.run(study, jobs=1).isel(setting=0, trial=0)
 
 
@@ -78,12 +72,6 @@ def test_no_decision_by_hand():
     assert data["decision_round"].values.tolist() == [1, NEVER, 1]
     assert data["decision_change"].values.tolist() == [3, NEVER, 1]
     assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (-1, NEVER, 0)
-
-
-@pytest.mark.interpreted
-def test_first_agreement_counts():
-    data = told(listed([[0, 0, 0], [3, 3, 3]] * 3))
-    assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (0, 1, 0)
 
 
 @pytest.mark.parametrize("options", [2, 3, 7, 10, 100])
@@ -126,36 +114,6 @@ def test_who_is_done_looks_no_more_and_goes_on_talking():
 
 
 @pytest.mark.interpreted
-def test_who_is_done_may_begin_again():
-    """Done at three looks, and no more once it has heard of it: the first time counts."""
-    source = changed(
-        ("return me.t >= 3.0", "return me.t >= 3.0 and me.rest < 2.0"),
-        ("MEMORY = {", 'MEMORY = {"rest": 0.0, '),
-        ("def fuse(me):\n    pass", "def fuse(me):\n    if done(me):\n        me.rest += 1.0"),
-        source=ENDS,
-    )
-    data = told(source)
-    (setting,) = fixed(brain(source), rounds=6)
-    fields, *_ = record_trial(setting, SEED, 0)
-    assert fields["t"][:, 0].tolist() == [0, 1, 2, 3, 3, 4, 5]
-    assert data["done_round"].values.tolist() == [3, 3, 3]
-
-
-@pytest.mark.interpreted
-def test_on_the_move():
-    """A robot is done after its third reading, at whichever tick that is."""
-    setting = moving(brain(ENDS + "\n\ndef decide(me):\n    return 1 if me.t >= 2.0 else -1\n"), ticks=40)
-    (batch,) = run_ride([setting], SEED, 0, MEASURE, GO)
-    ride = record_ride(setting, SEED, 0)
-    made = np.cumsum(ride.looked, axis=0)
-    third, second = ((made >= k).argmax(axis=0).astype(float) for k in (3, 2))
-    assert batch.verdicts[0, :, 3].tolist() == np.where(made[-1] >= 3, third, NEVER).tolist()
-    assert batch.verdicts[0, :, 1].tolist() == np.where(made[-1] >= 2, second, NEVER).tolist()
-    assert (ride.fields["t"][-1] == np.minimum(made[-1], 3)).all()
-    assert batch.consensus[0, :2].tolist() == [1.0, second.max()]
-
-
-@pytest.mark.interpreted
 def test_what_nobody_decides_is_not_in_the_results():
     assert "decision" not in told(MEANS)
     assert "done_round" not in told(MEANS)
@@ -166,12 +124,10 @@ def test_what_nobody_decides_is_not_in_the_results():
 
 @pytest.mark.interpreted
 def test_of_brains_of_which_one_decides_the_other_has_none():
-    study = sc.Study(
-        trials=1,
-        swarm={"brain": ["minimalistic", brain(listed(TABLE))], "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 6, "observations_per_round": 1},
-        world={"topology": "line", "fill_ratio": 0.8},
-    )
+    study = study_of(
+        ["minimalistic", brain(listed(TABLE))], robots=3, accuracy=0.7, rounds=6, looks=1, trials=1, topology="line",
+        fill_ratio=0.8,
+    )  # fmt: skip
     data = sc.run(study)
     assert np.isnan(data["decision"].values[0]).all()
     assert np.isnan(data["consensus_round"].values[0]).all()
@@ -231,45 +187,6 @@ def test_decide_and_done_only_read():
         assert f"{name} (line " in fault
 
 
-@pytest.mark.parametrize("options", ["1", "0", "-3", "2.0", "True", "'two'", "10001", "(2, 3)"])
-def test_wrong_options_are_refused(options):
-    with pytest.raises(
-        InputError, match=r"brain.py: OPTIONS = .*: should be a whole number, 2 \(white and black\) to 10,000"
-    ):
-        brain(changed(("MEMORY =", f"OPTIONS = {options}\nMEMORY =")))
-
-
-@pytest.mark.parametrize(
-    ("function", "said"),
-    [
-        ("def decide(me, x):\n    return 1", "decide takes 2 arguments: 1 are"),
-        ("done = True", "done is True, not a function"),
-    ],
-)
-def test_wrong_functions_are_refused(function, said):
-    with pytest.raises(InputError, match=said):
-        brain(MEANS + f"\n\n{function}\n")
-
-
-@pytest.mark.interpreted
-def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
-    """All of an interval is then infinite, and so it is said."""
-    monkeypatch.chdir(tmp_path)
-    for name, test in (("one", "me.name < 1.0"), ("two", "me.name > 1.0")):
-        Path(f"{name}.py").write_text(MEANS + f"\n\ndef decide(me):\n    return 1 if {test} else -1\n")
-    study = sc.Study(
-        trials=5,
-        swarm={"brain": ["one.py", "two.py"], "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 6},
-        world={"topology": "line", "fill_ratio": [0.8, 0.3]},
-    )
-    sc.save(sc.run(study, jobs=1), "r.nc")
-    assert main(["compare", "r.nc"]) == 0
-    said = capsys.readouterr()
-    assert "never" in said.out
-    assert "warning" not in said.err
-
-
 @pytest.mark.filterwarnings("error")
 def test_an_infinite_interval_has_no_width():
     """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
@@ -278,65 +195,6 @@ def test_an_infinite_interval_has_no_width():
     told = cells.numbers(values, low, high, np.array([5, 5]), measure)
     assert told[0][0] == "never"
     assert told[1] == ("50", "[40, 60]")
-
-
-@pytest.mark.long
-def test_recorded_readings_are_those_that_were_made(tmp_path):
-    """Who is done in the middle of a round makes the rest of its readings, and none of the next: `infer` agrees."""
-    source = changed(("me.t >= 3.0", "me.t >= 25.0"), source=ENDS)
-    (tmp_path / "some.py").write_text(source)
-    study = sc.Study(
-        trials=1, swarm={"brain": str(tmp_path / "some.py"), "robots": 4, "accuracy": 0.7},
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 6},
-    )  # fmt: skip
-    results = sc.run(study, jobs=1)
-    trace = sc.replay(results, 0, 0, brain_file=tmp_path / "some.py")
-    assert (trace["t"].values[-1] == 30.0).all()
-    assert (trace["blacks"].values[4:] == 0.0).all()
-    readings, links = recording(results, 0, 0, brain_file=tmp_path / "some.py")
-    assert np.isfinite(readings).sum(axis=0).tolist() == [30] * 4
-    told = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py")
-    assert (told["n"].values == trace["n"].values).all()
-    slow = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py", compiled=False)
-    assert (slow["n"].values == trace["n"].values).all()
-
-
-@pytest.mark.parametrize(
-    ("decide", "said"),
-    [
-        ("return 7 if me.t > 99.0 else 1", "decide returns 7: -1 .undecided. or an option from 0 to 1 is right"),
-        ("return -2", "decide returns -2: -1"),
-        ("if me.t > 2.0:\n        return 1", "decide may end without returning anything"),
-        ("if me.t > 2.0:\n        return\n    return 1", "decide may end without returning anything"),
-    ],
-)
-def test_what_is_seen_of_a_decision_without_running_it(decide, said):
-    with pytest.raises(InputError, match=said):
-        brain(MEANS + f"\n\ndef decide(me):\n    {decide}\n")
-
-
-def test_a_loop_may_be_the_last_that_a_decision_does():
-    brain(MEANS + "\n\ndef decide(me):\n    for k in range(2):\n        if k == 1:\n            return k\n")
-
-
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("decides", "the function decides is never called: did you mean 'decide'?"),
-        ("Done", "the function Done is never called: did you mean 'done'?"),
-        ("one", None),
-    ],
-)
-def test_a_function_that_is_almost_called_so_is_asked_about(name, said):
-    source = MEANS + f"\n\ndef {name}(me):\n    return 1\n"
-    if said:
-        with pytest.raises(InputError) as caught:
-            brain(source)
-        assert said in str(caught.value)
-    else:
-        brain(source)
-    with pytest.raises(InputError, match="OPTIONS needs the function decide, which is missing"):
-        brain(changed(OPTIONS))
 
 
 @pytest.mark.interpreted
@@ -367,16 +225,3 @@ def test_nobody_is_asked_to_decide_before_the_first_round():
     for compiled in (True, False):
         trace = sc.infer(readings, None, 0.8, 1, brain(source), compiled=compiled)
         assert trace["decided"].values.tolist() == [[-1, -1], *[[1, 1]] * 3]
-
-
-@pytest.mark.parametrize(
-    "body",
-    [
-        "    if me.t > 2.0:\n        for k in range(3):\n            return k - 1\n    else:\n        return -1\n",
-        "    if me.t > 2.0:\n        while True:\n            for k in range(3):\n                if k:\n"
-        "                    break\n            return 1\n    else:\n        return 0\n",
-        "    while me.t < 0.0:\n        return 1\n    return 0\n",
-    ],
-)
-def test_loops_are_trusted_to_return_wherever_they_stand(body):
-    brain(MEANS + "\n\ndef decide(me):\n" + body)

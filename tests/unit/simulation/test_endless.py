@@ -58,11 +58,6 @@ def test_the_main_thread_leaves_machine_code_behind(hangs):
         threads.interruptible(hangs.wait)()
 
 
-def test_errors_come_through():
-    with pytest.raises(ZeroDivisionError):
-        threads.interruptible(lambda: 1 / 0)()
-
-
 def test_threads_that_hang_are_left_behind(hangs):
     begun = time.monotonic()
     with threads.LeavableThreads(2) as executor:

@@ -11,12 +11,8 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.runs.running import run
-from swarmcensus.simulation import trials as engine
-from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
-from swarmcensus.support.errors import InputError
-from tests.support.second import MEANS, SAYS, WALD, brain, changed, fixed, moving
+from tests.support.second import MEANS, WALD, brain, fixed
 from tests.support.small import GO, SEED, changing
 
 ALONE = {"name": "nobody", "edges": []}
@@ -144,109 +140,6 @@ def test_held_against_the_truth_of_the_moment(world, truth, steers, here):
         assert data["coverage"].values[0, :, trial].tolist() == held[-1].mean(axis=1).tolist()
         assert data["interval_width"].values[0, :, trial] == pytest.approx((high - low).mean(axis=1), rel=1e-12)
     assert 0.0 < np.mean(held) < 1.0
-
-
-@pytest.mark.long
-def test_a_field_of_the_memory_may_be_called_so():
-    source = changed(('"n": 0.0', '"n": 0.0, "interval_low": 0.25'), source=WALD)
-    for compiled in (True, False):
-        trace = sc.infer(np.ones((2, 2)), None, 0.8, 1, brain(source), compiled=compiled)
-        assert (trace["interval_low"] == 0.25).all()
-        assert "interval_low_" in trace
-        assert "interval_high" in trace
-
-
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize("rows", [1, 3, 100])
-def test_a_brain_with_an_interval_has_the_bits_of_one_without(rows, monkeypatch):
-    """However the rounds are cut, and whether some are run a second time to see when curves settle."""
-    monkeypatch.setattr(engine, "segment_length", lambda *_: rows)
-    measure = Metrics(0.01, 10, (2, 3, 7, 10), estimates=True)
-    for topology in ("ring", "full"):
-        with_, without = (
-            run_batch(fixed(brain(one), rounds=10, topology=topology)[0], SEED, 0, 3, measure, GO)
-            for one in (WALD, MEANS)
-        )
-        for name in ("convergence", "error", "final", "correct", "kept", "counts"):
-            assert (getattr(with_, name) == getattr(without, name)).all()
-        assert np.isnan(without.intervals).all()
-        for trial in range(3):
-            alone = run_batch(fixed(brain(WALD), rounds=10, topology=topology)[0], SEED, trial, 1, measure, GO)
-            assert (alone.intervals[..., 0] == with_.intervals[..., trial]).all()
-        assert np.isfinite(with_.intervals).all()
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize("world", ["ring", "moving"])
-def test_only_honest_robots_that_have_one_are_counted(world):
-    """A liar's would not even be one; of brains without there is nothing to count."""
-    sure = brain(SAYS, "sure.py").with_parameters({"low": 0.5, "high": 0.75})
-    liar = brain(SAYS, "liar.py").with_parameters({"low": 3.0, "high": 2.0})
-    two = {"robots": 2, "brain": brain(MEANS)}
-    lies = {"robots": 1, "brain": liar, "honest": False}
-    for own, members, counted in ((sure, [two, lies], True), (brain(MEANS), [lies], False)):
-        if world == "moving":
-            (batch,) = run_ride([moving(own, members, fill_ratio=0.6)], SEED, 0, Metrics(0.01, 10, (3,)), GO)
-        else:
-            (setting,) = fixed(own, members, fill_ratio=0.6)
-            batch = run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (3,)), GO)
-        assert batch.intervals[:, 0, 0].tolist() == [1.0, 0.25] if counted else np.isnan(batch.intervals).all()
-
-
-@pytest.mark.long
-def test_stopped_continued_merged_verified_and_read_again(here, monkeypatch, capsys):
-    """All of it has the bits of an undisturbed run, and of brains without an interval nothing."""
-    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
-    study = sc.Study.load("s.toml")
-    whole = sc.run(study, jobs=1)
-    assert np.isnan(whole["coverage"].values[(whole["brain"] == "minimalistic").values]).all()
-    reached = (whole["checkpoint"] <= whole["rounds"]) & (whole["brain"] == "wald.py")
-    for name in TWO:
-        assert (whole[name].notnull().all("trial") == reached).all()
-
-    def stop(progress):
-        if progress.done > 30:
-            raise KeyboardInterrupt
-
-    with pytest.raises(sc.Interrupted):
-        run(study, 1, stop, out="a.nc")
-    sc.run(study, out="a.nc", jobs=1)
-    fewer = study.with_(measure={"checkpoints": [12, 30]})
-    continued = sc.load("a.nc")
-    sc.run(fewer, out="a.nc", jobs=1)
-    taken = sc.load("a.nc")
-    sc.save(whole.isel(setting=slice(4, None)), "b.nc")
-    sc.save(whole.isel(trial=slice(1, 3), setting=slice(9)), "c.nc")
-    sc.save(whole.isel(setting=slice(5)), "d.nc")
-    merged = sc.merge(["b.nc", "c.nc", "d.nc"])
-    for name in TWO:
-        assert np.array_equal(continued[name], whole[name], equal_nan=True)
-        assert np.array_equal(taken[name], whole[name].sel(checkpoint=[12, 30]), equal_nan=True)
-        place = [merged["fingerprint"].values.tolist().index(mark) for mark in whole["fingerprint"].values]
-        assert np.array_equal(merged[name].values[place], whole[name], equal_nan=True)
-    assert not sc.verify(whole, 1.0, brain_file="wald.py").differences
-    spoiled = whole.copy(deep=True)
-    spoiled["coverage"].values[-1, 0, 3] += 0.25
-    (difference,) = sc.verify(spoiled, 1.0, brain_file="wald.py").differences
-    assert (difference.setting, difference.trial, difference.variable) == (11, 3, "coverage")
-    spoiled["coverage"].values[-1, 0, 3] = np.nan
-    sc.save(spoiled, "b.nc")
-    with pytest.raises(InputError, match="coverage of setting 11, checkpoint 5, trial 3 is missing, though"):
-        sc.load("b.nc")
-
-
-def test_a_run_that_was_killed_is_read_from_its_shards(here, monkeypatch):
-    """At the checkpoints of the run that goes on, of which those of brains without an interval are missing still."""
-    from tests.support.resuming import cut_off
-
-    cut_off("a.nc", 60, STUDY)
-    study = sc.Study.load("s.toml").with_(measure={"checkpoints": [5, 30]})
-    lines = []
-    again = run(study, 1, out="a.nc", say=lines.append)
-    assert "of a run that was cut off" in lines[0]
-    whole = sc.run(study, jobs=1)
-    for name in TWO:
-        assert np.array_equal(again[name], whole[name], equal_nan=True)
 
 
 @pytest.mark.long

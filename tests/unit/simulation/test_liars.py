@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.analysis.comparing.contenders import grid_of
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.merging import merge
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
@@ -93,25 +91,6 @@ def test_liars_shift_what_the_honest_believe(data):
     assert (heard.sum(["robot"]).values == 9 * 24 - 24 - 2 * 12).all()  # 9 honest ones; two hear none; noise is none
 
 
-def test_settings_that_differ_in_the_swarms_brain_are_pairs(data):
-    field, _ = grid_of(data, data)
-    assert field.contenders == ["minimalistic", "legacy"]
-    assert field.place.shape == (11, 2)
-    assert list(field.worlds[0]) == ["members"]
-
-
-def test_lines_are_drawn_against_the_number_of_liars(here, tmp_path, data):
-    assert main(["plot", "s.nc", "--kind", "lines", "--x", "liars", "--out", str(tmp_path / "l.png")]) == 0
-    figure = sc.plot.lines(data, x="liars", color="adversary", panels="brain")
-    assert [panel.caption for panel in panels_of(data, ("liars", "adversary"))] == [
-        "Minimalistic (paper)",
-        "Legacy (paper)",
-    ]
-    lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
-    black = next(line for label, line in lines.items() if label == "line always-black")
-    assert black.get_xdata().tolist() == [0.0, 1.0, 3.0]
-
-
 def test_the_table_shows_members_once(here, capsys):
     assert main(["show", "s.nc", "--where", "liars == 3 and brain == 'legacy'"]) == 0
     text = capsys.readouterr().out
@@ -150,20 +129,6 @@ def test_only_trusted_files_are_run(here, data, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.long
-def test_a_brain_file_of_members_is_not_run_unasked_either(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("mine.py").write_text(MEANS.replace('("x",)', '("x", "n")').replace("(estimate(me),)", "(estimate(me), me.n)"))
-    members = [{"robots": 1, "brain": "mine.py", "honest": False}]
-    swarm, world = {"robots": 4, "accuracy": 0.7}, {"topology": "ring", "fill_ratio": 0.5}
-    Path("other.py").write_text(Path("mine.py").read_text())
-    swarm["brain"] = "other.py"
-    data = sc.run(sc.Study(trials=1, swarm=swarm, world=world, members=members, schedule={"rounds": 2}), jobs=1)
-    Path("mine.py").unlink()
-    with pytest.raises(sc.InputError, match=r"the brain 'mine.py' is a file"):
-        sc.replay(data, setting=0, trial=0)
-
-
-@pytest.mark.long
 def test_verified_in_full(here, data):
     found = verify(data, sample=1.0)
     assert (found.differences, found.labels, found.checked) == ([], [], 66)
@@ -180,19 +145,6 @@ def test_a_change_is_noticed(here, data):
         verify(changed)
 
 
-@pytest.mark.long
-def test_merged_with_a_study_in_which_nobody_lies(here, data):
-    plain = sc.Study.parse(STUDY.partition("[[members]]")[0].replace("robots   = 10", "robots   = 6")
-                           + "[world]" + STUDY.partition("[world]")[2])  # fmt: skip
-    for parts in ([sc.run(plain, jobs=1), data], [data, sc.run(plain, jobs=1)]):
-        merged = merge(parts)
-        alone = merged.isel(setting=merged["robots"].values == 6)
-        assert alone["liars"].values.tolist() == [0, 0]
-        assert alone["honest"].values.tolist() == [6, 6]
-        assert alone["members"].values.tolist() == ["", ""]
-        assert verify(merged, sample=1.0).labels == []
-
-
 def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     study = sc.Study.load("s.toml")
     sent = pickle.dumps(clusters.payload_of(study))
@@ -202,35 +154,25 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     assert {a.name: a.source for a in there.adversaries} == {a.name: a.source for a in study.adversaries}
 
 
-# ---- the shell
-
-
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ("honest = false", "", "members[0].brain = 'always-black'"),
         ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wraps the brain of its swarm"),
-        ('["minimalistic", "legacy"]', '"grey.py"', "that is an adversary, which wraps the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
-        ('"always-black"', '"allways-black"', "did you mean 'always-black'? neither a brain nor an adversary"),
-        ("pace = [0.01, 0.02]", "speed = 3", "the adversary 'slow-liar' has no parameter 'speed': it has pace, goal"),
         ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
-        ('"grey.py"', '"bad.py"', "adversary file bad.py, line 2: lie uses me.y"),
+        ('"grey.py"', '"bad.py"', "bad.py, line 2: lie uses me.y"),
         ('"grey.py"', '"none.py"', "none.py"),
     ],
-)  # fmt: skip
-def test_what_is_wrong_is_told_in_a_sentence(tmp_path, monkeypatch, capsys, old, new, said):
-    monkeypatch.chdir(tmp_path)
-    Path("grey.py").write_text(MINE)
-    Path("bad.py").write_text("def lie(me, x):\n    return me.y\n")
-    Path("mute.py").write_text(MEANS.replace('("x",)', '("words",)'))
+)
+def test_wrong_liars_are_named(tmp_path, old, new, said):
+    (tmp_path / "grey.py").write_text(MINE)
+    (tmp_path / "bad.py").write_text("def lie(me, x):\n    return me.y\n")
+    (tmp_path / "mute.py").write_text(MEANS.replace('("x",)', '("words",)'))
     assert old in STUDY
-    Path("s.toml").write_text(STUDY.replace(old, new, 1))
-    assert main(["run", "s.toml"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert said in line
-    assert "s.toml" in line
-    assert not Path("s.nc").exists()
+    with pytest.raises(sc.InputError) as caught:
+        sc.Study.parse(STUDY.replace(old, new, 1), context={"base": tmp_path})
+    assert said in str(caught.value)
 
 
 @pytest.mark.long
@@ -243,26 +185,6 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
     said = capsys.readouterr().err
     assert re.search("ZeroDivisionError: (float )?division by zero, at grey.py --wrapping", said)
     assert "return 0.5 / (me.liar_k - 0.02)" in said
-
-
-@pytest.mark.long
-def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes, monkeypatch):
-    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)  # the process that checks compiles
-    assert main(["brains"]) == 0
-    assert "slow-liar" in capsys.readouterr().out
-    assert main(["brains", "--show", "grey.py", "--wrapping", "legacy"]) == 0
-    source = capsys.readouterr().out
-    assert "def liar_lie(me, x):" in source
-    assert "Wearing: The rival" in source
-    assert main(["brains", "--check", "grey.py"]) == 0
-    assert "grey.py: conforms" in capsys.readouterr().out
-    assert main(["brains", "--show", "legacy", "--wrapping", "minimalistic"]) == 2
-    assert "legacy has no lie(me, x)" in capsys.readouterr().err
-    assert main(["brains", "--wrapping", "legacy"]) == 2
-    assert "needs --check or --show" in capsys.readouterr().err
-    Path("half.py").write_text("def lie(me, x):\n    return x / 0.0\n")
-    assert main(["brains", "--check", "half.py"]) == 2
-    assert "FAIL" in capsys.readouterr().out
 
 
 @pytest.mark.long

@@ -8,18 +8,15 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
-from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.simulation import metrics, sampling
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride, run_ride
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, record_trial
 from swarmcensus.studies import addresses
-from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
-from tests.support.second import MEANS, STEER, agreed, brain, changed, fixed, moving
-from tests.support.small import FAULTS, GO, SEED
+from tests.support.second import MEANS, STEER, brain, changed, fixed, moving
+from tests.support.small import FAULTS, GO, RING, SEED, settings_of, study_of
 
 LIAR = changed(("return (estimate(me),)", "return (1.0 - estimate(me),)"))
 LISTENS = changed(
@@ -30,7 +27,6 @@ LISTENS = changed(
     ("return me.n / me.t if me.t > 0.0 else 0.5", "return me.x"),
 )
 DECIDES = LISTENS + "\n\ndef decide(me):\n    return -1 if me.t < 20.0 else 0 if me.x < 0.5 else 1\n"
-ENDS = DECIDES + "\n\ndef done(me):\n    return me.t > 60.0\n"
 MEASURE = Metrics(0.02, 10, (2, 8, 20), estimates=True, decides=True, ends=True)
 
 
@@ -44,12 +40,13 @@ def who(robots=20, members=(), trials=40, **world):
     return sampling.groups(setting, SEED, 0, trials)
 
 
-@pytest.mark.parametrize(("share", "count"), [(3, 3), (20, 20), (0.1, 2), (0.3, 6), (0.29, 6), (1.0, 20)])
+@pytest.mark.parametrize(("share", "count"), [(1, 1), (3, 3), (0.1, 2), (0.29, 6), (1.0, 20)])
 def test_there_are_as_many_as_the_study_says_in_each_trial(share, count):
     """And no binomial number of them."""
     assert (who(members=[{"robots": share, "accuracy": 0.9}]).sum(axis=1) == count).all()
-    (setting,) = fixed(brain(MEANS), robots=20, members=liars(share) if count < 20 else ())
-    assert setting.honest == 20 - count if count < 20 else setting.honest == 20
+    if count < 20:
+        (setting,) = fixed(brain(MEANS), robots=20, members=liars(share))
+        assert setting.honest == 20 - count
 
 
 def test_a_larger_share_holds_the_robots_of_a_smaller_one():
@@ -92,64 +89,12 @@ def test_each_robot_is_as_likely_in_each_trial():
     assert stats.chisquare(np.bincount(both, minlength=3), law * len(both)).pvalue > 1e-3
 
 
-@pytest.mark.long(but_every=3)
-@pytest.mark.interpreted
-@pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
-def test_what_is_measured_is_of_the_honest(topology):
-    """Every number of a batch against plain NumPy on the trace of all robots; who lies is in the trace too."""
-    (setting,) = fixed(
-        brain(ENDS), robots=9, rounds=20, looks=4, members=liars(0.3), topology=topology, link_success=0.8
-    )
-    batch = run_batch(setting, SEED, 0, 3, MEASURE, GO)
-    for trial in range(3):
-        honest = sampling.groups(setting, SEED, trial, 1)[0] == 0
-        fields, curves, _ = record_trial(setting, SEED, trial)
-        ours, index = curves[:, honest], metrics.convergence(curves[:, honest], 0.02)
-        assert honest.sum() == 6
-        assert (batch.convergence[trial] == index).all()
-        assert (batch.error[trial] == metrics.error_at(ours, index, 0.55)).all()
-        assert (batch.final[trial] == ours[-1]).all()
-        for c, checkpoint in enumerate(MEASURE.checkpoints):
-            right = (ours[checkpoint] >= 0.5) & (ours[checkpoint] < 0.6)
-            assert batch.correct[c, trial] == right.mean()
-            assert (batch.kept[c, trial] == ours[checkpoint]).all()
-        decided, done = fields["decided"][1:, honest], fields["is_done"][1:, honest]
-        assert (fields["decided"][:, ~honest] == -1).all()
-        assert (batch.verdicts[trial, :, 0] == decided[-1]).all()
-        assert (batch.verdicts[trial, :, 3] == done.argmax(axis=0) + 1).all()
-        assert tuple(batch.consensus[trial, :2]) == agreed(decided)
-        assert (batch.counts[trial, SENT] == 20).all()
-        if topology == "full":
-            assert (batch.counts[trial, HEARD] < 8 * 20).all()
-    assert batch.counts.shape == (3, 3, 6)
-
-
-@pytest.mark.interpreted
-def test_the_same_of_robots_that_move():
-    setting = moving(brain(ENDS), robots=9, ticks=80, members=liars(3))
-    (batch,), ride = run_ride([setting], SEED, 1, MEASURE, GO), record_ride(setting, SEED, 1)
-    honest = sampling.groups(setting, SEED, 1, 1)[0] == 0
-    ours = ride.estimates[:, honest]
-    index = metrics.convergence(ours, 0.02)
-    assert (batch.convergence[0] == index).all()
-    assert (batch.error[0] == metrics.error_at(ours, index, 0.55)).all()
-    assert (batch.final[0] == ours[-1]).all()
-    heard = np.zeros(9)
-    np.add.at(heard, ride.links[:, 1:].ravel(), 1)
-    assert (batch.counts[0, HEARD] == heard[honest]).all()
-    assert (batch.verdicts[0, :, 0] == ride.fields["decided"][-1, honest]).all()
-
-
 @pytest.mark.interpreted
 def test_results_have_as_many_robots_as_are_honest():
-    study = sc.Study(
-        trials=2,
-        seed=SEED,
-        swarm={"brain": brain(LISTENS), "robots": 10, "accuracy": 0.7},
-        schedule={"rounds": 5},
-        world={"topology": "ring", "fill_ratio": 0.5},
-        members=[*liars([0, 0.2]), {"robots": 1, "accuracy": 0.9}],
-    )
+    study = study_of(
+        brain(LISTENS), robots=10, accuracy=0.7, rounds=5, trials=2,
+        members=[*liars([0, 0.2]), {"robots": 1, "accuracy": 0.9}], fill_ratio=0.5,
+    )  # fmt: skip
     data = sc.run(study, jobs=1)
     assert data["robots"].values.tolist() == [10, 10]
     assert data["members"].values.tolist() == ["1 accuracy 0.9", "0.2 liar.py, not honest; 1 accuracy 0.9"]
@@ -180,18 +125,11 @@ BELIEVES = changed(
 )
 
 
+@pytest.mark.interpreted
 def test_members_see_as_well_as_they_are_said_to():
     """On a black floor readings are right with the member's accuracy: counts of 60 looks, chi-square, 0.1 % each."""
-    (setting,) = fixed(
-        brain(BELIEVES),
-        robots=300,
-        rounds=20,
-        looks=60,
-        accuracy=0.6,
-        fill_ratio=1.0,
-        topology="line",
-        members=[{"robots": 0.4, "accuracy": 0.8}, {"robots": 60, "accuracy": {"black": 0.7, "white": 0.9}}],
-    )
+    members = [{"robots": 0.4, "accuracy": 0.8}, {"robots": 60, "accuracy": {"black": 0.7, "white": 0.9}}]
+    (setting,) = settings_of(300, brain(BELIEVES), 0.6, 60, rounds=10, fill_ratio=1.0, topology="line", members=members)
     fields, _, blacks = record_trial(setting, SEED, 0)
     group = sampling.groups(setting, SEED, 0, 1)[0]
     for number, b, w in ((0, 0.6, 0.6), (1, 0.8, 0.8), (2, 0.7, 0.9)):
@@ -220,6 +158,7 @@ def test_drawn_accuracies_of_members_have_their_law():
     assert (given.sensors[0][group == 0] == plain[group == 0]).all()
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("swarm", "member", "ours", "theirs"),
     [
@@ -231,15 +170,7 @@ def test_drawn_accuracies_of_members_have_their_law():
     ],
 )
 def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
-    study = sc.Study(
-        trials=1,
-        seed=SEED,
-        swarm={"brain": brain(BELIEVES), "robots": 6, "accuracy": 0.7} | swarm,
-        world={"topology": "ring", "fill_ratio": 0.5},
-        schedule={"rounds": 2},
-        members=[{"robots": 2} | member],
-    )
-    (setting,) = study.settings()
+    (setting,) = settings_of(6, brain(BELIEVES), rounds=2, members=[{"robots": 2} | member], **swarm)
     given, group = inputs_of(setting, SEED, 0), sampling.groups(setting, SEED, 0, 1)[0]
     fields, *_ = record_trial(setting, SEED, 0)
     for number, (true, assumed) in enumerate((ours, theirs)):
@@ -288,6 +219,55 @@ def test_only_some_steer():
     assert (batch.final[0] == ride.estimates[-1]).all()
 
 
+OTHERS = {
+    "four.py": changed(("MEMORY =", "OPTIONS = 4\nMEMORY ="), source=DECIDES),
+    "other.py": changed(('("x",)', '("x", "n")'), ("return (estimate(me),)", "return estimate(me), me.n")),
+}
+
+
+@pytest.mark.parametrize(
+    ("member", "said"),
+    [
+        ({"robots": 6, "accuracy": 0.9}, "members[0].robots = 6"),
+        ({"robots": 1.5, "accuracy": 0.9}, "members[0].robots = 1.5"),
+        ({"robots": -1, "accuracy": 0.9}, "members[0].robots = -1"),
+        ({"robots": True, "accuracy": 0.9}, "members[0].robots = true"),
+        ({"robots": [0.1, "all"], "accuracy": 0.9}, "members[0].robots[1]"),
+        ({"robots": [], "accuracy": 0.9}, "members[0].robots"),
+        ({"robots": [0, 0.0], "accuracy": 0.9}, "members[0].robots = 0"),
+        ({"robots": 0.04, "accuracy": 0.9}, "members[0].robots = 0.04"),
+        ({"accuracy": 0.9}, "members[0].robots is missing"),
+        ({"robots": 2}, "members[0] differs in nothing"),
+        ({"robots": 1.0, "honest": False}, "members: of 5 robots none is honest"),
+        ({"robots": 2, "speed": 0.1}, "members[0].speed"),
+        ({"robots": 2, "honest": [True]}, "members[0].honest"),
+        ({"robots": 2, "accuracy": 1.2}, "members[0].accuracy = 1.2"),
+        ({"robots": 2, "brains": "voter"}, "unknown key members[0].brains: did you mean 'brain'"),
+        ({"robots": 2, "brain": "none.py"}, "members[0].brain"),
+        ({"robots": 2, "brain": "other.py"}, "members[0].brain = 'other.py': its MESSAGE"),
+        ({"robots": 2, "brain": "four.py"}, "members[0].brain = 'four.py'"),
+        ({"robots": 2, "brain": "slow-liar"}, "members[0].brain = 'slow-liar'"),
+        ({"robots": 2, "brain": "allways-black", "honest": False}, "did you mean 'always-black'?"),
+        ({"robots": 2, "brain": {"file": "voter", "much": 1}}, "the brain 'voter' has no parameter 'much'"),
+        ({"robots": 2, "brain": {"file": "jammer", "much": 1}, "honest": False}, "'jammer' has no parameter 'much'"),
+    ],
+)
+def test_wrong_members_are_named(member, said):
+    if member.get("brain") in OTHERS:
+        member = member | {"brain": brain(OTHERS[member["brain"]], member["brain"])}
+    with pytest.raises(InputError) as caught:
+        study_of(brain(DECIDES), members=[member])
+    assert said in str(caught.value)
+
+
+def test_wrong_tables_of_members_are_named():
+    two = [{"robots": 0.6, "accuracy": 0.9}, {"robots": 0.7, "accuracy": 0.8}]
+    with pytest.raises(InputError, match=r"members\[0\].robots = 0.6 and members\[1\].robots = 0.7"):
+        study_of(members=two)
+    with pytest.raises(InputError, match="members = 3"):
+        sc.Study(trials=1, swarm={"robots": 5, "accuracy": 0.7}, world=RING, members=3)
+
+
 STUDY = """
 trials = 1
 [swarm]
@@ -303,63 +283,9 @@ fill_ratio = 0.5
 [schedule]
 rounds = 3
 """
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("robots = 2", "robots = 6", "members[0].robots = 6"),
-        ("robots = 2", "robots = 1.5", "members[0].robots = 1.5"),
-        ("robots = 2", "robots = -1", "members[0].robots = -1"),
-        ("robots = 2", "robots = true", "members[0].robots = true"),
-        ("robots = 2", "robots = [0.1, 'all']", "members[0].robots"),
-        ("robots = 2", "robots = []", "members[0].robots"),
-        ("robots = 2\n", "", "members[0].robots is missing"),
-        ("robots = 2", "robots = 0.6\naccuracy = 0.9\n[[members]]\nrobots = 0.7", "members[0].robots = 0.6"),
-        ("robots = 2", "robots = 1.0\nhonest = false", "members: of 5 robots none is honest"),
-        ("robots = 2", "robots = 2\nspeed = 0.1", "members[0].speed"),
-        ("robots = 2", "robots = 2\nhonest = 'no'", "members[0].honest"),
-        ("robots = 2", "robots = 2\naccuracy = 1.2", "members[0].accuracy"),
-        ("robots = 2", "robots = 2\nbrains = 'mine.py'", "unknown key members[0].brains: did you mean 'brain'"),
-        ("[[members]]", "[members]", "should be a list of tables, each under [[members]]"),
-        ('"liar.py"', '"other.py"', "members[0].brain = 'other.py'"),
-        ('"liar.py"', '"four.py"', "members[0].brain = 'four.py'"),
-        ('"liar.py"', '"none.py"', "none.py"),
-        ('"liar.py"', '{file = "liar.py", much = 1}', "the brain 'liar.py' has no parameter 'much'"),
-    ],
-)
-def test_wrong_members_are_told_in_a_sentence(tmp_path, monkeypatch, capsys, old, new, said):
-    monkeypatch.chdir(tmp_path)
-    Path("mine.py").write_text(DECIDES)
-    Path("liar.py").write_text(LIAR)
-    Path("four.py").write_text(changed(("MEMORY =", "OPTIONS = 4\nMEMORY ="), source=DECIDES))
-    Path("other.py").write_text(
-        changed(('("x",)', '("x", "n")'), ("return (estimate(me),)", "return estimate(me), me.n"))
-    )
-    assert old in STUDY
-    Path("s.toml").write_text(STUDY.replace(old, new, 1))
-    assert main(["run", "s.toml"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert said in line
-    assert not Path("s.nc").exists()
-
-
 FAULTY = {
-    "fails": (
-        "me.n += blacks",
-        "me.n += blacks / (me.n * 0.0)",
-        r"brain 'mine.py' or 'liar.py' fails in .*ZeroDivisionError.*liar.py, line 9",
-    ),
-    "does not compile": (
-        "me.n += blacks",
-        "me.n += 'a' + blacks",
-        r"brain 'liar.py' fails in .*swarmcensus brains --check .*liar.py says why",
-    ),
-    "decides for nothing": (
-        "def fuse",
-        "def decide(me):\n    return 7 + 0 * me.n\n\n\ndef fuse",
-        r"brain 'liar.py' fails in .*: decide gives 7: ",
-    ),
+    "fails": ("blacks / (me.n * 0.0)", r"brain 'mine.py' or 'liar.py' fails in .*ZeroDivisionError.*liar.py, line 9"),
+    "does not compile": ("'a' + blacks", r"brain 'liar.py' fails in .*swarmcensus brains --check .*liar.py says why"),
 }
 
 
@@ -367,9 +293,9 @@ FAULTY = {
 @pytest.mark.parametrize("what", FAULTY)
 def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
     monkeypatch.chdir(tmp_path)
-    old, new, said = FAULTY[what]
+    new, said = FAULTY[what]
     Path("mine.py").write_text(DECIDES)
-    Path("liar.py").write_text(changed((old, new), source=LIAR))
+    Path("liar.py").write_text(changed(("me.n += blacks", f"me.n += {new}"), source=LIAR))
     with pytest.raises(sc.InputError, match=said):
         sc.run(sc.Study.parse(STUDY), jobs=1)
 
@@ -397,39 +323,3 @@ def test_the_line_that_fails_is_found_whatever_brains_use(tmp_path, monkeypatch)
         sc.InputError, match=r"ZeroDivisionError: division by zero, at .*mine.py, line 23: me.n = 1.0 / "
     ):
         sc.run(sc.Study.parse(study), jobs=1)
-
-
-def test_one_robot_is_not_all_of_them():
-    swarm = {"robots": 10, "accuracy": 0.7}
-    world = {"topology": "ring", "fill_ratio": 0.55}
-    study = sc.Study(trials=1, swarm=swarm, world=world, members=[{"robots": [1, 1.0], "accuracy": 0.6}])
-    assert [coordinates_of(s)["members"] for s in study.settings()] == ["1 accuracy 0.6", "1.0 accuracy 0.6"]
-    assert [(sampling.groups(s, 1, 0, 1) == 1).sum() for s in study.settings()] == [1, 10]
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ({"robots": 2}, r"members\[0\] differs in nothing from the others"),
-        ({"robots": 0.04, "accuracy": 0.6}, r"members\[0\].robots = 0.04"),
-    ],
-)
-def test_members_that_are_nobody_or_like_everybody_are_refused(table, said):
-    swarm = {"robots": 10, "accuracy": 0.7}
-    with pytest.raises(InputError, match=said):
-        sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55}, members=[table])
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ([{"robots": 0, "accuracy": 0.6}], r"members\[0\].robots = 0"),
-        ([{"robots": [0, 0.0], "accuracy": 0.6}], r"members\[0\].robots = 0"),
-        (3, "members = 3"),
-        ([{"robots": 1, "honest": [True]}], r"members\[0\].honest = \[true\]"),
-    ],
-)
-def test_tables_that_mean_nothing_are_refused(given, said):
-    swarm = {"robots": 10, "accuracy": 0.7}
-    with pytest.raises(InputError, match=said):
-        sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55}, members=given)

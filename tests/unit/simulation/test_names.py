@@ -5,13 +5,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
-from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
-from tests.support.second import MEANS, brain, changed, fixed, moving
-from tests.support.small import SEED
+from tests.support.second import MEANS, brain, changed, fixed
+from tests.support.small import SEED, study_of
 
 LEADER = brains.load(EXAMPLE / "leader.py")
 HEARS = changed(
@@ -36,23 +33,6 @@ def test_names_are_the_robots_numbers():
 
 
 @pytest.mark.interpreted
-def test_on_the_move_and_in_a_mixed_swarm():
-    setting = moving(brain(HEARS), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
-    fields = record_ride(setting, SEED, 1).fields
-    who = sampling.groups(setting, SEED, 1, 1)[0]
-    assert (np.isnan(fields["own"][-1]) == (who == 1)).all()
-    assert (fields["own"][-1][who == 0] == np.flatnonzero(who == 0)).all()
-
-
-@pytest.mark.long(only=["True"])
-@pytest.mark.parametrize("compiled", [True, False])
-def test_recorded_data(compiled):
-    trace = sc.infer(np.ones((2, 3)), [[0, 1], [1, 2]], 0.8, 1, brain(HEARS), compiled=compiled)
-    assert trace["own"].values[-1].tolist() == [0.0, 1.0, 2.0]
-    assert trace["sum"].values[-1].tolist() == [2.0, 4.0, 2.0]
-
-
-@pytest.mark.interpreted
 def test_news_of_the_leader_come_a_robot_further_each_round():
     """The example by hand: on a line, robot i believes in round k what robot 0 had seen in round k - i."""
     (setting,) = fixed(LEADER, robots=5, rounds=9, topology="line")
@@ -66,22 +46,16 @@ def test_news_of_the_leader_come_a_robot_further_each_round():
 
 @pytest.mark.interpreted
 def test_results_say_who_is_anonymous():
-    study = sc.Study(
-        trials=1, swarm={"brain": ["minimalistic", LEADER], "robots": 3, "accuracy": 0.7}, schedule={"rounds": 2},
-        world={"topology": "ring", "fill_ratio": 0.5},
-    )  # fmt: skip
+    study = study_of(["minimalistic", LEADER], robots=3, accuracy=0.7, rounds=2, trials=1, fill_ratio=0.5)
     assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
 
 
 @pytest.mark.interpreted
 def test_partly_named_swarm_is_not_anonymous():
-    study = sc.Study(
-        trials=1,
-        swarm={"brain": brain(MEANS, "means.py"), "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 2},
-        world={"topology": "ring", "fill_ratio": 0.5},
-        members=[{"robots": [0, 1], "brain": brain(HEARS)}],
-    )
+    study = study_of(
+        brain(MEANS, "means.py"), robots=3, accuracy=0.7, rounds=2, trials=1,
+        members=[{"robots": [0, 1], "brain": brain(HEARS)}], fill_ratio=0.5,
+    )  # fmt: skip
     assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
 
 
@@ -92,24 +66,3 @@ def test_a_field_of_ones_own_may_be_called_name():
     assert not brain(own).uses.name
     (setting,) = fixed(brain(own), rounds=3)
     assert (record_trial(setting, SEED, 0)[0]["name"][-1] == 10.0).all()
-
-
-@pytest.mark.parametrize("line", ["me.name = 1.0", "me.name += 1.0", "del me.name", "me.n, me.name = 1.0, 2.0"])
-def test_it_is_only_for_reading(line):
-    with pytest.raises(InputError, match=r"brain.py, line 21: fuse sets me.name, which is read-only"):
-        brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}")))
-
-
-def test_what_sums_add_does_not_depend_on_who_hears_it():
-    source = changed(("me.sum += message[0]", "me.sum += message[0] * me.name"), source=HEARS)
-    brain(source)
-    adds = changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("sum",)'), source=source)
-    with pytest.raises(
-        InputError, match=r"receive reads me.name: with SUMS, what it adds may depend only on the message"
-    ):
-        brain(adds)
-    helped = (
-        changed(("message[0] * me.name", "message[0] * of(me)"), source=adds) + "\n\ndef of(me):\n    return me.name\n"
-    )
-    with pytest.raises(InputError, match=r"receive reads me.name"):
-        brain(helped)

@@ -1,7 +1,5 @@
 """Answers that are refused: of `interval` before anything runs, by the suite and where robots are asked; estimates."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -81,52 +79,6 @@ def test_a_replay_shows_a_wrong_estimate_and_warns_of_it():
     assert trace["estimate"].values[:, 0].tolist() == [0.5, 0.5, 0.5, 1.5, 1.5]
 
 
-@pytest.mark.parametrize(
-    ("lines", "said"),
-    [
-        ("return 0.7, 0.2", "interval returns (0.7, 0.2): two numbers, 0 <= low <= high <= 1, are right, or (0.0, 1"),
-        ("return 0.1, me.t, 0.9", "interval returns (0.1, me.t, 0.9): two numbers"),
-        ("return -0.1, me.t", "interval returns (-0.1, me.t): two numbers"),
-        ("return me.t, 2", "interval returns (me.t, 2): two numbers"),
-        ("return 0.5", "interval returns 0.5: two numbers"),
-        ("return (0.1, 0.2) if me.t > 1.0 else None", "interval returns None: two numbers"),
-        ("if me.t > 1.0:\n        return 0.1, 0.2", "interval may end without returning anything"),
-        ("me.n = 0.5\n    return me.luck, 1.0", "interval reads me.luck, which is new only in observe, receive, fuse"),
-    ],
-)  # fmt: skip
-def test_what_is_seen_of_an_interval_without_running_it(lines, said):
-    with pytest.raises(InputError, match=r"brain.py, line \d+: ") as caught:
-        brain(f"{MEANS}\n\ndef interval(me):\n    {lines}\n")
-    assert said in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    "lines", ["return 0, 1", "return 0.5, 0.5", "x = (0.2, me.t)\n    return x", "return wide(me)"]
-)
-def test_what_may_be_one_is_not_refused(lines):
-    brain(f"{MEANS}\n\ndef wide(me):\n    return 0.0, 1.0\n\n\ndef interval(me):\n    {lines}\n")
-
-
-def test_names_and_arguments():
-    for name, said in (
-        ("interval(me, level)", "interval takes 2 arguments: 1 are right"),
-        ("intervals(me)", "the function intervals is never called: did you mean 'interval'?"),
-    ):
-        with pytest.raises(InputError) as caught:
-            brain(f"{MEANS}\n\ndef {name}:\n    return 0.0, 1.0\n")
-        assert said in str(caught.value)
-
-
-def test_it_only_reads():
-    fault = suite.fault_of(
-        PROMISES["functions that tell something only read"],
-        brain(MEANS + "\n\ndef interval(me):\n    me.n += 1.0\n    return 0.0, 1.0\n"),
-    )
-    assert fault
-    assert "interval (line " in fault
-    assert "changes me.n" in fault
-
-
 @pytest.mark.long
 def test_differences_of_machine_code_are_found():
     body = "    return 0.0, 1.0 if (math.floor(me.t) + 3) * 4611686018427387904 > 0 else 0.5\n"  # beyond 64 bits
@@ -138,20 +90,3 @@ def test_differences_of_machine_code_are_found():
     fault = suite.fault_of(compiles, brain(three))
     assert fault
     assert "interval gives UniTuple(float64 x 3), not two numbers, low and high" in fault
-
-
-@pytest.mark.long
-def test_the_line_in_which_it_fails_is_told(tmp_path, monkeypatch):
-    """At a checkpoint, where it is asked, and not before."""
-    source = MEANS + "\n\ndef interval(me):\n    return 0.0, 1.0 / (me.t - 2.0) / (me.t - 5.0) * 0.0 + 1.0\n"
-    monkeypatch.chdir(tmp_path)
-    Path("brain.py").write_text(source)
-    study = sc.Study(
-        trials=1, swarm={"brain": "brain.py", "robots": 3, "accuracy": 0.7}, measure={"checkpoints": [4, 5]},
-        world={"topology": "line", "fill_ratio": 0.8}, schedule={"rounds": 6, "observations_per_round": 1},
-    )  # fmt: skip
-    with pytest.raises(
-        InputError, match=r"ZeroDivisionError: division by zero, at brain.py, line 29: return 0.0, 1.0 / "
-    ):
-        sc.run(study, jobs=1)
-    assert (sc.run(study.with_(measure={"checkpoints": [3, 4]}), jobs=1)["coverage"] == 1.0).all()

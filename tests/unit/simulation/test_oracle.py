@@ -11,6 +11,7 @@ from swarmcensus.engine.constants import SENSING
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import sampling
 from swarmcensus.support.errors import InputError
+from tests.support.small import study_of
 
 ORACLE = brains.load("oracle")
 MIXED = {"black": "U(0.55, 1.0)", "white": "U(0.1, 0.9)"}
@@ -64,20 +65,10 @@ def test_it_finds_the_maximum_of_the_pooled_likelihood(topology):
     assert (results["messages_heard"].values == 11 * (400 if topology == "moving" else 60)).all()
 
 
-def test_while_robots_see_it_is_a_step_behind_at_the_most():
-    made = study("line", faults=[])
-    results = sc.run(made)
-    for trial in range(3):
-        best, _ = pooled(made, results, 0, trial)
-        assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-3)
-
-
 def test_oracle_ignores_networks_and_beliefs():
-    made = sc.Study(
-        seed=9, trials=2,
-        swarm={"brain": "oracle", "robots": 8, "accuracy": MIXED, "assumed_accuracy": [0.7, {"error": "N(0, 0.2)"}]},
-        world={"topology": ["full", "ring", "line"], "fill_ratio": 0.6, "link_success": [1.0, 0.2]},
-        schedule={"rounds": 30, "observations_per_round": 2},
+    made = study_of(
+        "oracle", robots=8, accuracy=MIXED, assumed_accuracy=[0.7, {"error": "N(0, 0.2)"}], rounds=30, looks=2,
+        trials=2, seed=9, topology=["full", "ring", "line"], fill_ratio=0.6, link_success=[1.0, 0.2],
     )  # fmt: skip
     results = sc.run(made)
     final = results["final_estimate"].values
@@ -107,64 +98,6 @@ def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch)
         assert (trace["t"].values[-1] > 0).tolist() == honest.tolist()
         assert results["final_estimate"].values[0, trial, :8] == pytest.approx(best, abs=1e-12)
     assert np.abs(results["final_estimate"].values[1, :, :8] - 0.3).max() > 0.5  # what they do to others
-
-
-@pytest.mark.long
-def test_a_steering_swarm_has_one_too(tmp_path):
-    """Robots that steer live in a loop of their own."""
-    (tmp_path / "seer.py").write_text(ORACLE.source + "\n\ndef steer(me):\n    return 0.1, 0.5\n")
-    made = study("moving", swarm={"brain": str(tmp_path / "seer.py")})
-    results = sc.run(made)
-    found = made.settings()[0]
-    for trial in range(3):
-        b, w = (np.broadcast_to(side[0], 12) for side in sampling.accuracies(found, 4, trial, 1)[:2])
-        trace = sc.replay(results, 0, trial, brain_file=tmp_path / "seer.py")
-        best = most_likely(b, w, trace["t"].values[-1], trace["n"].values[-1])
-        assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-12)
-
-
-@pytest.mark.long
-def test_gradient_steps_end_at_the_maximum():
-    """Few readings of very unequal sensors: plain scoring goes to and fro for ever in some of these."""
-    chance, stuck = np.random.default_rng(0), 0
-    for case in range(1500):
-        robots = int(chance.integers(1, 30))
-        b = w = np.where(chance.random(robots) < 0.2, 1.0, chance.uniform(0.5, 0.7, robots))
-        t = chance.integers(1, (3, 10, 100)[case % 3], robots).astype(float)
-        f = chance.choice([0.0, 0.01, 0.1, 0.5, 0.9])
-        n = chance.binomial(t.astype(int), f * b + (1 - f) * (1 - w)).astype(float)
-        best = most_likely(b, w, t, n)
-        fails = abs(plainly_scored(b, w, t, n) - best) > 1e-2
-        stuck += fails
-        if fails or case < 60:
-            assert scored(b, w, t, n) == pytest.approx(best, abs=1e-5)
-    assert stuck > 0
-
-
-def plainly_scored(b, w, t, n):
-    """Where 150 whole steps end."""
-    x, k = 0.5, b + w - 1
-    for _ in range(150):
-        p = np.clip(x * b + (1 - x) * (1 - w), 1e-9, 1 - 1e-9)
-        worth = t * k * k / (p * (1 - p))
-        x = min(max((k * (n - t * (1 - w)) / (p * (1 - p))).sum() / worth.sum(), 0.0), 1.0)
-    return x
-
-
-def scored(b, w, t, n):
-    """Where 300 rounds of the brain end, in a full network: what one robot hears and does, all do."""
-    own = ORACLE.functions
-    states = [ORACLE.robot(*sides) for sides in zip(b, w, strict=True)]
-    for me, looks, blacks in zip(states, t, n, strict=True):
-        own.observe(me, blacks, looks)
-    for _ in range(300):
-        me = states[0]
-        for other in states[1:]:
-            own.receive(me, own.broadcast(other))
-        own.fuse(me)
-        for other in states[1:]:
-            other.x = me.x
-    return own.estimate(states[0])
 
 
 def test_a_message_by_hand():

@@ -1,20 +1,15 @@
 """me.luck: chance that is addressed, fresh at each call of observe, receive, fuse and steer."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from swarmcensus import brains
 from swarmcensus.engine.random import chance
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
-from swarmcensus.support.errors import InputError
 from tests.reference import rounds as reference
-from tests.support.second import ALL, MEANS, OURS, RANDOM, STEER, brain, changed, fixed, moving
-from tests.support.small import FAULTS, GO, SEED
+from tests.support.second import RANDOM, brain, changed, fixed
+from tests.support.small import FAULTS, SEED
 
 
 def lives(source, trial=0, **world):
@@ -27,14 +22,6 @@ def test_never_zero_and_never_one():
     assert chance(np.uint64(2**64 - 1)) == 1.0 - 2.0**-53
     assert chance(np.uint64(2**63)) == 0.5 + 2.0**-53
     assert chance(np.uint64(2**63)) == reference.chance(2**63)
-
-
-@pytest.mark.interpreted
-def test_each_call_has_its_own():
-    """Of 5 robots on a ring, 8 rounds: all that was seen, heard and fused by differs."""
-    fields = lives(RANDOM)
-    every = np.concatenate([fields[name][1:].ravel() for name in OURS])
-    assert len(np.unique(every)) == every.size == 120
 
 
 @pytest.mark.interpreted
@@ -71,89 +58,6 @@ def test_it_changes_nothing_else(world):
         one, other = lives(brain(asks), **world), lives(plain, **world)
         for name in plain.memory:
             assert (one[name] == other[name]).all()
-
-
-@pytest.mark.interpreted
-def test_two_brains_have_the_same():
-    """So that they differ by what they are, and not by chance: whatever one of them does not ask for."""
-    both, fused = lives(RANDOM), lives(changed(("me.seen = me.luck", "me.seen = 0.0"), source=RANDOM))
-    assert (both["fused"] == fused["fused"]).all()
-    assert (both["heard"] == fused["heard"]).all()
-    assert (lives(RANDOM, accuracy=0.9)["fused"] == both["fused"]).all()
-
-
-@pytest.mark.interpreted
-def test_robots_trials_seeds_and_networks_have_others():
-    ring = lives(RANDOM)["fused"]
-    for other in (lives(RANDOM, trial=1), lives(RANDOM, topology="line"), lives(RANDOM, robots=6)):
-        assert not np.isin(other["fused"][1:], ring[1:]).any()
-    (setting,) = fixed(brain(RANDOM))
-    assert not np.isin(record_trial(setting, SEED + 1, 0)[0]["fused"][1:], ring[1:]).any()
-
-
-@pytest.mark.interpreted
-def test_a_round_without_a_reading_costs_none():
-    """A sensor that fails changes no other luck."""
-    failed = lives(RANDOM, faults=[{"at": 3, "robots": 2, "stop": "sensing"}])
-    whole = lives(RANDOM)
-    assert (failed["fused"] == whole["fused"]).all()
-    assert (failed["heard"] == whole["heard"]).all()
-    assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
-
-
-@pytest.mark.interpreted
-def test_on_the_move_and_of_robots_that_steer():
-    """A brain whose steering is by lot has the same luck elsewhere as one that walks at random."""
-    walks, steers = (record_ride(moving(brain(s)), SEED, 0).fields for s in (RANDOM, RANDOM + STEER))
-    assert (walks["fused"] == steers["fused"]).all()
-    assert len(np.unique(walks["fused"][1:])) == 25 * 6
-
-
-@pytest.mark.interpreted
-def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
-    (mixed,) = fixed(brain(RANDOM), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
-    who = sampling.groups(mixed, SEED, 0, 1)[0]
-    one, other = record_trial(mixed, SEED, 0)[0], record_trial(replace(mixed, members=()), SEED, 0)[0]
-    for name in OURS:
-        assert (one[name][:, who == 0] == other[name][:, who == 0]).all()
-        assert np.isnan(one[name][:, who == 1]).all()
-
-
-def test_local_estimates_ignore_the_network():
-    final = [
-        run_batch(setting, SEED, 0, 2, Metrics(0.01, 10, ()), GO, local=True).final
-        for setting in fixed(brain(ALL), topology=["ring", "full", "line"], link_success=[1.0, 0.5])
-    ]
-    assert all((one == final[0]).all() for one in final)
-
-
-@pytest.mark.parametrize("name", ["broadcast", "estimate", "decide", "done"])
-@pytest.mark.parametrize("how", ["itself", "helper"])
-def test_what_only_tells_has_none(name, how):
-    more = {"decide": "\n\ndef decide(me):\n    return 0\n", "done": "\n\ndef done(me):\n    return False\n"}
-    helper = "\n\ndef lot(me):\n    return me.luck\n"
-    source = changed(("(estimate(me),)", "(me.n,)")) + more.get(name, "") + helper
-    line = "    lot = me.luck\n" if how == "itself" else "    lots = lot(me)\n"
-    source = changed((f"def {name}(me):\n", f"def {name}(me):\n{line}"), source=source)
-    where = "" if how == "itself" else " in lot"
-    with pytest.raises(
-        InputError, match=rf"brain.py, line \d+: {name} reads me.luck{where}, which is new only in observe,"
-    ):
-        brain(source)
-
-
-@pytest.mark.parametrize("line", ["me.luck = 0.5", "me.luck *= 2.0", "del me.luck"])
-def test_it_is_only_for_reading(line):
-    with pytest.raises(InputError, match=r"fuse sets me.luck, which is read-only"):
-        brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}")))
-
-
-def test_sums_have_none():
-    source = changed(("    me.heard = me.luck", "    me.heard += me.luck"), source=RANDOM)
-    with pytest.raises(
-        InputError, match=r"receive reads me.luck: with SUMS, what it adds may depend only on the message"
-    ):
-        brain(changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("heard",)'), source=source))
 
 
 @pytest.mark.interpreted

@@ -14,12 +14,12 @@ from swarmcensus.results.replaying import honest_in
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import answers, metrics, trials
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.living import Life
+from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
-from tests.support.small import FAILS
+from tests.support.small import FAILS, study_of
 
 pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -185,7 +185,7 @@ def _compared(study, results, k, trial):
             due = due[..., : honest.sum()]
         if not np.array_equal(due, value, equal_nan=True):
             yield f"{name} is recorded as {due}, replayed as {value}"
-    life = Life(setting, study.seed, trial)
+    life = LiveTrial(setting, study.seed, trial)
     stretches = [life.at(n) for n in range(-(-setting.rounds // life.length))]
     watched = np.concatenate([life.start.estimates, *(one.estimates for one in stretches)])
     if not np.array_equal(watched, trace["estimate"].values, equal_nan=True):  # liars may be beyond all numbers
@@ -236,11 +236,9 @@ def test_a_run_records_what_its_replays_show(here, monkeypatch):
 
 def test_replays_of_trials_that_fail_say_what_the_run_says(here):
     """A brain that now and then divides by zero."""
-    study = sc.Study(
-        trials=TRIALS, swarm={"robots": 3, "brain": "fails.py", "accuracy": 0.6},
-        world={"topology": "ring", "fill_ratio": [0.55, 0.65, 0.7]},
-        schedule={"rounds": 6, "observations_per_round": 100},
-    )  # fmt: skip
+    study = study_of(
+        "fails.py", robots=3, accuracy=0.6, rounds=6, looks=100, trials=TRIALS, fill_ratio=[0.55, 0.65, 0.7]
+    )
     found, compared = differences(study)
     assert not found, "\n".join(found)
     assert 0 < compared < 3 * TRIALS

@@ -1,11 +1,5 @@
 """Brains that steer: who gets what it wants, and that a run, its replay and CPython all tell the same life."""
 
-import os
-import re
-import runpy
-import subprocess
-import sys
-
 import numba
 import numpy as np
 import pytest
@@ -17,7 +11,6 @@ from swarmcensus.engine.return_values import chosen
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides, sampling
 from swarmcensus.worlds.bodies import Body
-from tests.support.places import EXAMPLE
 from tests.support.steering import STEER, WANTS
 
 STUDY = """
@@ -90,15 +83,6 @@ def steered(folder):
     return study, sc.run(study, jobs=2)
 
 
-@pytest.mark.long
-def test_a_brain_that_never_wants_anything_walks_at_random(folder):
-    """To the bit: the same brain without `steer`, and one whose `steer` returns None."""
-    results = sc.run(study_of(folder, "NEVER", brain='["minimalistic", "steered.py"]'))
-    plain, never = (results.isel(setting=np.flatnonzero(results["brain"] == b)) for b in ("minimalistic", "steered.py"))
-    for name in ("convergence_round", "convergence_error", "final_estimate", "correct", "true_fill_ratio"):
-        assert np.array_equal(plain[name].values, never[name].values), name
-
-
 def test_run_equals_replay_and_inference(folder, steered):
     """The compiled loop, the same tick by tick, and CPython on what was read and heard: one life, to the bit."""
     study, results = steered
@@ -113,22 +97,6 @@ def test_run_equals_replay_and_inference(folder, steered):
         again = sc.infer(readings, messages, (assumed_b[0, 0], assumed_w[0, 0]), 1, setting.brain, compiled=False)
         for name in ("estimate", *setting.brain.memory):
             assert (again[name].values == trace[name].values).all(), name
-
-
-def test_the_paired_comparison_of_the_docs(folder, capsys):
-    """A brain that differs from the other in nothing differs by nothing; medians are those of all robots and trials."""
-    path = EXAMPLE / "paired.py"
-    results = sc.run(study_of(folder, "NEVER", brain='["minimalistic", "steered.py"]', trials=6))
-    sc.save(results, folder / "pair.nc")
-    runpy.run_path(str(path))["main"](folder / "pair.nc", "minimalistic", "steered.py")
-    _, *lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 2
-    for k, line in enumerate(lines):
-        numbers = [float(n) for n in re.findall(r"-?\d+\.\d{4}", line)]
-        error = np.median(np.abs(results["final_estimate"].values[k] - 0.55))
-        assert numbers[0] == numbers[3] == pytest.approx(error, abs=1e-4)
-        assert numbers[1] < numbers[0] < numbers[2]
-        assert numbers[6:] == [0, 0, 0]
 
 
 def test_large_arenas_are_lived_in_the_same_way(steered, monkeypatch):
@@ -148,67 +116,6 @@ def test_wheels_have_limits(folder):
         assert (wanted.min(), wanted.max()) == pytest.approx((-1, 1))
 
 
-def test_circles(folder):
-    """A lone robot far from walls against the closed form, wheel lag included; positive turns are to the left.
-
-    A tick turns by a part of the angle and goes the same part of the way, twice: as a complex number d in the frame
-    that it began in. So ticks add up to a geometric series, and its points lie on a circle about one centre.
-    """
-    (trace,) = traces(folder, "CIRCLE", robots=1, density=0.01, trials=1)
-    lag, angle, way = Body().wheel_lag, 0.5 * Body().tick, 0.05 * Body().tick
-    assert turns_of(trace)[2:] == pytest.approx(angle, abs=1e-12)
-    d = way * (lag * np.exp(1j * angle * lag) + (1 - lag) * np.exp(1j * angle))
-    x, y = xy_of(trace)[2:, 0].T  # what is wanted after the first tick is so from the second one's end on
-    k = np.arange(len(x))
-    forward = np.exp(1j * trace["heading"].values[2, 0])
-    expected = forward * d * (np.exp(1j * angle * k) - 1) / (np.exp(1j * angle) - 1)
-    assert np.abs(x + 1j * y - (x[0] + 1j * y[0]) - expected).max() < 1e-9
-    centre = (x[0] + 1j * y[0]) - forward * d / (np.exp(1j * angle) - 1)
-    radius = np.abs(d) / abs(np.exp(1j * angle) - 1)
-    assert np.abs(x + 1j * y - centre) == pytest.approx(radius, abs=1e-9)
-    assert radius == pytest.approx(0.1, rel=1e-3)  # speed over turn
-
-
-def test_avoiding_wins(folder):
-    """A lone robot that wants straight on does so but for where it avoids a wall, turning on the spot."""
-    for trace in traces(folder, "STRAIGHT", robots=1, density=1):
-        avoiding = trace["looked"].values[1:, 0] == 0
-        assert 10 < avoiding.sum() < 100
-        step, turn = steps_of(trace)[:, 0], turns_of(trace)[:, 0]
-        still = avoiding[1:] & avoiding[:-1]
-        assert step[1:][still] == pytest.approx(0, abs=1e-12)
-        assert np.abs(turn[1:][still]) == pytest.approx(TURN)
-        free = ~avoiding[1:] & ~avoiding[:-1]
-        free[0] = False  # nothing is wanted in the first tick
-        assert turn[1:][free] == pytest.approx(0, abs=1e-12)
-        inside = np.abs(xy_of(trace)[2:, 0]).max(axis=1) < trace.attrs["side"] / 2 - Body().radius
-        assert step[1:][free & inside] == pytest.approx(STEP)
-
-
-def test_robots_that_move_no_more_cannot_steer(folder):
-    faults = '2\nfaults = [{at = 40, robots = 3, stop = "moving"}]'
-    results = sc.run(study_of(folder, "STRAIGHT", trials=faults, density=1))
-    trace = sc.replay(results, 0, 1, folder / "steered.py")
-    stopped = (trace["stops"].sel(part="moving") == 40).values
-    assert stopped.sum() == 3
-    assert np.abs(turns_of(trace)[40:, stopped]).max() < 1e-12
-    assert steps_of(trace)[40:, stopped].max() < 1e-12
-    assert np.median(steps_of(trace)[40:, ~stopped]) == pytest.approx(STEP)
-
-
-def test_nobody_is_inside_a_wall_or_another(folder):
-    """At any tick's end, by more than a millimetre, though they back into one another."""
-    touched = 0
-    for trace in traces(folder, "ABSURD", "STRAIGHT", robots=12, density=12):
-        xy = xy_of(trace)
-        assert np.abs(xy).max() <= trace.attrs["side"] / 2 - Body().radius + 1e-3
-        apart = np.hypot(*np.moveaxis(xy[:, :, np.newaxis] - xy[:, np.newaxis], 3, 0))
-        apart[:, np.eye(12, dtype=bool)] = np.inf
-        assert apart.min() >= 2 * Body().radius - 1e-3
-        touched += (apart < 2 * Body().radius + 1e-5).sum()
-    assert touched > 0
-
-
 def test_steering_walks_alone_and_leaves_other_settings_alone(folder, steered):
     """Settings that steer begin alike and then differ; a setting run by itself gives the same bits."""
     study, results = steered
@@ -219,44 +126,6 @@ def test_steering_walks_alone_and_leaves_other_settings_alone(folder, steered):
         assert (begins[0][-1] != other[-1]).any()
     alone = sc.run(study_of(folder, "SEEN", density=6))
     assert (alone["final_estimate"].values[0] == results["final_estimate"].values[k[-1]]).all()
-
-
-FIXED = """
-trials = 1
-seed = 3
-[swarm]
-brain = ["minimalistic", "steered.py"]
-robots = 3
-accuracy = 0.7
-assumed_accuracy = {black = 0.8, white = 0.8}
-[world]
-topology = "ring"
-fill_ratio = 0.55
-[schedule]
-rounds = 10
-"""
-IN_CPYTHON = """
-import sys, pathlib, numpy, swarmcensus
-for name in sys.argv[1:]:
-    swarmcensus.save(swarmcensus.run(swarmcensus.Study.load(name), jobs=1), pathlib.Path(name).with_suffix(".nc"))
-"""
-
-
-def test_in_cpython_and_on_fixed_networks(folder):
-    """With NUMBA_DISABLE_JIT, which also saves compiling all for fixed networks: there nobody is asked to steer.
-
-    Not even a brain whose `steer` is broken is stopped by it; and the loop of those that steer gives the same bits.
-    """
-    world = {"density": 6, "message_delay": "0\ntile = 0.05"}  # few tiles: CPython paints each
-    short = study_of(folder, "SEEN", robots=3, ticks=12, checkpoints="[12]", trials=1, **world)
-    for name, text in (("fixed", FIXED), ("short", short.text)):
-        (folder / f"{name}.toml").write_text(text)
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
-    subprocess.run([sys.executable, "-W", "ignore", "-c", IN_CPYTHON, "fixed.toml", "short.toml"],
-                   cwd=folder, env=environment, check=True)  # fmt: skip
-    final = sc.load(folder / "fixed.nc")["final_estimate"].values
-    assert (final[0] == final[1]).all()
-    assert (sc.load(folder / "short.nc")["final_estimate"] == sc.run(short)["final_estimate"]).all()
 
 
 def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatch):

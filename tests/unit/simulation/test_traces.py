@@ -7,6 +7,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results import recordings
 from swarmcensus.results.replaying import recording
+from tests.support.small import study_of
 
 READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
 
@@ -61,10 +62,9 @@ def test_messages_are_heard_at_their_step(compiled, every):
 def test_a_trial_on_directed_links_is_recorded_as_messages():
     """And both the engine and CPython make the same of them, bit for bit."""
     edges = [[0, 1], [1, 2], [2, 0], [3, 0], [0, 3]]
-    study = sc.Study(
-        trials=2, swarm={"robots": 5, "accuracy": 0.7, "brain": ["minimalistic", "legacy"]},
-        world={"topology": {"name": "office", "edges": edges, "directed": True}, "fill_ratio": 0.55},
-        schedule={"rounds": 7, "observations_per_round": 3},
+    study = study_of(
+        ["minimalistic", "legacy"], robots=5, accuracy=0.7, rounds=7, looks=3, trials=2,
+        topology={"name": "office", "edges": edges, "directed": True},
     )  # fmt: skip
     results = sc.run(study, jobs=1)
     for k, setting in enumerate(study.settings()):
@@ -124,15 +124,10 @@ def test_what_is_refused(arguments, said):
 
 
 def test_replay_of_what_is_not_there(small_results):
-    with pytest.raises(sc.InputError, match="setting 99: these results hold setting 0 to 31"):
+    with pytest.raises(sc.InputError, match="setting=99: these results hold setting 0 to 31"):
         sc.replay(small_results, 99, 0)
-    with pytest.raises(sc.InputError, match="trial 4: these results hold trial 0 to 3"):
+    with pytest.raises(sc.InputError, match="trial=4: these results hold trial 0 to 3"):
         sc.replay(small_results, 0, 4)
-
-
-def test_a_selection_keeps_its_settings_numbers(small_results):
-    part = small_results.isel(setting=[20])
-    assert sc.replay(part, 20, 1)["estimate"].values[-1, 0] == small_results["final_estimate"].values[20, 1, 0]
 
 
 def test_recordings_survive_their_files(small_results, tmp_path):
@@ -142,16 +137,6 @@ def test_recordings_survive_their_files(small_results, tmp_path):
     recordings.write_rows(tmp_path / "l.csv", ["i", "j"], edges)
     assert np.array_equal(recordings.read_observations(tmp_path / "o.csv"), readings, equal_nan=True)
     assert (recordings.read_links(tmp_path / "l.csv") == edges).all()
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [("", "no observations"), ("1,1\n0,2\n", "line 2: '2'"), ("1,1\n0\n", "line 2: 1 value where there were 2")],
-)
-def test_bad_observation_files(text, said, tmp_path):
-    (tmp_path / "o.csv").write_text(text)
-    with pytest.raises(sc.InputError, match=said):
-        recordings.read_observations(tmp_path / "o.csv")
 
 
 def test_accuracy_files(tmp_path):

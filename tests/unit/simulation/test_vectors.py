@@ -1,11 +1,9 @@
 """Vectors in MEMORY, PARAMETERS and MESSAGE: so many numbers under one name."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
@@ -16,7 +14,7 @@ from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.errors import InputError
 from tests.support.places import EXAMPLE
 from tests.support.second import ALL, brain, changed, fixed
-from tests.support.small import GO, SEED
+from tests.support.small import GO, SEED, study_of
 
 MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
 COUNTS = changed(
@@ -57,47 +55,6 @@ def test_a_message_is_what_it_was_when_it_was_said():
 
 
 @pytest.mark.interpreted
-def test_vectors_in_messages():
-    source = changed(
-        ('MESSAGE = ("seen",)', 'MESSAGE = {"n": 0.0, "pair": (0.0, 0.0), "t": 0.0}'),
-        ("return (me.seen,)", "return me.n, (me.n, 2 * me.t), me.t"),
-        ("message[0][k]", "message[1][k] + message[0] * message[2]"),
-        source=COUNTS,
-    )
-    assert brain(source).message == {"n": 0, "pair": 2, "t": 0}
-    assert brain(source).message_bytes == 16
-    (setting,) = fixed(brain(source), robots=2, rounds=1, looks=3, topology="line")
-    fields, _, blacks = record_trial(setting, SEED, 1)
-    for me, other in ((0, 1), (1, 0)):
-        n = blacks[1, other]
-        assert fields["heard"][1, me].tolist() == [n + 3.0 * n, 6.0 + 3.0 * n]
-
-
-def test_what_they_cost_is_counted_number_by_number():
-    assert brain(COUNTS).memory_bytes == 4 * (2 + 2 + 2 + 2)
-    assert brain(COUNTS).message_bytes == 8
-    assert brain(ALL).memory_bytes == 4 * (7 + 3 + 2)
-
-
-@pytest.mark.interpreted
-def test_a_trace_and_its_file_have_them(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("counts.py").write_text(COUNTS)
-    study = sc.Study(
-        trials=1,
-        swarm={"brain": "counts.py", "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 4},
-        world={"topology": "ring", "fill_ratio": 0.5},
-    )
-    sc.save(sc.run(study), "r.nc")
-    trace = sc.replay("r.nc", 0, 0, brain_file="counts.py")
-    assert trace["seen"].dims == ("round", "robot", "item_seen")
-    assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--brain-file", "counts.py", "--out", "t.nc"]) == 0
-    with xr.open_dataset("t.nc") as kept:
-        assert (kept["seen"].values == trace["seen"].values).all()
-
-
-@pytest.mark.interpreted
 def test_a_belief_over_ten_bins_is_bayes_rule():
     """The example by hand: a robot's weights are the logarithms of binomial likelihoods, up to a constant."""
     used = brains.load(EXAMPLE / "histogram.py")
@@ -130,37 +87,11 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
     Path("beyond.py").write_text(changed((old, new), source=COUNTS))
     faults = [one.fault for one in suite.examine(Path("beyond.py"), PROMISES) if one.fault]
     assert any(f"{function} fails at line" in fault and "IndexError" in fault for fault in faults)
-    study = sc.Study(
-        trials=1,
-        swarm={"brain": "beyond.py", "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 4},
-        world={"topology": "ring", "fill_ratio": 0.5},
-    )
+    study = study_of("beyond.py", robots=3, accuracy=0.7, rounds=4, trials=1, fill_ratio=0.5)
     with pytest.raises(
         InputError, match=r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
     ):
         sc.run(study)
-
-
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("me.seen = (1.0, 2.0)", "sets me.seen, a vector: its items are set one by one"),
-        ("me.seen = me.heard", "sets me.seen, a vector: its items are set one by one"),
-        ("me.seen += 1.0", "sets me.seen, a vector: its items are set one by one"),
-        ("me.seen[:] = me.heard", "only items of MEMORY's vectors can be set"),
-        ("me.seen[0:1] = (1.0,)", "only items of MEMORY's vectors can be set"),
-        ("me.n = me.seen[0:1][0]", "takes a slice of a vector: its items are read one by one"),
-        ("del me.seen[0]", "only items of MEMORY's vectors can be set"),
-        ("me.n[0] = 1.0", "sets me.n[0]: only items of MEMORY's vectors can be set"),
-        ("seen = me.seen\n    seen[0] = 1.0", "sets seen[0]: only items of MEMORY's vectors can be set"),
-    ],
-)
-def test_their_items_are_set_one_by_one(line, said):
-    with pytest.raises(InputError) as caught:
-        brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}"), source=COUNTS))
-    assert said in str(caught.value)
-    assert ", line 24: fuse " in str(caught.value) or ", line 25: fuse " in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -182,74 +113,6 @@ def test_a_message_of_another_shape_is_told(message, given, said):
     with pytest.raises(InputError, match=said):
         run_batch(setting, SEED, 0, 1, MEASURE, GO)
     assert suite.fault_of(PROMISES["gives finite messages and estimates in [0, 1]"], brain(source))
-
-
-@pytest.mark.parametrize(
-    ("declared", "said"),
-    [
-        ("(0.0,) * 4097", "a vector of 4,097: it should have 1 to 4,096 numbers"),
-        ("()", "a vector of 0"),
-        ("(0.0, (1.0, 2.0))", "not a number"),
-        ("(0.0, True)", "not a number, as item 1"),
-        ("(1e300, 0.0)", "too large, as item 0: numbers are below"),
-    ],
-)
-def test_wrong_vectors_are_refused(declared, said):
-    with pytest.raises(InputError, match=said):
-        brain(changed(('"seen": (0.0, 0.5)', f'"seen": {declared}'), source=COUNTS))
-
-
-def test_a_message_names_a_vector_once():
-    with pytest.raises(InputError, match="MESSAGE names 'seen' twice"):
-        brain(changed(('("seen",)', '("seen", "seen")'), ("(me.seen,)", "me.seen, me.seen"), source=COUNTS))
-
-
-@pytest.mark.interpreted
-def test_an_estimate_may_use_math_on_items():
-    source = changed(
-        ("return me.n / me.t if me.t > 0.0 else 0.5", "return math.exp(-me.seen[0])"),
-        ("MEMORY =", "import math\n\nMEMORY ="),
-        source=COUNTS,
-    )
-    (setting,) = fixed(brain(source))
-    fields, estimates, _ = record_trial(setting, SEED, 0)
-    assert estimates == pytest.approx(np.vectorize(lambda x: math.exp(-x))(fields["seen"][..., 0]), rel=1e-15)
-
-
-@pytest.mark.long
-def test_message_vector_is_not_overread(tmp_path):
-    """It would be what other robots say, or nobody's memory."""
-    source = '''"""Reads where nothing is."""
-MEMORY = {"x": 0.5, "place": 3000000.0}
-MESSAGE = {"ballot": (0.0,) * 3}
-
-
-def observe(me, blacks, looks):
-    pass
-
-
-def broadcast(me):
-    return ((me.x, me.x, me.x),)
-
-
-def receive(me, message):
-    me.x = message[0][int(me.place)]
-
-
-def fuse(me):
-    pass
-
-
-def estimate(me):
-    return me.x
-'''
-    (tmp_path / "beyond.py").write_text(source)
-    study = sc.Study(
-        trials=1, swarm={"brain": str(tmp_path / "beyond.py"), "robots": 4, "accuracy": 0.7},
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 3},
-    )  # fmt: skip
-    with pytest.raises(InputError, match="IndexError"):
-        sc.run(study, jobs=1)
 
 
 def test_a_list_may_be_repeated_too():

@@ -3,7 +3,6 @@
 Tests of draws state their error rate: the chance that what is right fails them, were the seed not fixed.
 """
 
-import networkx as nx
 import numpy as np
 import pytest
 from scipy import stats
@@ -14,6 +13,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.theory.late_mixing import fits, late_moments
 from swarmcensus.theory.mixing import moments
 from tests.support.graphs import COMMONS, GRAPHS
+from tests.support.small import study_of
 
 
 def by_brute_force(matrix, delay, last):
@@ -53,29 +53,15 @@ def test_two_robots_by_hand():
     np.testing.assert_allclose(variance, [[one] * 2, [one * (3 / 4) / (9 / 4)] * 2], rtol=1e-12)
 
 
-def test_in_the_end_readings_count_as_they_did_without_a_delay():
-    tree = theory.mixing_matrix(nx.barabasi_albert_graph(12, 1, seed=2))
-    late, now = (theory.mixing_variance(tree, 40_000, 10, 0.5, 0.8, delay=d) for d in (3, 0))
-    np.testing.assert_allclose(late, now, rtol=0.01)
-
-
-def test_a_late_full_network_is_as_slow_as_many_small_ones():
-    """Sums of every (d + 1)-th round hardly meet the others, and each robot holds but one of these in full."""
-    full = theory.mixing_matrix("full", 200)
-    ratio = theory.mixing_variance(full, 60, 1, 0.5, 0.8, delay=2) / theory.mixing_variance(full, 60, 1, 0.5, 0.8)
-    assert ((ratio > 2.2) & (ratio < 3.0)).all()
-
-
 WORLDS = {"ring": "ring", "full": "full", "star": {"name": "star", "edges": [[0, k] for k in range(1, 8)]}}
 
 
 @pytest.fixture(scope="module")
 def runs():
-    study = sc.Study(
-        trials=300, seed=21,
-        swarm={"brain": str(COMMONS), "robots": 8, "accuracy": [0.8, {"black": 0.95, "white": 0.7}]},
-        world={"topology": list(WORLDS.values()), "fill_ratio": 0.45, "message_delay": [2, 10]},
-        schedule={"rounds": 40, "observations_per_round": 20}, measure={"checkpoints": [5, 40], "estimates": True},
+    study = study_of(
+        str(COMMONS), robots=8, accuracy=[0.8, {"black": 0.95, "white": 0.7}], rounds=40, looks=20, trials=300,
+        seed=21, measure={"checkpoints": [5, 40], "estimates": True}, topology=list(WORLDS.values()), fill_ratio=0.45,
+        message_delay=[2, 10],
     )  # fmt: skip
     return sc.run(study)
 
@@ -96,29 +82,6 @@ def test_measured_and_theory_agree_in_every_cell(runs):
             assert ratio.std(ddof=1) / np.sqrt(len(ratio)) < 0.1  # what is off by a half would be seen
 
 
-def test_single_robots_have_their_own_variance(runs):
-    """The star's hub and leaves apart, by chi-square over 300 trials: 8 robots, 0.02 % each."""
-    k = next(k for k in range(12) if runs["topology"].values[k] == "star" and runs["message_delay"].values[k] == 10)
-    star = theory.mixing_matrix(WORLDS["star"]["edges"], 8)
-    expected = theory.mixing_variance(star, 40, 20, 0.45, 0.8, delay=10)
-    ratio = ((runs["final_estimate"].values[k, :, :8] - 0.45) ** 2).sum(axis=0) / expected
-    assert (2 * np.minimum(stats.chi2.cdf(ratio, 300), stats.chi2.sf(ratio, 300)) > 2e-4).all()
-    assert (expected.max() / expected.min()) > 1.2
-
-
-@pytest.mark.long
-def test_it_is_explained(runs):
-    """The share of 12 settings whose 95 % interval holds theory's value: fewer than 8 do in 0.02 % of the cases."""
-    held = 0
-    for k in range(12):
-        found = sc.explain(runs, k)
-        assert "mixed" not in found.absent
-        assert {"sensors", "time", "mixing"} == {*found.terms}
-        _, low, high = found.squared_error
-        held += low <= found.theory["mixed"].variance[-1] <= high
-    assert held >= 8
-
-
 def test_what_cannot_be_held_is_refused():
     assert fits(100, 1000)
     assert not fits(1000, 20)
@@ -126,10 +89,5 @@ def test_what_cannot_be_held_is_refused():
         theory.mixing_variance(theory.mixing_matrix("ring", 1000), 5, 10, 0.5, 0.8, delay=20)
     with pytest.raises(InputError, match="delay = -1: should be from 0"):
         theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.8, delay=-1)
-    data = sc.run(
-        sc.Study(
-            trials=6, swarm={"robots": 1000, "accuracy": 0.8}, schedule={"rounds": 30},
-            world={"topology": "ring", "fill_ratio": 0.45, "message_delay": 25},
-        )
-    )  # fmt: skip
+    data = sc.run(study_of(robots=1000, accuracy=0.8, rounds=30, trials=6, fill_ratio=0.45, message_delay=25))
     assert sc.explain(data, 0).absent == {"mixed": "messages are late, in too large a network"}

@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import swarmcensus as sc
 from swarmcensus import brains, theory
-from swarmcensus.support.errors import InputError
 from swarmcensus.theory.local import binomial
 
 SENSORS = [(0.7, 0.7), (0.9, 0.6), (1.0, 0.6), (1.0, 1.0), (0.3, 0.4), (0.0, 0.0), (0.5, 0.5), (0.2, 0.8)]
@@ -68,13 +66,6 @@ def test_chances_are_binomial(tries, chance):
     )
 
 
-def test_it_becomes_normal_and_meets_the_bound():
-    law = theory.local_law(100_000, 0.55, 0.7)
-    bound = float(theory.robot_bound(100_000, 0.55, 0.7))
-    assert law.variance == pytest.approx(bound, rel=1e-6)
-    assert theory.error_law(law, 0.55).quantile(0.5) == pytest.approx(float(theory.median_error(bound)), rel=0.01)
-
-
 def test_several_sensors_are_mixed():
     laws = [theory.local_law(10, 0.55, 0.9), theory.local_law(10, 0.55, 0.5)]
     both = theory.mixed_law(laws)
@@ -105,71 +96,3 @@ def test_normal_shares_and_medians_are_those_of_scipy():
     assert theory.normal_median_error(np.array([0.01, 0.02, 0.3, 2.0]) ** 2, 0.95) == pytest.approx(expected, rel=0.02)
     assert theory.normal_median_error([0.04**2], 0.5) == pytest.approx(0.6744897501960817 * 0.04)
     assert theory.median_error(0.04**2) == pytest.approx(0.6744897501960817 * 0.04)
-
-
-@pytest.mark.parametrize(("b", "w", "f"), [(0.6, 0.6, 0.55), (0.9, 0.7, 0.95), (0.3, 0.4, 0.05)])
-def test_runs_have_this_law(b, w, f):
-    """Chi-square of the estimates of robots alone, and binomial p-values of right ones; error rate 0.1 % each."""
-    study = sc.Study(
-        trials=40, seed=11, swarm={"brain": "alone", "robots": 100, "accuracy": {"black": b, "white": w}},
-        world={"topology": "ring", "fill_ratio": f}, schedule={"rounds": 20, "observations_per_round": 2},
-        measure={"checkpoints": [1, 5, 20], "estimates": True},
-    )  # fmt: skip
-    results = sc.run(study)
-    for k, rounds in enumerate((1, 5, 20)):
-        law = theory.local_law(2 * rounds, f, b, w)
-        estimates = results["estimates"].values[0, k].ravel()
-        place = np.searchsorted(law.values, estimates)
-        assert np.isin(estimates, law.values).all()
-        expected = law.chances * estimates.size
-        likely = expected >= 5
-        seen = np.bincount(place, minlength=len(expected))
-        seen, expected = (np.append(v[likely], v[~likely].sum()) for v in (seen, expected))
-        kept = expected > 0
-        assert stats.chisquare(seen[kept], expected[kept] * seen.sum() / expected.sum()).pvalue > 1e-3
-        right = round(float(results["correct"].values[0, k].sum()) * 100)
-        assert stats.binomtest(right, estimates.size, theory.right_share(law, f)).pvalue > 1e-3
-
-
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (lambda: theory.local_law(-1, 0.5, 0.7), "readings = -1"),
-        (lambda: theory.local_law(2.5, 0.5, 0.7), "readings = 2.5"),
-        (lambda: theory.local_law(5, 1.5, 0.7), "fill_ratio = 1.5"),
-        (lambda: theory.local_law(5, 0.5, -0.7), "b = -0.7: should be from 0 to 1"),
-        (lambda: theory.local_law(5, 0.5, 0.7, np.nan), "w = nan: should have no NaN in it"),
-        (lambda: theory.local_law(5, 0.5, [0.7, 0.8]), "b has several numbers: should be one"),
-        (lambda: theory.local_law(5, 0.5, [[0.7], [0.7, 0.8]]), "b = [[0.7], [0.7, 0.8]]: should be a number"),
-        (lambda: theory.local_law(5, [0.1, 0.2], 0.7), "fill_ratio = [0.1, 0.2]"),
-        (lambda: theory.mixed_law([]), "should contain a law"),
-        (lambda: theory.mixed_law([1]), "laws: should be a list of laws, as `local_law` gives them"),
-        (lambda: theory.mixed_law(theory.local_law(5, 0.5, 0.7)), "laws: should be a list of laws"),
-        (lambda: theory.local_law(5, 0.5, 0.7).quantile([0.1, 0.2]), "share = [0.1, 0.2]"),
-        (lambda: theory.error_law(theory.local_law(5, 0.5, 0.7), [0.1, 0.2]), "fill_ratio = [0.1, 0.2]"),
-        (lambda: theory.right_share(theory.local_law(5, 0.5, 0.7), [0.1, 0.2]), "fill_ratio = [0.1, 0.2]: should be"),
-        (lambda: theory.local_squared_error(10, [0.1, 0.2], 0.7), "fill_ratio = [0.1, 0.2]"),
-        (
-            lambda: theory.local_squared_error(10, 0.5, [0.7, 0.8], pull=[0.1] * 3),
-            "b has the shape (2,), w (2,), pull (3,): should be one shape",
-        ),
-        (lambda: theory.pulled_squared_error(-1, 0.5, 0.1), "variance = -1"),
-        (lambda: theory.pulled_squared_error(0.1, [0.1, 0.2], 0.1), "fill_ratio = [0.1, 0.2]"),
-        (lambda: theory.pulled_squared_error([0.1] * 3, 0.5, [0.1, 0.2]), "variance has the shape (3,), pull (2,)"),
-        (lambda: theory.cut_off(-1, 0.5), "variance = -1"),
-        (lambda: theory.cut_off(np.inf, 0.5), "variance: should be finite"),
-        (lambda: theory.cut_off([0.1] * 3, 0.5, [0.1, 0.2]), "variance has the shape (3,), pull (2,)"),
-        (lambda: theory.local_law(5, 0.5, 0.7).quantile(2), "share = 2: should be from 0 to 1"),
-        (lambda: theory.right_share(theory.local_law(5, 0.5, 0.7), 0.5, 0), "bins = 0: should be from 1"),
-        (lambda: theory.normal_right_share(-1.0, 0.5), "variance = -1.0"),
-        (lambda: theory.normal_right_share(0.1, [0.1, 0.2]), "fill_ratio = [0.1, 0.2]"),
-        (lambda: theory.normal_right_share([0.1] * 3, 0.5, bias=[0.1, 0.2]), "variance has the shape (3,), bias (2,)"),
-        (lambda: theory.normal_median_error([1.0], [0.1, 0.2]), "fill_ratio = [0.1, 0.2]"),
-        (lambda: theory.normal_median_error(1.0, 0.5), "variances: should be numbers from 0 on, one a robot"),
-    ],
-)
-def test_bad_input_is_one_sentence(call, said):
-    with pytest.raises(InputError) as error:
-        call()
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)

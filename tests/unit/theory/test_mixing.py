@@ -10,10 +10,10 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import theory
-from swarmcensus.support.errors import InputError
 from swarmcensus.theory.matrices import geometric, spectrum_of
 from swarmcensus.theory.mixing import by_powers, moments
 from tests.support.graphs import COMMONS, DIRECTED, GRAPHS
+from tests.support.small import study_of
 
 
 def test_matrices_are_means_over_oneself_and_whom_one_hears():
@@ -36,24 +36,6 @@ def test_spectrum_against_matrix_powers(graph):
         np.testing.assert_allclose(found[0], squares, rtol=1e-10)
         np.testing.assert_allclose(found[1], sums, rtol=1e-10)
     assert (spectrum_of(matrix) is None) == graph.is_directed()
-
-
-def test_symmetric_weights_have_a_spectrum_too():
-    """Metropolis weights of a line: 1 / (1 + the larger degree), and the rest for oneself."""
-    matrix = np.diag([1 / 3] * 3, 1) + np.diag([1 / 3] * 3, -1)
-    np.fill_diagonal(matrix, 1.0 - matrix.sum(axis=1))
-    assert spectrum_of(matrix) is not None
-    np.testing.assert_allclose(theory.stationary_law(matrix), [0.25] * 4)
-    ones = np.ones(4)
-    np.testing.assert_allclose(moments(matrix, [50], ones, ones), by_powers(matrix, [50], ones, ones))
-
-
-def test_powers_that_settle_are_not_multiplied_on():
-    """A long time costs no more than a short one, and comes to the same."""
-    matrix = theory.mixing_matrix(DIRECTED)
-    law = theory.stationary_law(matrix)
-    late = theory.variance_factors(matrix, 10**5) * 10**5
-    np.testing.assert_allclose(late, (law**2).sum(), rtol=1e-3)
 
 
 def test_by_hand():
@@ -93,12 +75,6 @@ def test_variances_are_those_of_brute_force(graph):
         assert (np.abs(seen[t][1] - f) < 5 * np.sqrt(variance / draws)).all()
 
 
-def test_equal_sensors_scale_the_factors():
-    matrix = theory.mixing_matrix("ring", 12)
-    expected = theory.variance_factors(matrix, [3, 30]) * theory.reading_variance(0.95, 0.8, 0.7) / 10
-    np.testing.assert_allclose(theory.mixing_variance(matrix, [3, 30], 10, 0.95, 0.8, 0.7), expected, rtol=1e-12)
-
-
 def test_a_robot_that_knows_only_blind_ones_knows_nothing():
     variance = theory.mixing_variance(np.eye(2), 5, 10, 0.5, [0.5, 0.8])
     assert variance[0] == np.inf
@@ -120,11 +96,10 @@ WORLDS = {
 def runs():
     found = {}
     for name, (topology, robots) in WORLDS.items():
-        study = sc.Study(
-            trials=300, seed=21,
-            swarm={"brain": str(COMMONS), "robots": robots, "accuracy": [0.8, {"black": 0.95, "white": 0.7}]},
-            world={"topology": topology, "fill_ratio": 0.45}, schedule={"rounds": 40, "observations_per_round": 20},
-            measure={"checkpoints": [5, 40], "estimates": True},
+        study = study_of(
+            str(COMMONS), robots=robots, accuracy=[0.8, {"black": 0.95, "white": 0.7}], rounds=40, looks=20,
+            trials=300, seed=21, measure={"checkpoints": [5, 40], "estimates": True}, topology=topology,
+            fill_ratio=0.45,
         )  # fmt: skip
         found[name] = sc.run(study)
     return found
@@ -220,54 +195,3 @@ def test_bounds_hold_the_factors(graph):
         assert (low <= factors * (1 + 1e-9)).all()
         assert (factors <= high * (1 + 1e-9)).all()
     np.testing.assert_allclose(low, high, rtol=0.05)
-
-
-def test_lone_robot_is_mixed_at_once():
-    assert theory.mixing_time_bound([1.0], np.inf) == theory.mixing_time(np.eye(1)) == 0
-
-
-@pytest.mark.parametrize(
-    ("call", "said"),
-    [
-        (
-            lambda: theory.mixing_time(theory.mixing_matrix([(0, 1), (2, 3)])),
-            "the network is not connected: nothing from robot",
-        ),
-        (lambda: theory.relaxation_time(np.eye(2)), "the network is not connected"),
-        (
-            lambda: theory.stationary_law(theory.mixing_matrix([(0, 1)], directed=True)),
-            "nothing from robot 1 ever reaches",
-        ),
-        (lambda: theory.mixing_time([[0, 1], [1, 0]]), "the network never mixes"),
-        (lambda: theory.mixing_time(np.eye(1), 1.5), "distance = 1.5"),
-        (lambda: theory.mixing_time(np.eye(1), 0), "distance = 0"),
-        (lambda: theory.variance_factors([[0.5, 0.6], [0.5, 0.5]], 3), "the weights of row 0 sum to 1.1: should be 1"),
-        (lambda: theory.variance_factors([[1.5, -0.5], [0, 1]], 3), "matrix has a negative weight"),
-        (lambda: theory.variance_factors([[1.0, 0.0]], 3), "should be a square"),
-        (lambda: theory.variance_factors(np.eye(2), 0), "rounds = 0: should be from 1"),
-        (lambda: theory.variance_factors(np.eye(2), []), "rounds = []: should hold a number"),
-        (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.5), "b + w = 1 for all robots"),
-        (lambda: theory.mixing_variance(np.eye(2), 5, 10, 0.5, [0.7] * 3), "should be one number, or 2, one a robot"),
-        (lambda: theory.mixing_matrix("scale-free", 10), "differs from trial to trial"),
-        (lambda: theory.mixing_matrix("rign", 10), "did you mean 'ring'?"),
-        (lambda: theory.mixing_matrix("ring"), "has no size of its own: say how many robots"),
-        (lambda: theory.mixing_matrix("ring", -3), "-3 robots: should be 1 to 4,096"),
-        (lambda: theory.mixing_matrix("ring", 10_000), "10,000 robots: should be 1 to 4,096, as a matrix has"),
-        (lambda: theory.ring_spectrum(2), "robots = 2: should be from 3"),
-        (lambda: theory.factor_bounds([0.5, 0.6], 3.0, 5), "law: should be weights above 0"),
-        (lambda: theory.factor_bounds([0.5, 0.5], -3.0, 5), "relaxation = -3"),
-        (lambda: theory.factor_bounds([0.5, 0.5], [1, 2], 5), "relaxation = [1, 2]"),
-        (lambda: theory.mixing_time(np.eye(1), [0.1, 0.2]), "distance = [0.1, 0.2]"),
-        (lambda: theory.mixing_time_bound([0.5, 0.5], np.inf), "relaxation = inf"),
-        (lambda: theory.mixing_time_bound([0.5, 0.5], 3.0, [0.1, 0.2]), "distance = [0.1, 0.2]"),
-        (lambda: theory.mixed_sums(np.eye(2), 10, 10, [0.1, 0.2], 0.7), "fill_ratio = [0.1, 0.2]"),
-        (lambda: theory.relaxation_of([[1, 0.5], [0.2, 0.1]]), "spectrum: should be the eigenvalues of W, one a robot"),
-        (lambda: theory.relaxation_of([1, 1.5]), "spectrum: should be the eigenvalues of W, one a robot, from -1 to 1"),
-        (lambda: theory.alike_factors([], 3), "spectrum: should be the eigenvalues of W, one a robot"),
-    ],
-)
-def test_bad_input_is_one_sentence(call, said):
-    with pytest.raises(InputError) as error:
-        call()
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)

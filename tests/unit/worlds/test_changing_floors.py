@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.kinds.curves import curves
 from swarmcensus.figures.kinds.film import film
 from swarmcensus.figures.scenes import FLOOR, TURNS, scene_of
-from swarmcensus.simulation import rides, sampling
+from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.worlds import patterns
 from swarmcensus.worlds.changes import Change, along
@@ -47,21 +46,6 @@ def test_as_few_tiles_turn_as_can(kind):
     assert (rising.turns() >= 11).all()
     assert (rising.turns() <= 40).all()
     assert rising.truth([1, 10, 40, 99]).tolist() == [0.0, 0.0, 1.0, 1.0]
-
-
-@pytest.mark.long
-def test_floor_of_steered_robots(tmp_path, monkeypatch):
-    (tmp_path / "steered.py").write_text(
-        brains.load("minimalistic").source + "\n\ndef steer(me):\n    return 0.1, 0.3\n"
-    )
-    told = {"robots": 6, "accuracy": {"start": 0.9, "drift": -0.002}, "brain": str(tmp_path / "steered.py")}
-    made = changing([SLOW, SWITCH], world={"topology": "moving", "density": 8}, swarm=told, measure={"truth": "floor"})
-    painted = sc.run(made)
-    monkeypatch.setattr(rides, "MOST_TILES", 0)
-    assert painted.drop_attrs(deep=False).identical(sc.run(made).drop_attrs(deep=False))
-    for k in (0, 1):
-        trace = sc.replay(painted, k, 0, tmp_path / "steered.py")
-        assert (trace["estimate"].values[-1] == painted["final_estimate"].values[k, 0]).all()
 
 
 def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):

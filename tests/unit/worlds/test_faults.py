@@ -54,14 +54,6 @@ def test_robots_that_stop_sensing_observe_no_more(text):
         assert (trace["estimate"].values[:20] == sound["estimate"].values[:20]).all()
 
 
-def test_robots_that_stop_sensing_are_heard_as_ever():
-    text = STUDY.replace('"STOP"', '"sensing"')
-    heard = sc.run(sc.Study.parse(text))["messages_heard"]
-    sound = sc.run(sc.Study.parse(text.replace("faults", "#")))["messages_heard"]
-    assert (heard.values == sound.values).all()
-    assert (heard.values[0] == 40 * 7).all()
-
-
 def test_robots_that_stop_talking_are_heard_no_more():
     for setting, failed, trace, sound in traces(STUDY, '["talking"]'):
         assert trace["estimate"].values[:20] == pytest.approx(sound["estimate"].values[:20], abs=1e-12)
@@ -95,22 +87,6 @@ def test_robots_that_stop_moving_stand_still():
         # the wheels' lag and others' pushes are all that moves them: a tenth of a tick's way, and contact
         assert np.abs(place[21:, failed] - place[20, failed]).max() < 0.05
         assert (trace["looked"].values[20:, failed] == 1).all()
-
-
-def test_who_fails_differs_between_trials_and_faults():
-    study = sc.Study.parse(
-        STUDY.replace(
-            '[{at = 20, robots = 3, stop = "STOP"}]',
-            '[{at = 5, robots = 0.5, stop = "sensing"}, {at = 9, robots = 0.5, stop = ["talking", "sensing"]}]',
-        )
-    )
-    setting = study.settings()[0]
-    picked = [tuple(map(tuple, sampling.stops(setting, 3, trial))) for trial in range(6)]
-    assert len(set(picked)) == 6
-    stops = sampling.stops(setting, 3, 0)
-    assert (stops[2] == 9).sum() == 4
-    assert set(stops[1]) <= {5, 9, 1 << 62}
-    assert (stops[1] == 5).sum() == 4
 
 
 @pytest.mark.parametrize(

@@ -5,27 +5,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from PIL import Image
 from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.engine.addresses import address
-from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.random import block, counter, unit
-from swarmcensus.figures import panels
-from swarmcensus.results import selecting
-from swarmcensus.results.replaying import recording
-from swarmcensus.simulation import metrics, sampling
+from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
-from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds import ground, patterns
-from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.floors import clusters
-from swarmcensus.worlds.patterns import Floor, parse_floor
+from swarmcensus.worlds.patterns import parse_floor
 from swarmcensus.worlds.pictures import MOST_PIXELS, read_image
-from tests.support.small import beliefs_of
+from tests.support.small import moving_of
 
 FILLS = (0.0, 0.05, 0.55, 0.95, 1.0)
 SIGMAS = 5.0  # a true statement fails once in 1.7 million draws
@@ -42,12 +36,8 @@ def gradient(tmp_path_factory):
 
 
 def setting_of(floor, fill_ratio=0.55, robots=25, density=10.0, **body):
-    study = sc.Study(
-        trials=1,
-        swarm={"robots": robots, "accuracy": 0.7},
-        world={"topology": "moving", "density": density, "fill_ratio": fill_ratio, "floor": floor, "body": body},
-    )
-    return study.settings()[0]
+    body = {"tile": 0.01} | body
+    return moving_of(robots, density=density, fill_ratio=fill_ratio, floor=floor, body=body)
 
 
 def every_kind(gradient):
@@ -87,19 +77,6 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
             assert abs(sampling.ground(setting, 1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
 
 
-@pytest.mark.long
-@settings(max_examples=25, deadline=None)
-@given(
-    st.integers(1, 12), st.floats(1.0, 8.0), st.floats(-0.2, 0.2), st.floats(0.0, 0.1), st.floats(0.009, 0.05),
-    st.floats(0.0, 1.0), st.sampled_from(["tiles", {"stripes": 0.4}, {"clusters": 0.11}, "half"]),
-)  # fmt: skip
-def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(robots, density, ahead, left, tile, fill_ratio, floor):
-    """Also with a sensor that reaches beyond the body, and so up to the walls."""
-    setting = setting_of(floor, fill_ratio, robots, density, sensor=(ahead, left), tile=tile)
-    black = sampling.ground(setting, 2, 1).all_tiles()[within_reach(setting)]
-    assert sampling.ground(setting, 2, 1).true_fill_ratio == black.mean()
-
-
 def test_of_very_many_tiles_a_regular_grid_is_counted():
     every = ground.reachable(3.0, 0.07, 0.06, 0.01)[0]
     some = ground.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
@@ -115,21 +92,6 @@ def test_of_very_many_tiles_a_regular_grid_is_counted():
 def test_a_quantile_has_its_share_below(scores, share):
     scores = np.array(scores)
     assert (scores < ground.quantile(scores, share)).sum() == round(share * len(scores))
-
-
-@pytest.mark.long
-def test_a_sensor_meets_the_share_that_is_there(untraced):
-    """Over many trials, what lone robots stand on is black as often as the floor in reach is, whatever its kind."""
-    floor = [{"clusters": 0.1}, {"stripes": 0.2}, "half"]
-    study = sc.Study(
-        trials=60, seed=5, swarm={"robots": 4, "accuracy": 0.9},
-        world={"topology": "moving", "density": 4, "fill_ratio": 0.4, "floor": floor}, schedule={"ticks": 400},
-    )  # fmt: skip
-    results = sc.run(study, jobs=2)
-    for k in range(3):
-        seen = np.array([sc.replay(results, k, trial)["tile"].values[1:].mean() for trial in range(60)])
-        difference = seen - results["true_fill_ratio"].values[k]
-        assert abs(difference.mean()) < 4.5 * difference.std(ddof=1) / math.sqrt(60)
 
 
 # ---- independent tiles
@@ -176,30 +138,6 @@ def field_of(setting, seed, trial):
     return sampling.ground(setting, seed, trial).score(np.stack([x, y], axis=-1))
 
 
-def test_clusters_are_a_normal_field_of_that_correlation():
-    """By brute force over all pairs of tiles at a distance: the field, and its sign by the arc sine law."""
-    length, trials = 0.05, 6
-    setting = setting_of({"clusters": length}, 0.5, density=1.0)
-    lags = [(0, 3), (5, 0), (3, 4), (0, 7), (10, 0), (0, 20)]
-    found = np.zeros((trials, len(lags), 2))
-    values = []
-    for trial in range(trials):
-        z = field_of(setting, 3, trial)
-        size = len(z)
-        values.append(z[::25, ::25].ravel())  # five lengths apart: independent to 10^-10
-        for k, (down, along) in enumerate(lags):
-            a, b = z[: size - down, : size - along], z[down:, along:]
-            found[trial, k] = (a * b).mean(), (np.sign(a) * np.sign(b)).mean()
-    d = 0.01 * np.hypot(*np.array(lags).T)
-    rho = np.exp(-((d / length) ** 2))
-    blobs = trials * setting.arena_side**2 / (math.pi * length**2)
-    for k, right in enumerate((rho, 2 / math.pi * np.arcsin(rho))):
-        # the variance of a mean of products is at most 2 over the number of independent patches
-        assert (np.abs(found[..., k].mean(axis=0) - right) < SIGMAS * math.sqrt(2 / blobs) + 0.001).all()
-    assert stats.kstest(np.concatenate(values), "norm").pvalue > 1e-5
-    assert abs(rho[1] - 1 / math.e) < 1e-12  # 5 tiles are the correlation length
-
-
 def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
     setting = setting_of({"clusters": 0.07}, robots=1, density=1.0)
     kept = field_of(setting, 1, 2)
@@ -208,14 +146,6 @@ def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
     monkeypatch.undo()
     far = np.array([[[-4000, 70_000], [3, 4]]], np.int32)  # beyond the walls
     assert np.isfinite(sampling.ground(setting, 1, 2).score(far)).all()
-
-
-def test_noise_is_one_number_a_tile():
-    tiles = np.array([[[-5, 7], [7, -5]], [[-5, 7], [0, 0]]], np.int32)
-    out = np.empty((2, 2))
-    compile_world("scores").noise(tiles, address(1, "floor"), 3, out)
-    assert out[0, 0] == out[1, 0]
-    assert len(np.unique(out)) == 3
 
 
 # ---- stripes and halves
@@ -346,73 +276,6 @@ truth = "floor"
 """  # noqa: E501
 
 
-@pytest.fixture(scope="module")
-def floored(gradient):
-    study = sc.Study.parse(STUDY, context={"base": gradient.parent})
-    return study, sc.run(study, jobs=2)
-
-
-@pytest.mark.long
-def test_run_on_floors_equals_replay_and_inference(floored):
-    study, results = floored
-    assert results["floor"].values.tolist() == 2 * [
-        "tiles", "clusters(0.2)", "stripes(0.5)", "half", "image(gradient)", "image(gradient,dither)",
-    ]  # fmt: skip
-    for k, setting in enumerate(study.settings()):
-        trace = sc.replay(results, k, 1)
-        assert (results["final_estimate"].values[k, 1] == trace["estimate"].values[-1]).all()
-        readings, messages = recording(results, k, 1)
-        again = sc.infer(readings, messages, beliefs_of(setting, study, 1), 1, setting.brain, compiled=k % 6 != 1)
-        assert (again["estimate"].values == trace["estimate"].values).all()
-        tile, place = trace["tile"].values[1:], trace["position"].values[1:]
-        heading = trace["heading"].values[1:]
-        arm = np.stack([np.cos(heading) * 0.0614 - np.sin(heading) * 0.01, np.sin(heading) * 0.0614 + np.cos(heading) * 0.01], -1)  # fmt: skip # noqa: E501
-        black = sampling.ground(setting, study.seed, 1).all_tiles()
-        column, row = np.moveaxis(np.floor((place + arm) / 0.01).astype(int) + len(black) // 2, -1, 0)
-        assert (black[row, column] != tile).mean() < 0.002  # arctan2 rounds at tile borders
-        assert trace.attrs["true_fill_ratio"] == results["true_fill_ratio"].values[k, 1]
-        assert trace.attrs["true_fill_ratio"] == black[within_reach(setting)].mean()
-
-
-@pytest.mark.long
-def test_truth_is_the_floor_or_f(floored, gradient):
-    _, results = floored
-    nominal = sc.run(sc.Study.parse(STUDY.replace('"floor"', '"nominal"'), context={"base": gradient.parent}))
-    assert (results.attrs["truth"], nominal.attrs["truth"]) == ("floor", "nominal")
-    assert nominal["convergence_round"].equals(results["convergence_round"])
-    assert nominal["true_fill_ratio"].equals(results["true_fill_ratio"])
-    stripes = results["floor"].values == "stripes(0.5)"
-    assert (results["true_fill_ratio"].values[stripes] != 0.35).all()
-    for data in (results, nominal):
-        for k, trial in np.ndindex(data.sizes["setting"], 2):
-            truth = data["true_fill_ratio"].values[k, trial] if data is results else 0.35
-            curves = sc.replay(data, k, trial)["estimate"].values
-            error = metrics.error_at(curves, metrics.convergence(curves), truth)
-            np.testing.assert_allclose(data["convergence_error"].values[k, trial], error, rtol=1e-12, atol=1e-15)
-            for c, checkpoint in enumerate((50, 150)):
-                assert data["correct"].values[k, c, trial] == metrics.correct(curves[checkpoint], truth)
-
-
-def test_a_floor_by_itself_gives_the_same_bits(floored):
-    _, results = floored
-    for floor in ("{clusters = 0.2}", '"half"', None):
-        alone = "".join(
-            (f"floor = {floor}\n" if floor else "") if line.startswith("floor") else line
-            for line in STUDY.splitlines(keepends=True)
-        )
-        found = sc.run(sc.Study.parse(alone), jobs=1)
-        kept = results["floor"].values == found["floor"].values[0]
-        for name in ("convergence_round", "convergence_error", "final_estimate", "correct", "true_fill_ratio"):
-            assert (found[name].values == results[name].values[kept]).all()
-
-
-def test_brains_share_a_floor_and_floors_share_a_walk(floored):
-    _, results = floored
-    one, other = sc.replay(results, 1, 0), sc.replay(results, 7, 0)
-    assert one["tile"].equals(other["tile"])
-    assert one["position"].equals(sc.replay(results, 3, 0)["position"])
-
-
 @pytest.mark.long
 def test_an_image_is_needed_once(tmp_path, gradient):
     """Replays and copies of a study take the pixels from where they were kept; their address is what is in them."""
@@ -442,35 +305,6 @@ def test_an_image_is_needed_once(tmp_path, gradient):
 def test_fixed_networks_have_no_floor(small_results):
     assert set(small_results["floor"].values) == {""}
     assert np.isnan(small_results["true_fill_ratio"].values).all()
-    both = sc.Study.parse(
-        STUDY.replace('"moving"', '["ring", "moving"]')
-        .replace("ticks", "rounds = 20\nticks")
-        .replace(', {image = "gradient.png"}, {image = "gradient.png", mode = "dither"}', "")
-    )
-    results = sc.run(both)
-    fixed = (results["topology"] == "ring").values
-    assert fixed.sum() == 2
-    assert (np.isnan(results["true_fill_ratio"].values).all(axis=1) == fixed).all()
-    assert (results["floor"].values[fixed] == "").all()
-
-
-def test_floors_are_selected_and_named_in_captions(floored):
-    _, results = floored
-    one = selecting.where(results, 'floor == "clusters(0.2)" and brain == "legacy"')
-    assert one.sizes["setting"] == 1
-    assert [p.caption for p in panels.panels_of(one)] == ["floor clusters(0.2)"]
-    two = selecting.where(results, 'floor in ["tiles", "half"] and brain == "legacy"')
-    assert [p.caption for p in panels.panels_of(two)] == ["floor tiles", "floor half"]
-    plain = selecting.where(results, 'floor == "tiles" and brain == "legacy"')
-    assert [p.caption for p in panels.panels_of(plain)] == [""]
-
-
-@pytest.mark.parametrize("floor", ["tiles", "half", {"clusters": 0.25}, {"stripes": 1.0}])
-def test_a_floor_is_written_as_it_is_read(floor, tmp_path):
-    read = parse_floor(floor, tmp_path, {})
-    assert to_toml_value(read) == to_toml_value(floor)
-    assert parse_floor(read, tmp_path, {}) is read
-    assert hash(read) == hash(parse_floor(read.form, tmp_path, {}))
 
 
 def test_a_kind_of_floor_is_a_file_of_its_name(gradient):
@@ -505,43 +339,31 @@ floor = FLOOR
 @pytest.mark.parametrize(
     ("floor", "said"),
     [
-        (
-            '"checks"',
-            'world.floor = "checks": a floor is one of {clusters = 0.2}, "half", {image = "leaves.png", '
-            'mode = "threshold"}, {stripes = 0.5}, "tiles"',
-        ),
+        ('"checks"', 'world.floor = "checks": a floor is one of {clusters = 0.2}, "half", {image'),
         ("3", "world.floor = 3: a floor is one of"),
         ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
         ("{clusters = 0}", "world.floor = {clusters = 0}"),
-        ("{clusters = 1001}", "length = 1001"),
+        ("{clusters = 0.015}", "world.floor = {clusters = 0.015}"),
         ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
         ("{half = 2}", 'floor half: it has no keys: write "half"'),
-        ("{clusters = 1, length = 2}", "floor clusters: clusters is its length"),
         ("{clusters = true}", "length = True"),
         ("{stripes = nan}", "floor stripes: length = nan: should be a finite number"),
-        ('{stripes = "wide"}', "length = 'wide'"),
-        ("{clusters = 0.015}", "world.floor = {clusters = 0.015}"),
         ('["tiles", "tiles"]', "a value is twice in a list"),
-        ("[]", "world.floor = []"),
         ('{image = "a.png", mode = "blur"}', "mode = 'blur'"),
-        ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'? it has image, mode"),
+        ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'?"),
         ("{image = 3}", "an image is the path of a PNG file"),
         ('{image = "none.png"}', "none.png: there is no such file"),
         ('{image = "text.png"}', "text.png: not a PNG file"),
-        ('{image = "photo.jpg"}', "photo.jpg: not a PNG file"),
         ('{image = "cut.png"}', "cut.png: cannot be read as PNG"),
-        ('{image = "folder.png"}', "folder.png: cannot be read as PNG"),
+        ('{image = "more"}', "more: cannot be read as PNG"),
         ('{image = "huge.png"}', f"huge.png: 4,097 x 4,097 pixels: should be {MOST_PIXELS:,} at the most"),
         ('[{image = "a.png"}, {image = "more/a.png"}]', "two images of world.floor have one name: a"),
     ],
 )
 def test_what_is_wrong_is_named(floor, said, tmp_path):
-    rng = np.random.default_rng(1)
-    noisy = rng.integers(0, 256, (64, 64)).astype(np.uint8)
+    noisy = np.random.default_rng(1).integers(0, 256, (64, 64)).astype(np.uint8)
     (tmp_path / "more").mkdir()
-    (tmp_path / "folder.png").mkdir()
     write(tmp_path / "more" / "a.png", noisy)
-    write(tmp_path / "photo.jpg", noisy)
     (tmp_path / "text.png").write_text("no picture")
     (tmp_path / "cut.png").write_bytes(write(tmp_path / "a.png", noisy).read_bytes()[:2000])
     if "huge" in floor:
@@ -557,12 +379,3 @@ def test_a_floor_goes_with_robots_that_move():
         sc.Study.parse(fixed)
     with pytest.raises(sc.InputError, match=r"measure.truth = .*'nominal'"):
         sc.Study.parse(PLAIN.replace("FLOOR", '"half"') + '[measure]\ntruth = "tiles"\n')
-
-
-def test_the_default_body_sees_all_but_a_rim():
-    """The reach of the docs: a share of the floor that no sensor gets to."""
-    setting = setting_of("tiles", density=1.0)
-    assert Floor() == setting.floor
-    assert Body().sensor == setting.body.sensor
-    reached = ground.reachable(setting.arena_side / 2, Body().radius, math.hypot(*Body().sensor), Body().tile)
-    assert reached.shape[1] == within_reach(setting).sum()

@@ -59,13 +59,6 @@ def test_both_are_what_their_definitions_say(graph):
         assert is_rs_robust(graph, r, s) == robust(graph, r, s), (r, s)
 
 
-def test_these_graphs_tell_right_from_wrong():
-    """Among those above are robust ones and others, of which (r, s) says more than r."""
-    found = [(r_robustness(graph), is_rs_robust(graph, 2, 2)) for graph in some_graphs()]
-    assert {r for r, _ in found} >= {0, 1, 2, 3}
-    assert {pair for pair in found if pair[0] == 2} == {(2, True), (2, False)}
-
-
 @pytest.mark.parametrize("n", range(1, 13))
 def test_complete_graphs(n):
     """The most that n robots can have, and of both kinds."""
@@ -82,30 +75,6 @@ def test_rings_lines_and_stars_bear_no_liar(n):
         assert not is_rs_robust(graph, 2, 2, n)
     assert r_robustness(nx.star_graph(n - 1)) == 1
     assert r_robustness([], n) == 0
-
-
-@pytest.mark.parametrize("m", [2, 3, 4])
-@pytest.mark.parametrize("seed", range(5))
-def test_robustness_of_scale_free_graphs(m, seed):
-    """Who joins with m links keeps a graph m-robust; networkx begins with a star, which is 1-robust."""
-    whole = nx.complete_graph(2 * m - 1)
-    assert r_robustness(whole) == m
-    assert r_robustness(nx.barabasi_albert_graph(8, m, seed=seed, initial_graph=whole)) == m
-    assert r_robustness(nx.barabasi_albert_graph(8, m, seed=seed)) < m
-
-
-@pytest.mark.long(but=["0", "1"])
-@pytest.mark.parametrize("seed", range(6))
-def test_what_follows_from_what(seed):
-    """(r, 1) is r-robust; robust for more is robust for less; (2 F + 1)-robust is (F + 1, F + 1)-robust."""
-    graph = nx.gnp_random_graph(9, 0.5 + 0.08 * seed, seed=seed)
-    most = r_robustness(graph)
-    for r in range(6):
-        assert is_rs_robust(graph, r, 1) == (r <= most)
-        found = [is_rs_robust(graph, r, s) for s in range(1, 10)]
-        assert found == sorted(found, reverse=True)
-        if 2 * r + 1 <= most:
-            assert is_rs_robust(graph, r + 1, r + 1)
 
 
 def test_of_a_directed_edge_the_second_hears_the_first():
@@ -137,33 +106,20 @@ def test_every_form_of_a_graph():
     ("ask", "said"),
     [
         (lambda: r_robustness("ring", 13), "13 robots: should be 1 to 12"),
-        (lambda: r_robustness(nx.path_graph(30)), "30 robots: should be 1 to 12"),
         (lambda: r_robustness(nx.Graph()), "0 robots: should be 1 to 12"),
         (lambda: r_robustness("ring"), "say how many robots"),
         (lambda: r_robustness("scale-free", 8), "'scale-free' differs from trial to trial"),
-        (lambda: r_robustness("moving", 8), "'moving' differs from trial to trial"),
         (lambda: r_robustness([(0, 4)], 3), "leads to a robot that is not there"),
         (lambda: is_rs_robust("full", 2, 0, 5), "s from 1 to the number of robots, 5"),
-        (lambda: is_rs_robust("full", 2, 6, 5), "s from 1 to the number of robots, 5"),
         (lambda: is_rs_robust("full", -1, 1, 5), "r is from 0 on"),
-        (lambda: r_robustness([(0, 1)], 2.5), "robots = 2.5: should be a whole number"),
         (lambda: r_robustness([(0, 1)], True), "robots = True: should be a whole number"),
-        (lambda: r_robustness("ring", "5"), "robots = '5': should be a whole number"),
-        (lambda: r_robustness("ring", -5), "-5 robots: should be 1 to 12"),
-        (lambda: is_rs_robust("full", 1.5, 1, 4), "r = 1.5: should be a whole number"),
         (lambda: is_rs_robust("full", True, 1, 4), "r = True: should be a whole number"),
         (lambda: is_rs_robust("full", 1, "1", 4), "s = '1': should be a whole number"),
-        (lambda: is_rs_robust("full", 1, None, 4), "s = None: should be a whole number"),
         (lambda: r_robustness([(0, 1)], directed="yes"), "directed = 'yes': should be True or False"),
         (lambda: r_robustness(5), "graph = 5: should be a networkx graph"),
-        (lambda: r_robustness(None), "graph = None: should be a networkx graph"),
-        (lambda: r_robustness(nx.Graph), "should be a networkx graph, a topology as in a study file, or pairs"),
         (lambda: r_robustness([1, 2]), "edges are pairs of robot numbers"),
-        (lambda: r_robustness([("a", "b")]), "edges are pairs of robot numbers"),
-        (lambda: r_robustness(np.zeros((2, 2, 2), int)), "edges are pairs of robot numbers"),
         (lambda: r_robustness(nx.path_graph(3), 7), "robots = 7: the graph has 3 nodes: should be 3, or left out"),
         (lambda: r_robustness({"networkx": "star_graph", "n": 4}, 4), "gives 5 robots instead of 4"),
-        (lambda: r_robustness({"networkx": "star_graf", "n": 4}, 4), "no graph generator 'star_graf'"),
         (lambda: r_robustness({"networkx": "gnp_random_graph", "p": 0.5}, 4), "differs from trial to trial"),
     ],
 )

@@ -9,7 +9,7 @@ from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once
 from swarmcensus.cli.output import say, wrote
-from swarmcensus.support.errors import OptionError
+from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, wrong_option
@@ -69,14 +69,20 @@ def watch(options: argparse.Namespace) -> int:
     offer = offer_of(options.of, tuple(options.brain_file if is_results else options.brain))
     if offer.logged:
         _warn_of_gaps(offer.logged)
-    query, play = first_view(offer, asked)
+    try:
+        query, play = first_view(offer, asked)
+    except InputError as error:
+        for name in ("set", "parameter"):
+            if error.key in dict(getattr(options, name)):
+                raise OptionError(f"--{name} {error}", key=error.key, value=error.value, hint=error.hint) from None
+        raise
     if options.out is not None:
         return _export(options, offer, query, play)
     return _serve(options, offer, query, play)
 
 
 def _warn_of_gaps(logged: "LoggedRecording") -> None:
-    """Say what of a recording is not known."""
+    """Say what is unknown of a recording."""
     if logged.grows:
         say("This swarm still runs: the page follows it.")
     for what in logged.recording.absent:
@@ -93,7 +99,7 @@ def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], p
     from swarmcensus.live import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port or 0)
-    with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, and no failure
+    with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, not a failure
         warm(served, query)
         address = served.address(urlencode(query | play))
         print(address, flush=True)

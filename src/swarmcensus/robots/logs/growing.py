@@ -7,11 +7,10 @@ from typing import Any
 
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import ABOUT, Folder, about_of, without_logs
-from swarmcensus.robots.logs.lives import Life, Reliving
+from swarmcensus.robots.logs.lives import Reliving, RobotReplay
 from swarmcensus.robots.logs.logs import LogReader, RobotLog
 from swarmcensus.robots.logs.others import Relived
 from swarmcensus.robots.logs.traces import note_logged
-from swarmcensus.support.errors import InputError
 
 RECENT = 60.0  # seconds without a new block after which a swarm without an end counts as killed
 GONE = 3.0  # seconds without a new block after which a robot counts as gone
@@ -44,7 +43,7 @@ class GrowingRecording:
         self.go_on()
 
     @property
-    def lives(self) -> list[Life]:
+    def lives(self) -> list[RobotReplay]:
         """The lives of the recording's members, so far."""
         return [self._replicas[member.number].life for member in self.recording.members]
 
@@ -91,7 +90,7 @@ class GrowingRecording:
             self._readers[name].more()
         logs = [reader.log for reader in self._readers.values() if reader.log is not None]
         if not logs:
-            raise InputError(without_logs(self.path))
+            raise without_logs(self.path)
         return logs
 
 

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Callable, Sequence
 
-from swarmcensus.robots.logs.folders import Member
+from swarmcensus.robots.logs.folders import LoggedRobot
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
 
@@ -17,16 +17,16 @@ Lives = Callable[[Replica, Tick], bool]
 
 
 def said_before(reason: str, before: Sequence[str]) -> bool:
-    """Whether a reason was told, and holds for the whole log."""
+    """Whether a reason was given, and holds for the whole log."""
     return reason in before and any(one in reason for one in WHOLE)
 
 
-def unfit_reason(member: Member, state: State, why: str) -> str:
+def unfit_reason(member: LoggedRobot, state: State, why: str) -> str:
     """Why a brain does not fit a log."""
     return _hashes(member, state) or f"{member.brain.path} is another brain than the robot's: {why}"
 
 
-def reason_of(member: Member, first: int, at: int, replica: Replica, lives: Lives) -> str:
+def reason_of(member: LoggedRobot, first: int, at: int, replica: Replica, lives: Lives) -> str:
     """Why the tick in block `at` differs; `replica` is as before it, and came from the state in block `first`."""
     blocks = member.log.blocks
     state, tick = blocks[first], blocks[at]
@@ -53,10 +53,10 @@ def reason_of(member: Member, first: int, at: int, replica: Replica, lives: Live
         what = f"it said {_hex(tick.said)}, and its readings and messages lead to {_hex(replica.said)}"
     else:
         what = f"it believed {tick.estimate:.6g}, and its readings and messages lead to {replica.estimate:.6g}"
-    return f"the log was changed, or the sensor and the log were told different readings: {what}"
+    return f"the log was changed, or the sensor and the log got different readings: {what}"
 
 
-def _hashes(member: Member, state: State) -> str | None:
+def _hashes(member: LoggedRobot, state: State) -> str | None:
     """The sentence if the robot's brain has another hash than the file."""
     if state.brain == bytes(8) or member.brain.sha256.startswith(state.brain.hex()):
         return None
@@ -73,13 +73,13 @@ def _readings(tick: Tick, replica: Replica, lives: Lives) -> str | None:
             replica.estimate, replica.stuck = estimate, stuck
             if lives(replica, tick._replace(blacks=blacks, looks=looks)):
                 return (
-                    f"the sensor told the log something else than the brain: the log has {tick.blacks} black of "
+                    f"the log got another reading than the brain: the log has {tick.blacks} black of "
                     f"{tick.looks}, and what the robot said and held is that of {blacks} of {looks}"
                 )
     return None
 
 
-def _lives_in(member: Member, blocks: Sequence[object], state: State, lives: Lives) -> bool:
+def _lives_in(member: LoggedRobot, blocks: Sequence[object], state: State, lives: Lives) -> bool:
     """Whether the part can be lived in the other precision."""
     try:
         replica = replica_of(member.brain, state, not state.single)

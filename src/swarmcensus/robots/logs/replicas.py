@@ -84,7 +84,7 @@ def checksum_of(numbers: Sequence[float]) -> int:
 
 
 def format_of(brain: Brain, state: State) -> Format:
-    """The message format of a log; where it is not told, the first one in which messages have their size."""
+    """The message format of a log; where it is not known, the first one in which messages have their size."""
     if 0 < state.form < len(FORMATS):
         return FORMATS[state.form]
     sizes = {one: bytes_of(parts(brain.message, brain.roles, one)) for one in FORMATS[1:]}

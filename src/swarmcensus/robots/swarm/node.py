@@ -1,4 +1,4 @@
-"""What one robot of a swarm of processes runs. Plain Python and MicroPython alike; beside it lie its other files.
+"""What one robot of a swarm of processes runs. Runs in CPython and in MicroPython; its other files lie next to it.
 
 It says who it is to the swarm's command, which answers with when the swarm starts and who hears the robot. From then on
 it reads, talks and thinks by its own clock until its rounds are over, and goes on reporting until it is ended. It ends
@@ -79,7 +79,7 @@ class Node:
         self.reported = 0.0  # when it reported last
         self.lag = 0  # milliseconds that the next tick comes late
         self.ended = False
-        self.version = 0  # of what the command last told
+        self.version = 0  # of the command's last orders
         self.radio = self._open()
         self.command = self._open()
         self.command.connect((settings.HOST, settings.COMMAND))

@@ -10,7 +10,6 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.brains import metrics
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
@@ -19,7 +18,7 @@ from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import trials, watches
 from swarmcensus.studies.coordinates import is_taken
 from swarmcensus.support.bins import right_bin
-from swarmcensus.support.errors import without_colours
+from tests.support.small import study_of
 
 LIBRARY = metrics.PLUGINS.shipped
 STUDY = """
@@ -157,15 +156,6 @@ def test_curves_kept_in_pieces(fixed, monkeypatch):
         xr.testing.assert_identical(again[name], fixed[name])
 
 
-def test_results_tell_what_a_metric_is_and_keep_its_source(fixed):
-    assert fixed["first_right"].attrs["units"] == "rounds"
-    assert "correct bin for good" in fixed["first_right"].attrs["long_name"]
-    assert fixed["swarm_right"].dims == ("setting", "trial")
-    kept = json.loads(fixed.attrs["metrics"])
-    assert kept["first_right"]["source"] == metrics.load("first-right").source
-    assert set(kept) == {metrics.load(name).variable for name in LIBRARY}
-
-
 def test_summaries_and_tables_have_metrics(fixed):
     table = sc.summary(fixed)
     first = fixed["first_right"].values
@@ -179,20 +169,6 @@ def test_summaries_and_tables_have_metrics(fixed):
     one = frame[(frame["setting"] == 2) & (frame["trial"] == 4) & (frame["robot"] == 0)].iloc[0]
     assert one["time_right"] == fixed["time_right"].values[2, 4, 0]
     assert one["swarm_right"] == fixed["swarm_right"].values[2, 4]
-
-
-@pytest.mark.long
-def test_metrics_in_terminal_and_json(fixed, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    sc.save(fixed, "a.nc")
-    main(["show", "a.nc", "--sort", "time_right"])
-    shown = capsys.readouterr().out
-    assert "swarm_right" in shown.splitlines()[2]
-    assert " inf" in shown
-    assert "time_right: share of rounds in the correct bin (1)" in shown
-    main(["show", "a.nc", "--json"])
-    found = json.loads(capsys.readouterr().out)["settings"]
-    assert {"infinity"} == {s["swarm_right"]["median"] for s in found if isinstance(s["swarm_right"]["median"], str)}
 
 
 @pytest.mark.long
@@ -213,25 +189,6 @@ def test_resumed_run_keeps_its_metrics(fixed, tmp_path, monkeypatch, capsys):
     assert re.search(r"a\.nc is of another run: metrics is 'mine \(\w{8}\), swarm_right \(\w{8}\)' there", said)
     assert main(["run", "s.toml", "--out", "a.nc", "--fresh"]) == 0
     assert (sc.load("a.nc")["mine"] < 0).any()
-
-
-@pytest.mark.long
-def test_what_was_cut_off_is_taken_from_shards(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
-    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 1e-6)
-
-    def stop(progress):
-        if progress.done > 10:
-            raise OSError("the machine fell")
-
-    with pytest.raises(OSError, match="fell"):
-        sc.run(study(), out="a.nc", progress=stop)
-    assert list(Path("a.nc.parts").glob("*.npz"))
-    again = sc.run(study(), out="a.nc")
-    whole = sc.run(study())
-    for name in whole.data_vars:
-        xr.testing.assert_identical(again[name], whole[name])
 
 
 @pytest.mark.long
@@ -270,7 +227,7 @@ def test_what_was_changed_in_a_file_is_found(fixed):
 def test_a_metric_file_that_results_name_is_not_run_unasked(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE)
-    sc.save(sc.run(sc.Study(**small(["mine.py"]))), "a.nc")
+    sc.save(sc.run(small(["mine.py"])), "a.nc")
     assert sc.verify("a.nc", 1.0).differences == []
     Path("mine.py").write_text(MINE.replace("= estimate", "= 1.0"))
     with pytest.raises(sc.InputError, match=r"metric 'mine\.py' is a file\. Files named in results are run only"):
@@ -280,14 +237,8 @@ def test_a_metric_file_that_results_name_is_not_run_unasked(tmp_path, monkeypatc
     assert sc.replay("a.nc", 0, 0)["estimate"].values[-1, 0] == sc.load("a.nc")["mine"].values[0, 0, 0]
 
 
-def small(names):
-    return {
-        "trials": 2,
-        "swarm": {"robots": 3, "accuracy": 0.8},
-        "world": {"topology": "ring", "fill_ratio": 0.55},
-        "schedule": {"rounds": 20},
-        "measure": {"metrics": names},
-    }
+def small(names, rounds=20):
+    return study_of(robots=3, accuracy=0.8, rounds=rounds, trials=2, measure={"metrics": names})
 
 
 def test_other_bins_leave_out_what_looked_at_the_old_ones():
@@ -310,151 +261,118 @@ def test_a_cluster_gets_metrics_as_text(tmp_path):
 
 
 def test_names_of_the_results_are_taken():
-    results = sc.run(sc.Study(**small(["time-right"])))
+    results = sc.run(small(["time-right"]))
     names = {*EVERY, *map(str, results.variables), *map(str, results.dims)} - {"time_right"}
     assert all(map(is_taken, names))
 
 
-BAD = {
-    "no-result": (MINE.replace("def result", "def results"), "the function result is missing"),
-    "arguments": (MINE.replace("watch(my, k, ", "watch(my, "), "watch takes 3 arguments: 4 are right"),
-    "no-unit": (MINE.replace('UNIT = "1"', "UNIT = 1"), 'UNIT is missing: a text such as "rounds"'),
-    "no-meaning": (MINE.replace("MEANING", "SAYS"), "MEANING is missing"),
-    "field": (MINE.replace("return my.last", "return my.lost"), "line 16: result uses lost, which begin does not set"),
-    "given": (MINE.replace("my.last = 0.0", "my.rounds = 0.0"), "line 8: begin sets rounds, which is read-only"),
-    "nothing": (MINE.replace("return my.last", "return"), "line 15: result returns no number"),
-    "unknown": (MINE.replace("= estimate", "= estimat"), "watch uses estimat, which is not defined: did you mean 'est"),
-    "better": (MINE.replace("def begin", "BETTER = 'less'\n\n\ndef begin"), "BETTER = 'less': should be \"low\" or"),
-    "label": (MINE.replace("def begin", f"LABEL = '{'x' * 25}'\n\n\ndef begin"), "LABEL should be a text of up to 24"),
-    "bounds": (MINE.replace("def begin", "BOUNDS = (1, 0)\n\n\ndef begin"), "BOUNDS should be two numbers"),
-    "imports": ("import os\n" + MINE, "line 1: imports os: a metric may import only math"),
-    "calls": (MINE.replace("= estimate", "= open('x')"), "line 12: watch calls open: a metric may call its own"),
-    "hides": (MINE.replace("= estimate", "= eval"), "line 12: watch uses eval: a metric may call its own"),
-    "cycle": (MINE.replace("my.last = 0.0", "begin(my)"), "line 8: begin calls itself: functions of a metric"),
-    "syntax": (MINE.replace("def begin(my):", "def begin(my)"), "line 7: not Python"),
-    "list": (MINE.replace("= estimate", "= [estimate]"), "line 12: List in watch: a metric may not allocate"),
-}
+BAD = [
+    ("def result", "def results", "the function result is missing"),
+    ("watch(my, k, ", "watch(my, ", "watch takes 3 arguments: 4 are right"),
+    ('UNIT = "1"', "UNIT = 1", 'UNIT is missing: a text such as "rounds"'),
+    ("MEANING", "SAYS", "MEANING is missing"),
+    ("return my.last", "return my.lost", "line 16: result uses lost, which begin does not set"),
+    ("my.last = 0.0", "my.rounds = 0.0", "line 8: begin sets rounds, which is read-only"),
+    ("return my.last", "return", "line 15: result returns no number"),
+    ("= estimate", "= estimat", "watch uses estimat, which is not defined: did you mean 'est"),
+    ("my.last = estimate", "slope = 1.0\n\n\ndef more(my):\n    return slope", "more uses slope, which is not defined"),
+    ("def begin", "BETTER = 'less'\n\n\ndef begin", "BETTER = 'less': should be \"low\" or"),
+    ("def begin", f"LABEL = '{'x' * 25}'\n\n\ndef begin", "LABEL should be a text of up to 24"),
+    ("def begin", "BOUNDS = (1, 0)\n\n\ndef begin", "BOUNDS should be two numbers"),
+    ("UNIT =", "import os\nUNIT =", "line 3: imports os: a metric may import only math"),
+    ("= estimate", "= open('x')", "line 12: watch calls open: a metric may call its own"),
+    ("= estimate", "= eval", "line 12: watch uses eval: a metric may call its own"),
+    ("my.last = 0.0", "begin(my)", "line 8: begin calls itself: functions of a metric"),
+    ("def begin(my):", "def begin(my)", "line 7: not Python"),
+    ("= estimate", "= [estimate]", "line 12: List in watch: a metric may not allocate"),
+]
 
 
-@pytest.mark.parametrize("case", BAD)
-def test_a_bad_file_is_told_in_a_line(case, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    source, message = BAD[case]
-    Path("mine.py").write_text(source)
-    Path("s.toml").write_text(STUDY.format(metrics='["mine.py"]'))
-    assert main(["run", "s.toml"]) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert "metric file mine.py" in said
-    assert len(said.strip().splitlines()) == 1
-    assert not Path("s.nc").exists()
+@pytest.mark.parametrize(("old", "new", "said"), BAD)
+def test_faults_of_a_file_are_named(old, new, said, tmp_path):
+    (tmp_path / "mine.py").write_text(MINE.replace(old, new))
+    with pytest.raises(sc.InputError, match=r"^metric file .*mine\.py") as caught:
+        metrics.load("mine.py", tmp_path)
+    assert said in str(caught.value)
+
+
+def test_names_of_one_function_are_known(tmp_path):
+    """Those that an annotation or a case binds."""
+    for body in ("now: Number = estimate\n    my.last = now",
+                 "match int(estimate):\n        case n:\n            my.last = n"):  # fmt: skip
+        (tmp_path / "mine.py").write_text(MINE.replace("my.last = estimate", body))
+        assert metrics.load("mine.py", tmp_path).fields == ("last",)
 
 
 @pytest.mark.parametrize(
-    ("names", "message"),
+    ("names", "said"),
     [
         (["frist-right"], 'measure.metrics[0] = "frist-right"'),
         ([1], "a metric is a shipped metric's name or the path of a metric file"),
-        (["first-right", "first-right"], "two of them would be called 'first_right' in the results"),
         (["first-right", "first_right.py"], "two of them would be called 'first_right' in the results"),
         (["correct.py"], "the name 'correct' is used in the results"),
-        (["K.py"], "the name 'K' is used in the results"),
         (["mine_low.py"], "the name 'mine_low' is used in the results"),
         (["mine"], "metric 'mine': did you mean 'mine.py'?"),
         (["my.metric.py"], "'my.metric' cannot name a variable"),
     ],
 )
-def test_bad_names_are_told(names, message, tmp_path, monkeypatch, capsys):
+def test_bad_names_are_refused(names, said, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("first_right.py", "correct.py", "my.metric.py", "K.py", "mine_low.py", "mine.py"):
+    for name in ("first_right.py", "correct.py", "my.metric.py", "mine_low.py", "mine.py"):
         Path(name).write_text(MINE)
-    Path("s.toml").write_text(STUDY.format(metrics=json.dumps(names)))
-    assert main(["run", "s.toml"]) == 2
-    said = capsys.readouterr().err
-    assert message in said
-    assert len(said.strip().splitlines()) == 1
+    with pytest.raises(sc.InputError) as caught:
+        study(names=names)
+    assert said in str(caught.value)
+
+
+def failing(source, rounds=20):
+    """What a run says of a metric of this source, which may use math."""
+    Path("mine.py").write_text(source.replace('UNIT = "1"', 'UNIT = "1"\nimport math'))
+    with pytest.raises(sc.InputError) as error:
+        sc.run(small(["mine.py"], rounds))
+    return str(error.value).replace("float division", "division")
+
+
+AFTER = "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef result"
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("old", "new", "said"),
     [
-        (("= estimate", "= 1.0 / (k - my.rounds)"), "of ring, N = 3, accuracy 0.8, f = 0.55, C = 20, R = 10: "
-         "ZeroDivisionError: division by zero, at mine.py, line 13: my.last = 1.0 / (k - my.rounds)"),
-        (("def result", "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef result"),
-         "ZeroDivisionError: division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
-        (("return my.last", "return 1.0 / (my.robots - 3)"), "ZeroDivisionError: division by zero, at mine.py, line"),
-        (("return my.last", "return math.nan"), "its result is no number (of what never comes, infinity is right)"),
-        (("= estimate", "= 'much'"), "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
+        ("= estimate", "= 1.0 / (k - my.rounds)", "division by zero, at mine.py, line 13: my.last = 1.0 / (k - my."),
+        ("def result", AFTER, "division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
+        ("return my.last", "return 1.0 / (my.robots - 3)", "ZeroDivisionError: division by zero, at mine.py, line"),
+        ("return my.last", "return math.nan", "its result is no number (of what never comes, infinity is right)"),
+        ("= estimate", "= 'much'", "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
     ],
     ids=["division", "after", "result", "nan", "uncompilable"],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("checked", [1, 2000])  # estimates that CPython looks at beforehand
-def test_a_metric_that_fails_is_named(change, message, checked, tmp_path, monkeypatch):
+def test_a_metric_that_fails_is_named(old, new, said, checked, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(watches, "MOST_CHECKED", checked)
-    Path("mine.py").write_text(MINE.replace('UNIT = "1"', 'UNIT = "1"\nimport math').replace(*change))
-    with pytest.raises(sc.InputError) as error:
-        sc.run(sc.Study(**small(["mine.py"])))
-    assert "metric 'mine.py' fails in trial 0" in str(error.value)
-    assert message in str(error.value).replace("float division", "division")
+    found = failing(MINE.replace(old, new))
+    assert "metric 'mine.py' fails in trial 0 of ring, N = 3, accuracy 0.8, f = 0.55, C = 20, R = 10: " in found
+    assert said in found
 
 
 @pytest.mark.parametrize(
-    ("line", "message"),
+    ("body", "said"),
     [
-        ("math.exp(1000.0)", "OverflowError: math range error, at mine.py, line 13: my.last = math.exp(1000.0)"),
-        ("math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
-        ("-math.log(estimate - estimate)", "ValueError: math domain error, at mine.py, line 13"),
-        ("float(9223372036854775807 + k)", "last is -9.223372036854"),
+        ("my.last = math.exp(1000.0)", "OverflowError: math range error, at mine.py, line 13"),
+        ("my.last = math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
+        ("my.last = float(9223372036854775807 + k)", "last is -9.223372036854"),
+        ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
+        (
+            "if k > 2:\n        my.last = math.sqrt(estimate - 2.0)",
+            "math domain error, at mine.py, line 14",
+        ),
     ],
 )
-def test_what_python_refuses_or_finds_otherwise_is_refused(line, message, tmp_path, monkeypatch):
+def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, tmp_path, monkeypatch):
+    """Also where that is so after some rounds only."""
     monkeypatch.chdir(tmp_path)
-    Path("mine.py").write_text(MINE.replace('UNIT = "1"', 'UNIT = "1"\nimport math').replace("= estimate", f"= {line}"))
-    with pytest.raises(sc.InputError) as error:
-        sc.run(sc.Study(**small(["mine.py"])))
-    assert message in str(error.value)
-
-
-@pytest.mark.long
-def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    text = brains.load("minimalistic").source
-    head, _, tail = text.partition("def estimate(me):\n")
-    Path("nan.py").write_text(f"import math\n{head}def estimate(me):\n    return math.nan if me.t > 50.0 else 0.5\n")
-    assert tail
-    asked = small(["mean-error"])
-    asked["swarm"]["brain"] = "nan.py"
-    with pytest.raises(
-        sc.InputError, match=r"brain 'nan\.py' fails in trial.*: robot 0, after round \d+: estimate gives nan"
-    ):
-        sc.run(sc.Study(**asked))
-
-
-@pytest.mark.interpreted
-def test_names_of_metrics(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
-    names = ["items.py", "about.py", "file.py", "metrics.py", "self.py"]
-    for name in names:
-        Path(name).write_text(MINE)
-    results = sc.run(sc.Study(**small(names)), out="a.nc")
-    for name in names:
-        np.testing.assert_array_equal(results[name[:-3]], results["final_estimate"])
-
-
-@pytest.mark.long
-def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    Path("sub").mkdir()
-    Path("sub/mine.py").write_text(MINE)
-    Path("sub/s.toml").write_text(STUDY.format(metrics='["mine.py"]'))
-    assert main(["run", "sub/s.toml", "--out", "a.nc"]) == 0
-    assert main(["verify", "a.nc"]) == 2
-    assert "give it with --brain-file, as it was" in capsys.readouterr().err
-    assert main(["verify", "a.nc", "--brain-file", "sub/mine.py"]) == 0
-    Path("sub/mine.py").write_text(MINE + "\n")
-    assert main(["verify", "a.nc", "--brain-file", "sub/mine.py"]) == 2
+    assert said in failing(MINE.replace("my.last = estimate", body), rounds=60)
 
 
 @pytest.mark.interpreted
@@ -463,7 +381,7 @@ def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
     monkeypatch.setattr(watches, "MOST_CHECKED", 9)
     late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")
     Path("late.py").write_text(late.replace("return my.last", "return 1.0 / my.last"))
-    assert (sc.run(sc.Study(**small(["late.py"])))["late"] == 0.5).all()
+    assert (sc.run(small(["late.py"]))["late"] == 0.5).all()
 
 
 @pytest.mark.long
@@ -476,33 +394,7 @@ def test_rounding_is_no_fault_of_a_metric(tmp_path, monkeypatch):
     )
     for power in ("** 3.0", "** 2.5 * 1e-6"):
         Path("skew.py").write_text(skew.replace("** 3.0", power).replace("(estimate - truth)", "abs(estimate - truth)"))
-        sc.run(sc.Study(**small(["skew.py"])))
-
-
-def test_a_name_in_an_annotation_is_not_looked_for(tmp_path):
-    (tmp_path / "mine.py").write_text(MINE.replace("my.last = estimate", "now: Number = estimate\n    my.last = now"))
-    assert metrics.load("mine.py", tmp_path).fields == ("last",)
-
-
-@pytest.mark.parametrize(
-    ("body", "message"),
-    [
-        ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
-        (
-            "if k > 2:\n        my.last = math.sqrt(estimate - 2.0)",
-            "ValueError: math domain error, at mine.py, line 14",
-        ),
-    ],
-)
-def test_what_differs_after_some_rounds_only_is_seen_too(body, message, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    source = MINE.replace('UNIT = "1"', 'UNIT = "1"\nimport math').replace("my.last = estimate", body)
-    Path("mine.py").write_text(source)
-    asked = small(["mine.py"])
-    asked["schedule"]["rounds"] = 60
-    with pytest.raises(sc.InputError) as error:
-        sc.run(sc.Study(**asked))
-    assert message in str(error.value)
+        sc.run(small(["skew.py"]))
 
 
 @pytest.mark.interpreted
@@ -510,32 +402,14 @@ def test_a_result_beyond_its_bounds_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE.replace("def begin", "BOUNDS = (0.0, 0.1)\n\n\ndef begin"))
     with pytest.raises(sc.InputError, match=r"its result 0\.\d+ is outside its BOUNDS, 0 to 0\.1"):
-        sc.run(sc.Study(**small(["mine.py"])))
-
-
-def test_captures_and_names_of_one_function_are_told_apart(tmp_path):
-    caught = MINE.replace("my.last = estimate", "match int(estimate):\n        case n:\n            my.last = n")
-    (tmp_path / "good.py").write_text(caught)
-    assert metrics.load("good.py", tmp_path).fields == ("last",)
-    (tmp_path / "bad.py").write_text(MINE.replace("my.last = estimate", "slope = 1.0").replace("my.last\n", "slope\n"))
-    with pytest.raises(sc.InputError, match="result uses slope, which is not defined"):
-        metrics.load("bad.py", tmp_path)
-
-
-def test_numbas_colours_are_left_out_of_what_is_told():
-    """As where colorama is installed."""
-    text = "\x1b[1m\x1b[1mFailed in nopython mode pipeline\x1b[0m\n\x1b[1mCannot cast Literal to float64\x1b[0m\n"
-    assert watches._gist(without_colours(text)) == "Cannot cast Literal to float64"
+        sc.run(small(["mine.py"]))
 
 
 def test_a_file_says_which_way_is_better_and_what_it_is_called(tmp_path, monkeypatch):
     """And is then compared unasked, in its own words, and drawn under them."""
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE.replace("def begin", 'BETTER = "high"\nLABEL = "last word"\n\n\ndef begin'))
-    swarm = {"robots": 5, "accuracy": 0.8, "brain": ["minimalistic", "alone"]}
-    world = {"topology": "ring", "fill_ratio": 0.7}
-    study = sc.Study(trials=8, swarm=swarm, world=world, schedule={"rounds": 20}, measure={"metrics": ["mine.py"]})
-    data = sc.run(study)
+    data = sc.run(study_of(["minimalistic", "alone"], rounds=20, trials=8, measure={"metrics": ["mine.py"]}))
     found = sc.compare(data)
     [measure] = [one for one in found.measures if one.name == "mine"]
     assert (measure.low, measure.label, measure.unit) == (False, "last word", "1")

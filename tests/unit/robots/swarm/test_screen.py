@@ -13,7 +13,7 @@ from swarmcensus.cli.swarm_table import screen
 from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import Known, Report
-from swarmcensus.robots.swarm.running import Stopped, Swarm, run
+from swarmcensus.robots.swarm.running import RunningSwarm, Stopped, run
 from swarmcensus.studies.study import Study
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
@@ -40,7 +40,7 @@ def swarm(robots=20, liars=0, **more):
         one.state = "runs"
     known[3].state = "stopped"
     happened = ["1 s: kill 0-9", "2 s: restart 3", "3 s: partition 0-9", "4 s: stop 3"]
-    return Swarm(given, None, (), None, None, known, happened=happened, **more)
+    return RunningSwarm(given, None, (), None, None, known, happened=happened, **more)
 
 
 @pytest.mark.parametrize(("width", "height"), [(80, 24), (100, 40), (60, 20), (40, 10), (30, 5), (20, 2)])
