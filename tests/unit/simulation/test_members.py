@@ -253,7 +253,7 @@ OTHERS = {
     ],
 )
 def test_wrong_members_are_named(member, said):
-    if member.get("brain") in OTHERS:
+    if member.get("brain") in [*OTHERS]:
         member = member | {"brain": brain(OTHERS[member["brain"]], member["brain"])}
     with pytest.raises(InputError) as caught:
         study_of(brain(DECIDES), members=[member])
