@@ -201,11 +201,11 @@ def vector_of_ten():
 
 def cases():
     """Pairs of brains that differ in one thing: what, one, other, and in how many calls a ring's round differs."""
-    without, lucky = PLAIN.replace("LOT", "me.own"), PLAIN.replace("LOT", "me.luck")
+    without, drawing = PLAIN.replace("LOT", "me.own"), PLAIN.replace("LOT", "me.luck")
     silent = without.replace("    return (me.x,)\n", "    if me.x < -1.0:\n        return None\n    return (me.x,)\n")
     decides = without + "\n\ndef decide(me):\n    return 1 if me.x > 0.5 else 0\n"
     return [
-        ("luck: none, four draws", without, lucky, 4),
+        ("luck: none, four draws", without, drawing, 4),
         ("ten numbers: fields, a vector", ten_fields(), vector_of_ten(), None),
         ("silence: never, perhaps", without, silent, None),
         ("decision: none, each round", without, decides, None),

@@ -18,9 +18,9 @@ from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.checks.machine import blank_mind, exchange, machine_code
+from swarmcensus.checks.machine import blank_state, exchange, machine_code
 from swarmcensus.robots import chips, on_node
-from swarmcensus.robots.costs import COLUMNS, LUCKY, NUMBERS, TICKS, cost
+from swarmcensus.robots.costs import COLUMNS, DRAWS, NUMBERS, TICKS, cost
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.micropython_files import micropython_files
 from swarmcensus.robots.target import order_of
@@ -57,8 +57,8 @@ def in_numbers(brain, precision):
     return brain.with_numbers(Numbers(precision, NUMBERS.message if selftest.is_exact(brain) else "float32"))
 
 
-class Mind:
-    """A mind of machine code, with its fields as attributes: those of NumPy's records have other meanings for some."""
+class State:
+    """A state of machine code, with its fields as attributes: those of NumPy's records have other meanings for some."""
 
     def __init__(self, record):
         self.__dict__["record"] = record
@@ -70,8 +70,8 @@ class Mind:
         self.record[name] = value
 
 
-def on_minds(function):
-    """A function of machine code that takes a `Mind`; vectors that it returns are tuples, as in CPython."""
+def on_states(function):
+    """A function of machine code that takes a `State`; vectors that it returns are tuples, as in CPython."""
 
     def call(me, *given):
         made = function(me.record, *given)
@@ -82,11 +82,11 @@ def on_minds(function):
 
 
 def in_machine_code(brain):
-    minds = [Mind(blank_mind(brain, b, w, float(i))[0]) for i, (b, w) in enumerate(history.ACCURACIES)]
+    states = [State(blank_state(brain, b, w, float(i))[0]) for i, (b, w) in enumerate(history.ACCURACIES)]
     space = machine_code(brain.functions)
-    functions = {name: on_minds(space[name]) for name in (*FUNCTIONS, *MAY_HAVE) if name in space}
+    functions = {name: on_states(space[name]) for name in (*FUNCTIONS, *MAY_HAVE) if name in space}
     codes = types.SimpleNamespace(**machine_code(codec(False)[3]))
-    return selftest.lived(brain, types.SimpleNamespace(**functions), minds, codes)
+    return selftest.lived(brain, types.SimpleNamespace(**functions), states, codes)
 
 
 BOARD = """
@@ -99,16 +99,16 @@ class Me:
     pass
 
 
-minds = []
+states = []
 for i, (b, w) in enumerate(ACCURACIES):
     me = Me()
     for fields in (brain.MEMORY, getattr(brain, "PARAMETERS", {{}})):
         for name, value in fields.items():
             setattr(me, name, list(value) if isinstance(value, tuple) else 1.0 * value)
     me.b, me.w, me.name = b, w, 1.0 * i
-    minds.append(me)
-radios = [Messages({lengths}, {plan}, 0, False) for _ in minds]
-for line in live(brain, minds, radios, {fields}, {owed}, {lucky}, False):
+    states.append(me)
+radios = [Messages({lengths}, {plan}, 0, False) for _ in states]
+for line in live(brain, states, radios, {fields}, {owed}, {is_random}, False):
     print(line)
 """
 
@@ -119,7 +119,7 @@ def on_micropython(brain):
         plan=[tuple(part) for part in brain.parts],
         fields=list(brain.memory),
         owed=selftest.owed_places(brain),
-        lucky=brain.uses.luck,
+        is_random=brain.uses.luck,
     )
     files = {f"{module.__name__.split('.')[-1]}.py": Path(module.__file__) for module in (codec_file, history, runtime)}
     texts = {name: path.read_text(encoding="utf-8") for name, path in files.items()}
@@ -162,14 +162,14 @@ def bits(name):
 
 def in_cpython(brain):
     """Microseconds a tick in CPython."""
-    call, lucky = brain.functions, brain.uses.luck
+    call, is_random = brain.functions, brain.uses.luck
 
     def life():
         me = brain.robot(0.9, 0.8, 1.0)
         begun = time.perf_counter()
         for tick in range(TICKS):
-            if lucky:
-                me.luck = (tick % LUCKY + 0.5) / LUCKY
+            if is_random:
+                me.luck = (tick % DRAWS + 0.5) / DRAWS
             call.observe(me, 1.0 if tick * 5 % 8 < 3 else 0.0, 1.0)
             said = call.broadcast(me)
             if said is not None:
@@ -186,15 +186,15 @@ def as_machine_code(brain):
     """Microseconds a tick as machine code."""
     space = machine_code(brain.functions)
     observe, fuse, estimate = space["observe"], space["fuse"], space["estimate"]
-    hear, lucky = exchange(brain, space, 2)
+    hear, draw = exchange(brain, space, 2)
 
     @numba.njit
-    def live(minds):
+    def live(states):
         total = 0.0
-        for k in range(minds.size):
-            me = minds[k]
+        for k in range(states.size):
+            me = states[k]
             for tick in range(TICKS):
-                lucky(me, (tick % LUCKY + 0.5) / LUCKY)
+                draw(me, (tick % DRAWS + 0.5) / DRAWS)
                 observe(me, 1.0 if tick * 5 % 8 < 3 else 0.0, 1.0)
                 hear(me)
                 fuse(me)
@@ -202,10 +202,10 @@ def as_machine_code(brain):
         return total
 
     def life():
-        minds = np.repeat(blank_mind(brain, 0.9, 0.8, 1.0), 50)
+        states = np.repeat(blank_state(brain, 0.9, 0.8, 1.0), 50)
         begun = time.perf_counter()
-        live(minds)
-        return (time.perf_counter() - begun) / minds.size
+        live(states)
+        return (time.perf_counter() - begun) / states.size
 
     life()  # compiles
     return 1e6 / TICKS * min(life() for _ in range(LIVES))
@@ -227,7 +227,7 @@ static double timed_seconds(void) {{
 
 static void __attribute__((noinline)) timed_live(struct brain *me, int tick) {{
     struct message said;
-    {luck}
+    {draws}
     observe(me, tick * 5 % 8 < 3 ? 1 : 0, 1);
     if (broadcast(me, &said)) {{
         receive(me, &said);
@@ -260,7 +260,7 @@ def in_c(brain):
     text = TIMED.format(
         name=", 1" if brain.uses.name else "",
         ticks=TICKS,
-        luck=f"me->luck = (tick % {LUCKY} + 0.5) / {LUCKY};" if brain.uses.luck else "",
+        draws=f"me->luck = (tick % {DRAWS} + 0.5) / {DRAWS};" if brain.uses.luck else "",
     )
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "brain.h").write_text(header(brain))
@@ -357,7 +357,7 @@ class Me:
 
 
 def tick():
-    for name in LUCKY:
+    for name in DRAWS:
         me.luck = 0.5
     brain.observe(me, 1.0, 1.0)
     said = brain.broadcast(me)
@@ -429,10 +429,10 @@ def run(files):
 
 
 def measured(brain):
-    """The bytes of code and of a mind, the garbage of a tick, and its microseconds."""
-    source = BRAIN.replace("LUCKY", "(1,)" if brain.uses.luck else "()")
-    code, mind, garbage, spent = run({"brain.py": brain.source, "main.py": source})
-    return int(code), int(mind), int(garbage), float(spent)
+    """The bytes of code and of a state, the garbage of a tick, and its microseconds."""
+    source = BRAIN.replace("DRAWS", "(1,)" if brain.uses.luck else "()")
+    code, state, garbage, spent = run({"brain.py": brain.source, "main.py": source})
+    return int(code), int(state), int(garbage), float(spent)
 
 
 @harness.question(unasked=False)

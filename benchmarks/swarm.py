@@ -29,7 +29,7 @@ from typing import NamedTuple
 from swarmcensus import brains
 from swarmcensus.brains.packing import FORMATS, Numbers
 from swarmcensus.robots import on_node
-from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.swarm.faults import faults_of
 from swarmcensus.runtime.log import Log
@@ -154,9 +154,9 @@ CUT = 0.5  # share of logs
 
 
 class Again(NamedTuple):
-    """What came of living the minds of a folder again."""
+    """What came of living the states of a folder again."""
 
-    minds: int
+    states: int
     to_the_bit: int
     ticks: int  # whole ones in the logs
     relived: int
@@ -169,7 +169,7 @@ class Again(NamedTuple):
 def stormed(given, folder, robots=20, rounds=400, seed=0):
     """Run a swarm of SWARMS; its outcome."""
     study = Study(
-        name="minds", trials=1,
+        name="states", trials=1,
         swarm={"brain": given["brain"], "robots": robots, "accuracy": "U(0.6, 0.9)"}
         | ({"precision": given["precision"]} if "precision" in given else {}),
         world={"topology": given["topology"], "fill_ratio": 0.55, "link_success": 0.7, "message": given["message"]},
@@ -183,15 +183,15 @@ def stormed(given, folder, robots=20, rounds=400, seed=0):
 
 
 def lived_again(folder):
-    """Live all minds of a folder again."""
+    """Live all states of a folder again."""
     begun = time.perf_counter()
-    lives = relive_all(day := read_day(folder))
+    lives = relive_all(recording := read_recording(folder))
     seconds = time.perf_counter() - begun
     starts = [start.kind for life in lives for start in life.starts]
     return Again(
         len(lives), sum(life.to_the_bit for life in lives), sum(life.ticks for life in lives),
         sum(life.relived for life in lives), {kind: starts.count(kind) for kind in ("blank", "resumed", "unknown")},
-        sum(len(tick.heard) for member in day.members for tick in member.log.ticks),
+        sum(len(tick.heard) for member in recording.members for tick in member.log.ticks),
         [f"robot {life.number}, tick {one.tick}: {one.reason}" for life in lives for one in life.breaks], seconds,
     )  # fmt: skip
 
@@ -209,7 +209,7 @@ def cut(folder, chance):
 
 
 def rows(folder, swarms=SWARMS, robots=20, rounds=400):
-    """For each swarm: what it is, its outcome, and its minds lived again before and after the cuts."""
+    """For each swarm: what it is, its outcome, and its states lived again before and after the cuts."""
     for k, given in enumerate(swarms):
         outcome = stormed(given, folder / str(k), robots, rounds, k)
         whole = lived_again(folder / str(k))
@@ -220,7 +220,7 @@ def rows(folder, swarms=SWARMS, robots=20, rounds=400):
 
 def table(folder, swarms):
     """The lines of a table."""
-    heads = ("brain", "message", "minds", "to the bit", "ticks", "lived again", "messages heard", "resumed", "blank",
+    heads = ("brain", "message", "states", "to the bit", "ticks", "lived again", "messages heard", "resumed", "blank",
              "logs cut", "to the bit then", "ticks then", "lived again then", "seconds of both")  # fmt: skip
     yield f"| {' | '.join(heads)} |"
     yield "|---|---|" + "---:|" * (len(heads) - 2)
@@ -228,16 +228,17 @@ def table(folder, swarms):
     for given, outcome, whole, logs, then in rows(folder, swarms):
         what = given["message"] + (", single" if "precision" in given else "")
         numbers = (
-            whole.minds, whole.to_the_bit, whole.ticks, whole.relived, whole.heard, whole.starts["resumed"],
+            whole.states, whole.to_the_bit, whole.ticks, whole.relived, whole.heard, whole.starts["resumed"],
             whole.starts["blank"], logs, then.to_the_bit, then.ticks, then.relived,
         )  # fmt: skip
+        found = whole.to_the_bit, whole.states, then.to_the_bit, then.states
         cells = [given["brain"], what, *(f"{n:,}" for n in numbers), f"{whole.seconds + then.seconds:.1f}"]
         yield f"| {' | '.join(cells)} |"
-        sums = [a + b for a, b in zip(sums, (whole.to_the_bit, whole.minds, then.to_the_bit, then.minds), strict=True)]
+        sums = [a + b for a, b in zip(sums, found, strict=True)]
         for line in [*outcome.died.values(), *whole.differences, *then.differences]:
             yield f"differs: {line}"
     yield ""
-    yield f"{sums[0]} of {sums[1]} minds to the bit; {sums[2]} of {sums[3]} after the cuts."
+    yield f"{sums[0]} of {sums[1]} states to the bit; {sums[2]} of {sums[3]} after the cuts."
 
 
 # ---- what logs cost
@@ -310,17 +311,17 @@ def measured_as(says, *arguments):
 
 
 def log_rows(folder, robots, ticks):
-    day, few = folder / "day", max(3, robots // 5)
-    write_logs(day, robots, ticks)
-    size, count = f"{megabytes(day):,.1f} MB", robots * ticks
+    recording, few = folder / "day", max(3, robots // 5)
+    write_logs(recording, robots, ticks)
+    size, count = f"{megabytes(recording):,.1f} MB", robots * ticks
     for what, *more in (("under their own brain",), (f"also under {OTHER}", "--brain", OTHER)):
-        seconds, used, memory = measured_as(f"{count:,} of {count:,} ticks", "relive", day, *more)
+        seconds, used, memory = measured_as(f"{count:,} of {count:,} ticks", "relive", recording, *more)
         yield f"relive, {what}", f"{count:,} ticks in {size}", seconds, used, memory, f"{count / seconds:,.0f} ticks"
-    day, out = folder / "other", folder / "other.mcap"
+    recording, out = folder / "other", folder / "other.mcap"
     each = round(ticks * 0.96)
-    write_logs(day, few, each, loss=0.0)
-    count, size = few * each * A_TICK, megabytes(day)
-    seconds, used, memory = measured_as(f"{count:,} messages", "export", day, "--format", "mcap", "--out", out)
+    write_logs(recording, few, each, loss=0.0)
+    count, size = few * each * A_TICK, megabytes(recording)
+    seconds, used, memory = measured_as(f"{count:,} messages", "export", recording, "--format", "mcap", "--out", out)
     size = f"{size:,.1f} MB to {out.stat().st_size / 1e6:,.1f} MB"
     yield (
         "export --format mcap",

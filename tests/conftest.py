@@ -13,7 +13,8 @@ import pytest
 from numba.core import event
 
 import swarmcensus as sc
-from swarmcensus.simulation.living import Life
+from swarmcensus.cli.commands import main
+from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.support.readers import AS_TERMINAL
 from swarmcensus.support.terminal import UNFOLDED
 from tests.support import interpreted
@@ -25,6 +26,10 @@ for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should depend on no setting, here and in processes begun here
 os.environ[AS_TERMINAL] = str(UNFOLDED)  # tests read tables as people do; of pipes is tests/cli/test_piping.py
 
+# containers often switch bytecode off: then each worker and each process that a test starts would compile all again
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+gc.set_threshold(50_000)
 
 # how long a draw takes is the machine's business
 hypothesis.settings.register_profile("here", suppress_health_check=[hypothesis.HealthCheck.too_slow], deadline=None)
@@ -41,7 +46,7 @@ def pytest_configure(config):
 def compile_networks():
     study = sc.Study(trials=1, seed=1, **TINY, world={"topology": "ring", "fill_ratio": 0.5})
     sc.run(study, jobs=1)
-    Life(study.settings()[0], 1, 0).at(0)
+    LiveTrial(study.settings()[0], 1, 0).at(0)
 
 
 def compile_moving():
@@ -67,16 +72,12 @@ def pytest_collection(session):
     So it finds the bytecode of all tests, with their assertions rewritten, which the first one makes meanwhile.
     """
     if number_of(session.config) == 1:
-        gc.set_threshold(50_000)
         compile_moving()
 
 
 def pytest_collection_finish(session):
     """The first one when it has collected."""
-    if number_of(session.config) is None:
-        return
     gc.freeze()  # what was collected stays: no need to look for circles there again and again
-    gc.set_threshold(50_000)
     if number_of(session.config) == 0:
         compile_networks()
 
@@ -129,6 +130,30 @@ def no_ctrl_c():
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     yield
     signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder, which is the working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def refused(here, capsys):
+    """Runs a command that must fail, and changes no file: the one line of its error, which comes last on stderr."""
+
+    def refused(*command):
+        capsys.readouterr()
+        before = {path: path.is_file() and path.read_bytes() for path in here.rglob("*")}
+        assert main([str(word) for word in command]) == 2
+        *progress, error = capsys.readouterr().err.splitlines()
+        assert error.startswith("swarmcensus")
+        assert not any(line.startswith(("swarmcensus", "Traceback")) for line in progress)
+        assert {path: path.is_file() and path.read_bytes() for path in here.rglob("*")} == before
+        return error
+
+    return refused
 
 
 @pytest.fixture

@@ -14,7 +14,6 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import commands, main
 from tests.support.small import SMALL
 
-FIRST = ["good.nc", "--setting", "0", "--trial", "0"]
 HELLO = """
 trials = 3
 [swarm]
@@ -28,11 +27,9 @@ rounds = 20
 """
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "hello.toml").write_text(HELLO)
-    return tmp_path
+@pytest.fixture(autouse=True)
+def hello(here):
+    (here / "hello.toml").write_text(HELLO)
 
 
 def test_help_lists_every_command(capsys):
@@ -42,24 +39,6 @@ def test_help_lists_every_command(capsys):
     assert main([]) == 0
     assert capsys.readouterr().out == listed
     assert all(re.search(rf"^ +{name}\b", listed, re.MULTILINE) for name in commands())
-
-
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
-def test_output_that_the_shell_closed_is_not_missed():
-    command = f"{sys.executable} -m swarmcensus brains"
-    done = subprocess.run(f"{command} >&-", shell=True, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert subprocess.run(f"{command} >&- 2>&-", shell=True).returncode == 0
-
-
-def test_help_is_quick_and_imports_nothing_heavy():
-    code = (
-        "import sys; from swarmcensus.cli.commands import parser; parser().format_help(); "
-        "print([m for m in ('numba', 'numpy', 'xarray', 'pydantic', 'rich', 'matplotlib') if m in sys.modules])"
-    )
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert out.stdout.strip() == "[]"
 
 
 def test_a_first_session(here, capsys):
@@ -130,123 +109,93 @@ def test_a_list_of_ours_alone_does_not_say_whose_they_are(capsys):
         (("robots", "robot"), "study file hello.toml: unknown key swarm.robot"),
         (("= 6", '= "six"'), 'swarm.robots = "six"'),
         (("[0.7, 0.9]", "[]"), "swarm.accuracy = []"),
-        (("[0.7, 0.9]", "1.7"), "swarm.accuracy = 1.7"),
         (("= 20", "= -20"), "schedule.rounds = -20"),
-        (
-            ('"ring"', '{name = "x", edges = [[0, 6]]}'),
-            "edge (0, 6) of topology 'x' leads to a robot that is not there",
-        ),
+        (('"ring"', '{name = "x", edges = [[0, 6]]}'), "edge (0, 6) of topology 'x' leads to a robot"),
         (("[swarm]", '[swarm]\nbrain = "broken.py"'), "broken.py, line 1: not Python"),
         (("[swarm]", '[swarm]\nbrain = "lame.py"'), "lame.py: the function fuse is missing"),
     ],
 )
-def test_bad_studies(change, said, here, capsys):
+def test_bad_studies(change, said, here, refused):
     (here / "hello.toml").write_text(HELLO.replace(*change))
     (here / "broken.py").write_text("def observe(:\n")
     (here / "lame.py").write_text(brains.load("minimalistic").source.replace("def fuse", "def fuze"))
-    files = set(here.iterdir())
-    assert main(["run", "hello.toml"]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert "Traceback" not in error
-    assert set(here.iterdir()) == files
+    assert said in refused("run", "hello.toml")
 
 
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        (["run", "none.toml"], "study file none.toml: cannot be read"),
-        (["run", "hello.toml", "--out", "hello.toml/x.nc"], "cannot write hello.toml/x.nc"),
-        (["run", "hello.toml", "--out", "x.csv"], "written as .nc"),
-        (["run", "hello.toml", "--out", "folder.nc"], "cannot write folder.nc: it is a folder"),
-        (["run", "hello.toml", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
-        (["verify", "good.nc", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
-        (["show", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
-        (["show", "none.nc"], "there is no such file"),
-        (["run", "folder.nc"], "study file folder.nc: cannot be read: Is a directory"),
-        *[([name, "folder.nc"], "results file folder.nc: it is a folder") for name in ("show", "status", "verify")],
-        (["merge", "good.nc", "folder.nc", "--out", "x.nc"], "results file folder.nc: it is a folder"),
-        (["plot", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
-        (["plot", "hello.toml"], "hello.toml is a study, not results"),
-        (["plot", "none.nc"], "there is no such file"),
-        (["plot", "good.nc", "--where", "robots == 99"], "no setting is so"),
-        (["plot", "good.nc", "--out", "x.bmp"], "figures are written as"),
-        (["plot", "good.nc", "--kind", "heatmap", "--local"], "--local goes with --kind scatter"),
-        (["plot", "good.nc", "--local"], "local"),
-        (["plot", "good.nc", "--kind", "heatmap"], "select some of the settings, as --where 'topology == "),
-        (["replay", "good.nc", "--setting", "77", "--trial", "0"], "setting 77: these results hold"),
-        (["replay", "good.nc", "--setting", "0", "--trial", "0", "--out", "x.txt"], "written as .csv or .nc"),
-        (["replay", *FIRST, "--out", "new.nc", "--plot", "folder.png"], "cannot write folder.png: it is a folder"),
-        (["replay", *FIRST, "--out", "new.nc", "--plot", "obs.csv/x.png"], "obs.csv is a file, not a folder"),
-        (["replay", *FIRST, "--out", "new.nc", "--recording", "obs.csv"], "obs.csv is a file, not a folder"),
-        (["export", "cut.nc"], "cut.nc"),
-        (["export", "good.nc", "--format", "parquet", "--out", "x.csv"], "--format parquet is written as .parquet"),
-        (["verify", "good.nc", "--all", "--seed", "3"], "--seed 3"),
-        *[(["plot", "good.nc", "--out", name], "it is a folder") for name in (".", "..", "/", "plain")],
-        (["replay", *FIRST, "--plot", "."], "cannot write .: it is a folder"),
-        (["plot", "good.nc", "--local", "--delta", "0.1"], "--local does not go with --delta"),
-        (["show", "good.nc", "--where", "setting == 1 == 1"], "a chain has a coordinate between"),
-        (["show", "/dev/null"], "results file /dev/null: it is no file"),
-        (["export", "good.nc", "--out", "hello.toml/x.csv"], "cannot write"),
-        (["infer", "none.csv", "--accuracy", "0.8"], "none.csv: cannot be read"),
-        (["infer", "obs.csv", "--accuracy", "x"], "accuracy 'x': there is no such file: should be"),
-        (["infer", "obs.csv", "--accuracy", "0.8", "--links", "bad.csv"], "names a robot that is not there"),
-        (["infer", "obs.csv", "--accuracy", "0.8", "--observations-per-round", "0"], "whole number from 1"),
-        (["infer", "obs.csv", "--accuracy", "0.8", "--out", "x.txt"], "written as .csv or .nc"),
-        (["infer", "obs.csv", "--accuracy", "0.8", "--plot", "folder.png"], "cannot write folder.png: it is a folder"),
-        (["reproduce", "--out", "hello.toml/x"], "cannot write"),
-        (["reproduce", "--only", "fig99"], "fig99"),
+        ("run none.toml", "study file none.toml: cannot be read"),
+        ("run hello.toml --out hello.toml/x.nc", "cannot write hello.toml/x.nc"),
+        ("run hello.toml --out x.csv", "written as .nc"),
+        ("run hello.toml --out folder.nc", "cannot write folder.nc: it is a folder"),
+        ("run hello.toml --jobs 9999", "jobs = 9999: should be 1 to "),
+        ("run folder.nc", "study file folder.nc: cannot be read: Is a directory"),
+        ("run good.nc", "good.nc holds results, not a study: see them with swarmcensus show good.nc"),
+        ("verify good.nc --jobs 9999", "jobs = 9999: should be 1 to "),
+        ("verify good.nc --all --seed 3", "--seed 3"),
+        ("show cut.nc", "results file cut.nc: not a readable netCDF-4 file"),
+        ("show none.nc", "there is no such file"),
+        ("show /dev/null", "results file /dev/null: it is no file"),
+        ("show hello.toml", "hello.toml is a study, not results: first run it with swarmcensus run hello.toml"),
+        ("show good.nc --where setting==1==1", "a chain has a coordinate between"),
+        ("status folder.nc", "results file folder.nc: it is a folder"),
+        ("merge good.nc folder.nc --out x.nc", "results file folder.nc: it is a folder"),
+        ("plot cut.nc", "results file cut.nc: not a readable netCDF-4 file"),
+        ("plot good.nc --where robots==99", "no setting is so"),
+        ("plot good.nc --out x.bmp", "figures are written as"),
+        ("plot good.nc --out .", "it is a folder"),
+        ("plot good.nc --kind heatmap --local", "--local goes with --kind scatter"),
+        ("plot good.nc --kind heatmap", "select some of the settings, as --where 'topology == "),
+        ("plot good.nc --local", "local"),
+        ("plot good.nc --local --delta 0.1", "--local does not go with --delta"),
+        ("replay good.nc --setting 77 --trial 0", "setting 77: these results hold"),
+        ("replay good.nc --setting 0 --trial 0 --out x.txt", "written as .csv or .nc"),
+        ("replay good.nc --setting 0 --trial 0 --out new.nc --plot obs.csv/x.png", "obs.csv is a file, not a folder"),
+        ("replay good.nc --setting 0 --trial 0 --out new.nc --recording obs.csv", "obs.csv is a file, not a folder"),
+        ("export cut.nc", "cut.nc"),
+        ("export good.nc --format parquet --out x.csv", "--format parquet is written as .parquet"),
+        ("infer none.csv --accuracy 0.8", "none.csv: cannot be read"),
+        ("infer obs.csv --accuracy x", "accuracy 'x': there is no such file: should be"),
+        ("infer obs.csv --accuracy 0.8 --links bad.csv", "names a robot that is not there"),
+        ("infer obs.csv --accuracy 0.8 --observations-per-round 0", "whole number from 1"),
+        ("infer obs.csv --accuracy 0.8 --plot folder.png", "cannot write folder.png: it is a folder"),
+        ("reproduce --out hello.toml/x", "cannot write"),
+        ("reproduce --only fig99", "fig99"),
     ],
 )
-def test_bad_commands(command, said, here, capsys, small_file):
+def test_bad_commands(command, said, here, refused, small_file):
     whole = small_file.read_bytes()
     (here / "good.nc").write_bytes(whole)
     (here / "cut.nc").write_bytes(whole[: len(whole) // 2])
     (here / "obs.csv").write_text("1,1\n0,1\n")
     (here / "bad.csv").write_text("0,2\n")
-    for name in ("folder.nc", "folder.png", "plain"):
+    for name in ("folder.nc", "folder.png"):
         (here / name).mkdir()
-    files = set(here.iterdir())
-    assert main(command) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert set(here.iterdir()) == files
-
-
-@pytest.mark.parametrize("option", [["--jobs", "0"], ["--trials", "-1"], ["--seed", "x"], ["--joobs", "1"]])
-def test_bad_options(option, here, capsys):
-    assert main(["run", "hello.toml", *option]) == 2
-    error = capsys.readouterr().err
-    assert error.startswith(f"swarmcensus run: {option[0]} ")
-    assert error.count("\n") == 1
+    assert said in refused(*command.split())
 
 
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        (["deploy", "commons", "--b", "nan"], "swarmcensus deploy: --b nan: should be a number"),
-        (["deploy", "commons", "--robot", "-1"], "swarmcensus deploy: --robot -1: should be a whole number from 0"),
-        (["run", "x.toml", "--trials"], "swarmcensus run: --trials: a value is missing after it"),
-        (["run", "x.toml", "--trials", "a\nb"], "swarmcensus run: --trials 'a b': should be a whole number from 1"),
-        (["run", "x.toml", "y.toml"],
-         "swarmcensus run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is"),
-        (["verify", "x.nc", "--sample", "x"], "swarmcensus verify: --sample x: should be a number"),
-        (["merge", "--ouu", "x", "a.nc"], "swarmcensus merge: --out is missing: did you mean '--out'?"),
-        (["new", "foo"], "swarmcensus new: foo: should be study or brain"),
-        (["show", "x.nc", "--quiet=3"], "swarmcensus show: --quiet takes no value, but has '3'"),
-        (["swarm", "sure", "--robot", "2"],
-         "swarmcensus swarm: --robot is no option of this command: did you mean '--robots'?"),
-        (["swarm", "--rob=2"], "swarmcensus swarm: BRAIN|STUDY.toml is missing: did you mean '--robots'?"),
-        (["replay", "x.nc"],
-         "swarmcensus replay: --setting and --trial are missing: 'swarmcensus replay --help' shows what there is"),
-        (["brains", "--show", "a", "--check", "b"], "swarmcensus brains: --check does not go with --show"),
+        ("deploy commons --b nan", "deploy: --b nan: should be a number"),
+        ("deploy commons --robot -1", "deploy: --robot -1: should be a whole number from 0"),
+        ("run hello.toml --jobs 0", "run: --jobs 0: should be a whole number from 1"),
+        ("run x.toml --trials", "run: --trials: a value is missing after it"),
+        ("run x.toml y.toml", "run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is"),
+        ("merge --ouu x a.nc", "merge: --out is missing: did you mean '--out'?"),
+        ("new foo", "new: foo: should be study or brain"),
+        ("show x.nc --quiet=3", "show: --quiet takes no value, but has '3'"),
+        ("swarm sure --robot 2", "swarm: --robot is no option of this command: did you mean '--robots'?"),
+        ("swarm --rob=2", "swarm: BRAIN|STUDY.toml is missing: did you mean '--robots'?"),
+        ("replay x.nc", "replay: --setting and --trial are missing: 'swarmcensus replay --help' shows what there is"),
+        ("brains --show a --check b", "brains: --check does not go with --show"),
+        ("brains --show commons --json", "--json does not go with --show"),
+        ("show x.nc --quiet --verbose", "show: --verbose does not go with --quiet"),
     ],
-)  # fmt: skip
-def test_errors_of_options_are_one_sentence(command, said, capsys):
-    assert main(command) == 2
-    assert capsys.readouterr().err == f"{said}\n"
+)
+def test_errors_of_options_are_one_sentence(command, said, refused):
+    assert said in refused(*command.split())
 
 
 def test_blind_sensors_are_allowed_with_a_warning(here, capsys):
@@ -256,12 +205,10 @@ def test_blind_sensors_are_allowed_with_a_warning(here, capsys):
     assert (sc.load("hello.nc")["final_estimate"] == 0.5).all()
 
 
-def test_a_folder_without_permission(here, capsys, monkeypatch):
+def test_a_folder_without_permission(refused, monkeypatch):
     """As the system answers anybody but root, whom no folder is closed to."""
     monkeypatch.setattr(os, "access", lambda path, mode: False)
-    assert main(["run", "hello.toml", "--out", "locked/x.nc"]) == 2
-    assert "cannot be written" in capsys.readouterr().err
-    assert {p.name for p in here.iterdir()} == {"hello.toml"}
+    assert "cannot be written" in refused("run", "hello.toml", "--out", "locked/x.nc")
 
 
 @pytest.mark.long(but=["a user without a home"])
@@ -292,21 +239,12 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     """A study of minutes; the interrupt comes once it is under way."""
     text = SMALL.replace("trials = 4", "trials = 300").replace("rounds                 = 60", "rounds = 200_000")
     (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))
-    with subprocess.Popen(
-        [
-            sys.executable,
-            "-c",
-            "from swarmcensus.cli.commands import main; from swarmcensus.runs import progress; "
-            "progress.LINE_SECONDS = 0.2; raise SystemExit(main())",
-            "run",
-            "long.toml",
-            "--jobs",
-            "1",
-        ],
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as run:
+    code = (
+        "from swarmcensus.cli.commands import main; from swarmcensus.runs import progress; "
+        "progress.LINE_SECONDS = 0.2; raise SystemExit(main())"
+    )
+    command = [sys.executable, "-c", code, "run", "long.toml", "--jobs", "1"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
         assert run.stderr is not None
         for line in run.stderr:  # plain lines; the first may come before any trial
             assert line.startswith("small: ")
@@ -343,51 +281,7 @@ def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
     assert sc.load("hello.nc").attrs["title"] == "hello"
 
 
-def test_one_is_singular_and_thousands_have_commas(here, capsys):
-    text = HELLO.replace("trials = 3", "trials = 1").replace("[0.7, 0.9]", "0.7").replace("[0.55, 0.95]", "0.55")
-    (here / "one.toml").write_text(text.replace("rounds = 20", "rounds = 1000"))
-    assert main(["run", "one.toml", "--jobs", "1"]) == 0
-    said = capsys.readouterr()
-    assert "\none.nc: 1 setting of 1 trial, " in said.out
-    assert "after round 1,000;" in said.out
-    assert "rounds 1,000, " in said.out
-    for command, line in (
-        (["show", "one.nc"], "1 setting, 1 of 1 trial done"),
-        (["status", "one.nc"], "one: 1 setting; 1 of 1 trial done (100.0 %)"),
-        (["merge", "one.nc", "--out", "two.nc"], "two.nc: 1 setting, 1 of 1 trial\n"),
-        (["verify", "one.nc"], "1 of 1 trial run again"),
-        (["explain", "one.nc", "--setting", "0"], "ring, N = 6, accuracy 0.7, f = 0.55, C = 1,000, R = 10; 1 trial\n"),
-    ):
-        main(command)
-        assert line in capsys.readouterr().out
-
-
 def test_ctrl_c_elsewhere_does_not_stop_a_background_run(no_ctrl_c, small_study, small_results):
     """A shell sends Ctrl-C to all that it began, and has what is in the background ignore it."""
     data = sc.run(small_study, jobs=1, progress=lambda _: signal.raise_signal(signal.SIGINT))
     assert data.drop_attrs(deep=False).identical(small_results.drop_attrs(deep=False))
-
-
-@pytest.mark.long
-def test_a_reader_that_goes_away_is_no_error(here):
-    pipe = subprocess.run(
-        f"{sys.executable} -c 'from swarmcensus.cli.commands import main; raise SystemExit(main([\"brains\"]))' | true",
-        shell=True, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert "Traceback" not in pipe.stderr
-
-
-def test_a_study_and_its_results_are_told_apart(tmp_path, monkeypatch, capsys):
-    """Who gives one for the other reads which command takes it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "a.toml").write_text("trials = 1\n")
-    (tmp_path / "a.nc").write_bytes(b"\x89HDF\r\n")
-    assert main(["show", "a.toml"]) == 2
-    assert (
-        capsys.readouterr().err
-        == "swarmcensus: a.toml is a study, not results: first run it with swarmcensus run a.toml\n"
-    )
-    assert main(["run", "a.nc"]) == 2
-    assert (
-        capsys.readouterr().err == "swarmcensus: a.nc holds results, not a study: see them with swarmcensus show a.nc\n"
-    )

@@ -107,15 +107,6 @@ def test_run_and_show_tell_the_same_summary(both):
         ]
 
 
-def test_final_error_is_a_pooled_median(results, both):
-    data = sc.load(results / "two.nc")
-    rows = both("show two.nc")[0]["settings"]
-    for k, row in enumerate(rows):
-        off = np.abs(data["final_estimate"].values[k][:, : row["robots"]] - 0.55)
-        assert row["final_error"]["median"] == np.median(off)
-        assert row["final_error"]["interval"][0] <= row["final_error"]["median"] <= row["final_error"]["interval"][1]
-
-
 def test_status_and_verify(both):
     found, text = both("status two.nc")
     assert (found["trials_done"], found["trials_total"], found["settings_total"]) == (24, 24, 4)
@@ -155,13 +146,6 @@ def test_a_comparison(both):
         assert re.search(rf"{row['contender']}\s+{row['worlds']}\s+{row['final_error_best']} ", page)
 
 
-def test_traces(both):
-    found, table = both("replay two.nc --setting 0 --trial 0")
-    lines = [line.split() for line in table.splitlines()[2:]]
-    names = ("round", "lowest", "median", "highest")
-    assert [[f"{row[n]:.4f}" if n != "round" else str(row[n]) for n in names] for row in found["rounds"]] == lines
-
-
 @pytest.mark.long(only=["list brains"])
 @pytest.mark.parametrize("command", ["list", "list brains", "studies", "brains"])
 def test_lists(command, both):
@@ -173,32 +157,6 @@ def test_lists(command, both):
     for row in rows:
         if "memory_bytes" in row:
             assert re.search(rf"^{row['name']}\s+{row['memory_bytes']:,}\s+{row['message_bytes']:,}\s", table, re.M)
-
-
-def test_a_plan(both):
-    found, table = both(PLAN)
-    [row] = found["rows"]
-    value, low, high = (100 * one for one in row["share"])
-    assert f"{value:.1f} [{low:.1f}, {high:.1f}]" in table
-
-
-def test_an_installation(both):
-    found, table = both("doctor")
-    assert found["libraries"]["numpy"] in table
-    assert str(found["cores"]) in table
-
-
-@pytest.mark.parametrize(
-    ("command", "why"),
-    [
-        ("studies ring --json", "--json goes with the list of studies only, not with ring"),
-        ("brains --show commons --json", "--json does not go with --show"),
-    ],
-)
-def test_what_is_no_table_is_no_document(command, why, said):
-    code, out, error = said(command)
-    assert (code, out) == (2, "")
-    assert why in error
 
 
 def test_quiet_says_nothing_but_answers_and_errors(results, said, tmp_path):
@@ -245,11 +203,6 @@ def test_verbose_says_what_is_found_and_finished(said, tmp_path):
     )
 
 
-def test_loud_and_quiet_exclude_each_other(said):
-    code, _, error = said("show two.nc --quiet --verbose")
-    assert (code, "--verbose does not go with --quiet" in error) == (2, True)
-
-
 def test_a_command_leaves_no_voice_behind(said):
     before = logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level
     said("show two.nc -v")
@@ -293,13 +246,11 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
 SHELL = [sys.executable, "-m", "swarmcensus"]
 
 
-@pytest.mark.long(only=["show two.nc"])
-@pytest.mark.parametrize("command", ["show two.nc", "studies"])
-def test_whoever_stops_reading_is_told_no_more_than_that(results, command):
+def test_a_reader_that_goes_away_is_no_error(results):
     """As `| head -1` does."""
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run([*SHELL, *command.split()], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+    done = subprocess.run([*SHELL, "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
     os.close(write)
     assert (done.returncode, done.stderr) == (0, "")
 
@@ -364,7 +315,3 @@ def test_who_stops_it_before_it_began_reads_no_traceback():
     """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
-
-
-def test_a_folder_is_no_results_file(said):
-    assert said("show .") == (2, "", "swarmcensus: results file .: it is a folder\n")

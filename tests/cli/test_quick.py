@@ -19,8 +19,6 @@ from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.fork import in_background
 from tests.support.small import GO, SEED, settings_of
 
-SLOW = ("numba", "xarray", "pandas", "matplotlib", "networkx", "h5py")
-
 
 def python(code, *words, **more):
     return subprocess.run(
@@ -28,27 +26,32 @@ def python(code, *words, **more):
     )
 
 
+HEAVY = {"numba", "xarray", "pandas", "matplotlib", "networkx", "h5py", "scipy", "jinja2"}
+MAIN = "from swarmcensus.cli.commands import main; "
+
+
 @pytest.mark.parametrize(
-    "code",
+    ("code", "unused"),
     [
-        "import swarmcensus",
-        "import swarmcensus.studies.study",
-        "from swarmcensus.cli.commands import main; main(['show', 'nothing.nc'])",
-        "from swarmcensus.cli.commands import main; main(['run', 'wrong.toml'])",
+        ("import swarmcensus as sc; sc.Study; sc.run; sc.plot; dir(sc.plot)", {"matplotlib", "jinja2"}),
+        ("import swarmcensus.studies.study", HEAVY),
+        (MAIN + "main(['show', 'nothing.nc'])", HEAVY),
+        (MAIN + "main(['run', 'wrong.toml'])", HEAVY),
+        (MAIN + "main(['doctor'])", {"numba", "xarray", "matplotlib"}),
+        ("from swarmcensus.cli.commands import parser; parser().format_help()", HEAVY | {"numpy", "pydantic", "rich"}),
+        (MAIN + "\ntry: main(['plot', '--help'])\nexcept SystemExit: pass", {"numpy", "importlib.metadata"}),
+        pytest.param("from swarmcensus.figures.plot import lines", {"matplotlib.pyplot"}, marks=pytest.mark.long),
     ],
 )
-def test_what_takes_long_is_not_imported_before_it_is_needed(code, tmp_path):
-    (tmp_path / "wrong.toml").write_text("trial = 3")
-    done = python(f"{code}\nimport sys\nprint(*({SLOW} & sys.modules.keys()))".replace(str(SLOW), f"{{*{SLOW}}}"),
-                  cwd=tmp_path)  # fmt: skip
-    assert (done.returncode, done.stdout.strip()) == (0, ""), done.stderr
+def test_slow_libraries_are_imported_where_they_are_needed(code, unused, here):
+    (here / "wrong.toml").write_text("trial = 3")
+    done = python(f"{code}\nimport sys\nprint(*({unused} & sys.modules.keys()), file=sys.stderr)")
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (0, "")
 
 
-@pytest.mark.parametrize(("words", "code"), [(["--version"], 0), (["show", "no.nc"], 2), (["nonsense"], 2), ([], 0)])
-def test_the_program_leaves_with_its_code_and_says_all(words, code, tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "swarmcensus", *words], capture_output=True, text=True, check=False, cwd=tmp_path
-    )
+@pytest.mark.parametrize(("words", "code"), [(["--version"], 0), (["nonsense"], 2), ([], 0)])
+def test_the_program_leaves_with_its_code_and_says_all(words, code):
+    done = subprocess.run([sys.executable, "-m", "swarmcensus", *words], capture_output=True, text=True, check=False)
     assert done.returncode == code
     assert done.stdout + done.stderr
 
@@ -119,17 +122,16 @@ def test_initial_memory_is_not_compiled_in(tmp_path):
             assert trace["estimate"].values.tolist() == [[first] * 2] * 2
 
 
-def test_a_file_that_reads_what_it_declares_keeps_it():
+def test_machine_code_is_of_the_essence_of_a_file():
     reads = SOURCE.replace("def broadcast", 'FIRST = MEMORY["x"]\n\n\ndef broadcast')
     assert "MEMORY" in codegen.essence(reads)
     assert "MEMORY" not in codegen.essence(SOURCE)
     assert '"""' not in codegen.essence(SOURCE)
-
-
-def test_a_function_of_words_alone_still_compiles():
     source = SOURCE.replace("def share", 'def nothing(me):\n    """Do nothing."""\n\n\ndef share')
     assert "pass" in codegen.essence(source)
     compile(codegen.essence(source), "mine", "exec")
+    deep = SOURCE.replace("    return me.x\n", "    return me.x + " + " + ".join(["0.0"] * 600) + "\n")
+    assert codegen.essence(deep) == deep
 
 
 @pytest.mark.parametrize("use", ["network", "moving", "alone", "recorded"])
@@ -181,14 +183,14 @@ def test_what_was_not_compiled_is_told_and_not_called(monkeypatch):
 def test_large_full_networks_hear_everyone_else(robots):
     """Some pass through the cache as a whole, others block by block; both against sums of all but one, by NumPy."""
     (setting,) = settings_of(robots=robots, rounds=3, looks=10, topology="full", accuracy="U(0.6, 0.9)")
-    minds, _, _ = record_trial(setting, SEED, 1)
+    states, _, _ = record_trial(setting, SEED, 1)
     for k in (1, 3):
-        alpha, x_hat = minds["alpha"][k], minds["x_hat"][k]
+        alpha, x_hat = states["alpha"][k], states["x_hat"][k]
         beta = alpha.sum() - alpha
-        assert minds["beta"][k] == pytest.approx(beta, rel=1e-11)
-        assert minds["x_bar"][k] == pytest.approx(((alpha * x_hat).sum() - alpha * x_hat) / beta, rel=1e-11)
+        assert states["beta"][k] == pytest.approx(beta, rel=1e-11)
+        assert states["x_bar"][k] == pytest.approx(((alpha * x_hat).sum() - alpha * x_hat) / beta, rel=1e-11)
     batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
-    assert np.array_equal(batch.final[0], minds["x"][3])
+    assert np.array_equal(batch.final[0], states["x"][3])
 
 
 @pytest.mark.long(but=["return me.x_hat, me.alpha-return me.x"])
@@ -201,19 +203,17 @@ def test_large_full_networks_hear_everyone_else(robots):
         ("abs(slope)", "abs(slope, 1)"),
     ],
 )
-def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, tmp_path, monkeypatch, capsys):
-    """On networks and where robots move, by one line that says who tells more."""
-    monkeypatch.chdir(tmp_path)
+def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, here, capsys):
     assert SOURCE.count(sound) == 1
-    (tmp_path / "mine.py").write_text(SOURCE.replace(sound, broken))
+    (here / "mine.py").write_text(SOURCE.replace(sound, broken))
     for world in ('topology = "ring"', 'topology = "moving"\ndensity = 1.0'):
         ticks = "ticks" if "moving" in world else "rounds"
-        (tmp_path / "s.toml").write_text(
+        (here / "s.toml").write_text(
             f'trials = 1\n[swarm]\nrobots = 3\nbrain = "mine.py"\naccuracy = 0.7\n[world]\n{world}\n'
             f"fill_ratio = 0.5\n[schedule]\n{ticks} = 3\n"
         )
         assert main(["run", "s.toml"]) == 2
-        said = capsys.readouterr().err.strip().splitlines()[-1]
+        said = capsys.readouterr().err.splitlines()[-1]
         assert "brain 'mine.py' fails in trial 0" in said
         assert "cannot be compiled: swarmcensus brains --check mine.py says why, at mine.py, line" in said
 
@@ -285,22 +285,11 @@ def test_closed_streams_change_no_exit_code(closed, small_file, tmp_path):
     assert (tmp_path / "t.csv").stat().st_size > 1000
 
 
-def test_deeply_nested_expression():
-    deep = SOURCE.replace("    return me.x\n", "    return me.x + " + " + ".join(["0.0"] * 600) + "\n")
-    assert codegen.essence(deep) == deep
-
-
 @pytest.mark.long
 def test_where_no_cache_can_be_kept_nothing_is_compiled_beside(tmp_path):
     """It would be compiled twice, and the copy's folder would stay."""
     (tmp_path / "file").write_text("")
-    code = """
-        import warnings
-        warnings.simplefilter("ignore")
-        from swarmcensus.engine import code_cache
-        from swarmcensus.runs import pools
-        print(code_cache.keeps())
-    """
+    code = "from swarmcensus.engine import code_cache; print(code_cache.keeps())"
     for place, said in (("file", "False"), ("folder", "True")):
         done = python(code, env=os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / place)})
         assert done.stdout.split() == [said], done.stderr

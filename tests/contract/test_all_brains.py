@@ -12,14 +12,14 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains import adversary
-from swarmcensus.checks import sample_minds, suite
+from swarmcensus.checks import sample_states, suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.checks.machine_code import agrees
 from tests.support.long import in_two_sizes
-from tests.support.lying import RICH, worn
+from tests.support.lying import RICH, wrapped
 from tests.support.opinions import QUICK, quick
 from tests.support.places import EXAMPLE
-from tests.support.second import ADDS, ALL, LUCKY, WALD, brain
+from tests.support.second import ADDS, ALL, RANDOM, WALD, brain
 
 SHIPPED = brains.shipped()
 OF_EACH_FAMILY = [
@@ -48,7 +48,7 @@ def case(name):
         return brains.load(EXAMPLE / f"{name.removeprefix('example ')}.py")
     if " on " in name:
         liar, by = name.split(" on ")
-        return worn(liar, by=brain(RICH) if by == "rich" else by)
+        return wrapped(liar, by=brain(RICH) if by == "rich" else by)
     if name.endswith(" busy"):
         name = name.removesuffix(" busy")
         return quick(name, debiased=1.0) if name in QUICK else brains.load(name).with_parameters(PARAMETERS[name])
@@ -76,16 +76,16 @@ def faults(used, left_out=()):
 @pytest.mark.interpreted
 @pytest.mark.long(but=[f"{name}-quick" for name in OF_EACH_FAMILY])
 @in_two_sizes(
-    ("accuracies", "long"), ((0.0, 0.75), sample_minds.LONG[:1]), (sample_minds.ACCURACIES, sample_minds.LONG)
+    ("accuracies", "long"), ((0.0, 0.75), sample_states.LONG[:1]), (sample_states.ACCURACIES, sample_states.LONG)
 )
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_brains_keep_their_promises(name, accuracies, long, monkeypatch):
     """Quick runs make fewer kinds of sensors; all of them, and all that the suite makes, where there is time."""
-    monkeypatch.setattr(sample_minds, "ACCURACIES", accuracies)
-    monkeypatch.setattr(sample_minds, "LONG", long)
-    sample_minds.messages.cache_clear()
+    monkeypatch.setattr(sample_states, "ACCURACIES", accuracies)
+    monkeypatch.setattr(sample_states, "LONG", long)
+    sample_states.messages.cache_clear()
     found = list(suite.examine(name, PROMISES))
-    sample_minds.messages.cache_clear()  # those of fewer sensors
+    sample_states.messages.cache_clear()  # those of fewer sensors
     assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
 
 
@@ -131,7 +131,7 @@ def test_machine_code_lives_long_lives_of_cpython(name):
     assert LIVES[name](slow)
 
 
-OWN = {"all": ALL, "adds": ADDS, "wald": WALD, "lucky": LUCKY}
+OWN = {"all": ALL, "adds": ADDS, "wald": WALD, "random": RANDOM}
 LINKS = {
     "edges": [[0, 1], [1, 2], [3, 1]],
     "messages": [[k, k % 4, (k + 1 + k % 2) % 4] for k in range(10)],
@@ -139,7 +139,7 @@ LINKS = {
 }
 
 
-@pytest.mark.long(but=["all-edges", "lucky-messages", "wald-nobody"])
+@pytest.mark.long(but=["all-edges", "random-messages", "wald-nobody"])
 @pytest.mark.parametrize("links", LINKS)
 @pytest.mark.parametrize("name", OWN)
 def test_machine_code_and_cpython_agree_on_recorded_data(name, links):

@@ -149,16 +149,16 @@ def failures(setting: Setting, keys: list[np.ndarray], trial: int) -> Failures:
     return out
 
 
-# ---- minds
+# ---- states
 
 
-class Minds:
-    """The minds of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
+class States:
+    """The states of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
 
     def __init__(self, setting: Setting, seed: int, trial: int, failed: Failures, alone: bool = False) -> None:
         _, _, b, w = (accuracy[0] for accuracy in sampling.accuracies(setting, seed, trial, 1))
         self.setting, self.trial, self.failed = setting, trial, failed
-        self.losses, self.luck = addresses.losses_key(setting, seed), addresses.luck_keys(setting, seed, alone)
+        self.losses, self.draws = addresses.losses_key(setting, seed), addresses.draw_keys(setting, seed, alone)
         self.parts = (3, 4) if alone else (0, 1)
         n = setting.robots
         others = (member.brain_in(setting.brain).with_numbers(setting.brain.numbers) for member in setting.members)
@@ -168,7 +168,7 @@ class Minds:
         single = [brain.numbers.precision == "single" for brain in self.brains]
         self.round = [reference_formats.single if one else float for one in single]
         self.chance = [single_chance if one else chance for one in single]
-        self.minds = [
+        self.states = [
             brain.robot(self.round[i](b), self.round[i](w), float(i)) for i, (brain, b, w) in enumerate(every)
         ]
         self.formats = {brain: reference_formats.Formats(brain, n) for brain in self.brains}
@@ -183,7 +183,7 @@ class Minds:
 
     def call(self, name: str, i: int, *given: object) -> object:
         """A function of robot i's brain."""
-        return getattr(self.brains[i].functions, name)(self.minds[i], *given)
+        return getattr(self.brains[i].functions, name)(self.states[i], *given)
 
     def says(self, i: int) -> object:
         """Its message, or None: a vector as it is now."""
@@ -210,7 +210,7 @@ class Minds:
     def cast(self, i: int, tick: int, part: int) -> None:
         """Give luck for a call of its own: 0 of `observe`, 1 of `fuse`, 2 of `steer`."""
         if self.brains[i].uses.luck:
-            self.minds[i].luck = self.chance[i](robots_word(self.luck[:2], self.trial, tick, i, part))
+            self.states[i].luck = self.chance[i](robots_word(self.draws[:2], self.trial, tick, i, part))
 
     def live(
         self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0, since: int = 0
@@ -219,7 +219,7 @@ class Minds:
 
         Nobody hears what was said before tick `since`.
         """
-        n = len(self.minds)
+        n = len(self.states)
         for i in range(n):
             if not math.isnan(blacks[i]) and works(self.failed.sensing[i], tick) and not self.is_done(i):
                 self.cast(i, tick, self.parts[0])
@@ -236,8 +236,8 @@ class Minds:
                 spoke = works(self.failed.talking[j], before) and self.said[before][j] is not None
                 if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
                     if self.brains[i].uses.luck:
-                        self.minds[i].luck = self.chance[i](
-                            threefry(key_of(self.luck[2:]), (self.trial, tick), (i, j))[0]
+                        self.states[i].luck = self.chance[i](
+                            threefry(key_of(self.draws[2:]), (self.trial, tick), (i, j))[0]
                         )
                     self.heard[i] += 1
                     self.call("receive", i, self.said[before][j])
@@ -252,9 +252,9 @@ class Minds:
 
 def fixed(
     setting: Setting, seed: int, trial: int, failed: Failures, heard: list[list[int]], blacks: np.ndarray
-) -> Minds:
+) -> States:
     """One trial on a fixed network, given how many of each round's readings said black (round, robot)."""
-    minds = Minds(setting, seed, trial, failed)
+    states = States(setting, seed, trial, failed)
     for tick in range(1, setting.rounds + 1):
-        minds.live(tick, blacks[tick].tolist(), setting.observations_per_round, heard, setting.message_delay, 1)
-    return minds
+        states.live(tick, blacks[tick].tolist(), setting.observations_per_round, heard, setting.message_delay, 1)
+    return states

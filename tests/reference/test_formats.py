@@ -42,9 +42,9 @@ def keys_of(numbers):
 def lives_as_the_reference(settings):
     for setting in settings:
         _, estimates, blacks = record_trial(setting, SEED, 0)
-        minds = reference.fixed(setting, SEED, 0, failing(setting, 0), heard_in(setting, 0), blacks)
+        states = reference.fixed(setting, SEED, 0, failing(setting, 0), heard_in(setting, 0), blacks)
         loose = 1e-6 if setting.brain.name in ROUGH else 0.0
-        assert np.abs(estimates - np.array(minds.estimates)).max() <= loose, str(setting)
+        assert np.abs(estimates - np.array(states.estimates)).max() <= loose, str(setting)
 
 
 def test_machine_code_of_number_formats():

@@ -47,13 +47,13 @@ def test_fixed_networks_against_the_reference(case):
     for setting in settings_of(**case):
         for trial in (0, 2):
             history, estimates, blacks = record_trial(setting, SEED, trial)
-            minds = reference.fixed(setting, SEED, trial, failing(setting, trial), heard_in(setting, trial), blacks)
+            states = reference.fixed(setting, SEED, trial, failing(setting, trial), heard_in(setting, trial), blacks)
             if setting.topology.name == "full":
-                assert estimates == pytest.approx(np.array(minds.estimates), abs=1e-12)
+                assert estimates == pytest.approx(np.array(states.estimates), abs=1e-12)
             else:
-                assert (estimates == np.array(minds.estimates)).all()
+                assert (estimates == np.array(states.estimates)).all()
             for name in setting.brain.memory:
-                assert history[name][-1] == pytest.approx([getattr(me, name) for me in minds.minds], rel=1e-9)
+                assert history[name][-1] == pytest.approx([getattr(me, name) for me in states.states], rel=1e-9)
 
 
 @pytest.mark.parametrize("looks", [1, 3, 17])
@@ -181,7 +181,7 @@ def test_length_of_segments():
 
 
 def test_batches_of_long_trials_keep_as_little_as_they_say(monkeypatch):
-    """Room for estimates is reckoned from robots, rounds, the size of a mind, and the readings that make up a round."""
+    """Memory for estimates is reckoned from robots, rounds, the size of a state, and the readings of a round."""
     asked = []
     monkeypatch.setattr(trials, "segment_length", lambda *sizes: asked.append(sizes) or 3)
     (setting,) = settings_of(robots=2, rounds=3, looks=4)

@@ -1,4 +1,4 @@
-"""Swarms that use all of the contract's second edition live the life of the reference, in every kind of world."""
+"""Swarms that use all of the contract's optional functions live the life of the reference, in every kind of world."""
 
 import numpy as np
 import pytest
@@ -55,10 +55,10 @@ RIDES = {
 MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
 
 
-def check(setting, trial, minds, fields, estimates, batch, close):
-    """What a trial shows and what a batch counts is what the reference's minds have come to."""
-    assert estimates == pytest.approx(np.array(minds.estimates), rel=close, abs=close)
-    for i, (own, me) in enumerate(zip(minds.brains, minds.minds, strict=True)):
+def check(setting, trial, states, fields, estimates, batch, close):
+    """What a trial shows and what a batch counts is what the reference's states have come to."""
+    assert estimates == pytest.approx(np.array(states.estimates), rel=close, abs=close)
+    for i, (own, me) in enumerate(zip(states.brains, states.states, strict=True)):
         for name in own.memory:
             here = fields[name][-1, i]
             if here.ndim:  # longer, where another brain's is
@@ -66,10 +66,10 @@ def check(setting, trial, minds, fields, estimates, batch, close):
                 here = here[: own.lengths[name]]
             assert here == pytest.approx(getattr(me, name), rel=1e-9, abs=close)
     honest = np.array([not setting.members or k == 0 for k in sampling.groups(setting, SEED, trial, 1)[0]])
-    assert batch.counts[0, SENT].tolist() == np.array(minds.sent)[honest].tolist()
-    assert batch.counts[0, HEARD].tolist() == np.array(minds.heard)[honest].tolist()
-    decisions, done = np.array(minds.decisions), np.array(minds.done)
-    own, curves = decisions[:, honest], np.array(minds.estimates)[:, honest]
+    assert batch.counts[0, SENT].tolist() == np.array(states.sent)[honest].tolist()
+    assert batch.counts[0, HEARD].tolist() == np.array(states.heard)[honest].tolist()
+    decisions, done = np.array(states.decisions), np.array(states.done)
+    own, curves = decisions[:, honest], np.array(states.estimates)[:, honest]
     before = np.vstack([np.full(own.shape[1], -1.0), own])
     told = batch.verdicts[0]
     assert told[:, DECISION].tolist() == own[-1].tolist()
@@ -84,7 +84,7 @@ def check(setting, trial, minds, fields, estimates, batch, close):
     assert tuple(batch.consensus[0, :2]) == agreed(own)
     assert (fields["decided"][1:] == decisions).all()
     assert (fields["is_done"][1:] == done).all()
-    ends = np.array(minds.intervals)
+    ends = np.array(states.intervals)
     for name, due in zip(("interval_low", "interval_high"), np.moveaxis(ends, -1, 0), strict=True):
         assert fields[name] == pytest.approx(due, rel=close, abs=close, nan_ok=True)
     low, high = np.moveaxis(ends[list(MEASURE.checkpoints)][:, honest], -1, 0)
@@ -103,10 +103,10 @@ def test_on_fixed_networks(name):
     source, case = CASES[name]
     for setting in fixed(brain(source), **case):
         fields, estimates, blacks = record_trial(setting, SEED, 1)
-        minds = reference.fixed(setting, SEED, 1, failing(setting, 1), heard_in(setting, 1), blacks)
+        states = reference.fixed(setting, SEED, 1, failing(setting, 1), heard_in(setting, 1), blacks)
         batch = run_batch(setting, SEED, 1, 1, MEASURE, GO)
         reordered = setting.topology.name == "full" and setting.additive
-        check(setting, 1, minds, fields, estimates, batch, 1e-12 if reordered else 0.0)
+        check(setting, 1, states, fields, estimates, batch, 1e-12 if reordered else 0.0)
 
 
 @pytest.mark.long(only=["all, steering", "all, steering, passing"])
@@ -121,7 +121,7 @@ def test_on_the_move(name):
         made[ride.fields["is_done"][:-1] == 1.0] = np.nan
         assert not (ride.looked[1:] & (ride.fields["is_done"][:-1] == 1.0)).any()
     assert np.array(ride.readings[1:]) == pytest.approx(made, nan_ok=True)
-    check(setting, 1, life.minds, ride.fields, ride.estimates, batch, 0.0)
+    check(setting, 1, life.states, ride.fields, ride.estimates, batch, 0.0)
 
 
 @pytest.mark.parametrize("source", [ALL, ADDS], ids=["all", "adds"])

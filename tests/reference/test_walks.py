@@ -1,4 +1,4 @@
-"""Small swarms that move against the reference: their bodies, then their minds."""
+"""Small swarms that move against the reference: their bodies, then their states."""
 
 import math
 from itertools import pairwise
@@ -97,7 +97,7 @@ def test_neighbour_lists_are_renewed_in_time(forth, strayed):
             assert called(have_strayed)(state, anchors, 0.4) == strayed
 
 
-# ---- minds
+# ---- states
 
 
 MOVES = [

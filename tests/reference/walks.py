@@ -13,7 +13,7 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.bodies import Body
 from tests.reference.rounds import (
     Failures,
-    Minds,
+    States,
     accuracy_in,
     fill_ratio_in,
     key_of,
@@ -198,8 +198,10 @@ def step(
     )
 
 
-def wish(me: object, steer: Callable[[object], tuple[float, float] | None], body: Body) -> tuple[float, float] | None:
-    """What a mind wants, as metres and radians a tick that its wheels can do."""
+def command(
+    me: object, steer: Callable[[object], tuple[float, float] | None], body: Body
+) -> tuple[float, float] | None:
+    """What a state wants, as metres and radians a tick that its wheels can do."""
     wanted = steer(me)
     if wanted is None:
         return None
@@ -217,7 +219,7 @@ class Life:
     colours: list[list[bool]]
     readings: list[list[float]]
     estimates: list[list[float]]
-    minds: Minds
+    states: States
 
 
 def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
@@ -233,9 +235,9 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
     )
     b, w = (np.broadcast_to(side_of[0], n) for side_of in sampling.accuracies(setting, seed, trial, 1)[:2])
     who = sampling.groups(setting, seed, trial, 1)[0] if setting.members else [0] * n
-    swarm, minds = placed(n, side, body, walk, trial), Minds(setting, seed, trial, failed)
+    swarm, states = placed(n, side, body, walk, trial), States(setting, seed, trial, failed)
     begin = [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
-    out = Life(begin, [], [], [], minds.estimates, minds)
+    out = Life(begin, [], [], [], states.estimates, states)
     wants: list[tuple[float, float] | None] = [None] * n
     for tick in range(1, setting.rounds + 1):
         now = step(swarm, side, body, walk, trial, tick, failed.moving, wants)
@@ -247,11 +249,11 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
             )
             able = now.looked[i] and works(failed.sensing[i], tick)
             read.append(float(black[i] == right) if able else math.nan)
-        minds.live(tick, read, 1, now.heard, body.message_delay)
+        states.live(tick, read, 1, now.heard, body.message_delay)
         if setting.brain.steers:
             for i in range(n):
-                minds.cast(i, tick, 2)
-            wants = [wish(me, setting.brain.functions.steer, body) for me in minds.minds]
+                states.cast(i, tick, 2)
+            wants = [command(me, setting.brain.functions.steer, body) for me in states.states]
         out.ticks.append(now)
         out.colours.append(black)
         out.readings.append(read)

@@ -93,8 +93,8 @@ def test_the_weighted_voter_copies_dancers_by_their_number():
         me.luck = 0.5
         used.functions.fuse(me)
         me.steps = 0.0
-        for message, luck in zip(said, lots, strict=True):
-            me.luck = float(luck)
+        for message, draws in zip(said, lots, strict=True):
+            me.luck = float(draws)
             used.functions.receive(me, message)
         used.functions.fuse(me)
         assert me.site in {2.0, 7.0}

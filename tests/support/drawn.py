@@ -47,7 +47,7 @@ def _tables(rng, brain, liars, longest):
     robots = 300 if chance(0.05) else whole(1, 9)
     rounds = one([1, 1, 1, 2, 3, whole(4, 60), whole(4, 60), whole(61, longest)]) if robots < 300 else one([1, 2])
     sensors = one(ACCURACIES) if chance(0.7) else [0.6, 0.8]  # two settings, of which one walk carries both
-    swarm = {"robots": robots, "brain": _worn(rng, brain), "accuracy": sensors}
+    swarm = {"robots": robots, "brain": _wrapped(rng, brain), "accuracy": sensors}
     if chance(0.2):
         swarm["assumed_accuracy"] = one(BELIEFS)
     fill = one(FILLS)
@@ -86,7 +86,7 @@ def _tables(rng, brain, liars, longest):
     }  # fmt: skip
 
 
-def _worn(rng, name):
+def _wrapped(rng, name):
     """A brain as a study names it, half of the time with other parameters, some that it was not made for."""
     known = {key: value for key, value in brains.load(name).parameters.items() if isinstance(value, float)}
     if not known or rng.random() < 0.5:

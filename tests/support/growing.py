@@ -5,7 +5,7 @@ import json
 ROUNDS = 40
 
 
-class Day:
+class Recording:
     """A copy of a day whose logs grow as a test wants."""
 
     def __init__(self, whole, folder):

@@ -17,13 +17,13 @@ MEASURE = Metrics(0.02, 10, (2, 8))
 def lived(setting, trial=1):
     """A trial in the engine and by brute force: estimates, and messages sent and heard of the honest."""
     _, estimates, blacks = record_trial(setting, SEED, trial)
-    minds = reference.fixed(setting, SEED, trial, failing(setting, trial), heard_in(setting, trial), blacks)
+    states = reference.fixed(setting, SEED, trial, failing(setting, trial), heard_in(setting, trial), blacks)
     batch = run_batch(setting, SEED, trial, 1, MEASURE, GO)
     honest = sampling.groups(setting, SEED, trial, 1)[0] == 0
-    assert estimates == pytest.approx(np.array(minds.estimates), abs=1e-12)
-    assert batch.final[0] == pytest.approx(np.array(minds.estimates[-1])[honest], abs=1e-12)
-    assert batch.counts[0, SENT].tolist() == np.array(minds.sent)[honest].tolist()
-    assert batch.counts[0, HEARD].tolist() == np.array(minds.heard)[honest].tolist()
+    assert estimates == pytest.approx(np.array(states.estimates), abs=1e-12)
+    assert batch.final[0] == pytest.approx(np.array(states.estimates[-1])[honest], abs=1e-12)
+    assert batch.counts[0, SENT].tolist() == np.array(states.sent)[honest].tolist()
+    assert batch.counts[0, HEARD].tolist() == np.array(states.heard)[honest].tolist()
     return batch, honest
 
 
@@ -34,7 +34,7 @@ def local_curves(setting, trial):
     for i, spells in enumerate(failed.sensing):
         for since, until in spells:
             readings[(since - 1) * looks : (until - 1) * looks, i] = np.nan
-    lone = reference.Minds(setting, SEED, trial, reference.failures(replace(setting, faults=()), [], trial), True)
+    lone = reference.States(setting, SEED, trial, reference.failures(replace(setting, faults=()), [], trial), True)
     for step, row in enumerate(readings, start=1):
         lone.live(step, row.tolist(), 1, [[] for _ in row])
     return np.array(lone.estimates)

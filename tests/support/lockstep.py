@@ -3,7 +3,7 @@
 import numpy as np
 
 from swarmcensus.brains.single import rounded_to_single
-from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE
+from swarmcensus.engine.constants import DRAW_FUSE, DRAW_OBSERVE
 from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.simulation import sampling
@@ -46,7 +46,7 @@ class Swarm:
         self.waits = waits  # ms from their start to the common beginning, after which each has a phase of its own
         folder.mkdir(exist_ok=True)
         self.links = reference.hearers(setting, None, trial)
-        self.keys = addresses.losses_key(setting, seed), addresses.luck_keys(setting, seed)
+        self.keys = addresses.losses_key(setting, seed), addresses.draw_keys(setting, seed)
         _, _, self.b, self.w = (
             np.broadcast_to(side[0], setting.robots) for side in sampling.accuracies(setting, seed, trial, 1)
         )
@@ -115,7 +115,7 @@ class Swarm:
             robot, body = self.robots[i], self.bodies[i]
             looks = [bool(x) for x in self.readings[self.tick - 1, :, i] if not np.isnan(x)]
             body.looks, body.sent = list(looks), None
-            self.lots[i][:] = self._own(i, LUCK_OBSERVE)
+            self.lots[i][:] = self._own(i, DRAW_OBSERVE)
             robot.speak()
             if robot.log.read[1] and self.lies(i, self.tick):
                 blacks, count = robot.log.read
@@ -130,7 +130,7 @@ class Swarm:
                     robot._hear()
         for i in alive:
             robot = self.robots[i]
-            self.lots[i][:] = self._own(i, LUCK_FUSE)
+            self.lots[i][:] = self._own(i, DRAW_FUSE)
             robot.think()
             robot.log.tick(robot, robot.clock())
             if robot.every and robot.ticks % robot.every == 0:

@@ -77,7 +77,7 @@ def adversary_of(source, name="liar.py"):
     return adversary.parse(source, name, Path(name))
 
 
-def worn(name, by="minimalistic", **parameters):
+def wrapped(name, by="minimalistic", **parameters):
     """The brain of a shipped adversary and a brain."""
     used = brains.load(by) if isinstance(by, str) else by
     return brains.lying_brain(adversary.load(name).with_parameters(parameters), used)
@@ -116,7 +116,7 @@ def liars(name, robots=2, **parameters):
 
 
 def robot(used, blacks, looks, b=0.9, w=0.8):
-    """A mind that has made these readings."""
+    """A state that has made these readings."""
     me = used.robot(b, w, 3.0)
     used.functions.observe(me, float(blacks), float(looks))
     return me

@@ -29,26 +29,26 @@ known = functools.cache(lambda name, parameters: quick(name, **dict(parameters))
 
 
 def robot(name, number=0, b=1.0, w=1.0, **parameters):
-    """A mind before the first round, and its functions."""
+    """A state before the first round, and its functions."""
     brain = known(name, tuple(parameters.items()))
     return brain.robot(b, w, float(number)), brain.functions
 
 
-def rounds(me, rule, heard=(), luck=0.5, count=1, blacks=1.0, looks=1.0):
+def rounds(me, rule, heard=(), draws=0.5, count=1, blacks=1.0, looks=1.0):
     """Some rounds, in each of which it makes readings and hears all of these messages."""
     for _ in range(count):
-        me.luck = luck
+        me.luck = draws
         if looks:
             rule.observe(me, blacks, looks)
         for message in heard:
-            me.luck = luck
+            me.luck = draws
             rule.receive(me, message)
-        me.luck = luck
+        me.luck = draws
         rule.fuse(me)
 
 
 def telling(name, number=0, **parameters):
-    """A mind in the last round of telling: what it hears now, it decides by."""
+    """A state in the last round of telling: what it hears now, it decides by."""
     me, rule = robot(name, number, **parameters)
     rounds(me, rule)
     me.left = 1.0

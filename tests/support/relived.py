@@ -26,10 +26,10 @@ def logged(folder, brain="commons", more=(), **given):
     return study, setting, swarm
 
 
-def estimates_of(day, result, rounds):
+def estimates_of(recording, result, rounds):
     """Estimates (round, robot) of days without restarts."""
-    out = np.full((rounds + 1, len(day.members)), np.nan)
-    for column, member in enumerate(day.members):
+    out = np.full((rounds + 1, len(recording.members)), np.nan)
+    for column, member in enumerate(recording.members):
         for at, value in result.estimates[member.number].items():
             block = member.log.blocks[at]
             out[block.tick, column] = value

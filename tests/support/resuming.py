@@ -30,6 +30,8 @@ ticks  = 200
 checkpoints = [10, 60]
 local       = false
 """
+# fixed networks alone: quicker, and some things are of them alone
+FIXED = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
 
 
 def study(text=STUDY, **changes):

@@ -1,4 +1,4 @@
-"""Brains that use the contract's second edition, and small swarms of them."""
+"""Brains that use the contract's optional functions, and small swarms of them."""
 
 from pathlib import Path
 
@@ -260,7 +260,7 @@ def first(values, holds):
     return np.where(found.any(axis=0), found.argmax(axis=0) + 1.0, np.inf)
 
 
-LUCKY = changed(
+RANDOM = changed(
     ("MEMORY = {", 'MEMORY = {"seen": 0.0, "heard": 0.0, "fused": 0.0, '),
     ("me.n += blacks", "me.n += blacks\n    me.seen = me.luck"),
     ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.heard = me.luck"),

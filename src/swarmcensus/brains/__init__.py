@@ -1,7 +1,7 @@
 """Brain, adversary and metric files: found, checked against a contract, loaded, hashed; `library` has shipped brains.
 
 In: a file, or the name of a shipped one or of one of another package.
-Out: a Brain: its functions, memory, message, parameters and source; also for an adversary with a brain that it wears.
+Out: a Brain: its functions, memory, message, parameters and source; also for an adversary with a brain that it wraps.
 Must not know: how brains are compiled, worlds, studies.
 """
 

@@ -13,7 +13,7 @@ from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 from swarmcensus.support import safe_source
-from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.plugins import Plugins
 
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
@@ -21,14 +21,14 @@ FUNCTIONS = {"lie": 2}
 MAY_HAVE = {"boast": 2, "forge": 2, "hear": 2, "plot": 1, "jam": 1}
 SAYS = "say_"  # a function of this name and a field of a message returns what is said in that field
 READ_ONLY = ("lie", "boast", "forge", "jam")  # these only return values; so do those of SAYS
-LUCKY = ("hear", "plot")  # functions with new luck at each call
+RANDOM = ("hear", "plot")  # functions with a new random number at each call
 OF_THE_BRAIN = ("MESSAGE", "SUMS", "OPTIONS", "ROLES", "OPINION")
 
 
 class Lies(NamedTuple):
     """What an adversary file declares, and which optional functions it has."""
 
-    memory: dict[str, Value]  # its own fields; the brain that it wears has others
+    memory: dict[str, Value]  # its own fields; the brain that it wraps has others
     parameters: dict[str, Value]
     functions: frozenset[str]  # those of MAY_HAVE and of SAYS that the file has
     knows: tuple[str, ...]  # fields of the brain that it reads
@@ -97,12 +97,8 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
     if name in brains.shipped or not exists(name, base):
         return
     if ((base or Path()) / name).is_file() or name not in brains:
-        raise BrainError(
-            f"brain {name!r}: that is an adversary, which wears the brain of its swarm: name it under [[members]], "
-            "with honest = false",
-            key="brain",
-            value=name,
-        )
+        wraps = "that is an adversary, which wraps the brain of its swarm"
+        raise BrainError.named("brain", name, f"{wraps}: name it under [[members]], with honest = false")
 
 
 def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
@@ -110,9 +106,9 @@ def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
     try:
         return tree, _contents(tree, constants)
     except syntax.BrokenContract as error:
-        raise InputError(f"adversary file {path}, line {error.line}: {error}") from None
+        raise BrainError.of(path, error, where=f"adversary file {path}, line {error.line}") from None
     except ValueError as error:
-        raise InputError(f"adversary file {path}: {error}") from None
+        raise BrainError.within(f"adversary file {path}", error) from None
 
 
 def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
@@ -120,7 +116,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     for name in (*OF_BRAINS, *OF_THE_BRAIN):
         require(
             name not in functions and name not in constants,
-            f"{name} belongs to the brain that the adversary wears: leave it out",
+            f"{name} belongs to the brain that the adversary wraps: leave it out",
         )
     says = dict.fromkeys((name for name in functions if name.startswith(SAYS)), 2)
     optional = functions_in(tree, constants, FUNCTIONS, MAY_HAVE | says)
@@ -138,7 +134,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     robot_syntax.check(tree)
     syntax.check_returns(functions, (*READ_ONLY, *says))
     own, given = ({name: length(value) for name, value in table.items()} for table in (memory, parameters))
-    syntax.check(tree, own, given, (), "lie", (*READ_ONLY, *says), LUCKY, knows)
+    syntax.check(tree, own, given, (), "lie", (*READ_ONLY, *says), RANDOM, knows)
     return Lies(memory, parameters, optional, knows)
 
 

@@ -1,4 +1,4 @@
-"""The source of a lying brain: an adversary and the brain that it wears, merged into one readable brain file.
+"""The source of a lying brain: an adversary and the brain that it wraps, merged into one readable brain file.
 
 The robot observes, receives and fuses as the brain does; the adversary alters its messages according to the meaning of
 their fields.
@@ -22,7 +22,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.safe_source import names_set_by
 
-REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are written anew or left out
+REPLACED = ("MEMORY", "PARAMETERS", "SUMS", "KNOWS")  # constants of both files that are rewritten or left out
 ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it
 VALUES = ("estimate", "opinion", "option", "belief", "information")  # roles that an adversary can lie about
 SPARE = 1e-6  # the weight of a belief's other bins; from a weight of 0, a belief could never recover
@@ -86,7 +86,7 @@ def _lying_brain(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
 @functools.lru_cache(maxsize=256)
 def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     if brain.is_oracle:
-        raise ValueError(f"brain {brain.name!r}: an oracle hears no liars, so no adversary can wear it")
+        raise ValueError(f"brain {brain.name!r}: an oracle hears no liars, so no adversary can wrap it")
     fields = [Field(name, brain.roles.get(name, ""), items) for name, items in brain.message.items()]
     if not any(field.role in VALUES for field in fields):
         raise ValueError(
@@ -94,7 +94,7 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
             f"({', '.join(brain.message)}), and none is known to be one of {', '.join(VALUES)}: name a role in ROLES"
         )
     # as in the command line and in messages
-    path = Path(f"{adversary.path} --wearing {brain.path}")
+    path = Path(f"{adversary.path} --wrapping {brain.path}")
     try:
         _check_fit(adversary, brain)
         source = source_of(adversary, brain, fields)
@@ -106,7 +106,7 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
         reason = str(error)
     except RecursionError:
         reason = "its brackets or operators are nested too deep"
-    raise ValueError(f"the adversary {adversary.name!r} cannot wear the brain {brain.name!r}: {reason}")
+    raise ValueError(f"the adversary {adversary.name!r} cannot wrap the brain {brain.name!r}: {reason}")
 
 
 def _check_fit(adversary: Adversary, brain: Brain) -> None:
@@ -137,7 +137,7 @@ def _unknown(adversary: Adversary, brain: Brain) -> list[str]:
 
 
 def _speaks(brain: Brain) -> bool:
-    """Whether it may send messages: who wears a brain that does not says nothing, whatever it knows."""
+    """Whether it may send messages: who wraps a brain that does not says nothing, whatever it knows."""
     return not never_speaks(ast.parse(brain.source))
 
 
@@ -274,8 +274,8 @@ def _altered_message(
     return before, parts
 
 
-# the low bits of luck, which are independent of the high bits that the brain uses
-OWN_LUCK = "me.luck * 1048576.0 % 1.0"
+# the low bits of me.luck, which are independent of the high bits that the brain uses
+OWN_DRAW = "me.luck * 1048576.0 % 1.0"
 
 
 def free_prefix(prefix: str, sources: Iterable[str]) -> str:
@@ -324,7 +324,7 @@ class Renamer(ast.NodeTransformer):
 def fields_of_liar(own: str, fields: Collection[str]) -> dict[str, ast.expr]:
     """The new names of the fields of an adversary's record."""
     names: dict[str, ast.expr] = {name: ast.Attribute(_name("me"), own + name, ast.Load()) for name in fields}
-    return names | {"luck": ast.parse(OWN_LUCK, mode="eval").body}
+    return names | {"luck": ast.parse(OWN_DRAW, mode="eval").body}
 
 
 def renamed(

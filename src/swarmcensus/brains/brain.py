@@ -100,7 +100,7 @@ class Brain(Program):
 
     @property
     def uses(self) -> Uses:
-        """Which parts of the contract's second edition it uses."""
+        """Which optional parts of the contract it uses."""
         return self.contents.uses
 
     @property
@@ -161,19 +161,19 @@ class Brain(Program):
         return type("Robot", (), {"__slots__": (*self.memory, *self.parameters, *extras, *BELIEFS)})
 
     def robot(self, b: float, w: float, name: float = 0.0) -> Any:
-        """A blank mind for CPython: it has the fields of MEMORY, the parameters and what is given, and no others."""
-        mind = self._robot()
+        """A blank state for CPython: it has the fields of MEMORY, the parameters and what is given, and no others."""
+        state = self._robot()
         for key, value in self.memory.items():
-            setattr(mind, key, Vector(value) if isinstance(value, tuple) else value)
+            setattr(state, key, Vector(value) if isinstance(value, tuple) else value)
         for key, given in self.parameters.items():
             value = _rounded(given) if self.numbers.precision == "single" else given
-            setattr(mind, key, Fixed(value) if isinstance(value, tuple) else value)
+            setattr(state, key, Fixed(value) if isinstance(value, tuple) else value)
         if self.uses.luck:
-            mind.luck = 0.5
+            state.luck = 0.5
         if self.uses.name:
-            mind.name = name
-        mind.b, mind.w = b, w
-        return mind
+            state.name = name
+        state.b, state.w = b, w
+        return state
 
 
 def _rounded(value: Value) -> Value:

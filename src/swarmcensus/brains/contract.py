@@ -10,7 +10,7 @@ from swarmcensus.brains import robot_math, robot_syntax, syntax
 from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.syntax import BELIEFS
 from swarmcensus.support import safe_source
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError
 
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
 CONSTANTS = ("MEMORY", "MESSAGE", "PARAMETERS", "OPTIONS", "ORACLE", "ROLES", "OPINION", "SUMS")
@@ -49,9 +49,9 @@ def read_contents(tree: ast.Module, constants: Mapping[str, Any], path: Path) ->
     try:
         return _contents(tree, constants)
     except syntax.BrokenContract as error:
-        raise InputError(f"brain file {path}, line {error.line}: {error}") from None
+        raise BrainError.of(path, error, where=f"brain file {path}, line {error.line}") from None
     except ValueError as error:
-        raise InputError(f"brain file {path}: {error}") from None
+        raise BrainError.within(f"brain file {path}", error) from None
 
 
 def require(holds: bool, what: str) -> None:

@@ -8,22 +8,22 @@ from swarmcensus.support.hints import did_you_mean
 
 BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes
 GIVEN_ON_ASKING = ("luck", "name")  # fields of `me` that exist if a brain reads them
-LUCKY = ("observe", "receive", "fuse", "steer")  # functions with new luck at each call
+RANDOM = ("observe", "receive", "fuse", "steer")  # functions with a new random number at each call
 READ_ONLY = ("broadcast", "estimate", "decide", "done", "interval", "jam")  # these only return values
 INTERVAL = "two numbers, 0 <= low <= high <= 1, are right, or (0.0, 1.0) if nothing is known"
 
 
 class Uses(NamedTuple):
-    """Which parts of the contract's second edition a brain uses."""
+    """Which optional parts of the contract a brain uses."""
 
-    lucky: frozenset[str]  # the functions that read me.luck, directly or in a helper
+    random: frozenset[str]  # the functions that read me.luck, directly or in a helper
     name: bool
     silence: bool  # `broadcast` may return None
 
     @property
     def luck(self) -> bool:
-        """Whether any function reads luck."""
-        return bool(self.lucky)
+        """Whether any function reads me.luck."""
+        return bool(self.random)
 
 
 class BrokenContract(Exception):
@@ -39,9 +39,9 @@ def uses(tree: ast.Module, own: Collection[str]) -> Uses:
     """What a brain uses; `own` are the fields that it declares."""
     functions = functions_of(tree)
     broadcasts = [functions[name] for name in called_by("broadcast", functions)]
-    lucky = [name for name in LUCKY if "luck" not in own and _reads("luck", called_by(name, functions), functions)]
+    random = [name for name in RANDOM if "luck" not in own and _reads("luck", called_by(name, functions), functions)]
     named = "name" not in own and bool(_reads("name", functions, functions))
-    return Uses(frozenset(lucky), named, any(map(may_be_none, broadcasts)))
+    return Uses(frozenset(random), named, any(map(may_be_none, broadcasts)))
 
 
 def check(
@@ -51,13 +51,14 @@ def check(
     sums: Collection[str],
     first: str = "observe",
     read_only: Collection[str] = READ_ONLY,
-    lucky: Sequence[str] = LUCKY,
+    random: Sequence[str] = RANDOM,
     knows: Collection[str] | None = None,
 ) -> None:
     """Check how a source uses its record; `memory` and `parameters` are fields and lengths. Raises BrokenContract.
 
     The record is the first argument of the function `first`. The functions `read_only` only return values; those that
-    are `lucky` have new luck at each call. `knows` are further numbers that an adversary reads; None for a brain.
+    are `random` have a new random number at each call. `knows` are further numbers that an adversary reads; None for a
+    brain.
     """
     given = {name for name in GIVEN_ON_ASKING if name not in memory and name not in parameters} | {*(knows or ())}
     known = [*memory, *parameters, *BELIEFS, *given]
@@ -87,7 +88,7 @@ def check(
             elif _is_attribute(node) and isinstance(node.ctx, ast.Store | ast.Del):  # type: ignore[attr-defined]
                 _check_set(node, function.name, own_vectors, parameters, given)
     if "luck" in given:
-        _check_luck(tree, read_only, lucky)
+        _check_draws(tree, read_only, random)
     for name in given if sums else ():
         _check_sums(tree, name)
 
@@ -181,13 +182,13 @@ def _check_set(
         raise BrokenContract(f"{function} sets me.{node.attr}, a vector: its items are set one by one", node.lineno)
 
 
-def _check_luck(tree: ast.Module, read_only: Collection[str], lucky: Sequence[str]) -> None:
+def _check_draws(tree: ast.Module, read_only: Collection[str], random: Sequence[str]) -> None:
     functions = functions_of(tree)
     for name in read_only:
         readers = _reads("luck", called_by(name, functions), functions)
         if readers:
             through = f" in {readers[0]}" if readers[0] != name else ""
-            what = f"{name} reads me.luck{through}, which is new only in {', '.join(lucky[:-1])} and {lucky[-1]}"
+            what = f"{name} reads me.luck{through}, which is new only in {', '.join(random[:-1])} and {random[-1]}"
             raise BrokenContract(what, functions[readers[0]].lineno)
 
 

@@ -37,18 +37,18 @@ class Conformance:
         return str(self)
 
 
-def check(brain: str | Path, *, wearing: str = "", single: bool = False) -> Conformance:
+def check(brain: str | Path, *, wrapping: str = "", single: bool = False) -> Conformance:
     """Check a brain or an adversary, a name or a file, against the contract, as `swarmcensus brains --check` does.
 
-    An adversary is worn by the brain `wearing`, by default the paper's. With `single`, a brain that conforms also lives
+    An adversary wraps the brain `wrapping`, by default the paper's. With `single`, a brain that conforms also runs for
     a day in single precision. The file is compiled and run in a process of its own, which takes up to a minute. Its
-    faults are returned, not raised; raises InputError if there is no such file, and if `wearing` cannot be worn.
+    faults are returned, not raised; raises InputError if there is no such file, and if `wrapping` cannot be wrapped.
     """
-    if wearing:
-        find(wearing)  # so that a misspelt name is not reported as an error of the adversary
+    if wrapping:
+        find(wrapping)  # so that a misspelt name is not reported as an error of the adversary
     if not (str(brain) in PLUGINS or exists(str(brain), None) or Path(brain).exists()):
-        suite.brain_to_check(brain, wearing)  # raises the right error
-    found = Conformance(str(brain), suite.check(brain, wearing=wearing), suite.notes(brain, wearing))
+        suite.brain_to_check(brain, wrapping)  # raises the right error
+    found = Conformance(str(brain), suite.check(brain, wrapping=wrapping), suite.notes(brain, wrapping))
     if not (single and found.conforms):
         return found
-    return Conformance(found.name, found.checks, found.notes, suite.single_life(brain, wearing))
+    return Conformance(found.name, found.checks, found.notes, suite.single_life(brain, wrapping))

@@ -21,21 +21,21 @@ def machine_code(module: types.ModuleType) -> dict[str, Any]:
     return space
 
 
-def blank_mind(brain: Brain, b: float, w: float, name: float = 0.0) -> np.ndarray:
-    """One blank mind as a record, shape (1,)."""
-    mind = np.zeros(1, record_fields(brain))
+def blank_state(brain: Brain, b: float, w: float, name: float = 0.0) -> np.ndarray:
+    """One blank state as a record, shape (1,)."""
+    state = np.zeros(1, record_fields(brain))
     for field, value in (brain.memory | brain.parameters | {"b": b, "w": w}).items():
-        mind[field] = value
+        state[field] = value
     if brain.uses.name:
-        mind["name"] = name
-    return mind
+        state["name"] = name
+    return state
 
 
 def exchange(brain: Brain, space: dict[str, Any], times: int = 1) -> tuple[Any, Any]:
-    """`hear(me)`, in which a mind hears so many times what it says, and `lucky(me, x)`, which sets its luck."""
+    """`hear(me)`: a robot hears so many times what it says; and `draw(me, x)`, which sets its random number."""
     made: dict[str, Any] = {name: space[name] for name in ("broadcast", "receive")} | {"spoken": spoken}
     exec(_source(brain, times), made)
-    return numba.njit(made["hear"]), numba.njit(made["lucky"])
+    return numba.njit(made["hear"]), numba.njit(made["draw"])
 
 
 def _rounded(x: Any) -> Any:
@@ -54,5 +54,5 @@ def _source(brain: Brain, times: int) -> str:
         names = [f"number_{start + j}" for j, _ in enumerate(copies)]
         heard.append(f"({''.join(f'{name}, ' for name in names)})" if long else names[0])
     lines += [f"receive(me, ({''.join(f'{part}, ' for part in heard)}))"] * times
-    luck = "me.luck = x" if brain.uses.luck else "pass"
-    return "\n    ".join(["def hear(me):", *lines]) + f"\n\n\ndef lucky(me, x):\n    {luck}\n"
+    draws = "me.luck = x" if brain.uses.luck else "pass"
+    return "\n    ".join(["def hear(me):", *lines]) + f"\n\n\ndef draw(me, x):\n    {draws}\n"

@@ -11,21 +11,21 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains import FUNCTIONS, Brain, Vector
-from swarmcensus.checks.contract_checks import is_wish
-from swarmcensus.checks.sample_minds import ACCURACIES, SEED, Fault
+from swarmcensus.checks.contract_checks import is_command
+from swarmcensus.checks.sample_states import ACCURACIES, SEED, Violation
 from swarmcensus.engine import INSIDE, codegen, compiler, interruptible
-from swarmcensus.engine.constants import LUCK_STEER
+from swarmcensus.engine.constants import DRAW_STEER
 from swarmcensus.simulation import infer, oracle, swarm
 from swarmcensus.support.errors import without_colours
 from swarmcensus.worlds import Body
 
 CLOSE = 1e-12  # relative: compiled exp and log may differ from CPython's in the last digit
 EVERY = 5  # readings per round
-LUCK = np.arange(1, 5, dtype=np.uint64)  # two keys
+KEYS = np.arange(1, 5, dtype=np.uint64)  # two keys
 
 
 def compiles(brain: Brain) -> None:
-    """Compile all that `agrees` runs, without running it. Raises Fault."""
+    """Compile all that `agrees` runs, without running it. Raises Violation."""
     uses = ("recorded", "moving") if brain.steers else ("recorded",)
     try:
         try:
@@ -41,7 +41,7 @@ def compiles(brain: Brain) -> None:
         message_lines = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
         where = [line for line in lines if line.startswith("File") and "brain.py" in line]
         line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""
-        raise Fault(f"Numba cannot compile it{line}: {' '.join(message_lines[:2]) or error}") from error
+        raise Violation(f"Numba cannot compile it{line}: {' '.join(message_lines[:2]) or error}") from error
 
 
 def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -55,7 +55,7 @@ def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def agrees(brain: Brain) -> None:
-    """Run a random history in CPython and in machine code; both must agree. Raises Fault."""
+    """Run a random history in CPython and in machine code; both must agree. Raises Violation."""
     b, w, readings, ring = history()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind on purpose
@@ -67,53 +67,53 @@ def agrees(brain: Brain) -> None:
         if far.any():
             k, i, *item = np.argwhere(far)[0]
             place = "".join(f"[{index}]" for index in item)
-            raise Fault(
+            raise Violation(
                 f"compiled, {name}{place} is {x[k, i, *item]!r} and in CPython {y[k, i, *item]!r} "
                 f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
             )
     if brain.steers:
-        wishes_agree(brain, slow, b, w)
+        commands_agree(brain, slow, b, w)
 
 
 @interruptible
-def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
-    """How minds, records (robot), steer, compiled, without limits of wheels.
+def commands_of(brain: Brain, states: np.ndarray) -> np.ndarray:
+    """How states, records (robot), steer, compiled, without limits of wheels.
 
     Returns (3, robot): whether they steer at all, speed, turn.
     """
     body = Body(tick=1.0).numbers
     body["step"] = body["turn"] = np.inf
-    wishes = np.empty((3, len(minds)))
-    made = swarm((brain,), np.zeros(len(minds), np.int64), "moving", LUCK)
-    memory = minds.view(np.uint8).reshape(len(minds), -1)
-    compiler.compile_world("riding").steer(made, memory, body, np.full(len(minds), np.inf), 0, 1, wishes)
-    return wishes
+    commands = np.empty((3, len(states)))
+    made = swarm((brain,), np.zeros(len(states), np.int64), "moving", KEYS)
+    memory = states.view(np.uint8).reshape(len(states), -1)
+    compiler.compile_world("riding").steer(made, memory, body, np.full(len(states), np.inf), 0, 1, commands)
+    return commands
 
 
-def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
-    """Compare how the minds of a trace (round, robot) steer in CPython and in machine code. Raises Fault."""
-    luck = oracle.own_luck(LUCK, 0, 1, LUCK_STEER, len(b))
+def commands_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
+    """Compare how the states of a trace (round, robot) steer in CPython and in machine code. Raises Violation."""
+    draws = oracle.own_draws(KEYS, 0, 1, DRAW_STEER, len(b))
     for k in range(trace.sizes["round"]):
-        minds = np.zeros(len(b), compiler.array_layout(brain).record)
-        wishes = []
+        states = np.zeros(len(b), compiler.array_layout(brain).record)
+        commands = []
         for i in range(len(b)):
             me = brain.robot(float(b[i]), float(w[i]), float(i))
             for name, long in brain.lengths.items():
                 value = trace[name].values[k, i].tolist()
                 setattr(me, name, Vector(value) if long else value)
-            oracle.give(brain, me, luck, i)
+            oracle.give(brain, me, draws, i)
             for name in me.__slots__:
-                minds[name][i] = getattr(me, name)
-            wishes.append(brain.functions.steer(me))
-        if not all(map(is_wish, wishes)):
+                states[name][i] = getattr(me, name)
+            commands.append(brain.functions.steer(me))
+        if not all(map(is_command, commands)):
             return  # another check reports this
-        fast = wishes_of(brain, minds).T
-        for i, wish in enumerate(wishes):
-            slow = (0.0, 0.0, 0.0) if wish is None else (1.0, *wish)
+        fast = commands_of(brain, states).T
+        for i, command in enumerate(commands):
+            slow = (0.0, 0.0, 0.0) if command is None else (1.0, *command)
             if not np.allclose(fast[i], slow, rtol=CLOSE, atol=CLOSE):
                 compiled = tuple(fast[i, 1:].tolist()) if fast[i, 0] else None
-                raise Fault(
-                    f"compiled, steer gives {compiled} and in CPython {wish} "
+                raise Violation(
+                    f"compiled, steer gives {compiled} and in CPython {command} "
                     f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
                 )
 
@@ -127,7 +127,7 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     module = compiler.phases_of(brain)
     real = numba.float64
     kind = np.dtype((np.record, codegen.record_fields(brain)))  # Numba only takes records with NumPy's `data`
-    mind_and_record: dict[int, tuple[Any, Any]] = {}  # each mind, for the oracle and for Numba
+    state_and_record: dict[int, tuple[Any, Any]] = {}  # each state, for the oracle and for Numba
     record = numba.from_dtype(kind)
     blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())
     message = numba.typeof(blank)  # type: ignore[no-untyped-call]
@@ -135,12 +135,12 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
 
     def robot(b: float, w: float, name: float) -> Any:
         layout = compiler.array_layout(brain)
-        minds = layout.records(layout.blank[np.newaxis].copy())
-        minds["b"], minds["w"] = b, w
+        states = layout.records(layout.blank[np.newaxis].copy())
+        states["b"], states["w"] = b, w
         if brain.uses.name:
-            minds["name"] = name
-        me = minds[0]
-        mind_and_record[id(me)] = me, minds.view(kind)[0]
+            states["name"] = name
+        me = states[0]
+        state_and_record[id(me)] = me, states.view(kind)[0]
         return me
 
     def logged(name: str) -> Any:
@@ -153,7 +153,7 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
 
         def call(me: Any, *values: Any) -> Any:
             print(f"{name}({', '.join(['me', *map(repr, values)])}) (b = {me.b}, w = {me.w})", flush=True)
-            return function(me if name == "jam" else mind_and_record[id(me)][1], *values)
+            return function(me if name == "jam" else state_and_record[id(me)][1], *values)
 
         return call
 
@@ -162,4 +162,4 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     attributes = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
     robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **attributes)
     links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
-    return lambda: oracle.follow(robots, b, w, readings, EVERY, True, links, LUCK)
+    return lambda: oracle.follow(robots, b, w, readings, EVERY, True, links, KEYS)

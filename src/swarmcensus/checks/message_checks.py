@@ -7,11 +7,11 @@ import numpy as np
 
 from swarmcensus.brains import Brain, Vector, numbers, slots
 from swarmcensus.checks import random_checks
-from swarmcensus.checks.sample_minds import (
+from swarmcensus.checks.sample_states import (
     CLOSE,
     SEED,
-    Fault,
     NotUsed,
+    Violation,
     call,
     copy_of,
     difference,
@@ -33,8 +33,8 @@ SIZES = (1, 2, 3, 6, 9, 17, 40, 120, 400)  # messages that come together
 
 
 def any_order(brain: Brain) -> None:
-    """The same messages lead to the same mind in any order, or to the same distribution of minds if luck is used."""
-    if "receive" in brain.uses.lucky:
+    """The same messages lead to the same state in any order, or to the same distribution of states if luck is used."""
+    if "receive" in brain.uses.random:
         random_checks.any_order(brain)
         return
     heard = [call(brain, "before the first observation", "broadcast", brain.robot(0.8, 0.7))]
@@ -60,17 +60,17 @@ def _check_orders(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
     orders = [heard, heard[::-1], heard[3:] + heard[:3], heard[::2] + heard[1::2], sorted(heard)]
     # rounding of sums over the messages, which matters if sums of large numbers are close to 0
     close = sum(1e-13 * value * value for message in heard for value in flat(message))
-    minds = []
+    states = []
     for order in orders:
-        mind = copy_of(brain, me)
-        hear(brain, where, mind, order)
-        call(brain, where, "fuse", mind)  # with the same random numbers for all orders
-        minds.append(mind)
-    for mind, order in zip(minds, orders, strict=True):
-        field = difference(brain, minds[0], mind, absolute=close)
+        state = copy_of(brain, me)
+        hear(brain, where, state, order)
+        call(brain, where, "fuse", state)  # with the same random numbers for all orders
+        states.append(state)
+    for state, order in zip(states, orders, strict=True):
+        field = difference(brain, states[0], state, absolute=close)
         if field:
-            x, y = number_at(minds[0], field), number_at(mind, field)
-            raise Fault(
+            x, y = number_at(states[0], field), number_at(state, field)
+            raise Violation(
                 f"{line_of(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages "
                 f"{_shown(heard)} and {y!r} of {_shown(order)}: the order of messages should not matter ({where})"
             )
@@ -83,10 +83,10 @@ def _shown(heard: list[Any]) -> str:
 
 
 def sums_add(brain: Brain) -> None:
-    """In any mind a message adds to SUMS what it adds in a blank mind, and changes nothing else."""
+    """In any state a message adds to SUMS what it adds in a blank state, and changes nothing else."""
     for name in brain.sums:
         if any(numbers({name: brain.memory[name]})):
-            raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
+            raise Violation(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
     if not brain.sums:
         raise NotUsed
     pools = [
@@ -101,15 +101,15 @@ def sums_add(brain: Brain) -> None:
         if own is None:
             continue
         message_and_sums = (own, _additions(brain, where, own)) if k % 2 else pools[1][k % len(pools[1])]
-        for mind in (copy_of(brain, me), _random_mind(brain, random)):
+        for state in (copy_of(brain, me), _random_state(brain, random)):
             for _ in range(2):
-                _check_sums(brain, where, mind, [message_and_sums])
+                _check_sums(brain, where, state, [message_and_sums])
     for k, (where, me) in enumerate(long_lives(brain)):
         _check_sums(brain, where, copy_of(brain, me), sample(random, pools[k % 2], max(SIZES)))
 
 
 def _additions(brain: Brain, where: str, message: Any) -> dict[str, float]:
-    """What a message should add to each number of a mind: for SUMS what it adds in a blank mind, else 0."""
+    """What a message should add to each number of a state: for SUMS what it adds in a blank state, else 0."""
     blank = brain.robot(0.8, 0.7)
     call(brain, where, "receive", blank, message)
     summed = {*slots({name: brain.lengths[name] for name in brain.sums})}
@@ -118,37 +118,37 @@ def _additions(brain: Brain, where: str, message: Any) -> dict[str, float]:
     return {name: x - was if name in summed else 0.0 for (name, x), (_, was) in pairs}
 
 
-def _check_sums(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, float]]]) -> None:
-    """Check that messages in a row add to SUMS what each of them adds in a blank mind. Raises Fault."""
-    before = copy_of(brain, mind)
+def _check_sums(brain: Brain, where: str, state: Any, heard: list[tuple[Any, dict[str, float]]]) -> None:
+    """Check that messages in a row add to SUMS what each of them adds in a blank state. Raises Violation."""
+    before = copy_of(brain, state)
     try:
-        hear(brain, where, mind, [message for message, _ in heard])
-    except Fault as fault:
-        raise Fault(
-            f"{fault}, in a mind {_fields(before)}: with SUMS, what it adds depends on the message alone"
+        hear(brain, where, state, [message for message, _ in heard])
+    except Violation as fault:
+        raise Violation(
+            f"{fault}, in a state {_fields(before)}: with SUMS, what it adds depends on the message alone"
         ) from None
     for name, was in numbers_in(brain, before):
-        grown = number_at(mind, name) - was
+        grown = number_at(state, name) - was
         parts = [added[name] for _, added in heard]
         expected = sum(parts)
         rounding = 1e-12 * (max(1.0, abs(was)) + sum(map(abs, parts)))
         if not math.isclose(grown, expected, rel_tol=CLOSE, abs_tol=rounding):
             what = f"of {counted(len(heard), 'message')} in a row " if len(heard) > 1 else ""
-            raise Fault(
-                f"{line_of(brain, 'receive')} adds {grown!r} to me.{name} {what}in a mind {_fields(before)}, and "
+            raise Violation(
+                f"{line_of(brain, 'receive')} adds {grown!r} to me.{name} {what}in a state {_fields(before)}, and "
                 f"{expected!r} in a blank one that assumes b = 0.8, w = 0.7: with SUMS it may only add to "
                 f"{', '.join(brain.sums)}, and what it adds depends on the message alone ({where})"
             )
 
 
-def _random_mind(brain: Brain, random: np.random.Generator) -> Any:
-    """A mind of random numbers, on which the growth of a sum may not depend."""
-    mind = brain.robot(float(random.random()), float(random.random()))
+def _random_state(brain: Brain, random: np.random.Generator) -> Any:
+    """A state of random numbers, on which the growth of a sum may not depend."""
+    state = brain.robot(float(random.random()), float(random.random()))
     fields = len(slots(brain.lengths))
     values = (random.choice([-1.0, 1.0], fields) * 10.0 ** random.uniform(-2, 6, fields)).tolist()
     for name, long in brain.lengths.items():
-        setattr(mind, name, Vector(values.pop() for _ in range(long)) if long else values.pop())
-    return mind
+        setattr(state, name, Vector(values.pop() for _ in range(long)) if long else values.pop())
+    return state
 
 
 def flat(message: Any) -> list[float]:
@@ -156,7 +156,7 @@ def flat(message: Any) -> list[float]:
     return [number for part in message for number in (part if isinstance(part, tuple) else (part,))]
 
 
-def _fields(mind: Any) -> str:
-    values = ((name, getattr(mind, name)) for name in mind.__slots__)
+def _fields(state: Any) -> str:
+    values = ((name, getattr(state, name)) for name in state.__slots__)
     shown = (f"{name} = {[*v] if isinstance(v, list | tuple) else f'{v:.6g}'}" for name, v in values)
     return "with " + ", ".join(shown)

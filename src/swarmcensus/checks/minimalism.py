@@ -33,8 +33,8 @@ def _histories() -> Iterator[tuple[float, float, float]]:
 def _round(brain: Brain, robots: int, age: float, share: float, b: float, w: float) -> dict[str, int]:
     functions = brain.functions
     robot, neighbour = brain.robot(b, w), brain.robot(b, w)
-    for mind in (robot, neighbour):
-        functions.observe(mind, round(share * age), age)
+    for state in (robot, neighbour):
+        functions.observe(state, round(share * age), age)
     message = functions.broadcast(neighbour)
     for _ in range(robots - 2):
         functions.receive(robot, message)

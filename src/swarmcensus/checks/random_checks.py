@@ -1,4 +1,4 @@
-"""Checks of brains with random numbers (luck): minds need not be equal, but their distributions."""
+"""Checks of brains with random numbers (luck): states need not be equal, but their distributions."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.checks.sample_minds import (
+from swarmcensus.checks.sample_states import (
     SEED,
-    Fault,
+    Violation,
     call,
     calls,
     copy_of,
@@ -30,22 +30,22 @@ SIZES = (2, 3, 9, 17, 40, 120)  # messages that come together
 LOOKS = (10, 20, 200, 2000)  # readings of one colour, in each of these ways:
 PARTS = {"one by one": (1,), "in two parts": (7, 10**9), "in parts of 1 to 400": (1, 2, 7, 40, 400)}
 ONE_BY_ONE = 20
-MINDS = 24  # minds that are examined, out of all histories
+STATES = 24  # states that are examined, out of all histories
 Numbers = dict[str, np.ndarray]
 
 
 def any_order(brain: Brain) -> None:
-    """The same messages in two orders, then `fuse`: each number in memory has the same distribution. Raises Fault."""
+    """The same messages in two orders, then `fuse`: each number has the same distribution. Raises Violation."""
     random = np.random.default_rng(SEED)
     spoken = [message for _, message in messages(brain, extreme=False)]
     if not spoken:
         return
-    for k, (where, me) in enumerate(_sample_minds(brain)):
+    for k, (where, me) in enumerate(_sample_states(brain)):
         heard = sample(random, spoken, SIZES[k % len(SIZES)])
         laws = [_law(brain, partial(_after_messages, brain, where, me, order)) for order in (heard, heard[::-1])]
         name = _first_difference(*laws)
         if name:
-            raise Fault(
+            raise Violation(
                 f"{line_of(brain, 'receive')}, with fuse after it, gives me.{name} another distribution, "
                 f"{_law_text(laws[0][name])}, from the messages {heard} than from the same in reverse order, "
                 f"{_law_text(laws[1][name])}: the order of messages should not matter ({where})"
@@ -53,8 +53,8 @@ def any_order(brain: Brain) -> None:
 
 
 def readings_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[int, int], ...]]]) -> None:
-    """Readings of one colour at once and in parts: each number in memory has the same distribution. Raises Fault."""
-    for where, start, _ in islice(starts, 0, 8 * MINDS, 8):
+    """Readings of one colour at once and in parts: each number has the same distribution. Raises Violation."""
+    for where, start, _ in islice(starts, 0, 8 * STATES, 8):
         for black, looks in product((1.0, 0.0), LOOKS):
             once = _law(brain, partial(_after_readings, brain, where, start, [(looks * black, float(looks))]))
             for how, sizes in PARTS.items():
@@ -65,7 +65,7 @@ def readings_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[i
                 field = _first_difference(*laws)
                 if not field:
                     continue
-                raise Fault(
+                raise Violation(
                     f"{line_of(brain, 'observe')} gives me.{field} another distribution, {_law_text(laws[0][field])}, "
                     f"from {looks} readings at once than from the same {how}, {_law_text(laws[1][field])} ({where})"
                 )
@@ -82,32 +82,32 @@ def split(looks: int, sizes: tuple[int, ...]) -> list[int]:
     return parts
 
 
-def _sample_minds(brain: Brain) -> Iterable[tuple[str, Any]]:
-    """A sample of young and old minds."""
-    yield from islice(short_lives(brain), 0, 50 * MINDS // 2, 50)
-    yield from islice(long_lives(brain), 0, 3 * MINDS // 2, 3)
+def _sample_states(brain: Brain) -> Iterable[tuple[str, Any]]:
+    """A sample of young and old states."""
+    yield from islice(short_lives(brain), 0, 50 * STATES // 2, 50)
+    yield from islice(long_lives(brain), 0, 3 * STATES // 2, 3)
 
 
-def _after_messages(brain: Brain, where: str, me: Any, order: list[Any], luck: np.random.Generator) -> Any:
-    mind = copy_of(brain, me)
-    hear(brain, where, mind, order, luck)
-    call(brain, where, "fuse", mind, luck=luck)
-    return mind
+def _after_messages(brain: Brain, where: str, me: Any, order: list[Any], draws: np.random.Generator) -> Any:
+    state = copy_of(brain, me)
+    hear(brain, where, state, order, draws)
+    call(brain, where, "fuse", state, draws=draws)
+    return state
 
 
 def _after_readings(
-    brain: Brain, where: str, me: Any, way: list[tuple[float, float]], luck: np.random.Generator
+    brain: Brain, where: str, me: Any, way: list[tuple[float, float]], draws: np.random.Generator
 ) -> Any:
-    mind = copy_of(brain, me)
-    calls(brain, where, "observe", mind, way, luck)
-    return mind
+    state = copy_of(brain, me)
+    calls(brain, where, "observe", state, way, draws)
+    return state
 
 
 def _law(brain: Brain, lived: Callable[[np.random.Generator], Any]) -> Numbers:
-    """Each number in memory, in many minds that differ only in their random numbers."""
-    luck = np.random.default_rng(SEED)
-    minds = [dict(numbers_in(brain, lived(luck))) for _ in range(DRAWS)]
-    return {name: np.array([mind[name] for mind in minds], np.float64) for name in minds[0]}
+    """Each number in memory, in many states that differ only in their random numbers."""
+    draws = np.random.default_rng(SEED)
+    states = [dict(numbers_in(brain, lived(draws))) for _ in range(DRAWS)]
+    return {name: np.array([state[name] for state in states], np.float64) for name in states[0]}
 
 
 def _first_difference(first: Numbers, second: Numbers) -> str | None:

@@ -8,11 +8,11 @@ import numpy as np
 
 from swarmcensus.brains import Brain
 from swarmcensus.checks import random_checks
-from swarmcensus.checks.sample_minds import (
+from swarmcensus.checks.sample_states import (
     CLOSE,
     PLAIN,
     SEED,
-    Fault,
+    Violation,
     call,
     calls,
     copy_of,
@@ -33,7 +33,7 @@ MOST_ONE_BY_ONE = 2000  # readings that are made one by one: a brain may be slow
 
 def readings_add_up(brain: Brain) -> None:
     """Readings of one colour at once, in parts, and one by one; of both colours too, if their order does not matter."""
-    if "observe" in brain.uses.lucky:
+    if "observe" in brain.uses.random:
         random_checks.readings_add_up(brain, _starts(brain))
         return
     for where, start, cases in _starts(brain):
@@ -43,33 +43,33 @@ def readings_add_up(brain: Brain) -> None:
                 ways.append(("one by one", _parts(blacks, looks, (1,))))
             if looks > 200:
                 ways.append((f"in parts of 1 to {max(PARTS)}", _parts(blacks, looks, PARTS)))
-            minds = [(how, _after_readings(brain, where, start, way)) for how, way in ways]
+            states = [(how, _after_readings(brain, where, start, way)) for how, way in ways]
             if 0 < blacks < looks:
                 turned = _after_readings(brain, where, start, ways[-1][1][::-1])  # the white ones first
-                if difference(brain, minds[-1][1], turned):
+                if difference(brain, states[-1][1], turned):
                     continue  # a brain that forgets: the order matters, but `observe` does not receive it
-                minds.append((f"{ways[-1][0]}, the white ones first", turned))
+                states.append((f"{ways[-1][0]}, the white ones first", turned))
             once = _after_readings(brain, where, start, [(blacks, looks)])
-            for how, mind in minds:
-                field = difference(brain, once, mind, CLOSE * max(1.0, looks / 1000.0))  # as rounding adds up
+            for how, state in states:
+                field = difference(brain, once, state, CLOSE * max(1.0, looks / 1000.0))  # as rounding adds up
                 if field:
-                    at_once, in_parts = number_at(once, field), number_at(mind, field)
-                    raise Fault(
+                    at_once, in_parts = number_at(once, field), number_at(state, field)
+                    raise Violation(
                         f"{line_of(brain, 'observe')} makes me.{field} {at_once!r} of {looks} readings at once, "
                         f"{blacks} of them black, and {in_parts!r} of the same {how} ({where})"
                     )
 
 
 def _starts(brain: Brain) -> Iterator[tuple[str, Any, tuple[tuple[int, int], ...]]]:
-    """Minds to make readings: blank, young, and from long histories, after `fuse` and after `receive`."""
-    luck = np.random.default_rng(SEED + 1)
+    """States to make readings: blank, young, and from long histories, after `fuse` and after `receive`."""
+    draws = np.random.default_rng(SEED + 1)
     for b, w in product(PLAIN, PLAIN):
         for before in (0.0, 16.0):
             start = brain.robot(b, w)
             where = f"b = {b}, w = {w}, after {before:g} readings"
             if before:
-                call(brain, where, "observe", start, 7.0, before, luck=luck)
-                call(brain, where, "fuse", start, luck=luck)
+                call(brain, where, "observe", start, 7.0, before, draws=draws)
+                call(brain, where, "fuse", start, draws=draws)
             yield where, start, FEW
     heard = [message for _, message in messages(brain, extreme=False)]
     random = np.random.default_rng(SEED)
@@ -80,7 +80,7 @@ def _starts(brain: Brain) -> Iterator[tuple[str, Any, tuple[tuple[int, int], ...
             many = MANY if "in round 65 " in where else ()
             yield where, me, FEW[:3] + many
             hears = copy_of(brain, me)
-            hear(brain, where, hears, sample(random, heard, 1 + k % 9), luck)
+            hear(brain, where, hears, sample(random, heard, 1 + k % 9), draws)
             yield f"{where}, having heard others", hears, FEW[:3]
 
 

@@ -1,8 +1,8 @@
 """How long a brain lives in single precision: the reading at which its estimate leaves that of double precision.
 
-Two minds of one brain, one in double and one in single precision, make the same readings, one a tick. They live once
-alone, and once hearing a neighbour that is in the same state as they are. Beyond a day, minds begin with a large number
-of readings at once, so that counts come to the end of what float32 can count.
+Two robots with one brain, one in double and one in single precision, make the same readings, one a tick. They run once
+alone, and once with a neighbour in their own state. Beyond a day, they begin with a large number of readings at once,
+so that counts come to the end of what float32 can count.
 """
 
 import json
@@ -14,7 +14,7 @@ import numpy as np
 from swarmcensus import brains
 from swarmcensus.brains import Brain, Numbers, rounded_to_single
 from swarmcensus.checks.lives_in_single import TABLE
-from swarmcensus.checks.machine import blank_mind, exchange, machine_code
+from swarmcensus.checks.machine import blank_state, exchange, machine_code
 
 DAY = 864_000  # readings at 10 Hz
 APART = 0.01  # estimates that differ by more have parted
@@ -25,7 +25,7 @@ FURTHER = 1 << 19  # ticks lived from there
 GOLDEN, PLASTIC = 0.6180339887498949, 0.7548776662466927  # multiples of these modulo 1 are evenly spread
 
 
-class Life(NamedTuple):
+class Departure(NamedTuple):
     """The reading at which single and double precision part; None if they stay together."""
 
     alone: int | None
@@ -37,7 +37,7 @@ class Life(NamedTuple):
         return min((at for at in self if at is not None), default=None)
 
 
-def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Life:
+def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Departure:
     """Live a brain for so many readings, and `beyond` that also from 2^20, 2^21, ..., 2^26 readings on.
 
     Takes seconds, in which the brain is compiled. Raises what the brain raises, and Numba's errors.
@@ -50,40 +50,40 @@ def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Life:
     def parting(hears: bool) -> int | None:
         for begin, ticks in begins:
             pair = [_blank(one) for one in (double, single)]
-            curves = [run(minds, begin, ticks, hears) for run, minds in zip(lives, pair, strict=True)]
+            curves = [run(states, begin, ticks, hears) for run, states in zip(lives, pair, strict=True)]
             apart = np.flatnonzero(~(np.abs(curves[0] - curves[1]) <= APART))
             if apart.size:
                 return begin + int(apart[0])
         return None
 
-    return Life(parting(False), parting(True))
+    return Departure(parting(False), parting(True))
 
 
 def _blank(brain: Brain) -> np.ndarray:
-    """One blank mind, shape (1,)."""
+    """One blank state, shape (1,)."""
     accuracy = rounded_to_single(ACCURACY) if brain.numbers.precision == "single" else ACCURACY
-    return blank_mind(brain, accuracy, accuracy)
+    return blank_state(brain, accuracy, accuracy)
 
 
 def _compiled(brain: Brain) -> Any:
-    """A function of a blank mind, the readings it begins with, ticks, and whether it hears; returns all estimates."""
+    """A function of a blank state, the readings it begins with, ticks, and whether it hears; returns all estimates."""
     space = machine_code(brain.functions)
     observe, fuse, estimate = space["observe"], space["fuse"], space["estimate"]
-    hear, lucky = exchange(brain, space)
+    hear, draw = exchange(brain, space)
 
     @numba.njit
-    def run(minds: Any, begin: int, ticks: int, hears: bool) -> Any:
-        me = minds[0]
+    def run(states: Any, begin: int, ticks: int, hears: bool) -> Any:
+        me = states[0]
         curve = np.empty(ticks + 1)
         black = 0.0
-        lucky(me, 0.5)
+        draw(me, 0.5)
         if begin > 0:
             black = np.floor(BLACK * begin)
             observe(me, black, 1.0 * begin)
         fuse(me)
         curve[0] = estimate(me)
         for tick in range(1, ticks + 1):
-            lucky(me, PLASTIC * tick % 1.0)
+            draw(me, PLASTIC * tick % 1.0)
             observe(me, 1.0 if GOLDEN * tick % 1.0 < BLACK else 0.0, 1.0)
             if hears:
                 hear(me)

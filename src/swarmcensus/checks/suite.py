@@ -15,19 +15,19 @@ from pathlib import Path
 from swarmcensus import brains
 from swarmcensus.brains import adversary, robot_math
 from swarmcensus.studies import taken_in_results
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 
 PATIENCE = 30.0  # seconds for a check, about a hundred times what it takes
-MANY_NUMBERS = 250  # numbers in a mind from which on a check gets more time
+MANY_NUMBERS = 250  # numbers in a state from which on a check gets more time
 COMPILE_PATIENCE = 300.0  # seconds; shipped brains take 8 s and 0.6 GiB, including Numba itself
 MEMORY_BYTES = 2 << 30  # that a check may use, beyond what the process has
 COMPILE_MEMORY_BYTES = 4 << 30
 DEATHS = {"SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
 KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
 CHILD = "import sys; from swarmcensus.checks import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
-DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wears if none is named
+DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wraps if none is named
 
 Test = Callable[[brains.Brain], None]
 
@@ -42,17 +42,17 @@ class Check:
 
 
 def checks() -> dict[str, Test]:
-    """All checks by name, in order; each raises Fault."""
+    """All checks by name, in order; each raises Violation."""
     from swarmcensus.checks.contract_checks import PROMISES
 
     def compiles(brain: brains.Brain) -> None:  # imports Numba only when it is needed
         from swarmcensus.checks import machine_code
-        from swarmcensus.checks.sample_minds import Fault
+        from swarmcensus.checks.sample_states import Violation
 
         try:
             machine_code.compiles(brain)
         except MemoryError:
-            raise Fault(f"Numba did not compile it within {COMPILE_MEMORY_BYTES >> 30} GiB of memory") from None
+            raise Violation(f"Numba did not compile it within {COMPILE_MEMORY_BYTES >> 30} GiB of memory") from None
 
     def agrees(brain: brains.Brain) -> None:
         from swarmcensus.checks import machine_code
@@ -66,27 +66,27 @@ class Mismatch(InputError):
     """An adversary and a brain do not go together, though neither file is at fault."""
 
 
-def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
-    """The brain with this name or file, or the adversary with this name or file, `wearing` a brain.
+def brain_to_check(path: str | Path, wrapping: str = "") -> brains.Brain:
+    """The brain with this name or file, or the adversary with this name or file, `wrapping` a brain.
 
     Raises InputError.
     """
     if not _is_adversary(path):
         hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
-        if str(path) not in brains.PLUGINS and not Path(path).is_file() and (hint or wearing):
-            raise InputError(f"brain {str(path)!r}: {hint}there is no brain, adversary or file of this name")
-        if wearing:
+        if str(path) not in brains.PLUGINS and not Path(path).is_file() and (hint or wrapping):
+            raise BrainError.named("brain", str(path), f"{hint}there is no brain, adversary or file of this name")
+        if wrapping:
             raise wrong_option(
-                "wearing",
-                wearing,
-                f"{path} has no lie(me, x), so it is no adversary, and only adversaries wear a brain",
+                "wrapping",
+                wrapping,
+                f"{path} has no lie(me, x), so it is no adversary, and only adversaries wrap a brain",
             )
         return brains.load(path)
-    lies, brain = adversary.load(path), brains.load(wearing or DEFAULT_BRAIN)
+    lies, brain = adversary.load(path), brains.load(wrapping or DEFAULT_BRAIN)
     try:
         return brains.lying_brain(lies, brain)
     except ValueError as error:
-        raise Mismatch(f"{error}{': name another brain with --wearing' * (not wearing)}") from None
+        raise Mismatch(f"{error}{': name another brain with --wrapping' * (not wrapping)}") from None
 
 
 def _is_adversary(path: str | Path) -> bool:
@@ -94,13 +94,13 @@ def _is_adversary(path: str | Path) -> bool:
     return str(path) not in brains.PLUGINS and adversary.exists(str(path), None)
 
 
-def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> list[Check]:
-    """Run all checks on a brain file, or on an adversary `wearing` one; the brain's faults are returned, not raised.
+def check(path: str | Path, patience: float = PATIENCE, wrapping: str = "") -> list[Check]:
+    """Run all checks on a brain file, or on an adversary `wrapping` one; the brain's faults are returned, not raised.
 
     A check that does not end within `patience` seconds, or ends its process, is the last. Raises Mismatch.
     """
     try:
-        brain = brain_to_check(path, wearing)
+        brain = brain_to_check(path, wrapping)
     except Mismatch:
         raise
     except InputError as error:
@@ -108,26 +108,28 @@ def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> li
     if name := taken_in_results(brain):
         return [Check(KEEPS, f"PARAMETERS key {name!r} is already a name in the results: choose another")]
     patience *= max(1.0, len(brains.slots(brain.lengths)) / MANY_NUMBERS)
-    done = _child("report", path, patience, wearing)
+    done = _child("report", path, patience, wrapping)
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     results = [Check(*line) for line in lines if len(line) > 1]
     if done.returncode or len(lines[-1]) == 1:
         begun = lines[-1][0] if lines else KEEPS
-        results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wearing))))
+        results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wrapping))))
     return results
 
 
-def notes(path: str | Path, wearing: str = "") -> list[str]:
+def notes(path: str | Path, wrapping: str = "") -> list[str]:
     """What somebody who puts the brain on robots should know, though it breaks no promise; empty if it is refused."""
     try:
-        brain = brain_to_check(path, wearing)
+        brain = brain_to_check(path, wrapping)
     except InputError:
         return []
     missing = robot_math.missing_on_avr(ast.parse(brain.source))
     lacks = [f"AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks {', '.join(missing)}"] if missing else []
     unsaid = adversary.load(path).unsaid(brain.message) if _is_adversary(path) else []
-    worn = wearing or DEFAULT_BRAIN
-    return lacks + [f"{name} says nothing: the MESSAGE of {worn} has no {name.removeprefix('say_')}" for name in unsaid]
+    inner = wrapping or DEFAULT_BRAIN
+    return lacks + [
+        f"{name} says nothing: the MESSAGE of {inner} has no {name.removeprefix('say_')}" for name in unsaid
+    ]
 
 
 def gist(fault: str) -> str:
@@ -135,12 +137,12 @@ def gist(fault: str) -> str:
     return fault.rpartition(" (")[0] or fault
 
 
-def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:
+def examine(path: str | Path, tests: dict[str, Test], wrapping: str = "") -> Iterator[Check]:
     """Run checks in this process; a known fault is not repeated, and a brain that does not compile is not run."""
     import numpy as np
 
     try:
-        brain = brain_to_check(path, wearing)
+        brain = brain_to_check(path, wrapping)
     except InputError as error:
         yield Check(KEEPS, str(error))
         return
@@ -163,20 +165,20 @@ def fault_of(test: Test, brain: brains.Brain) -> str | None:
 
 def _outcome(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
     """What a check finds wrong, or None, and whether the brain has the part that it checks."""
-    from swarmcensus.checks.sample_minds import Fault, NotUsed, in_a_line
+    from swarmcensus.checks.sample_states import NotUsed, Violation, in_a_line
 
     try:
         test(brain)
     except NotUsed:
         return None, False
-    except Fault as fault:
+    except Violation as fault:
         return str(fault), True
     except Exception as error:
         return in_a_line(error), True
     return None, True
 
 
-def report(path: str, patience: float, wearing: str = "") -> None:
+def report(path: str, patience: float, wrapping: str = "") -> None:
     """In the child process: print each check's name before it runs, and its `Check` afterwards, as lines of JSON."""
 
     def timed(name: str, test: Test) -> Test:
@@ -191,42 +193,42 @@ def report(path: str, patience: float, wearing: str = "") -> None:
 
         return run
 
-    for result in examine(path, {name: timed(name, test) for name, test in checks().items()}, wearing):
+    for result in examine(path, {name: timed(name, test) for name, test in checks().items()}, wrapping):
         print(json.dumps([result.name, result.fault, result.used]), flush=True)
 
 
-def single_life(path: str | Path, wearing: str = "") -> str | dict[str, int | None]:
-    """At which reading of a day single and double precision part, by `single_life.Life`'s names; or why it ended."""
-    brain = brain_to_check(path, wearing)
-    done = _child("live", path, COMPILE_PATIENCE, wearing)
+def single_life(path: str | Path, wrapping: str = "") -> str | dict[str, int | None]:
+    """At which reading of a day single and double precision part, by the names of `Departure`; or why it ended."""
+    brain = brain_to_check(path, wrapping)
+    done = _child("live", path, COMPILE_PATIENCE, wrapping)
     if done.returncode:
-        return _why_it_ended(done, brain, "", (path, COMPILE_PATIENCE, wearing))
+        return _why_it_ended(done, brain, "", (path, COMPILE_PATIENCE, wrapping))
     lived: dict[str, int | None] = json.loads(done.stdout)
     return lived
 
 
-def live(path: str, patience: float, wearing: str = "") -> None:
+def live(path: str, patience: float, wrapping: str = "") -> None:
     """In a child process: print a brain's life in single precision, as JSON."""
     from swarmcensus.checks.single_life import life
 
     faulthandler.dump_traceback_later(patience, exit=True)
-    print(json.dumps(life(brain_to_check(path, wearing))._asdict()))
+    print(json.dumps(life(brain_to_check(path, wrapping))._asdict()))
     faulthandler.cancel_dump_traceback_later()
 
 
-def call_by_call(path: str, patience: float, wearing: str = "") -> None:
+def call_by_call(path: str, patience: float, wrapping: str = "") -> None:
     """In a child process: find out which compiled function does not return."""
     from swarmcensus.checks.machine_code import step_by_step
 
-    run = step_by_step(brain_to_check(path, wearing))
+    run = step_by_step(brain_to_check(path, wrapping))
     faulthandler.dump_traceback_later(patience, exit=True)
     run()
 
 
-def _child(what: str, path: str | Path, patience: float, wearing: str) -> subprocess.CompletedProcess[str]:
+def _child(what: str, path: str | Path, patience: float, wrapping: str) -> subprocess.CompletedProcess[str]:
     folders = os.pathsep.join(folder or str(Path.cwd()) for folder in sys.path)
     return subprocess.run(
-        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience), wearing],
+        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience), wrapping],
         env=os.environ | {"PYTHONPATH": folders, "PYTHONUTF8": "1"},
         capture_output=True,
         encoding="utf-8",

@@ -1,7 +1,7 @@
 """Compiled loops and counter-based random numbers: what robots see, say and estimate, round by round or tick by tick.
 
 In: a brain's source, arrays, keys.
-Out: arrays of minds, estimates and metrics.
+Out: arrays of states, estimates and metrics.
 Must not know: worlds by name, studies, settings, files of results.
 """
 

@@ -20,18 +20,18 @@ from .layout import (
     Intervals as Intervals,
     Links as Links,
     Measures as Measures,
-    Minds as Minds,
     Neighbours as Neighbours,
-    Radio as Radio,
+    Reception as Reception,
     Recorded as Recorded,
     Segments as Segments,
     Sensors as Sensors,
+    States as States,
     Swarm as Swarm,
     Tally as Tally,
     runs_of as runs_of,
 )
-from .minds import heard_by as heard_by
 from .random import chance as chance, single_chance as single_chance, word_of as word_of, words as words
 from .records import record_type as record_type
 from .return_values import spoken as spoken
+from .states import heard_by as heard_by
 from .threads import WHILE_WAITING as WHILE_WAITING, LeavableThreads as LeavableThreads, interruptible as interruptible

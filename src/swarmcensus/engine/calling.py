@@ -1,8 +1,8 @@
 """How the engine's loops, compiled once on a machine, call functions that are compiled for each brain.
 
 A brain's functions are called by address. Arrays are passed as the addresses of their first items: so a call costs a
-few nanoseconds, and the loops need not know the type of a mind. With Numba switched off, the same code passes CPython's
-functions and arrays.
+few nanoseconds, and the loops need not know the type of a state. With Numba switched off, the same code passes
+CPython's functions and arrays.
 """
 
 import contextlib
@@ -117,11 +117,11 @@ def _plain_view(items, shape, dtype):
 
 # call(function, *arguments) calls by address; place(items, first) passes an array from an item on, without making a
 # view; seen_as(items, shape, dtype) makes what was passed an array again; word_at(words, k) reads one uint64 of it,
-# without making an array; blank_mind(record) is a mind of zeros on the stack, which the compiler keeps in registers
+# without making an array; blank_state(record) is a state of zeros on the stack, which the compiler keeps in registers
 PLAIN = not_compiled()
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
-blank_mind = _plain_blank if PLAIN else _machine_blank
+blank_state = _plain_blank if PLAIN else _machine_blank
 place = _plain_place if PLAIN else _machine_place
 word_at = _plain_word if PLAIN else _machine_word
 
@@ -130,7 +130,7 @@ word_at = _plain_word if PLAIN else _machine_word
 def _one_at_a_time() -> Iterator[None]:
     """Switch off the vectorisation of loops: code handles one robot after the other.
 
-    Minds lie in rows, and gathering a field of four of them takes longer than all that a brain then does with it.
+    States lie in rows, and gathering a field of four of them takes longer than all that a brain then does with it.
     """
     usual = numba.config.LOOP_VECTORIZE
     numba.config.LOOP_VECTORIZE = 0

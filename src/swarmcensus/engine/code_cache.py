@@ -1,6 +1,6 @@
 """The cache of machine code.
 
-Numba caches machine code beside its source file and does not notice changes in what that file imports. So each brain
+Numba caches machine code next to its source file and does not notice changes in what that file imports. So each brain
 gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `phases.py`, and of the
 lines of `codegen.py`. The engine's loops have such a folder, too.
 """
@@ -94,14 +94,14 @@ def _scratch() -> Path:
 def _write_once(folder: Path, files: dict[str, str]) -> None:
     """Make the folder whole or not at all; of processes that race, the first to rename wins."""
     folder.parent.mkdir(parents=True, exist_ok=True)
-    beside = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
+    unfinished = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
     try:
-        beside.chmod(0o755)
+        unfinished.chmod(0o755)
         for name, text in files.items():
-            (beside / name).write_bytes(text.encode())
-        beside.rename(folder)
+            (unfinished / name).write_bytes(text.encode())
+        unfinished.rename(folder)
     except OSError:
-        shutil.rmtree(beside, ignore_errors=True)
+        shutil.rmtree(unfinished, ignore_errors=True)
         if not folder.is_dir():
             raise
 
@@ -136,7 +136,7 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
     folder = _folder(digest, files)
     try:
         return _imported(name, folder, main)
-    except Exception:  # Python's own compiled files beside the sources may be damaged: they are made anew
+    except Exception:  # Python's own compiled files next to the sources may be damaged: they are made again
         for known in [known for known in sys.modules if known.partition(".")[0] == name]:
             del sys.modules[known]
         shutil.rmtree(folder, ignore_errors=True)

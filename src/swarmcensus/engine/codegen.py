@@ -10,7 +10,7 @@ from swarmcensus.brains.metrics import Metric
 from swarmcensus.engine.constants import NOISE, POWER, RAISED, SAID, SILENT
 
 SIGNS = str.maketrans({"-": "minus_", "+": "plus_", "~": "not_"})
-CLIPPED, OWED = "_clipped", "_owed_{}"  # of a mind, where its messages have a format
+CLIPPED, OWED = "_clipped", "_owed_{}"  # of a state, where its messages have a format
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 STRICT = """
@@ -19,7 +19,7 @@ make_strict(brain)
 """
 MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
-from swarmcensus.engine.calling import blank_mind, word_at
+from swarmcensus.engine.calling import blank_state, word_at
 from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import {chance}
 from swarmcensus.engine.records import record_type
@@ -60,8 +60,8 @@ def take(me, outbox, i):
 
 
 @compiled
-def give_luck(me, words, k):
-    {luck}
+def give_draw(me, words, k):
+    {draws}
 
 
 @compiled
@@ -201,7 +201,7 @@ def _is_declaration(node: ast.stmt, read: set[str]) -> bool:
 
 
 def fields_of(brain: Brain) -> dict[str, int]:
-    """The fields of a mind in the engine, in order, with lengths, 0 for a number; the sensor's beliefs come last."""
+    """The fields of a state in the engine, in order, with lengths, 0 for a number; the sensor's beliefs come last."""
     parameters = {name: length(value) for name, value in brain.parameters.items()}
     kept = [CLIPPED] * bool(brain.parts) + [OWED.format(place) for place in brain.owed]
     extras = [name for name, asked in (("luck", brain.uses.luck), ("name", brain.uses.name)) if asked]
@@ -209,7 +209,7 @@ def fields_of(brain: Brain) -> dict[str, int]:
 
 
 def record_fields(brain: Brain) -> list[tuple[Any, ...]]:
-    """The fields of a mind, as NumPy takes them: numbers in the brain's precision, and a name in double precision."""
+    """The fields of a state, as NumPy takes them: numbers in the brain's precision, and a name in double precision."""
     kinds = {"name": "f8", CLIPPED: "i8"}
     usual = "f4" if brain.numbers.precision == "single" else "f8"
     return [(name, kinds.get(name, usual), *([(long,)] if long else [])) for name, long in fields_of(brain).items()]
@@ -228,7 +228,7 @@ def kept_of_message(brain: Brain, mixed: bool) -> list[str]:
 
 
 def of_brain(brain: Brain, mixed: bool = False) -> str:
-    """The module `mind.py` of a brain.
+    """The module `robot.py` of a brain.
 
     Where `receive` only adds, what a message adds is computed once by its sender, and not by each receiver; but not in
     a `mixed` swarm, where other brains hear it, too.
@@ -276,7 +276,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
             if sums
             else [f"receive(me, ({heard},))"]
         ),
-        luck=f"me.luck = {chance}(word_at(words, k))" if brain.uses.luck else "pass",
+        draws=f"me.luck = {chance}(word_at(words, k))" if brain.uses.luck else "pass",
         own=_tuple(f"me.{name}" for name in sums),
         more=_tuple(rounded(f"sums[{k}] + {column}") for k, column in enumerate(read[: len(sums)])),
         kept=_tuple(rounded(f"rows[i, {k}]") for k, _ in enumerate(sums)),
@@ -310,7 +310,7 @@ def _saying(brain: Brain, columns: list[str], sums: list[str]) -> list[str]:
         given = "".join(
             f"{n}, " if long else f"1.0 * {n}, " for n, long in zip(names, brain.message.values(), strict=True)
         )
-        lines += ["hearer = blank_mind(record)", *_equipped(brain), f"receive(hearer, ({given}))"]
+        lines += ["hearer = blank_state(record)", *_equipped(brain), f"receive(hearer, ({given}))"]
         lines += [f"{column} = hearer.{name}" for column, name in zip(columns, sums, strict=True)]
     else:
         for name, (start, long) in zip(names, _starts(brain.message), strict=True):
@@ -363,7 +363,7 @@ def _code(part: Part, owed: Collection[int], single: bool) -> list[str]:
 
 
 def _equipped(brain: Brain) -> list[str]:
-    """Lines that copy the parameters of `me` to another mind; the compiler drops what `receive` does not read."""
+    """Lines that copy the parameters of `me` to another state; the compiler drops what `receive` does not read."""
     lines = []
     for name, value in brain.parameters.items():
         if length(value):

@@ -15,7 +15,7 @@ from swarmcensus.engine.records import record_type
 from swarmcensus.support.errors import without_colours
 
 LOOPS = (
-    "world", "scores", "failures", "minds", "rounds", "kernel", "living", "motion", "neighbours", "walk", "riding",
+    "world", "scores", "failures", "states", "rounds", "kernel", "living", "motion", "neighbours", "walk", "riding",
     "steering",
 )  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
 ALWAYS = ("begin", "sense", "believe")  # what of a brain is needed with whatever neighbours
@@ -37,28 +37,28 @@ class NotCompiled(Exception):
 
 
 class ArrayLayout(NamedTuple):
-    """How a brain's minds and messages lie in the engine's arrays."""
+    """How a brain's states and messages lie in the engine's arrays."""
 
-    record: np.dtype  # a mind, with the brain's names
-    blank: np.ndarray  # (byte): a mind before its first observation: MEMORY, parameters, zeros for what is given
+    record: np.dtype  # a state, with the brain's names
+    blank: np.ndarray  # (byte): a state before its first observation: MEMORY, parameters, zeros for what is given
     number: np.dtype  # a number of a message
     message_bytes: int  # that are kept of a message
     is_signalled: bool  # whether a robot may be silent or jam
-    clipped: int  # which byte of a mind begins its count of messages that its format cannot hold; -1 without a format
+    clipped: int  # which byte of a state begins its count of messages that its format cannot hold; -1 without a format
 
-    def records(self, minds: np.ndarray) -> np.ndarray:
-        """Minds (..., byte) as records (...)."""
-        return minds.view(self.record)[..., 0]
+    def records(self, states: np.ndarray) -> np.ndarray:
+        """States (..., byte) as records (...)."""
+        return states.view(self.record)[..., 0]
 
 
 @functools.lru_cache(maxsize=256)
 def array_layout(brain: Brain, mixed: bool = False) -> ArrayLayout:
-    """The layout of a brain's minds and messages; in a `mixed` swarm other brains hear the messages, too."""
+    """The layout of a brain's states and messages; in a `mixed` swarm other brains hear the messages, too."""
     record = record_type(codegen.record_fields(brain))
-    mind = np.zeros(1, record)
+    state = np.zeros(1, record)
     for name, value in (brain.memory | brain.parameters).items():
-        mind[name] = value
-    blank = mind.view(np.uint8)
+        state[name] = value
+    blank = state.view(np.uint8)
     blank.flags.writeable = False
     number = np.dtype(np.float32 if brain.numbers.precision == "single" else np.float64)
     size = number.itemsize * len(codegen.kept_of_message(brain, mixed))
@@ -152,6 +152,6 @@ def _brain_files(brain: Brain, exact: bool = False, mixed: bool = False) -> dict
     return {
         "__init__.py": "",
         "brain.py": brain.running_source if exact else codegen.essence(brain.running_source, not is_shipped(brain)),
-        "mind.py": codegen.of_brain(brain, mixed),
+        "robot.py": codegen.of_brain(brain, mixed),
         "phases.py": source("phases.py"),
     } | ({"codec.py": codec_source(brain.numbers.precision)} if brain.parts else {})

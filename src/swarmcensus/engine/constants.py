@@ -46,8 +46,8 @@ SLACK = 1e-6  # by which rounding, in single precision too, may take an estimate
 # measures of robots' intervals at a checkpoint: the share that holds the truth, and the mean width
 COVERAGE, WIDTH = range(2)
 
-# what a word of luck is for
-LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE = range(5)
+# what a random word is for
+DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER, DRAW_ALONE, DRAW_ALONE_FUSE = range(5)
 
 # what checks powers, in the source of a compiled brain: the result of one, and one as a whole
 POWER, RAISED = "power_of_cpython", "raised_as_in_cpython"

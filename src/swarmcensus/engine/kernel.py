@@ -1,7 +1,7 @@
-"""Trials on fixed networks, run in batches to their metrics, and minds on recorded data.
+"""Trials on fixed networks, run in batches to their metrics, and states on recorded data.
 
 Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the addresses of the brains' functions
-(`calling.py`), and a mind is a row of numbers.
+(`calling.py`), and a state is a row of numbers.
 """
 
 import numpy as np
@@ -13,21 +13,22 @@ from swarmcensus.engine.constants import (
     BLOCK,
     BOUND,
     DECISION,
+    DRAW_FUSE,
+    DRAW_OBSERVE,
     END_ROUND,
     HEAR,
     IS_DONE,
-    LUCK_FUSE,
-    LUCK_OBSERVE,
     SENSE,
     VERDICTS,
 )
-from swarmcensus.engine.layout import Intervals, Minds, Tally
+from swarmcensus.engine.layout import Intervals, States, Tally
 from swarmcensus.engine.random import word_of, words
 
-from .minds import (
+from .rounds import Work, advance, advance_alone, count_heard, graph_of, most_arrivals
+from .states import (
     ZERO,
     believe_all,
-    blank_minds,
+    blank_states,
     copy_all,
     count_clipped,
     count_known,
@@ -41,27 +42,26 @@ from .minds import (
     sensors_of,
     settle,
 )
-from .rounds import Work, advance, advance_alone, count_heard, graph_of, most_arrivals
 
 tally_of, intervals_of = map(loop(inline="always"), (Tally.of_trial, Intervals.of_trial))
 
 
 @entry
 def simulate(
-    swarm, given, minds, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop
+    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop
 ):  # fmt: skip
-    """Run a batch of trials from blank minds to their metrics; False if stopped.
+    """Run a batch of trials from blank states to their metrics; False if stopped.
 
     `given` are their inputs; all groups are those of `layout.py`. With `local`, robots hear nobody and `rounds` counts
     single observations. Messages are counted only where `count_known` and `count_heard` do not know them beforehand.
 
-    Estimates are kept for a segment of rounds, as many as minds.rows. Where the convergence rule must look further
-    back, the segment before is run again, to the same bits, from a snapshot of the minds: 2 segments - 1 steps. The
-    first segment starts from blank minds and the last never runs again, so they need no snapshot; with room for every
+    Estimates are kept for a segment of rounds, as many as states.rows. Where the convergence rule must look further
+    back, the segment before is run again, to the same bits, from a snapshot of the states: 2 segments - 1 steps. The
+    first segment starts from blank states and the last never runs again, so they need no snapshot; with room for every
     segment, all get one. To see all estimates of a trial, run it alone and step by step with the same groups:
-    minds.rows then hold the estimates of the step.
+    states.rows then hold the estimates of the step.
     """
-    memory, outbox, signals, rows = minds
+    memory, outbox, signals, rows = states
     sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
     checkpoints = intervals.checkpoints
     robots = memory.shape[0]
@@ -71,11 +71,11 @@ def simulate(
     bits = np.zeros(blacks.size, np.uint64)
     single = np.zeros(robots if local else 0)
     arrivals = np.zeros((2, 0), np.uint32)
-    luck = np.zeros((3, robots if swarm.luck.size > 0 else 0), np.uint64)
+    draws = np.zeros((3, robots if swarm.draws.size > 0 else 0), np.uint64)
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
     uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
-    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
+    partial = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
         number = given.first + trial
@@ -84,9 +84,9 @@ def simulate(
         most = most_arrivals(graph, robots)
         if most > arrivals.shape[1]:
             arrivals = np.zeros((2, most), np.uint32)
-        if swarm.luck.size > 0 and most > luck.shape[1]:
-            luck = np.zeros((3, most), np.uint64)
-        work = Work(blacks, bits, single, luck, beside, arrivals)
+        if swarm.draws.size > 0 and most > draws.shape[1]:
+            draws = np.zeros((3, most), np.uint64)
+        work = Work(blacks, bits, single, draws, partial, arrivals)
         source = source_of(sensors_of(sensors, trial))
         renew(source, 1)
         counted = tally_of(tally, trial)
@@ -94,7 +94,7 @@ def simulate(
         asked = intervals_of(intervals, trial)
         where, value = measures.where[trial], measures.value[trial]
         if first_step == 0:
-            blank_minds(swarm, memory, beliefs[0][trial], beliefs[1][trial])
+            blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             believe_all(swarm, memory, start, ZERO)
             forget_verdicts(counted.verdicts, counted.agreed)
             if counted.verdicts.shape[0] > 0:
@@ -116,7 +116,7 @@ def simulate(
                     copy_all(segments.outboxes[shot], outbox)
                     copy_all(segments.signals[shot], signals)
             elif not forward and undecided and s == 0:
-                blank_minds(swarm, memory, beliefs[0][trial], beliefs[1][trial])
+                blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             elif not forward and undecided:
                 copy_all(memory, segments.snapshots[shot])
                 if late:
@@ -126,7 +126,7 @@ def simulate(
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
                 if local:
-                    advance_alone(swarm, minds, work, source, failures, number, first, last, stop)
+                    advance_alone(swarm, states, work, source, failures, number, first, last, stop)
                 else:
                     begun = first
                     while begun < last:  # up to a checkpoint at which robots are asked for intervals, and on
@@ -135,7 +135,7 @@ def simulate(
                         if asks:
                             end = checkpoints[c] + 1
                         advance(
-                            swarm, Minds(memory, outbox, signals, rows[begun - first :]), work, source, graph, radio,
+                            swarm, States(memory, outbox, signals, rows[begun - first :]), work, source, graph, radio,
                             counted if forward else again, failures, number, begun, end, stop,
                         )  # fmt: skip
                         if stop[0] != 0:
@@ -172,16 +172,16 @@ def simulate(
 
 @entry
 def believe(swarm, history, estimates):
-    """Fill `estimates` (round, robot) with those of minds (round, robot, byte)."""
+    """Fill `estimates` (round, robot) with those of states (round, robot, byte)."""
     for k in range(history.shape[0]):
         believe_all(swarm, history[k], estimates, np.uint64(k * history.shape[1]))
 
 
 @entry
 def decided(swarm, history, estimates, decisions):
-    """Fill `decisions` (round, robot, 2) with the option of minds (round, robot, byte), and whether they are done.
+    """Fill `decisions` (round, robot, 2) with the option of states (round, robot, byte), and whether they are done.
 
-    `estimates` (round, robot) are those of the minds.
+    `estimates` (round, robot) are those of the states.
     """
     robots = history.shape[1]
     verdicts = np.empty((robots, VERDICTS))
@@ -197,7 +197,7 @@ def decided(swarm, history, estimates, decisions):
 
 @entry
 def bounded(swarm, history, bounds):
-    """Fill `bounds` (round, end, robot) with the intervals of minds (round, robot, byte), where brains have one."""
+    """Fill `bounds` (round, end, robot) with the intervals of states (round, robot, byte), where brains have one."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         if swarm.functions[group, BOUND]:
@@ -213,7 +213,7 @@ def follow(
     swarm, outbox, signals, beliefs, readings, every, periodic, first_message, senders, receivers, judged, history,
     estimates,
 ):  # fmt: skip
-    """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
+    """Run states on recorded readings (step, robot; NaN where none) and keep them after every round.
 
     A round ends every `every` steps and at the last step. With `periodic`, all messages pass at the end of each whole
     round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1]. All robots have one
@@ -224,18 +224,18 @@ def follow(
     memory = np.empty((readings.shape[1], swarm.sizes[0]), np.uint8)
     row, seen = np.zeros(readings.shape[1]), np.empty(readings.shape[1])
     verdicts, agreed = np.empty((readings.shape[1], VERDICTS)), np.empty(2)
-    luck = np.zeros((2, readings.shape[1]), np.uint64)
-    message_luck = np.zeros(senders.size, np.uint64)
+    draws = np.zeros((2, readings.shape[1]), np.uint64)
+    message_draws = np.zeros(senders.size, np.uint64)
     arrivals = np.zeros((2, senders.size), np.uint32)
-    blank_minds(swarm, memory, beliefs[0], beliefs[1])
+    blank_states(swarm, memory, beliefs[0], beliefs[1])
     copy_all(history[0], memory)
     k = 0
     for s in range(readings.shape[0]):
         whole = (s + 1) % every == 0
         ends = whole or s == readings.shape[0] - 1
-        if swarm.luck.size > 0:
-            words(swarm.luck, ZERO, s + 1, LUCK_OBSERVE, ZERO, robots, luck[0])
-            words(swarm.luck, ZERO, s + 1, LUCK_FUSE, ZERO, robots, luck[1])
+        if swarm.draws.size > 0:
+            words(swarm.draws, ZERO, s + 1, DRAW_OBSERVE, ZERO, robots, draws[0])
+            words(swarm.draws, ZERO, s + 1, DRAW_FUSE, ZERO, robots, draws[1])
         if s % every == 0:  # robots that are done make no reading in this round
             forget_verdicts(verdicts, agreed)
             for block in range(np.uint64(swarm.of_block.size - 1)):
@@ -243,7 +243,7 @@ def follow(
                     judge(swarm, block, memory, row, ZERO, verdicts, k)
         for i in range(robots):
             seen[i] = -1.0 if verdicts[i, IS_DONE] != 0.0 else readings[s, i]
-        call(functions[SENSE], memory, outbox, signals, ZERO, seen, 1.0, ZERO, robots, luck[0], ZERO)
+        call(functions[SENSE], memory, outbox, signals, ZERO, seen, 1.0, ZERO, robots, draws[0], ZERO)
         if periodic:
             first, last = 0, senders.size if whole else 0
         else:
@@ -253,12 +253,12 @@ def follow(
             if is_said(signals, np.uint64(senders[m])):
                 arrivals[0, count] = receivers[m]
                 arrivals[1, count] = senders[m]
-                if swarm.luck.size > 0:
-                    message_luck[count] = word_of(swarm.luck[2], swarm.luck[3], ZERO, s + 1, ZERO, m)
+                if swarm.draws.size > 0:
+                    message_draws[count] = word_of(swarm.draws[2], swarm.draws[3], ZERO, s + 1, ZERO, m)
                 count += 1
-        call(functions[HEAR], memory, outbox, ZERO, arrivals[0], arrivals[1], ZERO, count, robots, message_luck)
+        call(functions[HEAR], memory, outbox, ZERO, arrivals[0], arrivals[1], ZERO, count, robots, message_draws)
         if ends:
-            call(functions[END_ROUND], memory, row, ZERO, ZERO, robots, luck[1])
+            call(functions[END_ROUND], memory, row, ZERO, ZERO, robots, draws[1])
             k += 1
             copy_all(history[k], memory)
     for k in range(history.shape[0]):

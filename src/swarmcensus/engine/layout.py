@@ -22,18 +22,18 @@ class Swarm(NamedTuple):
     bases: np.ndarray  # (group): where its records begin, in bytes
     sizes: np.ndarray  # (group): bytes of a record
     clipped: np.ndarray  # (group): which byte of it begins the count of messages that no format could hold, or -1
-    blanks: np.ndarray  # (group, byte): a mind before its first observation
+    blanks: np.ndarray  # (group, byte): a state before its first observation
     runs: np.ndarray  # (run, 3): group, first robot, last robot + 1; none crosses the end of a block
     of_block: np.ndarray  # (block + 1): where the runs of a block of BLOCK robots begin
     additive: bool  # whether all brains only add up what they hear
-    is_signalled: bool  # whether robots may be silent or jam, and say so in `Minds.signals`
+    is_signalled: bool  # whether robots may be silent or jam, and say so in `States.signals`
     jams: bool  # whether any brain may drown what others say
-    luck: np.ndarray  # two keys of two words each; empty where no brain uses luck
+    draws: np.ndarray  # two keys of two words each; empty where no brain uses luck
     honest: np.ndarray  # (robot): whom decisions and metrics count; empty where they count all
 
 
-class Minds(NamedTuple):
-    """The minds of one trial: what they hold, say and estimate."""
+class States(NamedTuple):
+    """The states of one trial: what they hold, say and estimate."""
 
     memory: np.ndarray  # (robot, byte), see `Swarm`
     outbox: np.ndarray  # (round x robot, byte): the messages of the last rounds, which take turns
@@ -57,7 +57,7 @@ class Sensors(NamedTuple):
         return Sensors(self.b[k], self.w[k], self.drift[k], self.course, self.looks, self.key, self.order)
 
 
-class Radio(NamedTuple):
+class Reception(NamedTuple):
     """How messages travel."""
 
     key: np.ndarray  # of losses
@@ -84,10 +84,10 @@ class Inputs(NamedTuple):
     first: int
     sensors: Sensors
     beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
-    radio: Radio
+    radio: Reception
     links: Links  # who hears whom; NO_LINKS where robots move
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `failures.py`
-    luck: np.ndarray  # two keys; empty where no brain uses luck
+    draws: np.ndarray  # two keys; empty where no brain uses luck
     walk: np.ndarray  # key of the random walk
     speeds: np.ndarray  # (trial, robot): metres that a robot goes in a tick; no rows on fixed networks
     group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is only one
@@ -108,7 +108,7 @@ class Inputs(NamedTuple):
 
 
 class Segments(NamedTuple):
-    """Room to run rounds of a trial again from a copy of its minds, see `kernel.simulate`."""
+    """Room to run rounds of a trial again from a copy of its states, see `kernel.simulate`."""
 
     snapshots: np.ndarray  # (segment, robot, byte): memory before the segment
     outboxes: np.ndarray  # (segment, round x robot, byte): the outbox; no segments if messages are not late
@@ -162,7 +162,7 @@ class Bodies(NamedTuple):
     body: np.ndarray  # (1): `Body.numbers` (worlds/bodies.py)
     half: float  # half the arena's side, in metres
     key: np.ndarray  # of the random walk
-    wishes: np.ndarray  # (3, robot): of brains that steer: whether there is a wish, metres and radians a tick
+    commands: np.ndarray  # (3, robot): of brains that steer: whether there is one, metres and radians a tick
 
 
 class Neighbours(NamedTuple):
@@ -203,7 +203,7 @@ class Chunk(NamedTuple):
 class Recorded(NamedTuple):
     """Room for what is recorded of a chunk; no rows if nothing is."""
 
-    history: np.ndarray  # (tick, robot, byte): minds after the tick
+    history: np.ndarray  # (tick, robot, byte): states after the tick
     readings: np.ndarray  # (tick, robot): 1 for black; set where a robot made one
 
 

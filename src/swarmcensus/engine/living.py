@@ -1,36 +1,36 @@
-"""Minds on a fixed network, some rounds at a time: for viewers, who see each round's minds and messages."""
+"""States on a fixed network, some rounds at a time: for viewers, who see each round's states and messages."""
 
 import numpy as np
 
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.constants import BLOCK, HEARD, SENT, TALKING
-from swarmcensus.engine.layout import Minds
+from swarmcensus.engine.layout import States
 
 from .failures import works
-from .minds import ZERO, believe_all, blank_minds, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
 from .rounds import Work, advance, count_heard, graph_of, most_arrivals
+from .states import ZERO, believe_all, blank_states, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
 
 
 @entry
-def start_minds(swarm, given, minds, tally):
-    """Blank minds of one trial, and in minds.rows their estimates before any observation."""
-    blank_minds(swarm, minds.memory, given.beliefs[0][0], given.beliefs[1][0])
-    believe_all(swarm, minds.memory, minds.rows, ZERO)
+def start_states(swarm, given, states, tally):
+    """Blank states of one trial, and in states.rows their estimates before any observation."""
+    blank_states(swarm, states.memory, given.beliefs[0][0], given.beliefs[1][0])
+    believe_all(swarm, states.memory, states.rows, ZERO)
     forget_verdicts(tally.verdicts, tally.agreed)
     if tally.verdicts.shape[0] > 0:
-        judge_blank(swarm, minds.memory, minds.rows, tally.verdicts)
+        judge_blank(swarm, states.memory, states.rows, tally.verdicts)
 
 
 @entry
-def live(swarm, given, minds, tally, first, history, said, signals, messages, stop):
-    """Run the rounds of a trial, the only one `given`, from `first` on, as many as minds.rows, which get the estimates.
+def live(swarm, given, states, tally, first, history, said, signals, messages, stop):
+    """Run rounds of the only trial `given` from `first` on, as many as states.rows, which get the estimates.
 
-    After each round its minds go to `history` (round, robot, byte), the messages that were heard to `said` (round,
+    After each round its states go to `history` (round, robot, byte), the messages that were heard to `said` (round,
     robot, byte) and `signals` (round, robot), and the totals of messages sent and heard so far to `messages` (round,
     what). `tally` counts on from the round before `first`.
     """
-    memory, outbox, rows = minds.memory, minds.outbox, minds.rows
+    memory, outbox, rows = states.memory, states.outbox, states.rows
     trial, radio, stops, counts, delay = given.first, given.radio, given.stops[0], tally.counts, given.radio.delay
     robots = memory.shape[0]
     blacks = np.zeros(min(robots, BLOCK))
@@ -38,15 +38,15 @@ def live(swarm, given, minds, tally, first, history, said, signals, messages, st
     graph = graph_of(given.links, 0, robots)
     most = most_arrivals(graph, robots)
     arrivals = np.zeros((2, most), np.uint32)
-    luck = np.zeros((3, max(robots, most if swarm.luck.size > 0 else 0)), np.uint64)
-    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
-    work = Work(blacks, bits, np.zeros(0), luck, beside, arrivals)
+    draws = np.zeros((3, max(robots, most if swarm.draws.size > 0 else 0)), np.uint64)
+    partial = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
+    work = Work(blacks, bits, np.zeros(0), draws, partial, arrivals)
     source = source_of(sensors_of(given.sensors, 0))
     for r in range(rows.shape[0]):
         k = first + r
         renew(source, k)
         advance(
-            swarm, Minds(memory, outbox, minds.signals, rows[r:]), work, source, graph, radio, tally, stops, trial,
+            swarm, States(memory, outbox, states.signals, rows[r:]), work, source, graph, radio, tally, stops, trial,
             k, k + 1, stop,
         )  # fmt: skip
         if stop[0] != 0:
@@ -55,7 +55,7 @@ def live(swarm, given, minds, tally, first, history, said, signals, messages, st
         here = (k + 2) % (delay + 2) * robots
         copy_all(said[r], outbox[here : here + robots])
         if swarm.is_signalled:
-            copy_all(signals[r], minds.signals[here : here + robots])
+            copy_all(signals[r], states.signals[here : here + robots])
         else:
             for i in range(robots):
                 counts[SENT, i] += works(stops, TALKING, i, k)

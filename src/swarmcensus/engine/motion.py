@@ -27,7 +27,7 @@ from swarmcensus.engine.random import block, counter, unit
 
 STAND, STRAIGHT, LEFT, RIGHT = 0, 1, 2, 3
 RAYS = 8
-AHEAD = tuple(np.arange(4))  # the first ray of each opposite pair; a tuple, as literals would each be compiled anew
+AHEAD = tuple(np.arange(4))  # the first ray of each opposite pair; a tuple, as literals would each be compiled
 DIAGONAL = math.sqrt(0.5)
 RAY_X = np.array([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL])
 RAY_Y = np.array([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL])

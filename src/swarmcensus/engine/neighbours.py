@@ -1,6 +1,6 @@
 """Who is near whom, and in sight: lists that last some ticks, and distances measured along them in each tick.
 
-Lists reach a skin further than robots do, so they are made anew only once a robot has gone half the skin. Whether they
+Lists reach a skin further than robots do, so they are made again only once a robot has gone half the skin. Whether they
 are too old is checked right before use: nobody within reach is ever missing (Verlet lists, as in molecular dynamics).
 Indices are unsigned: Numba then does not check for negative ones.
 """

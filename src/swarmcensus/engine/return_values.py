@@ -16,9 +16,9 @@ def unwrapped(context, value):
     return numba.types.Tuple((numba.types.boolean, value.type))(value), generate
 
 
-def chosen(wish):
+def chosen(command):
     """Whether a robot wants to go anywhere, its speed and its turn."""
-    return (False, 0.0, 0.0) if wish is None else (True, float(wish[0]), float(wish[1]))
+    return (False, 0.0, 0.0) if command is None else (True, float(command[0]), float(command[1]))
 
 
 def is_number(kind):
@@ -32,19 +32,19 @@ def is_pair(kind):
 
 
 @overload(chosen)
-def compiled_chosen(wish):
+def compiled_chosen(command):
     """`chosen` in machine code: for None, for a pair, and for either."""
-    if isinstance(wish, numba.types.NoneType):
-        return lambda wish: (False, 0.0, 0.0)
-    pair = wish.type if isinstance(wish, numba.types.Optional) else wish
+    if isinstance(command, numba.types.NoneType):
+        return lambda command: (False, 0.0, 0.0)
+    pair = command.type if isinstance(command, numba.types.Optional) else command
     if not is_pair(pair):
         # no NumbaError, which would only be counted among the reasons why no implementation was found
         raise TypeError(f"steer gives {pair}, neither two numbers, a speed and a turn, nor None")
-    if not isinstance(wish, numba.types.Optional):
-        return lambda wish: (True, float(wish[0]), float(wish[1]))
+    if not isinstance(command, numba.types.Optional):
+        return lambda command: (True, float(command[0]), float(command[1]))
 
-    def either(wish):
-        there, pair = unwrapped(wish)
+    def either(command):
+        there, pair = unwrapped(command)
         if there:
             return True, float(pair[0]), float(pair[1])
         return False, 0.0, 0.0

@@ -1,4 +1,4 @@
-"""Minds of robots that move: they ride along on a walk, and may steer it.
+"""States of robots that move: they ride along on a walk, and may steer it.
 
 Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the addresses of the brains' functions.
 """
@@ -14,32 +14,32 @@ from swarmcensus.engine.compiling import INSIDE, entry, loop
 from swarmcensus.engine.constants import (
     ADD_UP,
     ASK,
+    DRAW_FUSE,
+    DRAW_OBSERVE,
+    DRAW_STEER,
     END_ROUND,
     HEAR,
     HEAR_ALL,
     HEAR_SUMS,
     HEARD,
     LISTED,
-    LUCK_FUSE,
-    LUCK_OBSERVE,
-    LUCK_STEER,
     SENSE,
 )
 from swarmcensus.engine.random import unit, words
 
-from .minds import (
+from .states import (
     ONE,
     ZERO,
     agree,
     arrives,
     believe_all,
-    blank_minds,
+    blank_states,
     copy_all,
     count_clipped,
     count_known,
     count_said,
     count_sent,
-    draw_message_luck,
+    draw_for_messages,
     drowned,
     find_wrong,
     forget_verdicts,
@@ -55,16 +55,16 @@ from .minds import (
 
 
 class Buffers(NamedTuple):
-    """Room to work in; made once, because making it anew in each tick would cost small swarms a tenth of their time."""
+    """Room to work in; made once, because making it in each tick would cost small swarms a tenth of their time."""
 
     bits: Any  # (robot): random words
     seen: Any  # (robot): readings
-    luck: Any  # (2, robot): words to observe and fuse with
+    draws: Any  # (2, robot): words to observe and fuse with
     arrivals: Any  # (2, message): receivers and senders of what gets through
-    message_luck: Any  # (message)
+    message_draws: Any  # (message)
     b: Any  # (robot): accuracies of the tick, where they drift
     w: Any
-    beside: Any  # (2, byte): sums of messages, see `phases.add_up`
+    partial: Any  # (2, byte): sums of messages, see `phases.add_up`
 
 
 @njit(nogil=True, **INSIDE)
@@ -83,18 +83,18 @@ def buffers_of(robots, messages, size):
 
 
 @entry
-def start_minds(swarm, given, minds, start, tally):
-    """Blank minds of one trial, their first messages, and their estimates `start` (1, robot)."""
-    memory = minds.memory
-    count_known(swarm, tally.counts, given.stops[0], minds.rows.shape[0])
-    blank_minds(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
+def start_states(swarm, given, states, start, tally):
+    """Blank states of one trial, their first messages, and their estimates `start` (1, robot)."""
+    memory = states.memory
+    count_known(swarm, tally.counts, given.stops[0], states.rows.shape[0])
+    blank_states(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
     no_readings = np.full(memory.shape[0], -1.0)
-    luck = np.zeros(memory.shape[0], np.uint64)
+    draws = np.zeros(memory.shape[0], np.uint64)
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         call(
-            swarm.functions[group, SENSE], place(memory, swarm.bases[group]), minds.outbox, minds.signals, ZERO,
-            no_readings, 1.0, a, z, luck, ONE,
+            swarm.functions[group, SENSE], place(memory, swarm.bases[group]), states.outbox, states.signals, ZERO,
+            no_readings, 1.0, a, z, draws, ONE,
         )  # fmt: skip
     believe_all(swarm, memory, start, ZERO)
     forget_verdicts(tally.verdicts, tally.agreed)
@@ -112,9 +112,9 @@ def look(readings, looked, black, b, w, bits):
 
 
 @loop()
-def hear_each(swarm, minds, buffers, radio, counts, stops, trial, tick, said, heard, senders):
+def hear_each(swarm, states, buffers, radio, counts, stops, trial, tick, said, heard, senders):
     """Robot i hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and broken radios."""
-    memory, outbox, signals, arrivals = minds.memory, minds.outbox, minds.signals, buffers.arrivals
+    memory, outbox, signals, arrivals = states.memory, states.outbox, states.signals, buffers.arrivals
     said_at = tick - radio.delay
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
@@ -129,39 +129,39 @@ def hear_each(swarm, minds, buffers, radio, counts, stops, trial, tick, said, he
                     arrivals[1, count] = senders[e]
                     count += 1
             counts[HEARD, i] += count - before
-        if swarm.luck.size > 0:
-            draw_message_luck(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, buffers.message_luck)
+        if swarm.draws.size > 0:
+            draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, buffers.message_draws)
         call(
             swarm.functions[group, HEAR], place(memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
-            ZERO, count, memory.shape[0], buffers.message_luck,
+            ZERO, count, memory.shape[0], buffers.message_draws,
         )  # fmt: skip
 
 
 @entry
-def ride(swarm, given, minds, tally, intervals, chunk, black, recorded, stop):
+def ride(swarm, given, states, tally, intervals, chunk, black, recorded, stop):
     """`live_on` for CPython, in the only trial `given`."""
-    n, most = minds.memory.shape[0], 0
+    n, most = states.memory.shape[0], 0
     for k in range(chunk.looked.shape[0]):
         most = max(most, chunk.heard[(k + 1) * n] - chunk.heard[k * n])
-    buffers = buffers_of(n, most, minds.outbox.shape[1])
+    buffers = buffers_of(n, most, states.outbox.shape[1])
     live_on(
-        swarm, minds, buffers, sensors_of(given.sensors, 0), given.radio, given.stops[0], tally, intervals, chunk,
+        swarm, states, buffers, sensors_of(given.sensors, 0), given.radio, given.stops[0], tally, intervals, chunk,
         black, recorded, given.first, stop,
     )  # fmt: skip
 
 
 @loop()
-def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
-    """Run the minds of a trial through a chunk of its walk; estimates of tick k go to minds.rows[k - 1].
+def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
+    """Run the states of a trial through a chunk of its walk; estimates of tick k go to states.rows[k - 1].
 
     `black` (tick, robot) says whether the tile under a robot's sensor is black. The outbox holds delay + 1 ticks. The
     other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know them.
     """
-    memory, outbox, signals, rows = minds
-    bits, seen, luck = buffers.bits, buffers.seen, buffers.luck
+    memory, outbox, signals, rows = states
+    bits, seen, draws = buffers.bits, buffers.seen, buffers.draws
     counts, verdicts, delay = tally.counts, tally.verdicts, radio.delay
     n = memory.shape[0]
-    lucky = swarm.luck.size > 0
+    is_random = swarm.draws.size > 0
     in_sums = swarm.additive and radio.threshold == 0 and stops.shape[1] == 0
     for k in range(chunk.looked.shape[0]):
         if stop[0] != 0:
@@ -181,32 +181,32 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
             for i in range(n):
                 if seen[i] >= 0.0:
                     recorded.readings[k, i] = seen[i]
-        if lucky:
-            words(swarm.luck, trial, now, LUCK_OBSERVE, ZERO, np.uint64(n), luck[0])
-            words(swarm.luck, trial, now, LUCK_FUSE, ZERO, np.uint64(n), luck[1])
+        if is_random:
+            words(swarm.draws, trial, now, DRAW_OBSERVE, ZERO, np.uint64(n), draws[0])
+            words(swarm.draws, trial, now, DRAW_FUSE, ZERO, np.uint64(n), draws[1])
         for run in range(swarm.runs.shape[0]):
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
             at = np.int64(a)
             call(
                 swarm.functions[group, SENSE], place(memory, swarm.bases[group]), outbox, signals, said,
-                place(seen, at), 1.0, a, z, place(luck, at), ONE,
+                place(seen, at), 1.0, a, z, place(draws, at), ONE,
             )  # fmt: skip
         if swarm.is_signalled:
             count_sent(signals, np.uint64(said), stops, now, counts)
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
-            call(swarm.functions[0, ADD_UP], outbox, then, buffers.beside, n, n)
+            call(swarm.functions[0, ADD_UP], outbox, then, buffers.partial, n, n)
             call(
-                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.beside, ZERO, rows, here, ZERO, n,
-                place(luck, n),
+                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.partial, ZERO, rows, here, ZERO, n,
+                place(draws, n),
             )  # fmt: skip
             for i in range(n):
                 counts[HEARD, i] += n - 1
         elif now >= delay and in_sums:
             call(
                 swarm.functions[0, HEAR_SUMS], memory, outbox, then, heard, chunk.senders, chunk.senders.size, rows,
-                here, ZERO, n, n, place(luck, n),
+                here, ZERO, n, n, place(draws, n),
             )  # fmt: skip
             if swarm.is_signalled:
                 count_said(signals, np.uint64(then), heard, chunk.senders, LISTED, counts)
@@ -216,13 +216,13 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
         else:
             if now >= delay:
                 hear_each(
-                    swarm, minds, buffers, radio, counts, stops, trial, now, np.uint64(then), heard, chunk.senders
+                    swarm, states, buffers, radio, counts, stops, trial, now, np.uint64(then), heard, chunk.senders
                 )  # fmt: skip
             for run in range(swarm.runs.shape[0]):
                 group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
                 call(
                     swarm.functions[group, END_ROUND], place(memory, swarm.bases[group]), rows, here, a, z,
-                    place(luck, n + np.int64(a)),
+                    place(draws, n + np.int64(a)),
                 )  # fmt: skip
         if verdicts.shape[0] > 0:
             for block in range(np.uint64(swarm.of_block.size - 1)):
@@ -238,39 +238,39 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
 
 
 @entry
-def steer(swarm, memory, body, speeds, trial, tick, wishes):
+def steer(swarm, memory, body, speeds, trial, tick, commands):
     """`steer_all` for CPython."""
-    steer_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, speeds, trial, tick, wishes)
+    steer_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, speeds, trial, tick, commands)
 
 
 @loop()
-def steer_all(swarm, luck, memory, body, speeds, trial, tick, wishes):
-    """Ask minds where they want to go; `wishes` (3, robot) gets whether anywhere, metres and radians a tick.
+def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
+    """Ask brains where they want to go; `commands` (3, robot) gets whether anywhere, metres and radians a tick.
 
     `speeds` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at full speed as
-    well: a wish that is too fast for them is slowed as a whole. `luck` (robot) is room for random words.
+    well: a command that is too fast for them is slowed as a whole. `draws` (robot) is room for random words.
     """
     n = memory.shape[0]
-    if swarm.luck.size > 0:
-        words(swarm.luck, trial, tick, LUCK_STEER, ZERO, np.uint64(n), luck)
+    if swarm.draws.size > 0:
+        words(swarm.draws, trial, tick, DRAW_STEER, ZERO, np.uint64(n), draws)
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         if swarm.functions[group, ASK]:  # some brains of a mixed swarm may not steer
             address = swarm.functions[group, ASK]
-            call(address, place(memory, swarm.bases[group]), wishes, n, a, z, place(luck, np.int64(a)))
+            call(address, place(memory, swarm.bases[group]), commands, n, a, z, place(draws, np.int64(a)))
     for i in range(memory.shape[0]):
-        speed = wishes[1, i] * body[0].tick
-        turn = wishes[2, i] * body[0].tick
+        speed = commands[1, i] * body[0].tick
+        turn = commands[2, i] * body[0].tick
         if not (abs(speed) < 1e300 and abs(turn) < 1e300):
-            wishes[0, i] = tick
+            commands[0, i] = tick
             raise ValueError("steer returned a speed or a turn that is not a finite number")
         load = 0.0
         if speed != 0.0:
             load += abs(speed) / speeds[i] if speeds[i] > 0.0 else np.inf
         if turn != 0.0:
             load += abs(turn) / body[0].turn if body[0].turn > 0.0 else np.inf
-        wishes[1, i] = speed / max(load, 1.0)
-        wishes[2, i] = turn / max(load, 1.0)
+        commands[1, i] = speed / max(load, 1.0)
+        commands[2, i] = turn / max(load, 1.0)
 
 
 @entry

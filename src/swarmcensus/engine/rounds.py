@@ -1,4 +1,4 @@
-"""A round on fixed networks: minds observe, talk, hear each other and fuse.
+"""A round on fixed networks: robots observe, talk, hear each other and fuse.
 
 A `Swarm` (`layout.py`) holds the addresses of the brains' functions, which are called by address (`calling.py`).
 """
@@ -14,6 +14,10 @@ from swarmcensus.engine.compiling import INSIDE, loop
 from swarmcensus.engine.constants import (
     ADD_UP,
     BLOCK,
+    DRAW_ALONE,
+    DRAW_ALONE_FUSE,
+    DRAW_FUSE,
+    DRAW_OBSERVE,
     END_ROUND,
     FULL,
     GO_ALONE,
@@ -22,24 +26,20 @@ from swarmcensus.engine.constants import (
     HEAR_SUMS,
     HEARD,
     LISTED,
-    LUCK_ALONE,
-    LUCK_ALONE_FUSE,
-    LUCK_FUSE,
-    LUCK_OBSERVE,
     PAIRS,
     SENSE,
 )
 from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.random import words
 
-from .minds import (
+from .states import (
     ONE,
     ZERO,
     agree,
     arrives,
     count_said,
     count_sent,
-    draw_message_luck,
+    draw_for_messages,
     drowned,
     is_noise,
     is_said,
@@ -66,8 +66,8 @@ class Work(NamedTuple):
     blacks: Any  # (robot): how many readings of a round are black
     bits: Any  # (robot): random words
     single: Any  # (robot): single readings; no robots if they do not go alone
-    luck: Any  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
-    beside: Any  # (block + 1, byte): sums of messages, see `phases.add_up`
+    draws: Any  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
+    partial: Any  # (block + 1, byte): sums of messages, see `phases.add_up`
     arrivals: Any  # (2, message): receivers and senders of what gets through
 
 
@@ -127,12 +127,12 @@ def take_drowned_away(signals, said, graph, arrivals, count, stops, tick, counts
 
 
 @loop(forceinline=True)
-def hear_what_arrives(swarm, minds, work, graph, radio, counts, stops, trial, tick, said, group, first, last):
+def hear_what_arrives(swarm, states, work, graph, radio, counts, stops, trial, tick, said, group, first, last):
     """Messages at `said` in the outbox pass along links first ... last - 1, but for lost ones and broken radios.
 
     It is part of its caller, because passing so many arguments would take longer than what it does for a hundred links.
     """
-    arrivals, outbox, signals, luck = work.arrivals, minds.outbox, minds.signals, work.luck[2]
+    arrivals, outbox, signals, draws = work.arrivals, states.outbox, states.signals, work.draws[2]
     count = 0
     for link in range(first, last):
         to, by = np.int64(graph.receivers[link]), np.int64(graph.senders[link])
@@ -144,19 +144,19 @@ def hear_what_arrives(swarm, minds, work, graph, radio, counts, stops, trial, ti
                 counts[HEARD, to] += 1
     if swarm.jams:
         count = take_drowned_away(signals, said, graph, arrivals, count, stops, tick - radio.delay, counts)
-    if swarm.luck.size > 0:
-        draw_message_luck(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
+    if swarm.draws.size > 0:
+        draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
     call(
-        swarm.functions[group, HEAR], place(minds.memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
-        ZERO, count, minds.memory.shape[0], luck,
+        swarm.functions[group, HEAR], place(states.memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
+        ZERO, count, states.memory.shape[0], draws,
     )  # fmt: skip
 
 
 @loop()
-def hear_pairs(swarm, minds, work, radio, counts, stops, trial, tick, said, stop):
+def hear_pairs(swarm, states, work, radio, counts, stops, trial, tick, said, stop):
     """All hear all, message by message: O(N^2), for a radio that loses messages or a brain that does more than add."""
-    arrivals, outbox, signals, luck = work.arrivals, minds.outbox, minds.signals, work.luck[2]
-    robots, said_at = minds.memory.shape[0], tick - radio.delay
+    arrivals, outbox, signals, draws = work.arrivals, states.outbox, states.signals, work.draws[2]
+    robots, said_at = states.memory.shape[0], tick - radio.delay
     noises = 0
     if swarm.jams:
         for j in range(robots):
@@ -176,25 +176,25 @@ def hear_pairs(swarm, minds, work, radio, counts, stops, trial, tick, said, stop
                     count += 1
             if counts.shape[1] > 0:
                 counts[HEARD, i] += count
-            if swarm.luck.size > 0:
-                draw_message_luck(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
+            if swarm.draws.size > 0:
+                draw_for_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, draws)
             call(
-                swarm.functions[group, HEAR], place(minds.memory, swarm.bases[group]), outbox, said, arrivals[0],
-                arrivals[1], ZERO, count, robots, luck,
+                swarm.functions[group, HEAR], place(states.memory, swarm.bases[group]), outbox, said, arrivals[0],
+                arrivals[1], ZERO, count, robots, draws,
             )  # fmt: skip
 
 
 @loop()
-def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first, last, stop):
-    """Run rounds first ... last - 1 of a trial; minds.rows get their estimates.
+def advance(swarm, states, work, source, graph, radio, tally, stops, trial, first, last, stop):
+    """Run rounds first ... last - 1 of a trial; states.rows get their estimates.
 
     Except with PAIRS, a robot ends one round and observes for the next in one pass, block by block, so that a swarm
     larger than the processor's cache passes through it once a round. So the outbox has two parts, which take turns, and
     one more for each round that messages are late; `said` is where the messages begin that are heard in this round.
     Nothing is counted or judged where the `Tally` has no robots.
     """
-    memory, outbox, signals, rows = minds
-    blacks, bits, luck, beside = work.blacks, work.bits, work.luck, work.beside
+    memory, outbox, signals, rows = states
+    blacks, bits, draws, partial = work.blacks, work.bits, work.draws, work.partial
     counts, verdicts, agreed = tally.counts, tally.verdicts, tally.agreed
     tables, key = source.tables, source.sensors.key
     links, bounds, receivers, senders = graph.mode, graph.bounds, graph.receivers, graph.senders
@@ -206,8 +206,8 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
     in_sums = links == LISTED and sound and swarm.additive
     one_by_one = links == LISTED and (swarm.is_signalled or not sound)
     at_once = n <= CACHED
-    lucky = swarm.luck.size > 0
-    fused, heard = np.int64(luck.shape[1]), np.int64(2 * luck.shape[1])  # where in `luck` those parts begin
+    is_random = swarm.draws.size > 0
+    fused, heard = np.int64(draws.shape[1]), np.int64(2 * draws.shape[1])  # where in `draws` those parts begin
     addresses, bases, runs, of_block = swarm.functions, swarm.bases, swarm.runs, swarm.of_block
     shared = addresses[0]  # functions of all robots, if the swarm is additive
     for k in range(first - 1, last):
@@ -219,29 +219,29 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
             renew(source, k + 1)
         hears = r >= 0 and k > delay
         if hears and links == FULL:
-            call(shared[ADD_UP], outbox, said, beside, n if at_once else np.uint64(BLOCK), n)
+            call(shared[ADD_UP], outbox, said, partial, n if at_once else np.uint64(BLOCK), n)
             if at_once:
-                if lucky:
-                    words(swarm.luck, trial, k, LUCK_FUSE, ZERO, n, luck[1])
-                call(shared[HEAR_ALL], memory, outbox, said, beside, ZERO, rows, here, ZERO, n, place(luck, fused))
+                if is_random:
+                    words(swarm.draws, trial, k, DRAW_FUSE, ZERO, n, draws[1])
+                call(shared[HEAR_ALL], memory, outbox, said, partial, ZERO, rows, here, ZERO, n, place(draws, fused))
         elif hears and links != LISTED:
-            hear_pairs(swarm, minds, work, radio, counts, stops, trial, k, said, stop)
+            hear_pairs(swarm, states, work, radio, counts, stops, trial, k, said, stop)
         if hears and swarm.is_signalled and (in_sums or links == FULL):
             count_said(signals, said, bounds, senders, links, counts)
-        for block in range(ZERO, np.uint64(beside.shape[0] - 1)):
+        for block in range(ZERO, np.uint64(partial.shape[0] - 1)):
             start = block * np.uint64(BLOCK)
             end = min(start + np.uint64(BLOCK), n)
-            if r >= 0 and lucky and not (hears and links == FULL and at_once):
-                words(swarm.luck, trial, k, LUCK_FUSE, start, end - start, luck[1])
+            if r >= 0 and is_random and not (hears and links == FULL and at_once):
+                words(swarm.draws, trial, k, DRAW_FUSE, start, end - start, draws[1])
             if hears and in_sums:
                 call(
                     shared[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n,
-                    place(luck, fused),
+                    place(draws, fused),
                 )  # fmt: skip
             elif hears and links == FULL and not at_once:
                 call(
-                    shared[HEAR_ALL], memory, outbox, said, beside, block, rows, here, start, end,
-                    place(luck, fused),
+                    shared[HEAR_ALL], memory, outbox, said, partial, block, rows, here, start, end,
+                    place(draws, fused),
                 )  # fmt: skip
             elif r >= 0 and not (hears and links == FULL):
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
@@ -249,20 +249,21 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                     base = bases[group]
                     if hears and one_by_one:
                         hear_what_arrives(
-                            swarm, minds, work, graph, radio, counts, stops, trial, k, said, group, bounds[a], bounds[z]
+                            swarm, states, work, graph, radio, counts, stops, trial, k, said, group, bounds[a],
+                            bounds[z],
                         )  # fmt: skip
                     elif hears and links == LISTED:
-                        if lucky:
-                            draw_message_luck(
-                                swarm, trial, k, receivers, senders, bounds[a], bounds[z], luck[2]
+                        if is_random:
+                            draw_for_messages(
+                                swarm, trial, k, receivers, senders, bounds[a], bounds[z], draws[2]
                             )  # fmt: skip
                         call(
                             addresses[group, HEAR], place(memory, base), outbox, said, receivers, senders,
-                            bounds[a], bounds[z], n, place(luck, heard),
+                            bounds[a], bounds[z], n, place(draws, heard),
                         )  # fmt: skip
                     call(
                         addresses[group, END_ROUND], place(memory, base), rows, here, a, z,
-                        place(luck, fused + np.int64(a - start)),
+                        place(draws, fused + np.int64(a - start)),
                     )  # fmt: skip
             if r >= 0 and verdicts.shape[0] > 0:
                 judge(swarm, block, memory, rows, here, verdicts, k)
@@ -271,14 +272,14 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                     blacks, bits, tables, looks, key, trial, k + 1, start, end
                 )  # fmt: skip
                 silence_failed(blacks, stops, k + 1, start, end)
-                if lucky:
-                    words(swarm.luck, trial, k + 1, LUCK_OBSERVE, start, end - start, luck[0])
+                if is_random:
+                    words(swarm.draws, trial, k + 1, DRAW_OBSERVE, start, end - start, draws[0])
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     offset = np.int64(a - start)
                     call(
                         addresses[group, SENSE], place(memory, bases[group]), outbox, signals, next_said,
-                        place(blacks, offset), float(looks), a, z, place(luck, offset), ONE,
+                        place(blacks, offset), float(looks), a, z, place(draws, offset), ONE,
                     )  # fmt: skip
         if k + 1 < last and swarm.is_signalled:
             count_sent(signals, next_said, stops, k + 1, counts)
@@ -289,13 +290,13 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
 
 
 @loop()
-def advance_alone(swarm, minds, work, source, stops, trial, first, last, stop):
-    """Run single observations first ... last - 1 of robots that hear nobody; minds.rows get their estimates."""
-    memory, rows, luck, sensors = minds.memory, minds.rows, work.luck, source.sensors
+def advance_alone(swarm, states, work, source, stops, trial, first, last, stop):
+    """Run single observations first ... last - 1 of robots that hear nobody; states.rows get their estimates."""
+    memory, rows, draws, sensors = states.memory, states.rows, work.draws, source.sensors
     looks = sensors.looks
     n = np.uint64(memory.shape[0])
-    lucky = swarm.luck.size > 0
-    n_words = np.int64(luck.shape[1])
+    is_random = swarm.draws.size > 0
+    n_words = np.int64(draws.shape[1])
     for k in range(first, last):
         if stop[0] != 0:
             return
@@ -307,13 +308,13 @@ def advance_alone(swarm, minds, work, source, stops, trial, first, last, stop):
             count_blacks(work.blacks, work.bits, source.tables, looks, sensors.key, trial, tick, ZERO, n)
         arrange(work.single, work.blacks, work.bits, left, sensors.order, trial, k)
         silence_failed(work.single, stops, tick, ZERO, n)
-        if lucky:
-            words(swarm.luck, trial, k, LUCK_ALONE, ZERO, n, luck[0])
-            words(swarm.luck, trial, k, LUCK_ALONE_FUSE, ZERO, n, luck[1])
+        if is_random:
+            words(swarm.draws, trial, k, DRAW_ALONE, ZERO, n, draws[0])
+            words(swarm.draws, trial, k, DRAW_ALONE_FUSE, ZERO, n, draws[1])
         for run in range(swarm.runs.shape[0]):
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
             at = np.int64(a)
             call(
                 swarm.functions[group, GO_ALONE], place(memory, swarm.bases[group]), place(work.single, at), rows,
-                np.uint64(k - first) * n, a, z, place(luck, at), place(luck, n_words + at),
+                np.uint64(k - first) * n, a, z, place(draws, at), place(draws, n_words + at),
             )  # fmt: skip

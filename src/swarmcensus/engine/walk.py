@@ -1,4 +1,4 @@
-"""Bodies that walk, tick by tick: where they start, how they move, which tile they are on, whom they hear. No minds.
+"""Bodies that walk, tick by tick: where they start, how they move, which tile they are on, whom they hear. No states.
 
 The model is in docs/moving-robots.md. Positions are in metres, the arena's centre at 0. `body` is `Body.numbers`
 (bodies.py).
@@ -75,7 +75,7 @@ def place(bodies, trial):
 @entry
 def walk(bodies, neighbours, stops, trial, chunk, stop):
     """Walk through the ticks of a chunk and fill it; returns the ticks done, fewer where `senders` is full."""
-    state, half, key, wishes, body = bodies.state, bodies.half, bodies.key, bodies.wishes, bodies.body[0]
+    state, half, key, commands, body = bodies.state, bodies.half, bodies.key, bodies.commands, bodies.body[0]
     tick, looked, tiles = chunk.tick, chunk.looked, chunk.tiles
     heard, senders, poses = chunk.heard, chunk.senders, chunk.poses
     room, around, hears, ears = neighbours.room, neighbours.around, neighbours.hears, neighbours.ears
@@ -107,9 +107,9 @@ def walk(bodies, neighbours, stops, trial, chunk, stop):
             go(state, i, body.lag, state[COS_LATE, i], state[SIN_LATE, i])
             speed = state[PACE, i] if move == STRAIGHT else 0.0
             turn = body.turn if move == LEFT else (-body.turn if move == RIGHT else 0.0)
-            if wishes.shape[1] > 0 and able and not avoiding and wishes[0, i] > 0.0:
-                speed = wishes[1, i]
-                turn = wishes[2, i]
+            if commands.shape[1] > 0 and able and not avoiding and commands[0, i] > 0.0:
+                speed = commands[1, i]
+                turn = commands[2, i]
                 state[LEFT_TICKS, i] = 0.0
             set_wheels(state, i, body, turns, speed, turn)
             go(state, i, 1.0 - body.lag, state[COS_THEN, i], state[SIN_THEN, i])

@@ -15,7 +15,7 @@ from swarmcensus.engine.random import block, counter, unit, words
 
 
 @entry
-def spread_uniform(key, first_trial, low, high, out):
+def draw_uniform(key, first_trial, low, high, out):
     """Fill `out` (trial, robot) with U(low, high)."""
     bits = np.empty(out.shape[1], np.uint64)
     for trial in range(out.shape[0]):
@@ -25,7 +25,7 @@ def spread_uniform(key, first_trial, low, high, out):
 
 
 @entry
-def spread_normal(key, first_trial, mean, sd, out):
+def draw_normal(key, first_trial, mean, sd, out):
     """Fill `out` (trial, robot) with N(mean, sd) truncated to [0, 1]; the mean lies in [0, 1], sd > 0.
 
     Rejection from a uniform on [0, 1] or, where that is narrower, nine deviations either side: what lies

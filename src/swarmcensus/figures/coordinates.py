@@ -47,10 +47,9 @@ def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: 
             if name not in known and name not in also:
                 varying = varies(results)
                 others = [other for other in [*known, *also] if other not in varying]
-                raise InputError(
-                    f"{option} {name!r}: {did_you_mean(name, [*known, *also])}the coordinates that vary here are "
-                    f"{', '.join(varying) or 'none'}; others are {', '.join(others)}"
-                )
+                here = f"the coordinates that vary here are {', '.join(varying) or 'none'}"
+                meant = did_you_mean(name, [*known, *also])
+                raise InputError.named(option, name, f"{meant}{here}; others are {', '.join(others)}")
 
 
 def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:

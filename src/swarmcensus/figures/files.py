@@ -52,7 +52,8 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = (), dpi: flo
         path, formats = path.with_suffix(""), (suffix,)
     for extension in formats:
         if extension not in known:
-            raise InputError(f"cannot write {extension!r} files, only {', '.join(sorted(known))}")
+            only = ", ".join(sorted(known))
+            raise InputError(f"cannot write {extension!r} files, only {only}", key="formats", value=extension)
     paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
     for place, extension in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)

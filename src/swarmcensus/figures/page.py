@@ -136,15 +136,15 @@ def on_page(draw: Kind) -> Kind:
     @functools.wraps(draw)
     def drawn(results: xr.Dataset, **options: Any) -> Any:
         if wrong := next((name for name in options if name not in known), None):
-            raise InputError(
-                f"{draw.__name__} has no option {wrong!r}: {did_you_mean(wrong, known)}there are {', '.join(known)}"
-            )
+            there = f"{did_you_mean(wrong, known)}there are {', '.join(known)}"
+            raise InputError(f"{draw.__name__} has no option {wrong!r}: {there}", key=wrong)
         given = {name: options.pop(name, None) for name in PageOptions.__annotations__}
         labels, own_axes = given.pop("labels"), options.get("ax") is not None
         if own_axes and (size := next((name for name in ("width", "height") if given[name] is not None), None)):
             raise wrong_option(size, None, "axes of your own have the size of their figure")
         if labels is not None and not isinstance(labels, Mapping):
-            raise InputError(f"labels={labels!r}: should be names by names, such as {{'minimalistic': 'Ours'}}")
+            should = "should be names by names, such as {'minimalistic': 'Ours'}"
+            raise InputError(f"labels={labels!r}: {should}", key="labels", value=labels)
         if labels:
             results = with_labels(results, labels)
         wanted = _page_of(**given)

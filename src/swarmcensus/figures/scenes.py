@@ -34,7 +34,7 @@ class Clock(NamedTuple):
         try:
             return in_ticks(time, self.seconds, name)
         except ValueError as error:
-            raise InputError(str(error)) from None
+            raise InputError(str(error), key=name, value=value) from None
 
 
 def is_trace(data: xr.Dataset) -> bool:
@@ -97,13 +97,13 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain_file: B
 def check_tick(tick: int, known: tuple[int, int]) -> None:
     """Raise InputError for a tick outside known[0] to known[1]."""
     if not known[0] <= tick <= known[1]:
-        raise InputError(f"tick {tick}: this trial has ticks {known[0]:,} to {known[1]:,}", key="tick", value=tick)
+        raise InputError.named("tick", tick, f"this trial has ticks {known[0]:,} to {known[1]:,}")
 
 
 def check_robot(robot: int, robots: int) -> None:
     """Raise InputError for a robot number that does not exist."""
     if not 0 <= robot < robots:
-        raise InputError(f"robot {robot}: the robots are numbered 0 to {robots - 1}")
+        raise InputError.named("robot", robot, f"the robots are numbered 0 to {robots - 1}")
 
 
 def find_moving(data: xr.Dataset, setting: int | None, trial: int, brain_file: Brains = ()) -> tuple[int, Setting]:
@@ -113,11 +113,12 @@ def find_moving(data: xr.Dataset, setting: int | None, trial: int, brain_file: B
     """
     moving = data["setting"].values[data["topology"].values == MOVING]
     if not moving.size:
-        raise InputError('no robots move in these results: arenas and films need topology = "moving"')
+        raise InputError('no robots move in these results: arenas and films need topology = "moving"', key="topology")
     number = int(moving[0]) if setting is None else setting
     if number in data["setting"].values and number not in moving:
         several = ", ".join(map(str, moving[:8])) + (", ..." if moving.size > 8 else "")
-        raise InputError(f"setting {number} is a fixed network, without an arena; those of moving robots: {several}")
+        fixed = f"setting {number} is a fixed network, without an arena; those of moving robots: {several}"
+        raise InputError(fixed, key="setting", value=number)
     _, chosen = setting_of(data, number, brain_file)
     check_held(data, trial=trial)
     return number, chosen

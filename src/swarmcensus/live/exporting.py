@@ -19,7 +19,7 @@ from swarmcensus.support.formatting import counted
 
 BLOCK = 500  # frames that are compressed together
 MOST_FRAMES = 400_000_000  # bytes of frames, uncompressed
-MINDS = 1_200_000  # bytes of memories, compressed, unless fewer are asked for
+STATES = 1_200_000  # bytes of memories, compressed, unless fewer are asked for
 STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # rounds from one recorded memory to the next
 
 
@@ -42,7 +42,7 @@ def page_of(
     query: Mapping[str, str],
     played: Mapping[str, str] | None = None,
     report: Callable[[float], None] = lambda share: None,
-    memories: int = MINDS,
+    memories: int = STATES,
 ) -> str:
     """The HTML of a trial, which opens as `played` says, and plays if that names no moment.
 
@@ -57,17 +57,17 @@ def page_of(
         raise InputError(
             f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: take fewer"
         )
-    frames, minds, names, step = [], [], [], _step(shows[0], memories)
+    frames, states, names, step = [], [], [], _step(shows[0], memories)
     for side, show in enumerate(shows):
         blocks, fields = [], []
         for ticks in _blocks(rounds):
             blocks.append(_packed(show.frames(ticks, side)))
             if recorded := [tick for tick in ticks if tick % step == 0]:
-                fields.append(_minds(show, recorded))
+                fields.append(_states(show, recorded))
             report((side + ticks[-1] / rounds) / len(shows))
         frames.append(blocks)
         names.append(fields[0][0])
-        minds.append(_packed(_shuffled(np.concatenate([values for _, values in fields], axis=2))))
+        states.append(_packed(_shuffled(np.concatenate([values for _, values in fields], axis=2))))
     settlings = [Settling(show, trial.study.measure.delta) for show in shows]
     for one in settlings:
         while not one.on():
@@ -76,7 +76,7 @@ def page_of(
         "scenes": [scene_of(show) for show in shows],  # of logs that grow, as they are now
         "form": form_of(offer, trial),
         "frames": frames,
-        "minds": minds,
+        "states": states,
         "names": names,
         "step": step,
         "settled": [one.median() for one in settlings],
@@ -94,11 +94,11 @@ def _step(show: Show, most: int) -> int:
     """The step between recorded memories with which they fit into `most` bytes, estimated from the first rounds."""
     rounds = show.rounds
     sample = list(range(1, min(rounds, 200) + 1))
-    size = len(zlib.compress(_shuffled(_minds(show, sample)[1]), 6)) / len(sample) * (rounds + 1)
+    size = len(zlib.compress(_shuffled(_states(show, sample)[1]), 6)) / len(sample) * (rounds + 1)
     return next((step for step in STEPS if size / step <= most), STEPS[-1])
 
 
-def _minds(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
+def _states(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
     """The memories of robots at these ticks: names of fields, and values (field, robot, tick)."""
     names, rows = [], []
     for tick in ticks:

@@ -50,12 +50,12 @@ def watch(
     Port 0 takes a free port. Raises InputError.
     """
     if not isinstance(of, str | Path | Study | xr.Dataset | None):
-        raise InputError(
-            f"{type(of).__name__}: should be a study, results, a file of either, a folder of logs, or None"
-        )
+        should = "should be a study, results, a file of either, a folder of logs, or None"
+        raise InputError(f"{type(of).__name__}: {should}", key="of")
     for name, value, least, most in (("port", port, 0, 65_535), ("height", height, 100, 10_000)):
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise InputError(f"{name}={value!r}: should be a whole number from {least} to {most:,}")
+            should = f"should be a whole number from {least} to {most:,}"
+            raise InputError(f"{name}={value!r}: {should}", key=name, value=value)
     words = {key: to_toml_value(value) if isinstance(value, Mapping) else str(value) for key, value in asked.items()}
     logged = isinstance(of, str | Path) and Path(of).is_dir()
     files: tuple[Path, ...] = (Path(brain),) if brain is not None and (logged or str(brain).endswith(".py")) else ()

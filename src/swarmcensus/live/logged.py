@@ -1,4 +1,4 @@
-"""A day of robots as a life that is watched: what their logs have of each tick, in place of a simulation."""
+"""A recording in place of a simulation: what robots' logs have of each tick."""
 
 import threading
 from collections.abc import Iterator, Mapping, Sequence, Set
@@ -8,22 +8,22 @@ import numpy as np
 
 from swarmcensus.brains import slots
 from swarmcensus.engine import Inputs, compiler
-from swarmcensus.robots import Block, Clock, Day, OtherDay, Tick
-from swarmcensus.simulation import STRETCH_BYTES, Stretch, blaming, minds_of, swarm_of, tally_of
+from swarmcensus.robots import Block, Clock, Recording, Relived, Tick
+from swarmcensus.simulation import STRETCH_BYTES, Stretch, blaming, states_of, swarm_of, tally_of
 from swarmcensus.studies import Setting
 from swarmcensus.support.documents import json_value
 from swarmcensus.translation import messages_of
 
-MOST_LENGTH = 50  # rounds of a stretch: the last one is made again whenever logs have grown
+MOST_LENGTH = 50  # rounds of a stretch: the last one is recomputed when logs have grown
 MOST_MADE = 16  # stretches that are kept
 UNKNOWN = -1  # in place of a block: a robot was away, or its log lacks the tick
 
 
 class Logged:
-    """A day, as it was or under another brain, with the attributes of a simulated life.
+    """A recording, as it was or with another brain, with the attributes of a simulated trial.
 
-    Logs may grow: `grow` takes what is new. A robot at work, or at work when the day ended, that has no tick in the
-    last rounds is shown in them as after its last tick.
+    Logs may grow: `grow` takes what is new. A robot at work, or at work at the end, that has no tick in the last rounds
+    is shown in them as after its last tick.
     """
 
     adds = False  # messages are shown as they were sent
@@ -34,17 +34,23 @@ class Logged:
     _counts: np.ndarray  # the same of one round
 
     def __init__(
-        self, setting: Setting, given: Inputs, day: Day, lived: OtherDay, clock: Clock, at_work: Set[int] = frozenset()
+        self,
+        setting: Setting,
+        given: Inputs,
+        recording: Recording,
+        lived: Relived,
+        clock: Clock,
+        at_work: Set[int] = frozenset(),
     ) -> None:
-        """Order what is known of a day by rounds. Raises InputError if the brain does not compile."""
-        self.setting, self.seed, self.trial, self.given = setting, day.seed, day.trial, given
+        """Order what is known of a recording by rounds. Raises InputError if the brain does not compile."""
+        self.setting, self.seed, self.trial, self.given = setting, recording.seed, recording.trial, given
         self.lived, self.clock = lived, clock
         with blaming(setting, given.first):
             self.swarm = swarm_of(setting, given, "network")
-            minds = minds_of(setting, self.swarm, 1, np.empty((1, setting.robots)))
+            states = states_of(setting, self.swarm, 1, np.empty((1, setting.robots)))
             tally = tally_of(setting, 1).of_trial(0)
-            compiler.compile_world("living").start_minds(self.swarm, given, minds, tally)
-        self.blank = minds.memory
+            compiler.compile_world("living").start_states(self.swarm, given, states, tally)
+        self.blank = states.memory
         self.rounds = 0
         self.version = 0  # counts changes
         self.at_work: Set[int] = frozenset()
@@ -56,12 +62,12 @@ class Logged:
         self.length = int(np.clip(STRETCH_BYTES // self.blank.nbytes, 1, MOST_LENGTH))
         self._made: dict[int, tuple[int, Stretch]] = {}  # with the version that they show
         self._lock = threading.Lock()
-        self.grow(day, {member.number: 0 for member in day.members}, False, at_work)
+        self.grow(recording, {member.number: 0 for member in recording.members}, False, at_work)
 
-    def grow(self, day: Day, new: Mapping[int, int], moved: bool, at_work: Set[int]) -> None:
+    def grow(self, recording: Recording, new: Mapping[int, int], moved: bool, at_work: Set[int]) -> None:
         """Take the blocks of some robots from the first new one on; all again if rounds of known ones have `moved`."""
         with self._lock:
-            self.logs = {member.number: member.log.blocks for member in day.members}
+            self.logs = {member.number: member.log.blocks for member in recording.members}
             if moved:
                 self._last = {}
                 self._make_room(0)
@@ -103,7 +109,7 @@ class Logged:
         for at in range(first, len(blocks)):
             time = self.clock.time(number, at)
             estimate = estimates.get(at)
-            # a start counts only where no tick is: it comes after the tick
+            # a start counts only in a round without a tick, because it comes after the tick
             if estimate is not None and (isinstance(blocks[at], Tick) or self.blocks[time, number] == UNKNOWN):
                 self.blocks[time, number], self.estimates[time, number] = at, estimate
                 begins = min(begins, time)
@@ -190,14 +196,14 @@ class Logged:
             last, at = self._last[robot]
             later = slice(max(last + 1 - first, 0), None)
             blocks[later, robot], estimates[later, robot] = at, self.estimates[last, robot]
-        history, known = self._minds(blocks)
+        history, known = self._states(blocks)
         return Stretch(
             first, history, np.zeros((rounds, robots, 0)), np.zeros((rounds, 0)), estimates, self.messages[rows],
             np.zeros(robots, np.bool_), known=known,
         )  # fmt: skip
 
-    def _minds(self, blocks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Minds as the engine has them (round, robot, byte), and whose are known; others are as at the start."""
+    def _states(self, blocks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """States as the engine has them (round, robot, byte), and which are known; others are as at the start."""
         history = np.repeat(self.blank[np.newaxis], len(blocks), axis=0)
         known = np.zeros(blocks.shape, np.bool_)
         flat, group = history.reshape(len(blocks), -1), self.given.group
@@ -213,12 +219,12 @@ class Logged:
         return history, known
 
 
-def put(records: Any, lengths: Mapping[str, int], minds: list[list[float] | None]) -> list[bool]:
-    """Put the numbers of minds, in the order of their fields' names, into records; returns which are known and fit."""
+def put(records: Any, lengths: Mapping[str, int], states: list[list[float] | None]) -> list[bool]:
+    """Put the numbers of states, in the order of their fields' names, into records; returns which are known and fit."""
     width = sum(length or 1 for length in lengths.values())
-    fit = [numbers is not None and len(numbers) == width for numbers in minds]
+    fit = [numbers is not None and len(numbers) == width for numbers in states]
     rows = np.flatnonzero(fit)
-    values = np.array([minds[row] for row in rows]).reshape(len(rows), width)
+    values = np.array([states[row] for row in rows]).reshape(len(rows), width)
     at = 0
     for name in sorted(lengths):
         records[name][rows] = values[:, at : at + lengths[name]] if lengths[name] else values[:, at]

@@ -28,8 +28,8 @@ from swarmcensus.worlds import Body, Floor, Topology, arena, networks, patterns,
 if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
     import xarray as xr
 
-    from swarmcensus.live.days import LoggedDay
     from swarmcensus.live.logged import Logged
+    from swarmcensus.live.recordings import LoggedRecording
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
 MOST_TILES = 1_000_000  # along a side of the arena
@@ -45,8 +45,8 @@ KEYS = (
     "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
     "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
-ON_A_DAY = ("beside", "of")  # those of a logged day that may differ from what it was
-BESIDE = "beside."  # before the name of a parameter: of the brain beside
+ON_A_RECORDING = ("beside", "of")  # keys that may be chosen for a recording in logs
+BESIDE = "beside."  # before the name of a parameter of the second brain
 PLAYED = (
     "tick",
     "robot",
@@ -76,13 +76,13 @@ class Offer:
     brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
     adversaries: dict[str, Adversary]
     live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
-    logged: "LoggedDay | None" = None  # where robots lived the trial: only a brain beside it can be chosen
+    logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
     files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """One trial to be watched, and optionally another setting in the same world beside it."""
+    """One trial to be watched, and optionally a second setting in the same world."""
 
     study: Study
     settings: tuple[Setting, ...]
@@ -101,7 +101,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     """
     name = of.name if isinstance(of, Path) else ""
     if isinstance(of, Path) and of.is_dir():
-        return _day(of, given)
+        return _recording(of, given)
     if isinstance(of, Path):
         check_no_log(of)
     if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
@@ -113,12 +113,12 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     return replace(offer, files=BrainFiles(offer.brains.values()))
 
 
-def _day(folder: Path, given: tuple[Path, ...]) -> Offer:
-    from swarmcensus.live.days import LoggedDay
+def _recording(folder: Path, given: tuple[Path, ...]) -> Offer:
+    from swarmcensus.live.recordings import LoggedRecording
 
-    logged = LoggedDay(folder, given)
+    logged = LoggedRecording(folder, given)
     study, setting = logged.study, logged.setting
-    offer = _offer(logged.day.title, (0,), [study], logged.brains, lambda _: (study, setting))
+    offer = _offer(logged.recording.title, (0,), [study], logged.brains, lambda _: (study, setting))
     return replace(offer, live=logged.life, logged=logged)
 
 
@@ -163,14 +163,14 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     if number not in offer.numbers:
         raise InputError.at("setting", number, f"there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
-    first, began = (offer.logged.day.trial, offer.logged.day.seed) if offer.logged else (0, study.seed)
+    first, began = (offer.logged.recording.trial, offer.logged.recording.seed) if offer.logged else (0, study.seed)
     mark = addresses.fingerprint(setting, study.seed)[:8]
     if request.get("of", mark) != mark:
         raise InputError.at("of", request["of"][:40], f"this link is not for {offer.name} as it is now")
     trial = _whole(request, "trial", first, 0, 2**31 - 1)
     seed = _whole(request, "seed", began, 0, 2**63 - 1)
     if offer.logged:
-        _check_day(request, {"setting": number, "trial": first, "seed": began})
+        _check_recording(request, {"setting": number, "trial": first, "seed": began})
     brain = _brain(offer, "brain", request["brain"]) if request.get("brain") else offer.files.latest(setting.brain)
     chosen = [brain.label]
     ours = [key for key in request if key not in KEYS and not key.startswith(BESIDE)]
@@ -182,14 +182,15 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     settings = [changed]
     theirs = {key: value for key, value in request.items() if key.startswith(BESIDE)}
     if request.get("beside"):
-        beside = _brain(offer, "beside", request["beside"])
-        chosen.append(beside.label)
-        lost |= {key for key in theirs if offer.files.has_lost(beside, key.removeprefix(BESIDE))}
-        beside = _with_parameters(beside, {key: theirs[key] for key in theirs if key not in lost}, BESIDE)
-        settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
+        second = _brain(offer, "beside", request["beside"])
+        chosen.append(second.label)
+        lost |= {key for key in theirs if offer.files.has_lost(second, key.removeprefix(BESIDE))}
+        second = _with_parameters(second, {key: theirs[key] for key in theirs if key not in lost}, BESIDE)
+        settings.append(replace(changed, brain=second.with_numbers(changed.brain.numbers)))
         _check(settings[1], study, rounds)
     elif theirs:
-        raise InputError(f"{next(iter(theirs))[:40]}: there is no brain beside: name one with beside")
+        key = next(iter(theirs))[:40]
+        raise InputError(f"{key}: there is no brain beside: name one with beside", key=key)
     given = {key: value for key, value in request.items() if value != "" and key not in lost}
     return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
 
@@ -210,11 +211,11 @@ def first_view(offer: Offer, asked: Mapping[str, str]) -> tuple[dict[str, str], 
     return query, play
 
 
-def _check_day(request: Mapping[str, str], was: Mapping[str, int]) -> None:
+def _check_recording(request: Mapping[str, str], was: Mapping[str, int]) -> None:
     """Raise InputError for a request that would change what robots have lived."""
     for key, value in request.items():
-        if value and key not in ON_A_DAY and not key.startswith(BESIDE) and value != str(was.get(key, "")):
-            raise InputError.at(key, value[:40], "this day is as its logs have it: only beside can be chosen")
+        if value and key not in ON_A_RECORDING and not key.startswith(BESIDE) and value != str(was.get(key, "")):
+            raise InputError.at(key, value[:40], "this recording is as its logs have it: only beside can be chosen")
 
 
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
@@ -282,23 +283,21 @@ def _check(setting: Setting, study: Study, rounds: int) -> None:
     """Raise InputError if values do not go together, or are too large to be watched."""
     try:
         if setting.robots > MOST_ROBOTS or rounds > MOST_ROUNDS:
-            raise ValueError(
-                f"{setting.robots:,} robots for {rounds:,} rounds: at most {MOST_ROBOTS:,} robots "
-                f"for {MOST_ROUNDS:,} rounds can be watched"
-            )
+            most = f"at most {MOST_ROBOTS:,} robots for {MOST_ROUNDS:,} rounds can be watched"
+            key = "robots" if setting.robots > MOST_ROBOTS else "rounds"
+            raise InputError(f"{setting.robots:,} robots for {rounds:,} rounds: {most}", key=key)
         setting.topology.check(setting.robots)
         if setting.body is not None:
             assert setting.density is not None
-            most = arena.largest_density(setting.robots, setting.body)
-            if not 0.0 < setting.density <= most:
-                raise ValueError(f"density = {setting.density:g}: should be above 0 and at most {most:.4g} here")
+            density, densest = f"{setting.density:g}", arena.largest_density(setting.robots, setting.body)
+            if not 0.0 < setting.density <= densest:
+                raise InputError.at("density", density, f"should be above 0 and at most {densest:.4g} here")
             if setting.arena_side > MOST_TILES * setting.body.tile:
-                raise ValueError(f"density = {setting.density:g}: the arena is more than {MOST_TILES:,} tiles wide")
+                raise InputError.at("density", density, f"the arena is more than {MOST_TILES:,} tiles wide")
             (setting.floor or Floor()).check(arena.Arena(setting.arena_side, setting.body.tile))
         elif setting.robots**2 > MOST_PAIRS and not setting.additive and setting.topology.name == "full":
-            raise ValueError(
-                f"{counted(setting.robots, 'robot')} fully connected: at most {MOST_PAIRS**0.5:,.0f} can be watched"
-            )
+            full = f"{counted(setting.robots, 'robot')} fully connected"
+            raise InputError(f"{full}: at most {MOST_PAIRS**0.5:,.0f} can be watched", key="robots")
         for member in setting.members:
             given: dict[str, Any] = dict.fromkeys(Members.model_fields)
             given |= {"robots": [member.robots], "honest": member.honest}
@@ -306,7 +305,7 @@ def _check(setting: Setting, study: Study, rounds: int) -> None:
             table = Members.model_construct(None, **given)
             check((table,), [setting.brain], [setting.robots], setting.body is not None)
     except ValueError as error:
-        raise InputError(str(error)) from None
+        raise error if isinstance(error, InputError) else InputError(str(error)) from None
 
 
 def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
@@ -326,7 +325,8 @@ def _with_parameters(brain: brains.Brain, request: Mapping[str, str], before: st
         name = key.removeprefix(before)
         if name not in brain.parameters:
             known = (*KEYS, *(before + one for one in brain.parameters), *PLAYED)
-            raise InputError(f"{key[:40]}: {did_you_mean(key[:40], known)}known here: {', '.join(known)}")
+            known_here = f"{did_you_mean(key[:40], known)}known here: {', '.join(known)}"
+            raise InputError(f"{key[:40]}: {known_here}", key=key[:40])
         if text == "":
             continue
         try:
@@ -334,7 +334,7 @@ def _with_parameters(brain: brains.Brain, request: Mapping[str, str], before: st
         except ValueError as error:
             why = str(error)[:200]
             said = why if why.startswith(f"{name} = ") else f"{name} = {text[:40]}: {why}"
-            raise InputError(before + said) from None
+            raise InputError(before + said, key=key, value=text[:40]) from None
     return brain
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from swarmcensus.brains import Brain, Value, adversary, length
 from swarmcensus.live.compilations import COMPILATIONS
-from swarmcensus.live.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_DAY, PLAYED, Offer, Wanted, names_of, wanted
+from swarmcensus.live.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_RECORDING, PLAYED, Offer, Wanted, names_of, wanted
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.scenes import scene_of
 from swarmcensus.live.settling import Settling
@@ -21,9 +21,9 @@ from swarmcensus.support.hints import did_you_mean
 
 MOST_FRAMES = 600  # in one answer
 MOST_BYTES = 3_000_000
-PATIENCE = 0.2  # seconds of computation before a page is told that it takes longer
+PATIENCE = 0.2  # seconds of computation before a page learns that it takes longer
 TRIED = 3.0  # the most seconds for which a new trial is tried before it is shown
-ASIDE = 0.05  # the same for what a page does not wait for
+ASIDE = 0.05  # the same for requests that a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
 Answer = bytes | dict[str, Any]
@@ -52,7 +52,7 @@ class Session:
             }  # fmt: skip
             do = request.get("do")
             if not isinstance(do, str) or do not in does:
-                raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
+                raise InputError.at("do", repr(str(do)[:40]), f"should be one of {', '.join(does)}")
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
@@ -131,18 +131,18 @@ class Session:
             return [{"told": robot_of(show, tick, robot), "side": side}]
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
-        """What is new of a day whose logs grow, since the version that the page knows."""
-        day = self.offer.logged
-        if day is None or len(self.shows) != 1:
-            raise InputError("do = 'news': only of a day in logs, without another brain beside it")
-        news = day.news(_whole(request, "since", 0, 2**53))
+        """What is new in growing logs since the version that the page knows."""
+        recording = self.offer.logged
+        if recording is None or len(self.shows) != 1:
+            raise InputError.at("do", "'news'", "only of a recording in logs, without another brain beside it")
+        news = recording.news(_whole(request, "since", 0, 2**53))
         return [{**news, "fixed": fixed(self.offer)}]
 
     def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
         """K of each side, or a note that it takes longer."""
         self._last()
         assert self.trial is not None
-        if self.settling is None:  # trials of their own: what is shown is not wound to and fro
+        if self.settling is None:  # separate trials, so that the shown ones stay at their rounds
             delta = self.trial.study.measure.delta
             self.settling = tuple(Settling(show, delta) for show in self._shows(self.trial))
         began = time.monotonic()
@@ -222,9 +222,11 @@ def _plain(value: Value) -> Any:
 
 
 def fixed(offer: Offer) -> list[str]:
-    """The controls that cannot be changed: on a day in logs all but the brain beside it, and that while it grows."""
-    day = offer.logged
-    return [key for key in KEYS if key not in ON_A_DAY or (day.grows and key == "beside")] if day else []
+    """The controls that cannot be changed: of logs all but the second brain, and that, too, while they grow."""
+    recording = offer.logged
+    return (
+        [key for key in KEYS if key not in ON_A_RECORDING or (recording.grows and key == "beside")] if recording else []
+    )
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:
@@ -253,9 +255,8 @@ def _read(text: str | bytes) -> dict[str, Any]:
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
     for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
-        raise InputError(
-            f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
-        )
+        meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
+        raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request
 
 

@@ -84,7 +84,7 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             ours = next(part for part in parts if name in part.variables)
             (coordinates if name in ours.coords else variables)[name] = ("setting", column[kept], variable.attrs)
         elif name in variables and not variable.equals(variables[name]):  # type: ignore[no-untyped-call]
-            raise InputError(f"two of the studies have two different {name}")
+            raise InputError(f"two of the studies have two different {name}", key=str(name))
         else:
             variables[name] = variable
     keys = ("brains", "adversaries", "metrics", "additions")
@@ -108,7 +108,7 @@ def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
     known: dict[str, Any] = {}
     for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
         if known.setdefault(name, source)["sha256"] != source["sha256"]:
-            raise InputError(f"two of the studies name two different {key} {name!r}")
+            raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
     return json.dumps(known, sort_keys=key in ("brains", "adversaries")) if known else None
 
 

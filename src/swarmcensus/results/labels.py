@@ -1,4 +1,4 @@
-"""What brains are called in tables and figures: by labels of their study or of the user, else by their own names."""
+"""Names of brains in tables and figures: labels of their study or of the user, else their own names."""
 
 import json
 import tomllib
@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.brains.library import TITLES, namesakes
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import OptionError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell
 
@@ -21,8 +21,8 @@ def labels_in(results: xr.Dataset) -> dict[str, str]:
     Merged studies may give one label to two brains, which then keep their own names.
     """
     labels, known = _given(results), _brains_in(results)
-    while (alike := namesakes(known, labels)) and labels.keys() & alike[:2]:
-        labels = {name: label for name, label in labels.items() if name not in alike[:2]}
+    while (same := namesakes(known, labels)) and labels.keys() & same[:2]:
+        labels = {name: label for name, label in labels.items() if name not in same[:2]}
     return labels
 
 
@@ -40,22 +40,24 @@ def _given(results: xr.Dataset) -> dict[str, str]:
 
 
 def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
-    """Results whose brains are called so. Raises InputError for an unknown brain, and for one name of two brains."""
+    """Results with these names of brains. Raises InputError for an unknown brain, and for one name of two brains."""
     known = _brains_in(results)
     for name, label in labels.items():
         what = f"--label {name}={label}" if in_shell() else f"labels={{{name!r}: {label!r}}}"
         if name not in known:
-            raise InputError(f"{what}: {did_you_mean(name, known)}the brains here are {', '.join(known)}")
+            there = f"{did_you_mean(name, known)}the brains here are {', '.join(known)}"
+            raise OptionError(f"{what}: {there}", key="labels", value=name)
         if not isinstance(label, str) or not label.strip() or not label.isprintable():
-            raise InputError(f"{what}: a label should be a line of text")
+            raise OptionError(f"{what}: a label should be a line of text", key="labels", value=label)
     labelled = results.assign_attrs({LABELS: json.dumps(dict(labels))})
-    if alike := namesakes(known, _given(labelled)):
-        raise InputError("{} and {} would both be called {!r}: give them two labels".format(*alike))
+    if same := namesakes(known, _given(labelled)):
+        both = "{} and {} would both be called {!r}: give them two labels".format(*same)
+        raise OptionError(both, key="labels", value=same[2])
     return labelled
 
 
 def titles_in(*results: xr.Dataset) -> dict[str, str]:
-    """What figures call brains: their labels in these results, or the titles of shipped brains."""
+    """Names of brains in figures: their labels in these results, or the titles of shipped brains."""
     titles = dict(TITLES)
     for each in results:
         titles |= labels_in(each)
@@ -63,7 +65,7 @@ def titles_in(*results: xr.Dataset) -> dict[str, str]:
 
 
 def titles_of_contenders(*results: xr.Dataset) -> dict[str, str]:
-    """What figures call brains by the names that contenders have, in which labels already stand for brains."""
+    """Names in figures by the names of contenders, in which labels already stand for brains."""
     labels = {name: label for each in results for name, label in labels_in(each).items()}
     titles = {name: title for name, title in TITLES.items() if name not in labels}
     return titles | {label: label for label in labels.values()}

@@ -43,10 +43,8 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
     for name, data in zip(names, datasets, strict=True):
         for key in ALIKE:
             if data.attrs.get(key) != datasets[0].attrs.get(key):
-                raise InputError(
-                    f"{name} and {names[0]} cannot go together: {key} is {data.attrs.get(key)} and "
-                    f"{datasets[0].attrs.get(key)}"
-                )
+                both = f"{key} is {data.attrs.get(key)} and {datasets[0].attrs.get(key)}"
+                raise ResultsError(f"{name} and {names[0]} cannot go together: {both}", file=name, key=key)
         own = studies_of(data, run=False)
         for wrong in filter(None, (structure.wrong(data), *unlike(data, own, whole=False))):
             raise ResultsError.of(name, f"damaged or changed: {wrong}")
@@ -71,8 +69,9 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
     with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
         if not fresh and listed(parts.folder):
-            anew = option("fresh", True)
-            raise InputError(f"{parts.folder} holds the work of a run that was cut off: end that run first, or {anew}")
+            fresh_run = option("fresh", True)
+            cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"
+            raise ResultsError(cut_off, file=out)
         if not fresh and out.exists():
             _check_kept(out, data)
         save(data, out)
@@ -87,7 +86,7 @@ def _check_kept(out: Path, data: xr.Dataset) -> None:
     try:
         old = stored(out)
     except InputError as error:
-        raise InputError(f"{error}: it is in the way, {hint}") from None
+        raise ResultsError(f"{error}: it is in the way, {hint}", file=out) from None
     lost = len(_trials(old) - _trials(data))
     if lost:
         raise ResultsError(
@@ -180,9 +179,12 @@ def _put(
             setting, trial = int(place[at["setting"]]), int(trials[at["trial"]])
             before = names[origin[setting, trial]]
             new_value, old_value = new[tuple(differ[0])].item(), old[tuple(differ[0])].item()
-            raise InputError(
+            raise ResultsError(
                 f"{names[number]} and {before} disagree: setting {data['setting'].values[at['setting']]} of "
-                f"{names[number]}, trial {trial}: {name} is {new_value!r} and {old_value!r}"
+                f"{names[number]}, trial {trial}: {name} is {new_value!r} and {old_value!r}",
+                file=names[number],
+                key=name,
+                value=new_value,
             )
         array[where] = np.where(nothing, old, new)
     own = np.ix_(place, trials)

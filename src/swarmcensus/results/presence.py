@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.hints import did_you_mean_file
 from swarmcensus.support.options import command
@@ -19,9 +19,10 @@ def check_there(path: Path) -> None:
     """Raise InputError if there is neither a results file nor the shards of its run."""
     check_no_log(path)
     if path.suffix == ".toml" and path.is_file():
-        raise InputError(f"{path} is a study, not results: first run it with {command('swarmcensus', 'run', path)}")
+        first = command("swarmcensus", "run", path)
+        raise ResultsError(f"{path} is a study, not results: first run it with {first}", file=path)
     if path.is_file() or (path.name and folder_of(path).is_dir()):
         return
     what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"
     hint = did_you_mean_file(path) if not path.exists() else ""
-    raise InputError(f"results file {path}: {what}{': ' * bool(hint)}{hint.rstrip()}")
+    raise ResultsError.within(f"results file {path}", f"{what}{': ' * bool(hint)}{hint.rstrip()}")

@@ -10,7 +10,7 @@ import xarray as xr
 from swarmcensus.simulation import known, readings_of
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
-from swarmcensus.support.tables import Table, plain, read_table
+from swarmcensus.support.tables import ReadTable, plain, read_table
 from swarmcensus.worlds import KNOWN, LINKS, links_of
 
 ACCURACIES = ("b", "w", "accuracy")  # names of columns
@@ -36,16 +36,12 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     except ValueError:
         values = []
     if len(values) not in (1, 2):
-        raise InputError(
-            f"accuracy {text!r}: there is no such file: should be 0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row "
-            "for each robot",
-            key="accuracy",
-            value=text,
-        )
+        should = "0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row for each robot"
+        raise InputError.named("accuracy", text, f"there is no such file: should be {should}")
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
-def _accuracies(table: Table) -> tuple[np.ndarray, np.ndarray]:
+def _accuracies(table: ReadTable) -> tuple[np.ndarray, np.ndarray]:
     if not table.rows:
         raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}, and a row for each robot")
     names = [plain(name) for name in table.names] if table.names else ["b", "w"][: table.width]

@@ -1,4 +1,4 @@
-"""Days of robots as results: each brain is a setting of one trial, measured as a simulated one."""
+"""Recordings as results: each brain is a setting of one trial, measured as a simulated one."""
 
 from collections.abc import Sequence
 
@@ -9,80 +9,88 @@ from swarmcensus.brains import Brain, Format
 from swarmcensus.results.source_study import RELIVED
 from swarmcensus.results.store import dataset
 from swarmcensus.results.values import Values
-from swarmcensus.robots import Clock, Day, OtherDay, estimates_of, format_of, last_estimates, messages_of_robots
+from swarmcensus.robots import Clock, Recording, Relived, estimates_of, format_of, last_estimates, messages_of_robots
 from swarmcensus.simulation import convergence, correct, error_at
 from swarmcensus.studies import Study, addresses, to_toml
 from swarmcensus.support.errors import ResultsError
 
 
-def dataset_of(day: Day, lived: Sequence[OtherDay], clock: Clock, message: Format | None = None) -> xr.Dataset:
-    """The results of a day, a setting for each brain. Raises InputError if the fill ratio is not known."""
-    if day.fill_ratio is None:
-        raise ResultsError.of(day.folder, "the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio")
-    honest = np.array([member.honest for member in day.members])
-    study = _study(day, [one.brain for one in lived], clock, message)
+def dataset_of(
+    recording: Recording, lived: Sequence[Relived], clock: Clock, message: Format | None = None
+) -> xr.Dataset:
+    """The results of a recording, a setting for each brain. Raises InputError if the fill ratio is not known."""
+    if recording.fill_ratio is None:
+        raise ResultsError.of(
+            recording.folder, "the fill ratio is not known: `swarmcensus relive` takes it as --fill-ratio"
+        )
+    honest = np.array([member.honest for member in recording.members])
+    study = _study(recording, [one.brain for one in lived], clock, message)
     settings = study.settings()
     values = Values(study, settings, 1)
     for number, one in enumerate(lived):
-        curves = last_estimates(estimates_of(day, one, clock))[:, honest]
+        curves = last_estimates(estimates_of(recording, one, clock))[:, honest]
         if np.isnan(curves).any():
-            raise ResultsError.of(day.folder, f"not every robot's estimates are known under {one.brain.label}")
-        values.put(number, 0, _columns(day, study, one, curves, honest))
+            raise ResultsError.of(recording.folder, f"not every robot's estimates are known under {one.brain.label}")
+        values.put(number, 0, _columns(recording, study, one, curves, honest))
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     data = dataset(study, settings, marks, values)
-    data.attrs |= {RELIVED: day.title, "trials_done": len(lived), "trials_total": len(lived)}
+    data.attrs |= {RELIVED: recording.title, "trials_done": len(lived), "trials_total": len(lived)}
     return data
 
 
-def _columns(day: Day, study: Study, lived: OtherDay, curves: np.ndarray, honest: np.ndarray) -> dict[str, np.ndarray]:
-    assert day.fill_ratio is not None
-    index = convergence(curves, day.delta)
-    at = [correct(curves[checkpoint], day.fill_ratio, day.bins) for checkpoint in study.checkpoints]
+def _columns(
+    recording: Recording, study: Study, lived: Relived, curves: np.ndarray, honest: np.ndarray
+) -> dict[str, np.ndarray]:
+    assert recording.fill_ratio is not None
+    index = convergence(curves, recording.delta)
+    at = [correct(curves[checkpoint], recording.fill_ratio, recording.bins) for checkpoint in study.checkpoints]
     return {
         "convergence_round": index[np.newaxis].astype(np.int32),
-        "convergence_error": error_at(curves, index, day.fill_ratio)[np.newaxis],
+        "convergence_error": error_at(curves, index, recording.fill_ratio)[np.newaxis],
         "final_estimate": curves[-1][np.newaxis],
         "correct": np.array(at)[:, np.newaxis],
-        "messages_sent": messages_of_robots(day, lived.sent)[honest][np.newaxis],
-        "messages_heard": messages_of_robots(day, lived.heard)[honest][np.newaxis],
+        "messages_sent": messages_of_robots(recording, lived.sent)[honest][np.newaxis],
+        "messages_heard": messages_of_robots(recording, lived.heard)[honest][np.newaxis],
         "estimates": curves[study.checkpoints][:, np.newaxis],
     }
 
 
-def _study(day: Day, brains: Sequence[Brain], clock: Clock, message: Format | None) -> Study:
-    """A study whose settings describe the day: its links are those on which anything was heard."""
-    states = [member.log.states[0] for member in day.members]
-    column = {member.number: k for k, member in enumerate(day.members)}
+def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message: Format | None) -> Study:
+    """A study with settings that describe the recording: its links are those on which anything was heard."""
+    states = [member.log.states[0] for member in recording.members]
+    column = {member.number: k for k, member in enumerate(recording.members)}
     heard = {
         (column[one.sender], column[member.number])
-        for member in day.members for tick in member.log.ticks for one in tick.heard
+        for member in recording.members for tick in member.log.ticks for one in tick.heard
         if one.sender in column and one.sender != member.number
     }  # fmt: skip
-    looks = max((tick.looks for member in day.members for tick in member.log.ticks), default=1)
+    looks = max((tick.looks for member in recording.members for tick in member.log.ticks), default=1)
     known = {brain.name: brain.as_written for brain in brains}
     black, white = _mean([s.b for s in states]), _mean([s.w for s in states])
-    liars = sum(not member.honest for member in day.members)
+    liars = sum(not member.honest for member in recording.members)
     tables = {
-        "name": day.title,
+        "name": recording.title,
         "trials": 1,
-        "seed": day.seed,
+        "seed": recording.seed,
         "swarm": {
             "brain": [{"file": brain.name, **_listed(brain)} for brain in brains],
-            "robots": len(day.members),
+            "robots": len(recording.members),
             "accuracy": black if all(s.b == s.w for s in states) else {"black": black, "white": white},
             "precision": "single" if states[0].single else "double",
         },
         "world": {
             "topology": {"name": "heard", "directed": True, "edges": sorted(map(list, heard))},
-            "fill_ratio": day.fill_ratio,
+            "fill_ratio": recording.fill_ratio,
             "message": message or format_of(brains[0], states[0]),
             "feedback": states[0].feedback,
         },
         "schedule": {"rounds": max(clock.rounds, 1), "observations_per_round": max(looks, 1)},
-        "measure": {"bins": day.bins, "delta": day.delta, "estimates": True},
+        "measure": {"bins": recording.bins, "delta": recording.delta, "estimates": True},
         **({"members": [{"robots": liars, "honest": False}]} if liars else {}),
     }
-    return Study.parse(to_toml(tables), where=str(day.folder), context={"base": None, "brains": known, "kept": True})
+    return Study.parse(
+        to_toml(tables), where=str(recording.folder), context={"base": None, "brains": known, "kept": True}
+    )
 
 
 def _listed(brain: Brain) -> dict[str, object]:

@@ -39,7 +39,8 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     if "estimates" not in results:
         raise InputError(
             f"{' and '.join(changed)} can be changed only if estimates are stored, and these results have none: "
-            "set estimates = true under [measure] and run again"
+            "set estimates = true under [measure] and run again",
+            key=next(iter(changed)),
         )
     _check(changed)
     sources = metrics_in(results)
@@ -90,11 +91,11 @@ def _check(changed: dict[str, float]) -> None:
     except ValidationError as error:
         first = error.errors()[0]
         key = str(first["loc"][0])
-        raise InputError(f"{key} = {changed[key]!r}: {pydantic_message(first['msg'])}") from None
+        raise InputError.at(key, changed[key], pydantic_message(first["msg"])) from None
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
-    """Fill ratios at the checkpoints, by the index of each setting whose fill ratio changes.
+    """Fill ratios at the checkpoints, by the index of each setting with a changing fill ratio.
 
     Raises InputError for `bins` with `truth = "floor"`: the true fill ratio at earlier checkpoints is not stored.
     """

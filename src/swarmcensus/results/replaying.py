@@ -1,4 +1,4 @@
-"""Replaying: one trial of results again, with every robot's mind after every round."""
+"""Replaying: one trial of results again, with every robot's state after every round."""
 
 import itertools
 from pathlib import Path
@@ -24,7 +24,7 @@ from swarmcensus.simulation import (
     warn_of_estimates,
 )
 from swarmcensus.studies import UNNAMED, Setting, Study
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.worlds import NAMES, arena, outages
 
 
@@ -125,7 +125,7 @@ def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, h
     stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: last.size]
     ran = np.isfinite(stored).all() and len(stored) == last.size
     if ran and not np.allclose(stored, last, rtol=0.0, atol=1e-9):
-        raise InputError(
+        raise ResultsError(
             f"setting {setting}, trial {trial}: the replay ends with other estimates than the run: these results come "
             "from another study than they name, or from another version",
             key="setting",

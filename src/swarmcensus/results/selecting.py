@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
 
@@ -47,11 +47,12 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
     """Raise InputError unless `data` has the variables `names`, and the dimensions are not empty."""
     for dimension in dimensions:
         if not data.sizes.get(dimension):
-            raise InputError(f"this dataset has no {dimension}: select with a list or a mask that is not empty")
+            why = "select with a list or a mask that is not empty"
+            raise InputError(f"this dataset has no {dimension}: {why}", key=dimension)
     for name in names:
         if name not in data.variables:
             hint = ": set local = true under [measure] and run again" if name.startswith("local_") else ""
-            raise InputError(f"this dataset has no variable {name!r}{hint}")
+            raise InputError(f"this dataset has no variable {name!r}{hint}", key=name)
 
 
 def check_held(data: xr.Dataset, **numbers: int) -> None:
@@ -59,11 +60,11 @@ def check_held(data: xr.Dataset, **numbers: int) -> None:
     for name, number in numbers.items():
         known = data[name].values
         if number not in known:
-            raise InputError(f"{name} {number}: these results hold {name} {known.min()} to {known.max()}")
+            raise wrong_option(name, number, f"these results hold {name} {known.min()} to {known.max()}")
 
 
 def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:
-    """The places of the settings whose coordinates have these values."""
+    """The places of the settings with these values of coordinates."""
     return np.flatnonzero(np.logical_and.reduce([data[name].values == value for name, value in values.items()]))
 
 
@@ -80,11 +81,8 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
         holds = _evaluate(tree, known)
     except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         what = error.msg if isinstance(error, SyntaxError) else error
-        raise OptionError(
-            f'{option("where", expression)}: {what}; write for example: topology == "ring" and accuracy == 0.675',
-            key="where",
-            value=expression,
-        ) from None
+        example = 'write for example: topology == "ring" and accuracy == 0.675'
+        raise wrong_option("where", expression, f"{what}; {example}") from None
     chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
     if not chosen.sizes["setting"]:
         raise wrong_option("where", expression, f"no setting is so{_known_values(tree, known)}")

@@ -18,13 +18,14 @@ from swarmcensus.results.selecting import check_held
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
 from swarmcensus.studies import Setting, Study, addresses
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError, ResultsError
 from swarmcensus.support.options import option
 from swarmcensus.support.safe_source import digest, read_source
 from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.worlds import MOVING
 
-RELIVED = "relived"  # the attribute of results that robots made, and no simulation
+RELIVED = "relived"  # the attribute of results that are of robots, not of a simulation
+CHANGED = "its source has changed since these results were made"
 Brains = str | Path | Sequence[str | Path] | None  # brain files, given for those that results name
 
 
@@ -42,7 +43,8 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
                     must_be_read(setting)
                 return study, setting
     why = next(filter(None, (edited(data, study) for study in studies_of(data, brain))), "")
-    raise InputError(f"setting {number}: it is not of the study that these results name{': ' * bool(why)}{why}")
+    why = f"it is not of the study that these results name{': ' * bool(why)}{why}"
+    raise ResultsError.named("setting", number, why)
 
 
 def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Study, Setting]]:
@@ -65,7 +67,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     """
     if run and RELIVED in data.attrs:
         raise InputError(
-            f"these results are the day {data.attrs[RELIVED]!r} of robots, which no simulation runs again: "
+            f"these results are the recording {data.attrs[RELIVED]!r} of robots, which no simulation runs again: "
             "swarmcensus relive FOLDER does, from their logs, and draws them with --plot FILE; "
             "swarmcensus watch FOLDER shows it"
         )
@@ -79,8 +81,8 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         if any(metric["sha256"] == digest(given) for metric in metrics_in(data).values()):
             continue
         if not names and not theirs:
-            made_with = ", ".join([*sources, *lying])
-            raise InputError(f"brain {path}: not the source that these results were made with ({made_with})")
+            why = f"not the source that these results were made with ({', '.join([*sources, *lying])})"
+            raise BrainError.of(path, why, where=f"brain {path}")
         known |= {n: brains.parse(given, n, place) for n in names}
         liars |= {n: adversary.parse(given, n, place) for n in theirs}
     for name, source in sources.items():
@@ -99,12 +101,12 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     try:
         studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
     except InputError as error:
-        raise InputError(f"{error}{_lacking(data)}") from None
+        raise InputError(f"{error}{_lacking(data)}", key=error.key, value=error.value, hint=error.hint) from None
     for study in studies:
         for before, now in ((sources, study.brains), (lying, study.adversaries)):
             for used in now:
                 if used.sha256 != before.get(used.name, {}).get("sha256"):
-                    raise InputError(f"{used.kind} {used.name!r}: its source has changed since these results were made")
+                    raise BrainError.named(used.kind, used.name, CHANGED)
     return studies
 
 
@@ -126,25 +128,32 @@ def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None
     moving = bool((data["topology"].values == MOVING).all())
     clocks = {study.world.body.tick for study in studies_of(data, run=False)} if moving else set()
     if len(clocks) > 1:
-        raise InputError(f"{key} {value}: these results have several clocks: should be a number of ticks")
+        several = f"{key} {value}: these results have several clocks: should be a number of ticks"
+        raise InputError(several, key=key, value=value)
     try:
         return in_ticks(value, clocks.pop() if clocks else None, key)
     except ValueError as error:
-        raise InputError(str(error)) from None
+        raise InputError(str(error), key=key, value=value) from None
 
 
 def must_be_read(setting: Setting) -> None:
     """Raise InputError for a brain or adversary file that was neither given nor found."""
     of_members = (member.brain for member in setting.members if member.brain)
     for brain in (brain for brain in (setting.brain, *of_members) if not brain.is_loaded):
-        raise InputError(
-            f"the {brain.kind} {brain.name!r} is a file. Files named in results are run only if they lie below the "
-            f"current folder, unchanged: give it with {option('brain_file')}, as it was"
-        )
+        raise _unread(brain.kind, brain.name)
+
+
+def _unread(kind: str, name: str) -> BrainError:
+    return BrainError(
+        f"the {kind} {name!r} is a file. Files named in results are run only if they lie below the current folder, "
+        f"unchanged: give it with {option('brain_file')}, as it was",
+        key="brain_file",
+        value=name,
+    )
 
 
 def metrics_may_run(study: Study, given: Brains = ()) -> None:
-    """Raise InputError for a metric whose source in the results is neither shipped, nor given, nor found."""
+    """Raise InputError for a metric with a source that is neither shipped, nor given, nor found."""
     paths = [given] if isinstance(given, str | Path) else given or ()
     known = {digest(read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
     for metric in study.measure.metrics:
@@ -157,11 +166,8 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
         if here or _lies_here("metric", name, metric.source):
             continue
         if known_here:
-            raise InputError(f"metric {name!r}: its source has changed since these results were made")
-        raise InputError(
-            f"the metric {name!r} is a file. Files named in results are run only if they lie below the current "
-            f"folder, unchanged: give it with {option('brain_file')}, as it was"
-        )
+            raise BrainError.named("metric", name, CHANGED)
+        raise _unread("metric", name)
 
 
 def _found(name: str, source: str) -> brains.Brain | None:

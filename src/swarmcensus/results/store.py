@@ -20,7 +20,7 @@ from swarmcensus.results.presence import check_there, folder_of
 from swarmcensus.results.reading import NOT_RUN, packed, readable
 from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
 from swarmcensus.studies import COORDINATES, Setting, Study, coordinates_of
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import command
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
@@ -213,14 +213,14 @@ def wrong_layout(path: str | Path, data: xr.Dataset) -> list[str]:
                     should = " ".join(sorted(want))
                     wrong.append(f"{name}: coordinates is {given!r} in the file, and should be {should!r}")
     except (OSError, RuntimeError) as error:
-        raise InputError(f"results file {path}: damaged: {error}") from error
+        raise _error(path, f"damaged: {error}") from error
     return wrong
 
 
 def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
     """Check a dataset that was read from a file, and return it. Raises InputError if it was changed."""
     if wrong := structure.wrong(data):
-        raise InputError(f"results file {path}: damaged or changed: {wrong}")
+        raise _error(path, f"damaged or changed: {wrong}")
     return data
 
 
@@ -229,13 +229,13 @@ def read(path: str | Path) -> xr.Dataset:
     path = Path(path)
     check_there(path)
     if not path.is_file():
-        raise InputError(f"results file {path}: {_absent(path)}")
+        raise _error(path, _absent(path))
     try:
         if at := broken_texts(path):
             raise ValueError(f"its texts at byte {at:,} are damaged")
         with Remembering(path, "r") as file:
             if elsewhere := _not_here(file["/"]):  # h5netcdf fails later, outside this handler
-                raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
+                raise _error(path, f"damaged or changed: {elsewhere}")
             with h5netcdf.File(file, "r", decode_vlen_strings=True) as netcdf:
                 data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
         texts = [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]
@@ -247,19 +247,21 @@ def read(path: str | Path) -> xr.Dataset:
     except InputError:
         raise
     except Exception as error:  # a damaged HDF5 file may raise anything
-        raise InputError(
-            f"results file {path}: not a readable netCDF-4 file (cut short or damaged?): "
-            f"{str(error).splitlines()[0] if str(error) else type(error).__name__}"
-        ) from error
+        why = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise _error(path, f"not a readable netCDF-4 file (cut short or damaged?): {why}") from error
     if not str(data.attrs.get("format")).startswith("swarmcensus results"):
         traced = "estimate" in data and {"round", "robot"} <= set(data["estimate"].dims) and "brain" in data.attrs
         what = "a trace, not results: of robots' logs, swarmcensus relive FOLDER --plot FILE draws it" if traced else ""
-        raise InputError(f"results file {path}: {what or 'not a results file of swarmcensus'}")
+        raise _error(path, what or "not a results file of swarmcensus")
     if said := structure.wrong_format(data):
-        raise InputError(f"results file {path}: {said}")
+        raise _error(path, said)
     if wrong := structure.unmask(data):
-        raise InputError(f"results file {path}: damaged or changed: {wrong}")
+        raise _error(path, f"damaged or changed: {wrong}")
     return data
+
+
+def _error(path: str | Path, what: str) -> ResultsError:
+    return ResultsError.within(f"results file {path}", what)
 
 
 def _not_here(root: h5py.Group) -> str | None:

@@ -27,7 +27,7 @@ from swarmcensus.results.values import (
     robots_in,
 )
 from swarmcensus.studies import COORDINATES
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, stored
 from swarmcensus.support.safe_source import digest
 from swarmcensus.worlds import MOVING
@@ -78,7 +78,7 @@ def unmask(data: xr.Dataset) -> str | None:
 
 
 def wrong(data: xr.Dataset) -> str | None:
-    """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing is."""
+    """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
     if wrong := wrong_format(data):
         return wrong
     lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
@@ -276,7 +276,7 @@ def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple
 
 
 def selected(data: xr.Dataset) -> dict[str, Any]:
-    """The attributes of a selection of a dataset, with trials counted anew."""
+    """The attributes of a selection of a dataset, with its own number of trials."""
     left = [
         failure
         for failure in failed_in(data)
@@ -310,10 +310,11 @@ def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise _unknown_origin(key, error) from None
     if changed:
-        raise InputError(f"the source of the {what} {changed[0]!r} is not the one that the hash beside it is of")
+        why = f"the source of the {what} {changed[0]!r} is not the one that the hash beside it is of"
+        raise ResultsError(why, key=key, value=changed[0])
     return sources
 
 
-def _unknown_origin(key: str, error: Exception) -> InputError:
+def _unknown_origin(key: str, error: Exception) -> ResultsError:
     why = f"no attribute {error}" if isinstance(error, KeyError) else f"{key} should be names with sha256 and source"
-    return InputError(f"these results do not say how they were made (attributes study and {key}): {why}")
+    return ResultsError(f"these results do not say how they were made (attributes study and {key}): {why}", key=key)

@@ -71,7 +71,7 @@ def table_of(data: xr.Dataset, checkpoint: int | None = None) -> "pd.DataFrame":
 
 
 def medians_in(data: xr.Dataset) -> list[str]:
-    """The names of quantities and metric files whose median a summary has."""
+    """The names of quantities and metric files of which a summary has the median."""
     return [name for name in (*MEDIANS, *metrics_in(data)) if name in data]
 
 
@@ -159,7 +159,7 @@ def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:
-    """The summary of these settings as a flat record for each, whose names are always in this order. Raises InputError.
+    """The summary of these settings as a flat record for each, with names always in this order. Raises InputError.
 
     They are the columns of `summary`.
     """
@@ -215,7 +215,8 @@ def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
     if checkpoint is None:
         return np.searchsorted(known, rounds, side="right") - 1
     if checkpoint not in known:
-        raise InputError(f"checkpoint {checkpoint}: decisions were recorded after round {', '.join(map(str, known))}")
+        after = ", ".join(map(str, known))
+        raise InputError.named("checkpoint", checkpoint, f"decisions were recorded after round {after}")
     return np.where(rounds >= checkpoint, np.searchsorted(known, checkpoint), -1)
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains.metrics import Metric, parse
 from swarmcensus.studies import Setting, Study
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
 
 Kind = tuple[tuple[str, ...], Any, str, str]  # a variable's dimensions, type, unit and meaning
@@ -77,7 +77,8 @@ class ArrayStore:
                 file.flush()
                 pages = mmap.mmap(file.fileno(), 0)
         except OSError as error:
-            raise InputError(f"cannot keep results in {self.folder}: {error.strerror or error}") from error
+            why = error.strerror or error
+            raise InputError(f"cannot keep results in {self.folder}: {why}", file=self.folder) from error
         self._maps.append(pages)
         return np.frombuffer(pages, kind).reshape(shape)
 
@@ -145,11 +146,12 @@ def parameters_in(data: Any) -> dict[str, list[str]]:
     try:
         parameters = {str(brain): [str(name) for name in names] for brain, names in json.loads(text).items()}
     except (ValueError, TypeError, AttributeError) as error:
-        raise InputError(f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}") from error
+        should = f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}"
+        raise ResultsError(should, key="parameters", value=text) from error
     for brain, names in parameters.items():
         for name in names:
             if name not in data.coords or data[name].dims != ("setting",):
-                raise InputError(f"these results have no coordinate {name}, the parameter of {brain}")
+                raise ResultsError(f"these results have no coordinate {name}, the parameter of {brain}", key=name)
     return parameters
 
 

@@ -10,18 +10,18 @@ from .logs.clocks import Clock as Clock
 from .logs.folders import (
     ABOUT as ABOUT,
     OWN as OWN,
-    Day as Day,
-    read_day as read_day,
+    Recording as Recording,
+    read_recording as read_recording,
     summary_of as summary_of,
     without_logs as without_logs,
 )
-from .logs.growing import GrowingDay as GrowingDay, may_grow as may_grow
-from .logs.lives import Life as Life, relive_all as relive_all
+from .logs.growing import GrowingRecording as GrowingRecording, may_grow as may_grow
+from .logs.lives import RobotReplay as RobotReplay, relive_all as relive_all
 from .logs.logs import Block as Block, Tick as Tick
 from .logs.mcap_files import logs_in as logs_in, write_mcap as write_mcap
-from .logs.minds import format_of as format_of
-from .logs.others import TOLD as TOLD, UNKNOWN as UNKNOWN, OtherDay as OtherDay, under as under
+from .logs.others import TOLD as TOLD, UNKNOWN as UNKNOWN, Relived as Relived, under as under
 from .logs.reasons import ANOTHER as ANOTHER
+from .logs.replicas import format_of as format_of
 from .logs.traces import (
     MOST_VALUES as MOST_VALUES,
     as_logged as as_logged,
@@ -33,7 +33,7 @@ from .logs.traces import (
 from .swarm.children import check_system as check_system
 from .swarm.faults import faults_of as faults_of
 from .swarm.outcomes import Outcome as Outcome
-from .swarm.plans import Air as Air, Plan as Plan, plan_of as plan_of
+from .swarm.plans import Air as Air, SwarmPlan as SwarmPlan, plan_of as plan_of
 from .swarm.reports import Known as Known, share_heard as share_heard
-from .swarm.running import Stopped as Stopped, Swarm as Swarm, run as run
+from .swarm.running import RunningSwarm as RunningSwarm, Stopped as Stopped, run as run
 from .target import datagram_bytes as datagram_bytes

@@ -1,4 +1,4 @@
-"""Whether a board computes what it should: its self-test's output beside that of CPython in the same precision."""
+"""Whether a board computes what it should: its self-test's output compared to that of CPython in the same precision."""
 
 import ast
 import builtins
@@ -25,7 +25,7 @@ FIRST, LAST = "selftest 1", "selftest ends"
 
 
 @dataclass(frozen=True)
-class Difference:
+class BoardDifference:
     """A number that a board has otherwise."""
 
     tick: int
@@ -37,7 +37,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A board's self-test beside the reference."""
+    """A board's self-test and the reference."""
 
     brain: str
     bits: int  # binary digits of the board's numbers
@@ -45,7 +45,7 @@ class Comparison:
     equal: int  # of these, to the bit
     largest: float  # difference, relative above 1
     allowed: float
-    wrong: tuple[Difference, ...]  # beyond what is allowed
+    wrong: tuple[BoardDifference, ...]  # beyond what is allowed
     datagrams: int  # compared
     datagrams_equal: int
 
@@ -66,10 +66,9 @@ def compare(output: str, folder: Path) -> Comparison:
     settings = _settings(folder / "settings.py")
     name, mark, bits = _head(lines[0])
     if (name, mark) != (settings["BRAIN"], settings["MARK"]):
-        raise InputError(
-            f"the output is of the brain {name!r} with the mark {mark}, the folder {folder} of {settings['BRAIN']!r} "
-            f"with {settings['MARK']}: give the folder whose files are on the board"
-        )
+        both = f"the brain {name!r} with the mark {mark}, the folder {folder} of {settings['BRAIN']!r}"
+        right = f"with {settings['MARK']}: give the folder whose files are on the board"
+        raise InputError(f"the output is of {both} {right}", file=folder)
     brain = brains.load(str(folder / "brain.py"))
     for own in ("codec.py", "runtime.py", "selftest.py"):
         _check_same(folder / own)
@@ -94,7 +93,7 @@ def compare(output: str, folder: Path) -> Comparison:
             apart = 0.0 if x == y else abs(x - y) / max(1.0, abs(y))
             largest = max(largest, apart) if not math.isnan(apart) else math.inf
             if not apart <= allowed:
-                wrong.append(Difference(tick, robot, field, x, y))
+                wrong.append(BoardDifference(tick, robot, field, x, y))
     return Comparison(name, bits, numbers, equal, largest, allowed, tuple(wrong), len(there), same)
 
 
@@ -115,7 +114,7 @@ def reference(brain: brains.Brain, settings: Mapping[str, Any], single: bool) ->
 
 
 def _module(path: Path, modules: Mapping[str, Any]) -> types.ModuleType:
-    """A file run as a board runs it: it finds only `modules` beside it, and those of Python."""
+    """A file run as a board runs it: it finds only `modules` and those of Python."""
 
     def find(name: str, *rest: Any) -> Any:
         if rest and rest[-1] == 1 and not name:  # from . import
@@ -200,4 +199,5 @@ def _check_same(path: Path) -> None:
         "selftest.py": BOARDS / "selftest.py",
     }
     if ast.dump(_parsed(path)) != ast.dump(_parsed(ours[path.name])):
-        raise InputError(f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again")
+        other = f"{path} is not the one of this swarmcensus: deploy into a new folder, and copy it again"
+        raise InputError(other, file=path)

@@ -16,11 +16,11 @@ from swarmcensus.translation import filled, header, piece
 
 NUMBERS = Numbers(precision="single", message="ratio16")
 TICKS = 200
-LEAST_STACK = 256  # bytes of RAM beside a program's memory; no shipped brain needs more
-LUCKY = 16  # a tick's luck, in sixteenths
+LEAST_STACK = 256  # bytes of RAM besides a program's memory; no shipped brain needs more
+DRAWS = 16  # a random numbers of a tick, in sixteenths
 KILOBOT_FLASH = 32768 - 4096 - 7168  # less its bootloader, and its library with rules for its radio
 KILOBOT_RAM = 2048 - 256  # less the variables of the library, and what interrupts put on the stack
-KILOBOT_MESSAGE = 9 - 6  # bytes of its messages, less a header by which robots are told apart and losses are noticed
+KILOBOT_MESSAGE = 9 - 6  # bytes of its messages, less a header which names the sender and shows losses
 
 
 class Cost(NamedTuple):
@@ -32,7 +32,7 @@ class Cost(NamedTuple):
     coded_flash: int  # with messages as bytes
     coded_cycles: int
     longest: int  # cycles of the longest tick, with messages as bytes
-    ram: int  # bytes of memory, and what the compiler puts beside it
+    ram: int  # bytes of memory, and what the compiler adds
     stack: int  # bytes, at most
     message: int  # bytes
     chip: str  # on which cycles were counted: a larger one of the same core if its memory has no room here
@@ -58,7 +58,7 @@ class Cost(NamedTuple):
         return f"no: {', '.join(self.too_large)}" if self.too_large else "yes"
 
 
-class Column(NamedTuple):
+class CostColumn(NamedTuple):
     """A column of the table of costs."""
 
     name: str  # on a page, where the table has all columns
@@ -67,17 +67,17 @@ class Column(NamedTuple):
 
 
 COLUMNS = (
-    Column("brain", "brain", lambda one: one.name),
-    Column("flash", "", lambda one: f"{one.flash:,}"),
-    Column("cycles", "", lambda one: f"{one.cycles:,}"),
-    Column("flash with bytes", "flash", lambda one: f"{one.coded_flash:,}"),
-    Column("cycles with bytes", "cycles", lambda one: f"{one.coded_cycles:,}"),
-    Column("longest tick", "longest", lambda one: f"{one.longest:,}"),
-    Column("RAM", "RAM", lambda one: f"{one.ram:,}"),
-    Column("stack", "stack", lambda one: f"{one.stack:,}"),
-    Column("message", "message", lambda one: f"{one.message:,}"),
-    Column("ms a tick", "ms", lambda one: f"{one.milliseconds:.1f}"),
-    Column("Kilobot", "Kilobot", lambda one: one.kilobot),
+    CostColumn("brain", "brain", lambda one: one.name),
+    CostColumn("flash", "", lambda one: f"{one.flash:,}"),
+    CostColumn("cycles", "", lambda one: f"{one.cycles:,}"),
+    CostColumn("flash with bytes", "flash", lambda one: f"{one.coded_flash:,}"),
+    CostColumn("cycles with bytes", "cycles", lambda one: f"{one.coded_cycles:,}"),
+    CostColumn("longest tick", "longest", lambda one: f"{one.longest:,}"),
+    CostColumn("RAM", "RAM", lambda one: f"{one.ram:,}"),
+    CostColumn("stack", "stack", lambda one: f"{one.stack:,}"),
+    CostColumn("message", "message", lambda one: f"{one.message:,}"),
+    CostColumn("ms a tick", "ms", lambda one: f"{one.milliseconds:.1f}"),
+    CostColumn("Kilobot", "Kilobot", lambda one: one.kilobot),
 )
 
 
@@ -96,10 +96,8 @@ def check_tools() -> None:
     if lacking := chips.missing(chips.AVR):
         names = " and ".join(filter(None, (", ".join(lacking[:-1]), lacking[-1])))
         verb = "is" if len(lacking) == 1 else "are"
-        raise OptionError(
-            f"--cost: {names} {verb} not installed: Debian's packages gcc-avr, avr-libc and simavr have them",
-            key="cost",
-        )
+        have = "Debian's packages gcc-avr, avr-libc and simavr have them"
+        raise OptionError(f"--cost: {names} {verb} not installed: {have}", key="cost")
 
 
 def cost(brain: Brain) -> Cost:
@@ -110,11 +108,8 @@ def cost(brain: Brain) -> Cost:
         except chips.NoRoom:
             continue
     flash, ram = chips.FLASH[chips.LARGE] // 1024, chips.RAM[chips.LARGE] // 1024
-    raise BrainError(
-        f"brain {brain.name}: an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small",
-        key="brain",
-        value=brain.name,
-    )
+    small = f"an {chips.LARGE}, with {flash} KB of flash and {ram} KB of RAM, is too small"
+    raise BrainError(f"brain {brain.name}: {small}", key="brain", value=brain.name)
 
 
 def _cost_on(brain: Brain, chip: str) -> Cost:
@@ -136,13 +131,13 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
     """Compile and run the program around a brain."""
     (folder / "brain.h").write_text(text)
     source = folder / "cost.c"
-    lucky = brain.uses.luck and not empty
+    is_random = brain.uses.luck and not empty
     source.write_text(
         filled(
             "cost.c",
             ticks=TICKS,
             start=", 1" if brain.uses.name and not empty else "",
-            luck=f"cost_me.luck = ((number)(tick % {LUCKY}) + 0.5f) / {LUCKY}.0f;" if lucky else "",
+            draws=f"cost_me.luck = ((number)(tick % {DRAWS}) + 0.5f) / {DRAWS}.0f;" if is_random else "",
             talk=CODED if coded else PLAIN,
         )
     )

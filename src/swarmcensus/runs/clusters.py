@@ -24,7 +24,7 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
-from swarmcensus.runs.queues import NO_PAGE, Jobs, interrupted_by_signals, read_queue
+from swarmcensus.runs.queues import NO_PAGE, Jobs, Queue, interrupted_by_signals, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
@@ -35,7 +35,7 @@ from swarmcensus.support.version import __version__
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
 BUNDLES_PER_WORKER = 4  # at least, so that all workers finish at about the same time
 SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle; longer if there are very many workers
-BUNDLES_PER_SECOND = 200.0  # at most: Dask takes a few milliseconds to hand one out
+BUNDLES_PER_SECOND = 200.0  # at most: Dask takes a few milliseconds to submit one
 WAITING_PER_WORKER = 3  # bundles submitted per worker
 CONNECT = "10s"  # for a scheduler to answer
 COUNT_SECONDS = 2.0  # between two counts of the workers
@@ -74,7 +74,7 @@ class Workers:
 
     @property
     def note(self) -> str:
-        """What to tell a person who waits, or an empty text."""
+        """A note for a person who waits, or an empty text."""
         return "" if self._worker_count else ": ".join(filter(None, ("waiting for workers", self._reason)))
 
     def bundle_seconds(self, work: float) -> float:
@@ -162,15 +162,20 @@ def read_payload(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
     return study, study.settings()
 
 
+def check(where: str) -> tuple[int, Queue | None]:
+    """The number of workers of a cluster, and its batch system if it is a TOML file. Raises InputError."""
+    if where.startswith("local:"):
+        return _process_count(where), None
+    if "://" in where:
+        return 1, None
+    queue = read_queue(Path(where))
+    return queue.jobs * queue.cores, queue
+
+
 @contextlib.contextmanager
 def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[Workers]:
     """Workers from a scheduler's address, "local:4", or a TOML file. Raises InputError."""
-    expected, queue = 1, None
-    if where.startswith("local:"):
-        expected = _process_count(where)
-    elif "://" not in where:
-        queue = read_queue(Path(where))
-        expected = queue.jobs * queue.cores
+    expected, queue = check(where)
     try:
         import distributed
     except ImportError:
@@ -200,15 +205,15 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             except ImportError:
                 raise InputError(NEEDS) from None
             except (OSError, RuntimeError, ValueError) as error:
-                raise InputError(f"{where}: no jobs could be submitted: {error}") from error
+                raise InputError.of(where, f"no jobs could be submitted: {error}") from error
         try:
             client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
         except TypeError:
-            raise InputError(
-                f"{where} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
-            ) from None
+            needs = f"{where} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
+            raise InputError(needs, key="cluster", value=where) from None
         except (OSError, TimeoutError, ValueError) as error:
-            raise InputError(f"no Dask scheduler answers at {where}: {error}") from None
+            silent = f"no Dask scheduler answers at {where}: {error}"
+            raise InputError(silent, key="cluster", value=where) from None
         stack.enter_context(client)
         pool = Workers(client, study, expected, renew)
         try:

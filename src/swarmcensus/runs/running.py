@@ -25,6 +25,7 @@ from swarmcensus.simulation import seconds
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import in_shell, wrong_option
 
 LOG = logging.getLogger(__name__)
 
@@ -45,28 +46,24 @@ def run(
 
     `jobs` is the number of threads, by default one per core; the numbers do not depend on it. On a terminal and in a
     notebook a bar shows the progress, unless `progress` is False. If `progress` is a function, it is called instead,
-    from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept beside
-    it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
+    from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept next
+    to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
-    Unless `cautions` is False, warnings name settings whose results are easily misread, such as a fill ratio on the
+    Unless `cautions` is False, warnings name settings with results that are easily misread, such as a fill ratio on the
     edge between two bins. A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C
     raises Interrupted, which carries the dataset of the finished trials. Raises InputError if nothing could be run.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.check_trials()
     jobs = pools.thread_count(jobs)
-    if share is not None and study.until:
-        raise InputError(
-            f"share {share[0]}/{share[1]}: a study whose trials follow a rule cannot be shared, because their number "
-            "is not known beforehand: give trials a number"
-        )
-    if share is not None and not 1 <= share[0] <= share[1] <= study.trials:
-        raise InputError(
-            f"share {share[0]}/{share[1]}: should be k/n with 1 <= k <= n, and n no more than the study's trials "
-            f"({study.trials})"
-        )
+    if share is not None:
+        _check_share(study, share)
+    if cluster is not None:
+        from swarmcensus.runs.clusters import check
+
+        check(cluster)
     settings = study.settings()
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
@@ -172,6 +169,16 @@ def _report_failures(state: State, data: xr.Dataset) -> None:
         f"setting {state.failures[0].setting}: {first}",
         stacklevel=3,
     )
+
+
+def _check_share(study: Study, share: tuple[int, int]) -> None:
+    shown = "{}/{}".format(*share) if in_shell() else share
+    if study.until:
+        why = "a study whose trials follow a rule cannot be shared, because their number is not known beforehand"
+        raise wrong_option("share", shown, f"{why}: give trials a number")
+    if not 1 <= share[0] <= share[1] <= study.trials:
+        should = f"should be k/n with 1 <= k <= n, and n no more than the study's trials ({study.trials})"
+        raise wrong_option("share", shown, should)
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""The progress of a study, from its output and the shards beside it, while it runs or after it was cut off."""
+"""The progress of a study, from its output and the shards next to it, while it runs or after it was cut off."""
 
 import json
 import time
@@ -11,7 +11,7 @@ import xarray as xr
 
 from swarmcensus.results import failures, finished, folder_of, shards, stored
 from swarmcensus.runs.progress import clock
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
 
@@ -69,7 +69,7 @@ def status(out: str | Path) -> Status:
     """The progress of the study that writes `out`. Raises InputError if there are no results and no run."""
     out = Path(out)
     if out.is_dir():
-        raise InputError(f"results file {out}: it is a folder")
+        raise ResultsError.within(f"results file {out}", "it is a folder")
     folder = folder_of(out)
     if (folder / "run.json").is_file():
         return _status_of_run(out, folder)
@@ -110,7 +110,9 @@ def _status_of_run(out: Path, folder: Path) -> Status:
         name, settings, rule = str(about["study"]), int(about["settings"]), str(about["rule"])
         holder = f"process {about['process']} on {about['host']}, since {about['since']}"
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{folder / 'run.json'} is damaged ({error!r}): the same swarmcensus run mends it") from None
+        file = folder / "run.json"
+        why = f"{file} is damaged ({error!r}): the same swarmcensus run mends it"
+        raise ResultsError(why, file=file) from None
     damaged, wall, worked = [], 0.0, 0.0
     for path in shards.listed(folder):
         shard = shards.read(path)

@@ -39,11 +39,12 @@ from swarmcensus.runs.collect import Report
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import Setting, Study, addresses
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
+from swarmcensus.support.options import wrong_option
 from swarmcensus.support.version import __version__
 
-RUN_ATTRIBUTES = (  # attributes that tell of the run, and not of the study
+RUN_ATTRIBUTES = (  # attributes of the run, not of the study
     "additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
     "cpu_seconds",
 )  # fmt: skip
@@ -99,10 +100,10 @@ def verify(
     study. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
-        raise InputError(f"sample = {sample:g}: should be a share above 0, and at most 1")
+        raise wrong_option("sample", sample, "should be a share above 0, and at most 1")
     data = packed(results) if isinstance(results, xr.Dataset) else stored(results)
     if wrong := structure.wrong(data):
-        raise InputError(f"damaged or changed: {wrong}")
+        raise ResultsError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain_file)
     labels = [*unlike(data, studies), *_rule_problems(data, studies)]
     if not isinstance(results, xr.Dataset):

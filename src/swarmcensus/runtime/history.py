@@ -1,6 +1,6 @@
-"""The history of six robots that every machine lives to be compared: readings, losses and luck.
+"""The history of six robots that every machine runs to be compared: readings, losses and random numbers.
 
-Plain Python and MicroPython alike. It is drawn by a generator of whole numbers of 32 bits, so that every machine draws
+Runs in CPython and in MicroPython. It is drawn by a generator of whole numbers of 32 bits, so that every machine draws
 the same.
 """
 
@@ -34,12 +34,12 @@ class Draws:
         """A whole number from 0 to n - 1."""
         return (self.next() >> 16) % n
 
-    def luck(self):
+    def fraction(self):
         """An odd number of 2^-24, in (0, 1), which both precisions hold exactly."""
         return ((self.next() >> 9) * 2 + 1) / 2**24
 
 
-def told(values, single):
+def shown(values, single):
     """Numbers as text, to the bit."""
     return " ".join([bits(1.0 * value, single) for value in values])
 
@@ -52,46 +52,46 @@ def bits(value, single):
 
 
 def flat(values):
-    """All numbers of a mind, one after another."""
+    """All numbers of a state, one after another."""
     out = []
     for value in values:
         out.extend([value] if isinstance(value, (int, float)) else value)
     return out
 
 
-def live(brain, minds, radios, fields, owed, lucky, single):
+def live(brain, states, radios, fields, owed, is_random, single):
     """Yield what each robot answers and sends in each round, and after some rounds its memory, as lines of text.
 
-    brain: has the functions of the contract. minds: of six robots. radios: the `Messages` of each. fields: of the
-    memory, in their order. owed: which numbers of `owed` are told. lucky: whether the brain uses luck. single: whether
-    numbers are told in single precision.
+    brain: has the functions of the contract. states: of six robots. radios: the `Messages` of each. fields: of the
+    memory, in their order. owed: which numbers of `owed` are shown. is_random: whether the brain uses luck. single:
+    whether numbers are in single precision.
     """
     draws = Draws()
 
     def give(me):
-        luck = draws.luck()
-        if lucky:
-            me.luck = luck
+        number = draws.fraction()
+        if is_random:
+            me.luck = number
 
     for k in range(1, ROUNDS + 1):
-        for me in minds:
+        for me in states:
             looks = LOOKS[draws.below(len(LOOKS))]
             blacks = sum([draws.below(100) < SHARE for _ in range(looks)])
             give(me)
             if looks and not (hasattr(brain, "done") and brain.done(me)):
                 brain.observe(me, 1.0 * blacks, 1.0 * looks)
         said = []
-        for me, radio in zip(minds, radios):
+        for me, radio in zip(states, radios):
             message = None if hasattr(brain, "jam") and brain.jam(me) else brain.broadcast(me)
             said.append(None if message is None else radio.coded(message))
-        for i, me in enumerate(minds):
+        for i, me in enumerate(states):
             for j, data in enumerate(said):
                 near = (i - j) % ROBOTS in (1, ROBOTS - 1)
                 hears = i != j and (draws.below(FAR) == 0 or near) and draws.below(LOST) != 0
                 if hears and data is not None:
                     give(me)
                     brain.receive(me, radios[i].read(data))
-        for i, me in enumerate(minds):
+        for i, me in enumerate(states):
             give(me)
             brain.fuse(me)
             answers = [brain.estimate(me)]
@@ -104,11 +104,11 @@ def live(brain, minds, radios, fields, owed, lucky, single):
                 answers.extend(brain.interval(me))
             if hasattr(brain, "steer"):
                 give(me)
-                wish = brain.steer(me)
-                answers.extend([0.0, 0.0, 0.0] if wish is None else [1.0, wish[0], wish[1]])
+                command = brain.steer(me)
+                answers.extend([0.0, 0.0, 0.0] if command is None else [1.0, command[0], command[1]])
             sent = "silent" if said[i] is None else hexlify(said[i]).decode()
-            yield f"{k} {i} {told(answers, single)} {sent}"
+            yield f"{k} {i} {shown(answers, single)} {sent}"
         if k in STOPS:
-            for i, (me, radio) in enumerate(zip(minds, radios)):
+            for i, (me, radio) in enumerate(zip(states, radios)):
                 memory = flat([getattr(me, name) for name in fields]) + [radio.owed[place] for place in owed]
-                yield f"{k} {i} memory {told(memory, single)}"
+                yield f"{k} {i} memory {shown(memory, single)}"

@@ -1,10 +1,10 @@
-"""What a robot lives, in a file, so that its mind can be lived again. Plain Python and MicroPython alike.
+"""What a robot does, in a file, so that it can be replayed. Runs in CPython and in MicroPython.
 
 A log is a row of blocks. A block is its kind (1 byte), the length of its body (4), the body, and a checksum of all of
 them (2: the lower half of CRC-32). Numbers have their low byte first. A log is only ever appended to, one block at a
 time, so that a power cut costs the last block at most. There are two kinds:
 
-- STATE: what the robot is and what its mind holds, written when it starts, and whenever it saves its memory.
+- STATE: what the robot is and what its state holds, written when it starts, and whenever it saves its memory.
 - TICK: what it read, said and heard in one tick, in the order in which it happened, and what it then believed.
 
 The order in a tick is fixed: the reading, what was said, each message heard, and the end. `swarmcensus relive` reads
@@ -20,7 +20,7 @@ STATE, TICK = 0x53, 0x54
 MAGIC = b"swarmlog"
 HEAD = "<8sBBBIHHHIII8sQddHHH"  # of the body of STATE
 STARTS, FEEDBACK, SINGLE = 1, 2, 4  # flags of STATE
-SAID, LUCKY, LISTENED = 1, 2, 4  # flags of TICK
+SAID, DREW, LISTENED = 1, 2, 4  # flags of TICK
 OPENING, ENDING, FROM = "<IIHHBB", "<dI", "<HBH"  # of the body of TICK: how it begins, how it ends, a message's origin
 LONGEST = 0xFFFFFF  # bytes of a body
 
@@ -65,11 +65,11 @@ class Log:
         """Forget what was collected of a tick."""
         self.said = None
         self.heard = []  # origin and code of each message
-        self.luck = []
+        self.draws = []
         self.read = (0.0, 0.0)
 
     def state(self, robot, starts):
-        """Write what a robot is, and what its mind holds."""
+        """Write what a robot is, and what its state holds."""
         parameters = []
         for name in sorted(getattr(robot.brain, "PARAMETERS", {})):
             value = getattr(robot.me, name)
@@ -89,7 +89,7 @@ class Log:
     def tick(self, robot, begun):
         """Write what was collected of a tick, which began at this time of the clock."""
         blacks, looks = self.read
-        flags = (SAID if self.said is not None else 0) | (LUCKY if self.luck else 0)
+        flags = (SAID if self.said is not None else 0) | (DREW if self.draws else 0)
         when = (robot.ticks & 0xFFFFFFFF, begun & 0xFFFFFFFF)
         body = bytearray(struct.pack(OPENING, *(when + (int(blacks), int(looks), flags, len(self.heard)))))
         if self.said is not None:
@@ -97,9 +97,9 @@ class Log:
         for boot, sender, tick, code in self.heard:
             body.extend(struct.pack(FROM, sender, boot, tick))
             body.extend(code)
-        if self.luck:
-            body.extend(struct.pack("<H", len(self.luck)))
-            for x in self.luck:
+        if self.draws:
+            body.extend(struct.pack("<H", len(self.draws)))
+            for x in self.draws:
                 body.extend(struct.pack("<d", x))
         body.extend(struct.pack(ENDING, robot.estimate, crc32(numbers_of(robot)) & 0xFFFFFFFF))
         self.clear()

@@ -54,9 +54,9 @@ def check_intervals(setting: Setting, given: Inputs, intervals: Intervals) -> No
         raise refuse(setting, given, trial, robot, tick, f"interval gives ({low:g}, {high:g}): {INTERVAL}")
 
 
-def check_wishes(setting: Setting, given: Inputs, wishes: np.ndarray) -> None:
-    """Raise WrongAnswer if a robot steered by what is no number; `wishes` (3, robot) are as the engine left them."""
-    for robot in np.flatnonzero(~(np.abs(wishes[1:]) < 1e300).all(axis=0))[:1]:
-        tick, speed, turn = wishes[:, robot]
+def check_commands(setting: Setting, given: Inputs, commands: np.ndarray) -> None:
+    """Raise WrongAnswer if a robot steered by what is no number; `commands` (3, robot) are as the engine left them."""
+    for robot in np.flatnonzero(~(np.abs(commands[1:]) < 1e300).all(axis=0))[:1]:
+        tick, speed, turn = commands[:, robot]
         right = "two finite numbers, a speed and a turn, or None are right"
         raise refuse(setting, given, 0, robot, tick, f"steer gives ({speed:g}, {turn:g}): {right}")

@@ -37,7 +37,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Contai
 
 
 def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> None:
-    """Run the trial's minds step by step, like the engine."""
+    """Run the trial's states step by step, like the engine."""
     from swarmcensus.engine import heard_by, works
 
     alone = tuple(replace(member, brain=None) for member in setting.members)
@@ -47,8 +47,8 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     crew = [setting.brains[one] for one in group]
     b, w = (side[0] for side in given.beliefs)
-    minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(crew)]
-    for one, me in zip(crew, minds, strict=True):
+    states = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(crew)]
+    for one, me in zip(crew, states, strict=True):
         for name, value in schedule_of(setting).items():
             setattr(me, name, value)
         one.functions.estimate(me)
@@ -77,7 +77,7 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
             yield oracle.Step(np.where(sees, blacks, np.nan), float(setting.observations_per_round), heard)
 
     def after(i: int, steered: np.ndarray) -> None:
-        one, me = crew[i], minds[i]
+        one, me = crew[i], states[i]
         one.functions.estimate(me)
         for name in ("decide", "done", *(["interval"] if now in checkpoints else [])):
             if name in one.contents.functions:
@@ -88,8 +88,8 @@ def run_in_cpython(setting: Setting, seed: int, trial: int, checkpoints: Contain
 
     said: oracle.Said = deque(maxlen=radio.delay + 1)
     if moves:
-        said.append([oracle.said_by(one, me) for one, me in zip(crew, minds, strict=True)])
-    oracle.live(crew, minds, steps(), given.luck, trial, said, after)
+        said.append([oracle.said_by(one, me) for one, me in zip(crew, states, strict=True)])
+    oracle.live(crew, states, steps(), given.draws, trial, said, after)
 
 
 def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:

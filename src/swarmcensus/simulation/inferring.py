@@ -1,4 +1,4 @@
-"""Inference from recorded data: a brain's minds after every round, in machine code or in CPython."""
+"""Inference from recorded data: a brain's states after every round, in machine code or in CPython."""
 
 import itertools
 import warnings
@@ -16,7 +16,7 @@ from swarmcensus.simulation.answers import NO_ESTIMATE
 from swarmcensus.simulation.recorded import readings_of
 from swarmcensus.simulation.swarming import fields_of, free, swarm
 from swarmcensus.studies import KEYS
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.tables import frame_table, is_frame
 from swarmcensus.worlds import LINKS, from_one, links_of, numbered, unlinked
 
@@ -82,9 +82,9 @@ def infer(
     default = KEYS["observations_per_round"].default if periodic else 1
     every = default if observations_per_round is None else observations_per_round
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
-        raise InputError(f"observations_per_round = {every!r}: should be a whole number from 1")
+        raise InputError.at("observations_per_round", repr(every), "should be a whole number from 1")
     used = brain if isinstance(brain, brains.Brain) else brains.load(brain)
-    luck = np.concatenate([address(0, "luck", recorded=True), address(0, "luck of messages", recorded=True)])
+    draws = np.concatenate([address(0, "luck", recorded=True), address(0, "luck of messages", recorded=True)])
     if compiled:
         shape = (-(-len(readings) // every) + 1, robots)
         layout = compiler.array_layout(used)
@@ -93,17 +93,18 @@ def infer(
         signals = np.zeros(robots if layout.is_signalled else 0, np.uint8)
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
-            alike = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
+            swarmed = swarm((used,), np.zeros(robots, np.int64), "recorded", draws)
             interruptible(compiler.compile_world("kernel").follow)(
-                alike, outbox, signals, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends,
+                swarmed, outbox, signals, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends,
                 history, estimates,
             )  # fmt: skip
-            fields = fields_of((used,), alike, history, estimates)
+            fields = fields_of((used,), swarmed, history, estimates)
         except Exception as error:
-            raise InputError(f"brain {used.name!r} fails: {type(error).__name__}: {error}") from error
+            what = f"brain {used.name!r} fails: {type(error).__name__}: {error}"
+            raise BrainError(what, key="brain", value=used.name) from error
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
-        fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, luck)
+        fields, estimates = oracle.follow(used, b, w, readings, int(every), periodic, steps, draws)
     warn_of_estimates(used.name, estimates)
     trace = trace_of(fields, estimates, used)
     trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}
@@ -123,22 +124,23 @@ def _readings(observations: Any) -> np.ndarray:
     except (TypeError, ValueError):
         raise InputError("observations: should be an array of 0, 1 and NaN", key="observations") from None
     if readings.ndim != 2 or 0 in readings.shape:
-        raise InputError(f"observations of shape {readings.shape}: should be (step, robot), one of each at least")
+        shape = f"observations of shape {readings.shape}"
+        raise InputError(f"{shape}: should be (step, robot), one of each at least", key="observations")
     wrong = ~(np.isnan(readings) | (readings == 0.0) | (readings == 1.0))
     if wrong.any():
         step, robot = np.argwhere(wrong)[0]
-        raise InputError(
-            f"observations[{step}, {robot}] = {readings[step, robot]:g}: should be 0 (white), 1 (black) or NaN (none)"
-        )
+        found = f"{readings[step, robot]:g}"
+        raise InputError.at(f"observations[{step}, {robot}]", found, "should be 0 (white), 1 (black) or NaN (none)")
     return readings
 
 
 def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
     if accuracy is None:
-        raise InputError("accuracy: how good the sensors are must be said: a number, or a pair (b, w)")
+        must = "how good the sensors are must be said: a number, or a pair (b, w)"
+        raise InputError(f"accuracy: {must}", key="accuracy")
     sides = accuracy if isinstance(accuracy, tuple) else (accuracy, accuracy)
     if len(sides) != 2:
-        raise InputError(f"accuracy is a tuple of {len(sides)}: should be a pair (b, w)")
+        raise InputError(f"accuracy is a tuple of {len(sides)}: should be a pair (b, w)", key="accuracy", value=sides)
     out = []
     for side in sides:
         try:
@@ -147,11 +149,11 @@ def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
                 raise ValueError
             values = np.array(np.broadcast_to(values, (robots,)))
         except (TypeError, ValueError):
-            raise InputError(
-                f"accuracy of shape {np.shape(side)}: should be a number or one for each of {robots:,} robots"
-            ) from None
-        if not ((values >= 0.0) & (values <= 1.0)).all():
-            raise InputError(f"accuracy {values[~((values >= 0.0) & (values <= 1.0))][0]:g}: should lie in [0, 1]")
+            should = f"should be a number or one for each of {robots:,} robots"
+            raise InputError(f"accuracy of shape {np.shape(side)}: {should}", key="accuracy") from None
+        wrong = values[~((values >= 0.0) & (values <= 1.0))]
+        if wrong.size:
+            raise InputError(f"accuracy {wrong[0]:g}: should lie in [0, 1]", key="accuracy", value=float(wrong[0]))
         out.append(values)
     return out[0], out[1]
 
@@ -164,17 +166,19 @@ def _rows(links: Any) -> np.ndarray:
         return links_of(frame_table(links, "links"), LINKS, messages=True)
     if hasattr(links, "nodes") and hasattr(links, "is_directed"):
         if links.is_directed():
-            raise InputError("links: a directed graph: give messages, as rows of step, sender, receiver")
+            raise InputError("links: a directed graph: give messages, as rows of step, sender, receiver", key="links")
         for node in links.nodes:
             if isinstance(node, bool) or not isinstance(node, int | np.integer) or node < 0:
                 raise InputError(
                     f"links: node {node!r} of the graph: should be the number of a robot, from 0: read the graph with "
-                    "nodetype=int, or use networkx.relabel_nodes"
+                    "nodetype=int, or use networkx.relabel_nodes",
+                    key="links",
+                    value=node,
                 )
         try:
             links = numbered(links, own=True)
         except ValueError as error:
-            raise InputError(f"links: {error}") from None
+            raise InputError(f"links: {error}", key="links") from None
     try:
         rows = np.asarray(_unmasked(links))
         with np.errstate(invalid="ignore"):
@@ -186,7 +190,7 @@ def _rows(links: Any) -> np.ndarray:
     if not whole.size:
         return np.zeros((0, 2), np.int64)
     if whole.ndim != 2 or whole.shape[1] not in (2, 3):
-        raise InputError(f"links of shape {whole.shape}: should be (edge, 2) or (message, 3)")
+        raise InputError(f"links of shape {whole.shape}: should be (edge, 2) or (message, 3)", key="links")
     return whole
 
 
@@ -196,11 +200,14 @@ def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:
         k = int(np.argmax(wrong))
         raise InputError(
             f"links[{k}] = {rows[k].tolist()} names a robot that is not there: "
-            f"the robots are numbered 0 to {robots - 1}{from_one(rows[:, columns])}"
+            f"the robots are numbered 0 to {robots - 1}{from_one(rows[:, columns])}",
+            key=f"links[{k}]",
+            value=rows[k].tolist(),
         )
     loops = rows[:, columns][:, 0] == rows[:, columns][:, 1]
     if loops.any():
-        raise InputError(f"links[{int(np.argmax(loops))}] joins a robot to itself")
+        key = f"links[{int(np.argmax(loops))}]"
+        raise InputError(f"{key} joins a robot to itself", key=key)
 
 
 def _edges(rows: np.ndarray, robots: int) -> tuple[np.ndarray, np.ndarray]:
@@ -214,7 +221,7 @@ def _messages(rows: np.ndarray, steps: int, robots: int) -> tuple[np.ndarray, np
     late = (rows[:, 0] < 0) | (rows[:, 0] >= steps)
     if late.any():
         k = int(np.argmax(late))
-        raise InputError(f"links[{k}] = {rows[k].tolist()}: the steps are numbered 0 to {steps - 1}")
+        raise InputError.at(f"links[{k}]", rows[k].tolist(), f"the steps are numbered 0 to {steps - 1}")
     rows = rows[np.lexsort((rows[:, 1], rows[:, 2], rows[:, 0]))]
     first = np.searchsorted(rows[:, 0], np.arange(steps + 1))
     return rows[:, [2, 1]], first.astype(np.int64)

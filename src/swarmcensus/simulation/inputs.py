@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.engine import NO_LINKS, Inputs, Radio, Sensors
+from swarmcensus.engine import NO_LINKS, Inputs, Reception, Sensors
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.errors import InputError
@@ -19,7 +19,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     try:
         links = NO_LINKS if moves else sampling.links(setting, seed, first, trials)
     except ValueError as error:
-        raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
+        raise InputError.of(None, error, where=f"trials {first} to {first + trials - 1} of {setting}") from error
     b, w, assumed_b, assumed_w = sampling.accuracies(setting, seed, first, trials)
     beliefs = (assumed_b, assumed_w)
     if setting.precision == "single":
@@ -33,10 +33,10 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         first=first,
         sensors=sensors,
         beliefs=beliefs,
-        radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
+        radio=Reception(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
         links=links,
         stops=np.stack([sampling.stops(setting, seed, first + t) for t in range(trials)]),
-        luck=addresses.luck_keys(setting, seed, alone=order),
+        draws=addresses.draw_keys(setting, seed, alone=order),
         walk=addresses.walk_key(setting, seed) if moves else NO_KEY,
         speeds=np.stack([sampling.speeds(setting, seed, first + t) for t in range(trials)]) if moves else NO_SPEEDS,
         group=group,

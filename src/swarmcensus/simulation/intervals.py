@@ -5,7 +5,7 @@ import numpy as np
 from swarmcensus.engine import Intervals
 from swarmcensus.studies import Setting
 
-ENDS = "interval_low", "interval_high"  # of a trace, beside a brain's own fields
+ENDS = "interval_low", "interval_high"  # of a trace, besides a brain's own fields
 
 
 def intervals_of(setting: Setting, checkpoints: np.ndarray, truths: np.ndarray, trials: int) -> Intervals:

@@ -1,7 +1,7 @@
 """One trial in stretches of rounds, in any order: for viewers, who also look back.
 
-A `Life` keeps copies of its state before some stretches, and goes on from the nearest copy. So any part of a trial can
-be run again, to the same bits, and memory does not grow with the length of the trial.
+A `LiveTrial` keeps copies of its state before some stretches, and goes on from the nearest copy. So any part of a trial
+can be run again, to the same bits, and memory does not grow with the length of the trial.
 """
 
 import mmap
@@ -12,17 +12,17 @@ from typing import Protocol
 
 import numpy as np
 
-from swarmcensus.engine import Chunk, Inputs, Minds, Recorded, Swarm, Tally, compiler, interruptible, works
+from swarmcensus.engine import Chunk, Inputs, Recorded, States, Swarm, Tally, compiler, interruptible, works
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.rides import Rider, links_of, walk_of, wishes_of
-from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
+from swarmcensus.simulation.rides import Rider, commands_of, links_of, walk_of
+from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming
 from swarmcensus.studies import Setting
 
-STRETCH_BYTES = 4_000_000  # of minds
+STRETCH_BYTES = 4_000_000  # of states
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies
 ASTRAY = -1  # the state is that of no stretch: the next run starts from a copy
 MOST_ROUNDS = 200  # in a stretch: for small swarms, a hundredth of a second
@@ -33,9 +33,9 @@ class Stretch:
     """Some rounds, or ticks, of a trial: arrays (round, robot), whose first row is that of round `first`."""
 
     first: int
-    history: np.ndarray  # (round, robot, byte): minds after the round
+    history: np.ndarray  # (round, robot, byte): states after the round
     said: np.ndarray  # (round, robot, byte): the message of each that was heard in the round, as in an outbox
-    signals: np.ndarray  # (round, robot): whether each was said, see `Minds`; no robots if all are said
+    signals: np.ndarray  # (round, robot): whether each was said, see `States`; no robots if all are said
     estimates: np.ndarray
     messages: np.ndarray  # (round, what): how many all robots have sent and heard so far
     done: np.ndarray  # (robot): which robots were done before the first of these rounds
@@ -43,7 +43,7 @@ class Stretch:
     colours: np.ndarray = field(default_factory=partial(np.zeros, 0))  # the true tile under the sensor, 1 black
     readings: np.ndarray = field(default_factory=partial(np.zeros, 0))  # NaN where none was made
     links: np.ndarray = field(default_factory=partial(np.zeros, (0, 3), np.int64))  # (link, 3): tick, robot, robot
-    known: np.ndarray | None = None  # (round, robot): whose minds are known; None: all, as in every simulation
+    known: np.ndarray | None = None  # (round, robot): whose states are known; None: all, as in every simulation
 
     @property
     def bytes(self) -> int:
@@ -62,12 +62,12 @@ class World(Protocol):
         """Run so many rounds; `first` is the next one."""
 
 
-class Life:
+class LiveTrial:
     """One trial of a setting: `at(k)` is its k-th stretch of `length` rounds."""
 
     @interruptible
     def __init__(self, setting: Setting, seed: int, trial: int) -> None:
-        """Start its minds. Raises InputError if a brain does not compile, or the robots do not fit in the arena."""
+        """Start its states. Raises InputError if a brain does not compile, or the robots do not fit in the arena."""
         self.setting, self.seed, self.trial = setting, seed, trial
         self.given = inputs_of(setting, seed, trial)
         self._world: World = (_Network if setting.body is None else _Moving)(setting, seed, self.given)
@@ -128,10 +128,10 @@ class _Network:
         robots = setting.robots
         with blaming(setting, given.first):
             self.swarm = swarm_of(setting, given, "network")
-            self.minds = minds_of(setting, self.swarm, given.radio.delay + 2, np.empty((1, robots)))
+            self.states = states_of(setting, self.swarm, given.radio.delay + 2, np.empty((1, robots)))
             self.tally = tally_of(setting, 1).of_trial(0)
-            self.kernel.start_minds(self.swarm, given, self.minds, self.tally)
-        memory, outbox, signals, start = self.minds
+            self.kernel.start_states(self.swarm, given, self.states, self.tally)
+        memory, outbox, signals, start = self.states
         self.arrays = [memory, outbox, signals, *self.tally]
         self.start = Stretch(
             0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], signals[np.newaxis, :0], start, np.zeros((1, 2)),
@@ -141,23 +141,23 @@ class _Network:
     def on(self, first: int, rounds: int) -> Stretch:
         setting = self.setting
         done = _done(self.tally, setting.robots)
-        history, said, signals = room_for(self.minds, rounds)
+        history, said, signals = room_for(self.states, rounds)
         estimates, messages = np.empty((rounds, setting.robots)), np.zeros((rounds, 2), np.int64)
         with blaming(setting, self.given.first):
             self.kernel.live(
-                self.swarm, self.given, self.minds._replace(rows=estimates), self.tally, first, history, said, signals,
+                self.swarm, self.given, self.states._replace(rows=estimates), self.tally, first, history, said, signals,
                 messages, np.zeros(1, np.uint8),
             )  # fmt: skip
         return Stretch(first, history, said, signals, estimates, messages, done)
 
 
-def room_for(minds: Minds, rounds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def room_for(states: States, rounds: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Room for `history`, `said` and `signals` of a stretch."""
-    robots, size = minds.memory.shape
+    robots, size = states.memory.shape
     return (
         np.empty((rounds, robots, size), np.uint8),
-        np.empty((rounds, robots, minds.outbox.shape[1]), np.uint8),
-        np.empty((rounds, robots if minds.signals.size else 0), np.uint8),
+        np.empty((rounds, robots, states.outbox.shape[1]), np.uint8),
+        np.empty((rounds, robots if states.signals.size else 0), np.uint8),
     )
 
 
@@ -173,15 +173,15 @@ class _Moving:
         self.stop = np.zeros(1, np.uint8)
         self.rider, self.ground = Rider(setting, given), sampling.ground(setting, seed, given.first)
         # the engine writes estimates at their tick: pages of earlier stretches are given back after use
-        rows = self.rider.minds.rows
+        rows = self.rider.states.rows
         self.pages = mmap.mmap(-1, rows.nbytes)
-        self.rider.minds = self.rider.minds._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
+        self.rider.states = self.rider.states._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
         self.rider.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
-        self.swarm, self.wishes = self.rider.swarm, wishes_of(setting)
-        self.walk = walk_of(setting, given, self.stop, self.wishes, poses=True)
-        memory, outbox, signals, _ = self.rider.minds
+        self.swarm, self.commands = self.rider.swarm, commands_of(setting)
+        self.walk = walk_of(setting, given, self.stop, self.commands, poses=True)
+        memory, outbox, signals, _ = self.rider.states
         self.arrays = [
-            self.walk.bodies.state, *self.walk.neighbours, self.wishes, memory, outbox, signals,
+            self.walk.bodies.state, *self.walk.neighbours, self.commands, memory, outbox, signals,
             *self.rider.tally,
         ]  # fmt: skip
         shape = (1, setting.robots)
@@ -194,14 +194,14 @@ class _Moving:
     def on(self, first: int, rounds: int) -> Stretch:
         setting, rider, robots = self.setting, self.rider, self.setting.robots
         shape = (rounds, robots)
-        _, outbox, signals, rows = rider.minds
+        _, outbox, signals, rows = rider.states
         counts, delay = rider.tally.counts, self.given.radio.delay
-        history, said, does = room_for(rider.minds, rounds)
+        history, said, does = room_for(rider.states, rounds)
         poses, colours, readings = np.empty((*shape, 3)), np.empty(shape), np.full(shape, np.nan)
         messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(rider.tally, robots)
         done = 0
         while done < rounds:
-            chunk = self.walk.on(first + done, 1 if self.wishes.size else rounds - done)
+            chunk = self.walk.on(first + done, 1 if self.commands.size else rounds - done)
             assert chunk is not None
             part = slice(done, done + len(chunk.looked))
             colours[part] = self.ground.colours(chunk.tiles, chunk.tick)
@@ -212,7 +212,7 @@ class _Moving:
                 with blaming(setting, self.given.first):
                     recorded = Recorded(history[one], readings[one])
                     rider.ride(_tick(chunk, row - done), colours[one] == 1.0, self.stop, recorded)
-                    rider.steer(self.wishes, first + row)
+                    rider.steer(self.commands, first + row)
                 heard = (first + row - delay) % (delay + 1) * robots
                 said[row] = outbox[heard : heard + robots]
                 if signals.size:

@@ -10,7 +10,7 @@ import numpy as np
 
 from swarmcensus.brains import Brain
 from swarmcensus.engine import chance, word_of, words
-from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
+from swarmcensus.engine.constants import DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, free
 
@@ -30,19 +30,19 @@ class Step(NamedTuple):
 
 
 def live(
-    brains: Sequence[Brain], minds: Sequence[Any], steps: Iterable[Step], luck: np.ndarray, trial: int,
+    brains: Sequence[Brain], states: Sequence[Any], steps: Iterable[Step], draws: np.ndarray, trial: int,
     said: Said, after: Callable[[int, np.ndarray], object],
 ) -> None:  # fmt: skip
-    """Run minds through steps, in the order of calls of every simulation: observe, broadcast, receive, fuse.
+    """Run states through steps, in the order of calls of every simulation: observe, broadcast, receive, fuse.
 
-    `luck` are the two keys of it. What robots say is added to `said`, of which as many steps are kept as it has room
+    `draws` are the two keys of it. What robots say is added to `said`, of which as many steps are kept as it has room
     for. `after` is called with each robot that has fused, and the random words of its calls of `steer`.
     """
-    robots = list(zip(brains, minds, strict=True))
+    robots = list(zip(brains, states, strict=True))
     done: list[bool] = []  # robots that make no reading in this round
     for number, step in enumerate(steps, start=1):
         seen, fused, steered = (
-            own_luck(luck, trial, number, part, len(minds)) for part in (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER)
+            own_draws(draws, trial, number, part, len(states)) for part in (DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER)
         )
         if step.begins:
             done = [is_done(brain, me) for brain, me in robots]
@@ -54,7 +54,7 @@ def live(
         for receiver, message, place in step.heard(said):
             brain, me = robots[receiver]
             if brain.uses.luck:
-                me.luck = chance(np.uint64(word_of(luck[2], luck[3], *place)))
+                me.luck = chance(np.uint64(word_of(draws[2], draws[3], *place)))
             brain.functions.receive(me, message)
         for i, (brain, me) in enumerate(robots if step.ends else ()):
             give(brain, me, fused, i)
@@ -70,17 +70,17 @@ def follow(
     every: int,
     periodic: bool,
     messages: Iterable[np.ndarray],
-    luck: np.ndarray,
+    draws: np.ndarray,
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Run minds on recorded observations and messages.
+    """Run states on recorded observations and messages.
 
     `readings` (step, robot) are 1 for black, 0 for white, NaN where a robot made none. A round ends every `every` steps
     and at the last. `messages` has (receiver, sender) rows for each step; with `periodic` they are heard at the end of
-    whole rounds only. `luck` are the two keys of it. Returns each field of the memory, what is decided and intervals,
+    whole rounds only. `draws` are the two keys of it. Returns each field of the memory, what is decided and intervals,
     and the estimates, as arrays (round, robot), index 0 before any observation.
     """
-    minds = [brain.robot(float(b[i]), float(w[i]), float(i)) for i in range(readings.shape[1])]
-    kept = [[(kept_of(brain, me, False), brain.functions.estimate(me)) for me in minds]]
+    states = [brain.robot(float(b[i]), float(w[i]), float(i)) for i in range(readings.shape[1])]
+    kept = [[(kept_of(brain, me, False), brain.functions.estimate(me)) for me in states]]
     number = itertools.count()  # of the message among all messages
 
     def arriving(step: int, pairs: np.ndarray, said: Said) -> Iterator[Heard]:
@@ -97,15 +97,15 @@ def follow(
     def after(i: int, _: np.ndarray) -> None:
         if i == 0:
             kept.append([])
-        kept[-1].append((kept_of(brain, minds[i], True), brain.functions.estimate(minds[i])))
+        kept[-1].append((kept_of(brain, states[i], True), brain.functions.estimate(states[i])))
 
-    live([brain] * len(minds), minds, steps(), luck, 0, deque(maxlen=1), after)
+    live([brain] * len(states), states, steps(), draws, 0, deque(maxlen=1), after)
     fields = {name: np.array([[fields[name] for fields, _ in row] for row in kept]) for name in kept[0][0][0]}
     return fields, np.array([[estimate for _, estimate in row] for row in kept])
 
 
 def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
-    """The entries of a mind in a trace: its fields, its decision (from the first round on) and its interval."""
+    """The entries of a state in a trace: its fields, its decision (from the first round on) and its interval."""
     fields = {name: list(v) if isinstance(v := getattr(me, name), list) else v for name in brain.memory}
     if brain.decides:
         fields[free(DECIDED, brain.memory)] = float(brain.functions.decide(me)) if decides else -1.0
@@ -139,15 +139,15 @@ def fixed(message: Any) -> Any:
     return tuple(tuple(part) if isinstance(part, list) else part for part in message)
 
 
-def own_luck(luck: np.ndarray, trial: int, tick: int, part: int, robots: int) -> np.ndarray:
+def own_draws(draws: np.ndarray, trial: int, tick: int, part: int, robots: int) -> np.ndarray:
     """A random word for each robot's call of `observe`, `fuse` or `steer`; empty where no brain uses any."""
-    out = np.zeros(robots if luck.size else 0, np.uint64)
+    out = np.zeros(robots if draws.size else 0, np.uint64)
     if out.size:
-        words(luck, trial, tick, part, 0, robots, out)
+        words(draws, trial, tick, part, 0, robots, out)
     return out
 
 
-def give(brain: Brain, me: Any, luck: np.ndarray, robot: int) -> None:
+def give(brain: Brain, me: Any, draws: np.ndarray, robot: int) -> None:
     """Set the random number of a call."""
     if brain.uses.luck:
-        me.luck = chance(luck[robot])
+        me.luck = chance(draws[robot])

@@ -7,10 +7,10 @@ import numpy as np
 
 from swarmcensus.engine import Chunk, Inputs, Recorded, compiler, interruptible
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.answers import check_estimates, check_intervals, check_verdicts, check_wishes
+from swarmcensus.simulation.answers import check_commands, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
-from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, minds_of, swarm_of, tally_of
+from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import Batch, Metrics, blaming
 from swarmcensus.simulation.walking import Walk, set_out
 from swarmcensus.simulation.watches import Truths, Watch, results_of
@@ -23,12 +23,12 @@ MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer:
 
 
 class Rider:
-    """One setting's minds on a walk, and the curves of their estimates."""
+    """One setting's states on a walk, and the curves of their estimates."""
 
     def __init__(
         self, setting: Setting, given: Inputs, checkpoints: Sequence[int] = (), truths: Truths | None = None
     ) -> None:
-        """Start the minds of one trial; their intervals at checkpoints are compared with the `truths` there."""
+        """Start the states of one trial; their intervals at checkpoints are compared with the `truths` there."""
         assert setting.body is not None
         self.setting, self.trial, self.given = setting, given.first, given
         self.kernel = compiler.compile_world("riding")
@@ -39,24 +39,24 @@ class Rider:
         rows = np.empty((setting.rounds, setting.robots))
         with blaming(setting, self.trial):
             self.swarm = swarm_of(setting, given, setting.use)
-            self.minds = minds_of(setting, self.swarm, given.radio.delay + 1, rows)
-            self.kernel.start_minds(self.swarm, given, self.minds, self.start, self.tally)
+            self.states = states_of(setting, self.swarm, given.radio.delay + 1, rows)
+            self.kernel.start_states(self.swarm, given, self.states, self.start, self.tally)
 
     def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOTHING) -> None:
         """Live through a chunk on tiles `black` (tick, robot)."""
         self.kernel.ride(
-            self.swarm, self.given, self.minds, self.tally, self.intervals.of_trial(0), chunk, black, recorded, stop
+            self.swarm, self.given, self.states, self.tally, self.intervals.of_trial(0), chunk, black, recorded, stop
         )  # fmt: skip
 
-    def steer(self, wishes: np.ndarray, tick: int) -> None:
-        """Ask the minds where they want to go after a tick, if they steer."""
-        if wishes.size:
+    def steer(self, commands: np.ndarray, tick: int) -> None:
+        """Ask the states where they want to go after a tick, if they steer."""
+        if commands.size:
             assert self.setting.body is not None
             body, speeds = self.setting.body.numbers, self.given.speeds[0]
             try:
-                self.kernel.steer(self.swarm, self.minds.memory, body, speeds, self.trial, tick, wishes)
+                self.kernel.steer(self.swarm, self.states.memory, body, speeds, self.trial, tick, commands)
             except ValueError:
-                check_wishes(self.setting, self.given, wishes)
+                check_commands(self.setting, self.given, commands)
                 raise
 
     def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
@@ -64,7 +64,7 @@ class Rider:
         truths = truths_of(self.setting, metrics, ground)
         truth = float(truths(self.setting.rounds))
         robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
-        rows, tally = self.minds.rows, self.tally
+        rows, tally = self.states.rows, self.tally
         where, value, wrong = np.zeros(robots, np.int64), np.zeros(robots), np.full((1, 3), -1.0)
         self.kernel.conclude(self.swarm, rows, self.start, metrics.delta, where, value, wrong[0])
         check_estimates(self.setting, self.given, wrong)
@@ -113,13 +113,13 @@ def run_ride(
         Rider(setting, inputs_of(setting, seed, trial), metrics.checkpoints, truths_of(setting, metrics, grounds[key]))
         for setting, key in zip(settings, keys, strict=True)
     ]
-    wishes = wishes_of(settings[0])
-    for chunk in walk_of(settings[0], riders[0].given, stop, wishes).chunks(settings[0].rounds):
+    commands = commands_of(settings[0])
+    for chunk in walk_of(settings[0], riders[0].given, stop, commands).chunks(settings[0].rounds):
         black = {key: ground.colours(chunk.tiles, chunk.tick) for key, ground in grounds.items()}
         for rider, key in zip(riders, keys, strict=True):
             with blaming(rider.setting, trial):
                 rider.ride(chunk, black[key], stop)
-                rider.steer(wishes, chunk.tick)
+                rider.steer(commands, chunk.tick)
     if stop[0]:
         return None
     return [rider.measure(metrics, grounds[key]) for rider, key in zip(riders, keys, strict=True)]
@@ -137,31 +137,37 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     given, ground = inputs_of(setting, seed, trial), sampling.ground(setting, seed, trial)
     rider = Rider(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
     bodies, neighbours = set_out(
-        setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, wishes_of(setting), given.speeds[0]
+        setting.robots,
+        setting.arena_side,
+        setting.fastest_body,
+        given.walk,
+        trial,
+        commands_of(setting),
+        given.speeds[0],
     )
     with blaming(setting, trial):
         try:
             compiler.compile_world("steering").live(
-                rider.swarm, given, rider.minds, rider.tally, rider.intervals.of_trial(0), bodies, neighbours,
+                rider.swarm, given, rider.states, rider.tally, rider.intervals.of_trial(0), bodies, neighbours,
                 ground.all_tiles(), ground.turns(), 2 * neighbours.ears.size, stop,
             )  # fmt: skip
         except ValueError:
-            check_wishes(setting, given, bodies.wishes)
+            check_commands(setting, given, bodies.commands)
             raise
     return None if stop[0] else rider.measure(metrics, ground)
 
 
-def wishes_of(setting: Setting) -> np.ndarray:
+def commands_of(setting: Setting) -> np.ndarray:
     """Room for where robots want to go (3, robot), none yet; empty where their brain does not steer."""
     return np.zeros((3, setting.robots if setting.steers else 0))
 
 
-def walk_of(setting: Setting, given: Inputs, stop: np.ndarray, wishes: np.ndarray, poses: bool = False) -> Walk:
-    """The walk of a setting's trial; `wishes` may change from tick to tick."""
+def walk_of(setting: Setting, given: Inputs, stop: np.ndarray, commands: np.ndarray, poses: bool = False) -> Walk:
+    """The walk of a setting's trial; `commands` may change from tick to tick."""
     assert setting.body is not None
     return Walk(
         setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, stop, poses, given.stops[0],
-        wishes, given.speeds[0],
+        commands, given.speeds[0],
     )  # fmt: skip
 
 
@@ -169,7 +175,7 @@ def walk_of(setting: Setting, given: Inputs, stop: np.ndarray, wishes: np.ndarra
 class Ride:
     """One trial of moving robots in full; arrays (tick, robot), index 0 before the first tick."""
 
-    fields: dict[str, np.ndarray]  # what minds hold
+    fields: dict[str, np.ndarray]  # what states hold
     estimates: np.ndarray
     poses: np.ndarray  # x, y, heading
     looked: np.ndarray  # whether an observation was made
@@ -185,24 +191,24 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     stop = np.zeros(1, np.uint8)
     rider, ground = Rider(setting, inputs_of(setting, seed, trial)), sampling.ground(setting, seed, trial)
     shape = (setting.rounds + 1, setting.robots)
-    history = np.empty((*shape, rider.minds.memory.shape[1]), np.uint8)
-    history[0] = rider.minds.memory
+    history = np.empty((*shape, rider.states.memory.shape[1]), np.uint8)
+    history[0] = rider.states.memory
     poses = np.full((*shape, 3), np.nan)
     looked = np.zeros(shape, np.bool_)
     colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
     links = []
-    wishes = wishes_of(setting)
-    for chunk in walk_of(setting, rider.given, stop, wishes, poses=True).chunks(setting.rounds):
+    commands = commands_of(setting)
+    for chunk in walk_of(setting, rider.given, stop, commands, poses=True).chunks(setting.rounds):
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin
         colours[ticks] = ground.colours(chunk.tiles, chunk.tick)
         with blaming(setting, trial):
             rider.ride(chunk, colours[ticks] == 1.0, stop, Recorded(history[ticks], readings[ticks]))
-            rider.steer(wishes, chunk.tick)
+            rider.steer(commands, chunk.tick)
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
         links.append(links_of(chunk))
-    estimates = np.concatenate([rider.start, rider.minds.rows])
+    estimates = np.concatenate([rider.start, rider.states.rows])
     joined = np.concatenate(links)
     with blaming(setting, trial):  # robots are asked for intervals in every tick here
         fields = fields_of(setting.brains, rider.swarm, history, estimates)

@@ -24,7 +24,7 @@ def groups(setting: Setting, seed: int, first: int, trials: int) -> np.ndarray:
     """
     robots = setting.robots
     drawn = np.empty((trials, robots))
-    compile_world().spread_uniform(address(seed, "members", robots=robots), first, 0.0, 1.0, drawn)
+    compile_world().draw_uniform(address(seed, "members", robots=robots), first, 0.0, 1.0, drawn)
     order = np.argsort(drawn, axis=1, kind="stable")
     out = np.zeros((trials, robots), np.int64)
     begin = 0

@@ -1,4 +1,4 @@
-"""A setting's robots as the engine's loops take them, with room for their minds, messages and decisions."""
+"""A setting's robots as the engine's loops take them, with room for their states, messages and decisions."""
 
 import functools
 from collections.abc import Container, Mapping
@@ -7,36 +7,36 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.engine import Inputs, Minds, Swarm, Tally, compiler, runs_of
+from swarmcensus.engine import Inputs, States, Swarm, Tally, compiler, runs_of
 from swarmcensus.engine.constants import VERDICTS
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies import Setting
 
-NO_LUCK = np.zeros(0, np.uint64)
+NO_DRAWS = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)
-DECIDED, IS_DONE = "decided", "is_done"  # of a trace, beside a brain's own fields
+DECIDED, IS_DONE = "decided", "is_done"  # of a trace, besides a brain's own fields
 
 
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     """The swarm of some trials. Raises NotCompiled."""
     if not setting.members:
         plain = _informed(homogeneous_swarm(setting.brain, setting.robots, use), setting, use)
-        return plain._replace(luck=given.luck) if given.luck.size else plain
+        return plain._replace(draws=given.draws) if given.draws.size else plain
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else ALL_HONEST
-    return _informed(swarm(setting.brains, group, use, given.luck, honest), setting, use)
+    return _informed(swarm(setting.brains, group, use, given.draws, honest), setting, use)
 
 
 def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
-    """The swarm, with the schedule in the initial minds of an oracle."""
+    """The swarm, with the schedule in the initial states of an oracle."""
     schedule = schedule_of(setting, alone=use == "alone")
     if not schedule:
         return swarm
     blanks = swarm.blanks.copy()
-    minds = compiler.array_layout(setting.brain).records(blanks)
+    states = compiler.array_layout(setting.brain).records(blanks)
     for name, value in schedule.items():
-        minds[name] = value
+        states[name] = value
     return swarm._replace(blanks=blanks)
 
 
@@ -50,10 +50,10 @@ def swarm(
     brains: tuple[Brain, ...],
     group: np.ndarray,
     use: str,
-    luck: np.ndarray = NO_LUCK,
+    draws: np.ndarray = NO_DRAWS,
     honest: np.ndarray = ALL_HONEST,
 ) -> Swarm:
-    """A swarm in which robot i has the brain brains[group[i]]; `luck` are keys. Raises NotCompiled."""
+    """A swarm in which robot i has the brain brains[group[i]]; `draws` are keys. Raises NotCompiled."""
     mixed = len(brains) > 1
     layouts = [compiler.array_layout(brain, mixed) for brain in brains]
     sizes = np.array([layout.record.itemsize for layout in layouts])
@@ -72,16 +72,16 @@ def swarm(
         additive=not mixed and bool(brains[0].sums),
         is_signalled=layouts[0].is_signalled,
         jams=any(brain.jams for brain in brains),
-        luck=luck if any(brain.uses.luck for brain in brains) else NO_LUCK,
+        draws=draws if any(brain.uses.luck for brain in brains) else NO_DRAWS,
         honest=honest,
     )
 
 
-def minds_of(setting: Setting, swarm: Swarm, rounds: int, rows: np.ndarray) -> Minds:
-    """Room for minds and their messages of so many rounds; `rows` (round, robot) is room for estimates."""
+def states_of(setting: Setting, swarm: Swarm, rounds: int, rows: np.ndarray) -> States:
+    """Room for states and their messages of so many rounds; `rows` (round, robot) is room for estimates."""
     size = compiler.array_layout(setting.brain, swarm.sizes.size > 1).message_bytes
     messages = rounds * setting.robots
-    return Minds(
+    return States(
         np.empty((setting.robots, swarm.sizes.sum()), np.uint8),
         np.zeros((messages, size), np.uint8),
         np.zeros(messages if swarm.is_signalled else 0, np.uint8),
@@ -120,7 +120,7 @@ def right_option(truth: float, options: int) -> float:
 def fields_of(
     brains: tuple[Brain, ...], swarm: Swarm, history: np.ndarray, estimates: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """What a trace shows of minds (round, robot, byte): fields of MEMORY, decisions, whether done, intervals.
+    """What a trace shows of states (round, robot, byte): fields of MEMORY, decisions, whether done, intervals.
 
     In a mixed swarm a field is NaN for robots whose brain has no such field, or only a shorter vector.
     """
@@ -130,12 +130,12 @@ def fields_of(
     for group, brain in enumerate(brains):
         base, size = swarm.bases[group], swarm.sizes[group]
         rows = np.ascontiguousarray(flat[:, base : base + robots * size]).reshape(len(flat), robots, size)
-        minds = compiler.array_layout(brain).records(rows)
+        states = compiler.array_layout(brain).records(rows)
         own = np.zeros(robots, np.bool_)
         for _, first, last in (run for run in swarm.runs.tolist() if run[0] == group):
             own[first:last] = True
         for name in brain.memory:
-            fields[name] = minds[name] if len(brains) == 1 else _with(fields.get(name), minds[name], own)
+            fields[name] = states[name] if len(brains) == 1 else _with(fields.get(name), states[name], own)
     if any(brain.decides or brain.ends for brain in brains):
         decisions = np.empty((*estimates.shape, 2))
         compiler.compile_world("kernel").decided(swarm, history, estimates, decisions)

@@ -11,22 +11,22 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains.metrics import Metric
-from swarmcensus.engine import Inputs, Measures, Minds, Segments, Swarm, Tally, compiler, interruptible
+from swarmcensus.engine import Inputs, Measures, Segments, States, Swarm, Tally, compiler, interruptible
 from swarmcensus.engine.constants import PART, VERDICTS
 from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
-from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, minds_of, swarm_of, tally_of
+from swarmcensus.simulation.swarming import consensus_of, ended, fields_of, states_of, swarm_of, tally_of
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies import Setting
 from swarmcensus.support.bins import right_bins
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.options import command
 from swarmcensus.worlds import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
-CROWD_BYTES = 1_000_000_000  # of these, where no other trial is run beside
+CROWD_BYTES = 1_000_000_000  # of these, where no other trial runs at the same time
 SHARED_BYTES = 250_000_000  # of each trial, where several threads share the memory
 
 
@@ -120,13 +120,13 @@ def _live(
     with blaming(setting, first, trials):
         swarm = swarm_of(setting, given, "alone" if local else setting.use)
     # NumPy asks for huge pages where a large array wants them, Numba does not
-    minds = minds_of(setting, swarm, delay + 2, np.empty((0, setting.robots)))
-    memory, outbox, signals, _ = minds
+    states = states_of(setting, swarm, delay + 2, np.empty((0, setting.robots)))
+    memory, outbox, signals, _ = states
     kept = memory.nbytes + (outbox.nbytes + signals.nbytes if delay else 0)  # where a segment may be run again
     length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1, threads)
     segments = -(-rounds // length)
-    minds = minds._replace(rows=np.empty((length, setting.robots)))
-    room = room_of(minds, max(segments - 2, 0), max(segments - 2, 0) if delay else 0)
+    states = states._replace(rows=np.empty((length, setting.robots)))
+    room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)
     checkpoints = np.array(metrics.checkpoints, np.int64)
@@ -137,17 +137,17 @@ def _live(
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         with blaming(setting, first, trials):
-            groups = swarm, given, minds, room, measures, tally, intervals
+            groups = swarm, given, states, room, measures, tally, intervals
             finished = compiler.compile_world("kernel").simulate(*groups, rounds, local, begin, end, stop)
         if not finished:
             return None
         check_estimates(setting, given, measures.wrong, local)  # before a metric fails because of them
-        seen = minds.rows[: rounds - begin * length]
+        seen = states.rows[: rounds - begin * length]
         if honest is not None and watches:
             seen = np.ascontiguousarray(seen[:, honest])
         for watch in watches if begin < segments else ():
             watch.see(seen, begin * length + 1)
-    del swarm, minds, room, groups  # before there is more: for a large swarm these are nearly all of the memory
+    del swarm, states, room, groups  # before there is more: for a large swarm these are nearly all of the memory
     results = results_of(watches)
     check_verdicts(setting, given, tally.verdicts)
     check_intervals(setting, given, intervals)
@@ -165,13 +165,13 @@ def _live(
     )  # fmt: skip
 
 
-def room_of(minds: Minds, snapshots: int, outboxes: int) -> Segments:
-    """Room for so many copies of minds, and of their messages."""
+def room_of(states: States, snapshots: int, outboxes: int) -> Segments:
+    """Room for so many copies of states, and of their messages."""
     return Segments(
-        np.empty((snapshots, *minds.memory.shape), np.uint8),
-        np.empty((outboxes, *minds.outbox.shape), np.uint8),
-        np.empty((outboxes, *minds.signals.shape), np.uint8),
-        np.empty((3, minds.memory.shape[0])),
+        np.empty((snapshots, *states.memory.shape), np.uint8),
+        np.empty((outboxes, *states.outbox.shape), np.uint8),
+        np.empty((outboxes, *states.signals.shape), np.uint8),
+        np.empty((3, states.memory.shape[0])),
     )
 
 
@@ -236,22 +236,23 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
     if isinstance(error, compiler.NotCompiled):
         check = command("swarmcensus", "brains", "--check", error.brain.path)
         crew, what = (error.brain,), f"it cannot be compiled: {check} says why"
-    return InputError(f"brain {' or '.join(repr(brain.name) for brain in crew)} fails in {which} of {setting}: {what}")
+    names = " or ".join(repr(brain.name) for brain in crew)
+    return BrainError(f"brain {names} fails in {which} of {setting}: {what}", key="brain", value=crew[0].name)
 
 
 @interruptible
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """One trial in full: what minds hold (round, robot), estimates (round, robot), black readings (round, robot).
+    """One trial in full: what states hold (round, robot), estimates (round, robot), black readings (round, robot).
 
-    It is run like any other, in segments of one round: the snapshots before each are the history of its minds.
+    It is run like any other, in segments of one round: the snapshots before each are the history of its states.
     """
     shape = (setting.rounds + 1, setting.robots)
     given, estimates, blacks = inputs_of(setting, seed, trial), np.empty(shape), np.zeros(shape)
     with blaming(setting, trial):
         swarm = swarm_of(setting, given, setting.use)
-        minds = minds_of(setting, swarm, setting.message_delay + 2, np.empty((1, setting.robots)))
-        history = np.empty((len(estimates), *minds.memory.shape), np.uint8)
-        _rerun(setting, given, swarm, minds._replace(memory=history[-1]), history[:-1])
+        states = states_of(setting, swarm, setting.message_delay + 2, np.empty((1, setting.robots)))
+        history = np.empty((len(estimates), *states.memory.shape), np.uint8)
+        _rerun(setting, given, swarm, states._replace(memory=history[-1]), history[:-1])
         compiler.compile_world("kernel").believe(swarm, history, estimates)
     compiler.compile_world().round_readings(given.sensors.of_trial(0), trial, blacks[1:])
     with blaming(setting, trial):  # robots are asked for intervals in every round here
@@ -272,25 +273,25 @@ def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
     estimates = np.empty((setting.rounds + 1, setting.robots))
     with blaming(setting, trial):
         swarm = swarm_of(setting, given, setting.use)
-        minds = minds_of(setting, swarm, setting.message_delay + 2, estimates[1:])
-        estimates[0] = _rerun(setting, given, swarm, minds)
+        states = states_of(setting, swarm, setting.message_delay + 2, estimates[1:])
+        estimates[0] = _rerun(setting, given, swarm, states)
     return estimates
 
 
 def _rerun(
-    setting: Setting, given: Inputs, swarm: Swarm, minds: Minds, snapshots: np.ndarray | None = None
+    setting: Setting, given: Inputs, swarm: Swarm, states: States, snapshots: np.ndarray | None = None
 ) -> np.ndarray:
     """Run one trial forward and measure nothing; returns the estimates before any observation (robot).
 
-    `snapshots` get the minds before each segment of rounds.
+    `snapshots` get the states before each segment of rounds.
     """
-    room = room_of(minds, 0, 0)
+    room = room_of(states, 0, 0)
     if snapshots is not None:
         room = room._replace(snapshots=snapshots)
     measures = measures_of(setting, 1, Metrics(delta=1.0, bins=1, checkpoints=()))
     tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
-    end, stop = -(-setting.rounds // len(minds.rows)), np.zeros(1, np.uint8)
-    groups = swarm, given, minds, room, measures, tally, no_intervals()
+    end, stop = -(-setting.rounds // len(states.rows)), np.zeros(1, np.uint8)
+    groups = swarm, given, states, room, measures, tally, no_intervals()
     compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop)
     estimates: np.ndarray = room.extremes[2]
     return estimates

@@ -12,7 +12,7 @@ from swarmcensus.worlds import Body
 
 CHUNK_BYTES = 4_000_000  # of a chunk
 SENDERS = 2_000_000  # of a chunk
-NO_WISHES = np.zeros((0, 0))
+NO_COMMANDS = np.zeros((0, 0))
 NO_STOPS = np.zeros((3, 0), np.int64)
 
 
@@ -28,7 +28,7 @@ def set_out(
     body: Body,
     key: np.ndarray,
     trial: int,
-    wishes: np.ndarray = NO_WISHES,
+    commands: np.ndarray = NO_COMMANDS,
     speeds: np.ndarray | None = None,
 ) -> tuple[Bodies, Neighbours]:
     """Place robots at random, and make room for lists of their neighbours.
@@ -37,9 +37,9 @@ def set_out(
     messages as the lists have room for. Raises InputError if the robots do not fit in the arena.
     """
     state = np.zeros((STATE, robots))
-    bodies = Bodies(state, body.numbers, side / 2.0, key, wishes)
+    bodies = Bodies(state, body.numbers, side / 2.0, key, commands)
     if not compile_world("walk").place(bodies, trial):
-        raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m")
+        raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m", key="robots", value=robots)
     if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
         state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
     state[PACE] = body.speed * body.tick if speeds is None else speeds
@@ -78,15 +78,15 @@ class Walk:
         stop: np.ndarray,
         poses: bool = False,
         stops: np.ndarray = NO_STOPS,
-        wishes: np.ndarray = NO_WISHES,
+        commands: np.ndarray = NO_COMMANDS,
         speeds: np.ndarray | None = None,
     ) -> None:
         """Place the robots, with or without record of their `poses`; `stops` of each part are those of `Inputs`.
 
-        `wishes` (3, robot) are of brains that steer. Raises InputError if the robots do not fit in the arena.
+        `commands` (3, robot) are of brains that steer. Raises InputError if the robots do not fit in the arena.
         """
         self.module = compile_world("walk")
-        self.bodies, self.neighbours = set_out(robots, side, body, key, trial, wishes, speeds)
+        self.bodies, self.neighbours = set_out(robots, side, body, key, trial, commands, speeds)
         self.senders = np.zeros(self.neighbours.ears.size + SENDERS, np.uint32)
         self.trial, self.stop, self.stops, self.poses = trial, stop, stops, poses
 
@@ -113,12 +113,12 @@ class Walk:
     def chunks(self, ticks: int) -> Iterator[Chunk]:
         """So many ticks from the first one on, in chunks that fit in memory; fewer if stopped.
 
-        Chunks of brains that steer have one tick, because wishes change from tick to tick.
+        Chunks of brains that steer have one tick, because commands change from tick to tick.
         """
         fit = max(1, CHUNK_BYTES // (self.bodies.state.shape[1] * (41 if self.poses else 17)))
         tick = 1
         while tick <= ticks:
-            chunk = self.on(tick, 1 if self.bodies.wishes.size else min(ticks + 1 - tick, fit))
+            chunk = self.on(tick, 1 if self.bodies.commands.size else min(ticks + 1 - tick, fit))
             if chunk is None:
                 return
             yield chunk

@@ -92,7 +92,7 @@ def losses_key(setting: Setting, seed: int) -> np.ndarray:
     return address(seed, "losses", **_content(setting, "losses"))
 
 
-def luck_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
+def draw_keys(setting: Setting, seed: int, alone: bool = False) -> np.ndarray:
     """The addresses of random numbers for brains, in their functions and in messages; empty if none asks for any.
 
     All brains share them. With `alone` all networks do too: settings that differ only in the network share their

@@ -14,6 +14,7 @@ from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables
 from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.worlds import Change, Fault, arena
@@ -23,12 +24,13 @@ MOST_TILES = 2**30  # from wall to wall: a tile's place is two 32-bit numbers
 
 
 def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
-    """Raise ValueError, naming the key, if values contradict each other, or with `all_used` if a key has no effect."""
+    """Raise StudyError, naming the key, if values contradict each other, or with `all_used` if a key has no effect."""
     for grid in grids:
         for key, values in (("brain", grid.swarm.brain), ("topology", grid.world.topology)):
             names = [v.label if isinstance(v, Brain) else v.name for v in values]
             if len(set(names)) < len(names):
-                raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
+                two = f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}"
+                raise StudyError(two, key=grid.key(key))
     lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
     _one_name("swarm.brain", "brains", (brain.as_written for brains in lists for brain in brains))
     _check_labels(tables.labels, list(dict.fromkeys(brain.name for brains in lists for brain in brains)))
@@ -58,28 +60,27 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     sources: dict[str, str] = {}
     for picture in pictures:
         if sources.setdefault(picture.name, picture.source) != picture.source:
-            raise ValueError(f"two images of world.floor have one name: {picture.name}")
+            two = f"two images of world.floor have one name: {picture.name}"
+            raise StudyError(two, key="world.floor", value=picture.name)
 
 
 def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:
-    """Raise ValueError for a label of no brain, and for brains that would have one name."""
+    """Raise StudyError for a label of no brain, and for brains that would have one name."""
     for name in labels:
         if name not in brains:
-            known = ", ".join(brains)
-            raise ValueError(f"labels: no brain is called {name!r}: {did_you_mean(name, brains)}there are {known}")
-    if alike := namesakes(brains, labels):
-        raise ValueError("labels: {} and {} would both be called {!r}".format(*alike))
+            known = f"{did_you_mean(name, brains)}there are {', '.join(brains)}"
+            raise StudyError(f"labels: no brain is called {name!r}: {known}", key="labels", value=name)
+    if same := namesakes(brains, labels):
+        raise StudyError("labels: {} and {} would both be called {!r}".format(*same), key="labels", value=same[2])
 
 
 def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:
-    """Raise ValueError if a brain's parameter, a coordinate of the results, has the name of something else there."""
+    """Raise StudyError if a brain's parameter, a coordinate of the results, has the name of something else there."""
     metrics = [metric.variable for metric in tables.measure.metrics]
     for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
         if name := taken_in_results(brain, metrics):
-            raise ValueError(
-                f"swarm.brain: the brain {brain.name!r} has a parameter {name!r}, a name that is taken in the "
-                "results: rename it"
-            )
+            taken = f"a parameter {name!r}, a name that is taken in the results: rename it"
+            raise StudyError.within("swarm.brain", f"the brain {brain.name!r} has {taken}", "swarm.brain", brain.name)
 
 
 def taken_in_results(brain: Brain, also: Sequence[str] = ()) -> str:
@@ -97,11 +98,12 @@ def _one_name(key: str, what: str, values: Iterable[Any]) -> None:
     known: dict[str, Any] = {}
     for value in values:
         if known.setdefault(value.name, value) != value:
-            raise ValueError(f"two {what} of {key} and of cases have one name: {value.name}{NAMES[key.split('.')[1]]}")
+            two = f"two {what} of {key} and of cases have one name: {value.name}{NAMES[key.split('.')[1]]}"
+            raise StudyError(two, key=key, value=value.name)
 
 
 def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
-    """Raise ValueError for a given key that has no effect in any grid."""
+    """Raise StudyError for a given key that has no effect in any grid."""
     base = {
         key
         for table in (tables.swarm, tables.world, tables.schedule)
@@ -115,12 +117,13 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
         useless += [grid for grid in grids if key.name in grid.given and not grid.uses(key)]
         for grid in useless:
             instead = f": {key.instead}" if key.instead else ""
-            raise ValueError(f"{grid.key(key.name)} is of {MEANING[key.world]}{instead}")
+            raise StudyError(f"{grid.key(key.name)} is of {MEANING[key.world]}{instead}", key=grid.key(key.name))
     _check_late(grids)
     if "feedback" in tables.world.model_fields_set and all(grid.world.message == ["double"] for grid in grids):
-        raise ValueError("world.feedback is of messages with a number format: world.message says which")
+        formats = "world.feedback is of messages with a number format: world.message says which"
+        raise StudyError(formats, key="world.feedback", value=tables.world.feedback)
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
-        raise ValueError(f'measure.truth = "floor" is of {MEANING["moving"]}')
+        raise StudyError(f'measure.truth = "floor" is of {MEANING["moving"]}', key="measure.truth", value="floor")
 
 
 def _check_missing(grids: Sequence[Grid]) -> None:
@@ -128,24 +131,20 @@ def _check_missing(grids: Sequence[Grid]) -> None:
         robots, missing = max(grid.swarm.robots), max(grid.world.missing_links)
         full = any(topology.is_full for topology in grid.world.topology)
         if full and missing and robots > MOST_LISTED and not all(brain.is_oracle for brain in grid.swarm.brain):
-            raise ValueError(
-                f"{grid.key('missing_links')} = {missing:g}: a full network has {MOST_LISTED:,} robots at the most "
-                f"then, and there are {robots:,}"
-            )
+            most = f"a full network has {MOST_LISTED:,} robots at the most then, and there are {robots:,}"
+            raise StudyError.at(grid.key("missing_links"), f"{missing:g}", most)
 
 
 def _check_late(grids: Sequence[Grid]) -> None:
     for grid in grids:
         body, last = grid.world.body, max(grid.schedule.ticks)
         if grid.moves and "message_delay" in body.model_fields_set and body.message_delay >= last:
-            raise ValueError(
-                f"world.body.message_delay = {body.message_delay}: no message is heard within {counted(last, 'tick')}"
-            )
+            late = f"no message is heard within {counted(last, 'tick')}"
+            raise StudyError.at("world.body.message_delay", body.message_delay, late)
         longest, last = max(grid.world.message_delay), max(grid.schedule.rounds)
         if grid.stands and longest >= last:
-            raise ValueError(
-                f"{grid.key('message_delay')} = {longest}: no message is heard within {counted(last, 'round')}"
-            )
+            late = f"no message is heard within {counted(last, 'round')}"
+            raise StudyError.at(grid.key("message_delay"), longest, late)
 
 
 MEANING = {"moving": 'robots that move: it goes with topology = "moving"', "networks": "fixed networks"}
@@ -155,30 +154,34 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
     last, until, known = last_round(grids), tables.trials, tables.measure.checkpoints
     if isinstance(until, Until) and until.checkpoint is not None:
         if known is not None and until.checkpoint not in known:
-            raise ValueError(f"trials.until = {until.until!r}: {until.checkpoint} is no checkpoint")
+            raise StudyError.at("trials.until", repr(until.until), f"{until.checkpoint} is no checkpoint")
         if until.checkpoint > (shortest := min(length for grid in grids for length in grid.lengths)):
             which = (
                 "the last round" if shortest == last else f"the last round of settings of {counted(shortest, 'round')}"
             )
-            raise ValueError(f"trials.until = {until.until!r}: that comes after {which}")
+            raise StudyError.at("trials.until", repr(until.until), f"that comes after {which}")
     late = [c for c in known or () if c > last]
     if late:
-        raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {last}")
+        after = f"measure.checkpoints = {late[0]} comes after the last round, {last}"
+        raise StudyError(after, key="measure.checkpoints", value=late[0])
     variables = [metric.variable for metric in tables.measure.metrics]
     for metric in tables.measure.metrics:
         if variables.count(metric.variable) > 1:
-            raise ValueError(f"measure.metrics: two of them would be called {metric.variable!r} in the results")
+            two = f"measure.metrics: two of them would be called {metric.variable!r} in the results"
+            raise StudyError(two, key="measure.metrics", value=metric.name)
         if is_taken(metric.variable):
-            raise ValueError(
-                f"measure.metrics: metric file {metric.name}: the name {metric.variable!r} is used in the results: "
-                "give the file another name"
+            used = f"metric file {metric.name}: the name {metric.variable!r} is used in the results"
+            raise StudyError(
+                f"measure.metrics: {used}: give the file another name", key="measure.metrics", value=metric.name
             )
     if tables.measure.local:
+        follows = "measure.local = true follows"
         if any(grid.moves for grid in grids):
-            raise ValueError("measure.local = true follows robots on fixed networks, not robots that move")
+            raise StudyError(f"{follows} robots on fixed networks, not robots that move", key="measure.local")
         steps = max(max(g.schedule.rounds) * max(g.schedule.observations_per_round) for g in grids)
         if steps > LARGEST:
-            raise ValueError(f"measure.local = true follows {counted(steps, 'observation')}: {LARGEST:,} at the most")
+            many = f"{counted(steps, 'observation')}: {LARGEST:,} at the most"
+            raise StudyError(f"{follows} {many}", key="measure.local")
 
 
 def last_round(grids: Sequence[Grid]) -> int:
@@ -189,14 +192,11 @@ def last_round(grids: Sequence[Grid]) -> int:
 def _check_moving(grid: Grid) -> None:
     world = grid.world
     if world.density is not None and world.side is not None:
-        raise ValueError(
-            f"{grid.key('density')} and {grid.key('side')} both say how large the arena is: give one of them"
-        )
+        both = f"{grid.key('density')} and {grid.key('side')} both say how large the arena is: give one of them"
+        raise StudyError(both, key=grid.key("side"))
     if world.density is None and world.side is None:
-        raise ValueError(
-            f"{grid.key('density')} is missing: robots that move need a swarm density, such as 1, or the side of "
-            "their arena in metres (side)"
-        )
+        need = "robots that move need a swarm density, such as 1, or the side of their arena in metres (side)"
+        raise StudyError(f"{grid.key('density')} is missing: {need}", key=grid.key("density"))
     arenas = []
     for robots, (key, value, density) in _sizes(grid):
         if density > arena.largest_density(robots, world.body):
@@ -205,19 +205,18 @@ def _check_moving(grid: Grid) -> None:
                 limit = f"the smallest that can has {_rounded(side, ROUND_UP)} m"
             else:
                 limit = f"the largest that can is {_rounded(arena.largest_density(robots, world.body), ROUND_DOWN)}"
-            raise ValueError(f"{grid.key(key)} = {value}: the arena cannot hold {counted(robots, 'robot')}; {limit}")
+            raise StudyError.at(grid.key(key), value, f"the arena cannot hold {counted(robots, 'robot')}; {limit}")
         across = arena.side(robots, density, world.body) / world.body.tile
         if across > MOST_TILES:
-            raise ValueError(
-                f"{grid.key(key)} = {value}: the arena is {across:.2g} tiles wide; {MOST_TILES:,} is the most"
-            )
+            wide = f"the arena is {across:.2g} tiles wide; {MOST_TILES:,} is the most"
+            raise StudyError.at(grid.key(key), value, wide)
         arenas.append(arena.Arena(arena.side(robots, density, world.body), world.body.tile))
     for floor in world.floor or ():
         try:
             for one in dict.fromkeys(arenas):
                 floor.check(one)
         except ValueError as error:
-            raise ValueError(f"{grid.key('floor')} = {to_toml_value(floor.form)}: {error}") from None
+            raise StudyError.at(grid.key("floor"), to_toml_value(floor.form), error) from None
 
 
 def _sizes(grid: Grid) -> Iterator[tuple[int, tuple[str, float, float]]]:
@@ -237,40 +236,38 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
     sizes = [robots for grid in grids for robots in grid.swarm.robots]
     for n, fault in enumerate(tables.faults):
         if isinstance(fault.robots, int) and fault.robots > min(sizes):
-            raise ValueError(f"faults[{n}].robots = {fault.robots}: there are {counted(min(sizes), 'robot')}")
+            raise StudyError.at(f"faults[{n}].robots", fault.robots, f"there are {counted(min(sizes), 'robot')}")
         if "moving" in fault.stop and not any(grid.moves for grid in grids):
-            raise ValueError(f'faults[{n}].stop = "moving": these robots never move: topology "moving" is not here')
+            never = 'these robots never move: topology "moving" is not here'
+            raise StudyError.at(f"faults[{n}].stop", '"moving"', never)
         if fault.until is not None and fault.until <= fault.at:
-            raise ValueError(f"faults[{n}].until = {fault.until}: should come after at = {fault.at}")
+            raise StudyError.at(f"faults[{n}].until", fault.until, f"should come after at = {fault.at}")
         if all_used and fault.at > last_round(grids):
-            raise ValueError(f"faults[{n}].at = {fault.at} comes after the last round, {last_round(grids)}")
+            after = f"faults[{n}].at = {fault.at} comes after the last round, {last_round(grids)}"
+            raise StudyError(after, key=f"faults[{n}].at", value=fault.at)
         if all_used and fault.robots > 0 and not any(fault.count(robots) for robots in sizes):
-            raise ValueError(
-                f"faults[{n}].robots = {fault.robots}: that is less than one of "
-                f"{counted(max(sizes), 'robot')}: none would fail"
-            )
+            less = f"that is less than one of {counted(max(sizes), 'robot')}: none would fail"
+            raise StudyError.at(f"faults[{n}].robots", fault.robots, less)
 
 
 def _check_changes(grid: Grid, all_used: bool) -> None:
-    """Raise ValueError if a change comes after the last round, or the floor cannot change."""
+    """Raise StudyError if a change comes after the last round, or the floor cannot change."""
     changes = [fill for fill in grid.world.fill_ratio if isinstance(fill, Change)]
     last = max(grid.lengths)
     for change in changes if all_used else ():
         if isinstance(change.at, int) and change.at >= last:
-            raise ValueError(
-                f"{grid.key('fill_ratio')} = {to_toml_value(change.given or change)}: at = {change.label('at')} should "
-                f"be before the last round, {last}, so that rounds follow it"
-            )
+            should = f"should be before the last round, {last}, so that rounds follow it"
+            shown = to_toml_value(change.given or change)
+            raise StudyError.at(grid.key("fill_ratio"), shown, f"at = {change.label('at')} {should}")
     for floor in (grid.world.floor or ()) if changes and grid.moves else ():
         if not floor.can_change:
-            raise ValueError(
-                f"{grid.key('floor')} = {to_toml_value(floor.form)}: this floor does not tell which tiles turn first, "
-                f"so its fill ratio cannot change: {grid.key('fill_ratio')} should be a number here"
-            )
+            fixed = "this floor does not tell which tiles turn first, so its fill ratio cannot change"
+            should = f"{grid.key('fill_ratio')} should be a number here"
+            raise StudyError.at(grid.key("floor"), to_toml_value(floor.form), f"{fixed}: {should}")
 
 
 def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setting]:
-    """The settings of all grids, each once. Raises ValueError if a grid has a setting twice, or adds none."""
+    """The settings of all grids, each once. Raises StudyError if a grid has a setting twice, or adds none."""
     found: dict[Setting, None] = {}
     for grid in grids:
         settings = list(grid.settings(faults))
@@ -278,8 +275,8 @@ def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setti
         own = dict.fromkeys(settings)
         if len(own) < len(settings):
             twice = next(s for s in settings if own.pop(s, s) is not None)
-            raise ValueError(f"a value is twice in a list, so that this setting is there twice: {twice}")
+            raise StudyError(f"a value is twice in a list, so that this setting is there twice: {twice}")
         found = found | own if found else own
         if len(found) == before:
-            raise ValueError(f"{grid.case} adds no setting: all of its settings are there already")
+            raise StudyError(f"{grid.case} adds no setting: all of its settings are there already", key=grid.case)
     return list(found)

@@ -9,8 +9,9 @@ from pydantic import Field
 
 from swarmcensus.brains import Adversary, Brain, lying_brain
 from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
+from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.forms import Robots, Several, Table
+from swarmcensus.support.forms import Robots, Several, TomlTable
 from swarmcensus.worlds import Accuracy, Least, Misjudgement
 
 
@@ -31,7 +32,7 @@ class Member:
         return round(self.robots * robots) if self.share else int(self.robots)
 
     def brain_in(self, brain: Brain) -> Brain:
-        """Their brain in a swarm with this brain, which an adversary wears."""
+        """Their brain in a swarm with this brain, which an adversary wraps."""
         return lying_brain(self.brain, brain) if isinstance(self.brain, Adversary) else self.brain or brain
 
     @property
@@ -58,7 +59,7 @@ class Member:
         return self.robots, self.share, brain, *beliefs, self.speed, self.honest
 
 
-class Members(Table):
+class Members(TomlTable):
     """Robots that differ from the others: each key but `honest` may be a list, which spans the grid."""
 
     robots: Several[Robots]
@@ -84,62 +85,59 @@ class Members(Table):
 
 
 def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], moves: bool) -> None:
-    """Raise ValueError if members do not fit a study's swarms."""
+    """Raise StudyError if members do not fit a study's swarms."""
     for n, table in enumerate(members):
+        where = f"members[{n}]"
         if table.honest and all(v is None for v in (table.brain, table.accuracy, table.assumed_accuracy, table.speed)):
-            raise ValueError(
-                f"members[{n}] differs in nothing from the others: give it a brain, an accuracy, an assumed_accuracy, "
-                "a speed, or honest = false"
-            )
+            give = "give it a brain, an accuracy, an assumed_accuracy, a speed, or honest = false"
+            raise StudyError(f"{where} differs in nothing from the others: {give}", key=where)
         if not any(table.robots):
-            raise ValueError(
-                f"members[{n}].robots = {table.robots[0]}: that is nobody, and the table would mean nothing"
-            )
+            nobody = "that is nobody, and the table would mean nothing"
+            raise StudyError.at(f"{where}.robots", table.robots[0], nobody)
         for size in table.robots:
             if size and not Member(size, share=isinstance(size, float)).count(max(sizes)):
-                raise ValueError(
-                    f"members[{n}].robots = {size}: that is less than one of {counted(max(sizes), 'robot')}"
-                )
+                less = f"that is less than one of {counted(max(sizes), 'robot')}"
+                raise StudyError.at(f"{where}.robots", size, less)
         if table.speed is not None and not moves:
-            raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
+            moving = 'is of robots that move: it goes with topology = "moving"'
+            raise StudyError(f"{where}.speed {moving}", key=f"{where}.speed")
         hearing = [brain for brain in brains if not brain.is_oracle]  # an oracle hears no member
         for adversary in (a for a in table.brain or [] if isinstance(a, Adversary)):
-            _check_adversary(n, table, adversary, hearing)
+            _check_adversary(where, table, adversary, hearing)
         for brain in dict.fromkeys(b for b in table.brain or [] if isinstance(b, Brain)):
             theirs = (b for before in members[:n] for b in before.brain or [] if isinstance(b, Brain))
             for other in (*hearing, *theirs):
+                place, name = f"{where}.brain", repr(brain.name)
                 if brain.message != other.message:
-                    raise ValueError(
-                        f"members[{n}].brain = {brain.name!r}: its MESSAGE is ({_message_text(brain)}), and that of "
-                        f"{other.name!r} ({_message_text(other)}): brains of one swarm have the same MESSAGE"
-                    )
+                    both = f"({_message_text(brain)}), and that of {other.name!r} ({_message_text(other)})"
+                    same = "brains of one swarm have the same MESSAGE"
+                    raise StudyError.at(place, name, f"its MESSAGE is {both}: {same}")
                 if brain.decides and other.decides and brain.options != other.options:
-                    raise ValueError(
-                        f"members[{n}].brain = {brain.name!r}: its OPTIONS is {brain.options}, and that of "
-                        f"{other.name!r} {other.options}: brains of one swarm have the same OPTIONS"
+                    both = f"{brain.options}, and that of {other.name!r} {other.options}"
+                    raise StudyError.at(
+                        place, name, f"its OPTIONS is {both}: brains of one swarm have the same OPTIONS"
                     )
     for robots in sizes:
         for chosen in itertools.product(*(table.robots for table in members)):
             counts = [Member(size, share=isinstance(size, float)).count(robots) for size in chosen]
             if sum(counts) > robots:
                 sizes_given = " and ".join(f"members[{n}].robots = {size:g}" for n, size in enumerate(chosen))
-                raise ValueError(f"{sizes_given}: that is {sum(counts)} of {counted(robots, 'robot')}")
+                raise StudyError.within(sizes_given, f"that is {sum(counts)} of {counted(robots, 'robot')}", "members")
             honest = robots - sum(c for c, table in zip(counts, members, strict=True) if not table.honest)
             if honest < 1:
-                raise ValueError(
-                    f"members: of {counted(robots, 'robot')} none is honest, and metrics count the honest ones"
-                )
+                nobody = f"members: of {counted(robots, 'robot')} none is honest, and metrics count the honest ones"
+                raise StudyError(nobody, key="members")
 
 
-def _check_adversary(n: int, table: Members, adversary: Adversary, brains: list[Brain]) -> None:
-    where = f"members[{n}].brain = {adversary.label!r}"
+def _check_adversary(where: str, table: Members, adversary: Adversary, brains: list[Brain]) -> None:
+    place, name = f"{where}.brain", repr(adversary.label)
     if table.honest:
-        raise ValueError(f"{where}: that is an adversary, which is not honest: add honest = false")
+        raise StudyError.at(place, name, "that is an adversary, which is not honest: add honest = false")
     for brain in brains:
         try:
             lying_brain(adversary, brain)
         except ValueError as error:
-            raise ValueError(f"{where}: {error}") from None
+            raise StudyError.at(place, name, error) from None
 
 
 def _message_text(brain: Brain) -> str:

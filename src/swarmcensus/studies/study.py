@@ -17,12 +17,12 @@ from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Setting
 from swarmcensus.studies.tables import Tables, study_error
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml, to_toml_value
-from swarmcensus.support.errors import InputError, StudyError
+from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
 from swarmcensus.support.plugins import Plugins
 from swarmcensus.support.templates import render
-from swarmcensus.worlds import Accuracy, Misjudgement, Picture, Topology, patterns, spreading, wiring
+from swarmcensus.worlds import Accuracy, Misjudgement, Picture, Topology, distributions, patterns, wiring
 
 if TYPE_CHECKING:
     from swarmcensus.studies.typed import StudyChanges, StudyTables
@@ -56,7 +56,7 @@ class Study:
             check(checked, self.grids, all_used=not context.get("kept"))
             count = sum(grid.count for grid in self.grids)
             if count > MOST_SETTINGS:
-                raise ValueError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
+                raise StudyError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
             settings = all_settings(self.grids, self.faults)
         except ValueError as error:
             raise StudyError.within(where, error) from None
@@ -95,7 +95,8 @@ class Study:
         """
         where, name = f"study file {path}", Path(path).stem
         if Path(path).suffix == ".nc" and Path(path).is_file():
-            raise InputError(f"{path} holds results, not a study: see them with {command('swarmcensus', 'show', path)}")
+            see = command("swarmcensus", "show", path)
+            raise StudyError(f"{path} holds results, not a study: see them with {see}", file=path)
         text = text_of_file(path, where)
         if "name" not in read_toml(text, where) and name.isprintable():
             text = f"name = {to_toml_value(name)}\n{text}"
@@ -149,11 +150,9 @@ class Study:
         kept = len(self.checkpoints) if self.measure.estimates else 1
         values = settings * trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
         if values > MOST_VALUES:
-            raise InputError(
-                f"{where}: {counted(settings, 'setting')} of {counted(trials, 'trial')} make "
-                f"{values:,} values to keep; {MOST_VALUES:,} is the most: fewer trials, "
-                f"settings{', checkpoints' * (kept > 1)} or robots"
-            )
+            made = f"{counted(settings, 'setting')} of {counted(trials, 'trial')} make {values:,} values to keep"
+            fewer = f"fewer trials, settings{', checkpoints' * (kept > 1)} or robots"
+            raise StudyError.within(where, f"{made}; {MOST_VALUES:,} is the most: {fewer}", "trials", trials)
 
     def stages(self) -> Iterator[int]:
         """The numbers of trials after which a setting may end: one, or several with a rule."""
@@ -175,7 +174,7 @@ class Study:
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
         """Additions of other packages that its settings use, as "topology torus": package, version and hash."""
-        spreads = [s for a in self._accuracies for s in a.spreads]
+        drawn = [one for a in self._accuracies for one in a.distributions]
         floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
         used = [
             *((brains.PLUGINS, brain.name) for brain in self.brains if _of(brains.PLUGINS, brain)),
@@ -183,7 +182,7 @@ class Study:
             *((metrics.PLUGINS, metric.name) for metric in self.measure.metrics if _of(metrics.PLUGINS, metric)),
             *((wiring.PLUGINS, topology.named) for topology in self.topologies if topology.named),
             *((patterns.PLUGINS, floor.kind) for floor in floors),
-            *((spreading.PLUGINS, spread.kind) for spread in spreads if spread.kind),
+            *((distributions.PLUGINS, one.kind) for one in drawn if one.kind),
         ]
         others = {(p.kind, name): p for p, name in used if name not in p.shipped and name in p}
         return {f"{kind} {name}": plugins.origin(name) for (kind, name), plugins in others.items()}

@@ -27,7 +27,7 @@ def _case() -> Any:
         for name, kind in get_type_hints(table, include_extras=True).items():
             if name in KEYS and KEYS[name].spans:
                 fields[name] = (kind | None, Field(default=None, description=KEYS[name].meaning))
-    meaning = "Values in place of some of the tables' above: another grid, beside the full one."
+    meaning = "Values in place of some of the tables' above: another grid, in addition to the full one."
     return create_model("Case", __base__=Table, __doc__=meaning, **fields)
 
 
@@ -76,7 +76,7 @@ class Tables(Table):
     faults: Annotated[tuple[Fault, ...], SeveralTables] = ()
     """Robots that fail."""
     case: Annotated[tuple[Case, ...], SeveralTables] = ()
-    """Values that go together, beside the full grid."""
+    """Values that go together, in addition to the full grid."""
     members: Annotated[tuple[Members, ...], SeveralTables] = ()
     """Robots that differ from the others."""
     labels: dict[str, Name] = Field(default={})
@@ -139,8 +139,10 @@ def study_error(error: ValidationError, where: str, model: type[BaseModel] = Tab
     message = pydantic_message(first["msg"])
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     value = first["input"]
-    if not key:
-        return StudyError.within(where, message + more)
+    if not key:  # of a check of several values, which names one
+        cause = first.get("ctx", {}).get("error")
+        named = (cause.key, cause.value) if isinstance(cause, StudyError) else ()
+        return StudyError.within(where, message + more, *named)
     if first["type"] == "literal_error" and isinstance(value, str):
         hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
         message += f": {hint.rstrip()}" if hint else ""

@@ -14,7 +14,7 @@ from swarmcensus import brains
 from swarmcensus.brains.metrics import Metric
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.hints import did_you_mean_file
-from swarmcensus.worlds import Accuracy, Change, Floor, Misjudgement, Spread, Topology, parse_topology
+from swarmcensus.worlds import Accuracy, Change, Distribution, Floor, Misjudgement, Topology, parse_topology
 
 LARGEST = 20_000_000  # bytes of a file that a person wrote; reading a device would never end
 MOST_BITS = 10_000  # of a number that is printed in decimal digits
@@ -97,7 +97,7 @@ def to_toml_value(value: Any) -> str:
         return to_toml_value({"file": value.name, **dict(value.overrides)})
     if isinstance(value, brains.Brain | brains.Adversary | Metric):
         return to_toml_value(value.name)
-    if isinstance(value, Floor | Accuracy | Change | Misjudgement | Spread):
+    if isinstance(value, Floor | Accuracy | Change | Misjudgement | Distribution):
         return to_toml_value(value.form)
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         value = parse_topology(value, Path(), {})

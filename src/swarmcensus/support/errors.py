@@ -31,15 +31,29 @@ class InputError(ValueError):
         self.hint = hint if hint is not None or suggested is None else suggested[2]
 
     @classmethod
-    def of(cls, file: object, what: object, key: str | None = None, value: Any = None) -> Self:
-        """The error of a file: "ring.nc: cannot be read". The fields of an error in place of `what` are kept."""
+    def of(cls, file: object, what: object, key: str | None = None, value: Any = None, *, where: str = "") -> Self:
+        """The error of a file: "ring.nc: cannot be read"; the message may say more than its path, in `where`.
+
+        The fields of an error in place of `what` are kept.
+        """
         error = what if isinstance(what, InputError) else cls(key=key, value=value)
-        return cls(f"{file}: {what}", file=file, key=error.key, value=error.value, hint=error.hint)
+        return cls(f"{where or file}: {what}", file=file, key=error.key, value=error.value, hint=error.hint)
+
+    @classmethod
+    def within(cls, where: str, what: object, key: str | None = None, value: Any = None) -> Self:
+        """The error of a file of some kind, "study file ring.toml", or of "study", for tables in Python."""
+        return cls.of(where.partition(" file ")[2] or None, what, key, value, where=where)
 
     @classmethod
     def at(cls, key: str, value: Any, what: object) -> Self:
         """The error of a key: "rounds = 0: should be above 0"."""
         return cls(f"{key} = {value}: {what}", key=key, value=value)
+
+    @classmethod
+    def named(cls, key: str, value: Any, what: object) -> Self:
+        """The error of one of several things: "setting 7: it has not been run", "metric 'mean': it has changed"."""
+        shown = repr(value) if isinstance(value, str) else value
+        return cls(f"{key} {shown}: {what}", key=key, value=value)
 
 
 class OptionError(InputError):
@@ -48,11 +62,6 @@ class OptionError(InputError):
 
 class StudyError(InputError):
     """A study, mission or other TOML file, or tables in Python, with a wrong key or value."""
-
-    @classmethod
-    def within(cls, where: str, what: object, key: str | None = None, value: Any = None) -> Self:
-        """The error of tables; `where` is "study file ring.toml", or "study" for tables in Python."""
-        return cls(f"{where}: {what}", file=where.partition(" file ")[2] or None, key=key or None, value=value)
 
 
 class BrainError(InputError):

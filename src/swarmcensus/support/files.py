@@ -44,7 +44,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
 
 
 def acquire(lock: "FileLock") -> None:
-    """Take a lock whose file is removed by whoever holds it last. Raises Timeout and OSError."""
+    """Take a lock; whoever holds it last removes its file. Raises Timeout and OSError."""
     file = Path(lock.lock_file)
     while True:
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -123,7 +123,8 @@ def check_own(page: Path, is_ours: Callable[[str], bool], command: str) -> None:
     """Raise InputError if the page of a command cannot be written, or an existing file is not such a page."""
     check_writable(page)
     if page.exists() and not is_ours(page.read_text(encoding="utf-8", errors="replace")):
-        raise InputError(f"{page} exists, and is not a page of {command}: write to another folder with {option('out')}")
+        elsewhere = f"write to another folder with {option('out')}"
+        raise InputError(f"{page} exists, and is not a page of {command}: {elsewhere}", file=page)
 
 
 def data_path(out: Path, study: str) -> Path:
@@ -137,7 +138,8 @@ def shipped_study(name: str) -> Path:
     for path in (package / "shipped_studies" / name, package.parents[1] / "studies" / name):
         if path.exists():
             return path
-    raise InputError(f"study files are missing: this installation has no {package / 'shipped_studies' / name}")
+    missing = package / "shipped_studies" / name
+    raise InputError(f"study files are missing: this installation has no {missing}", file=missing)
 
 
 def shipped_studies() -> dict[str, Path]:

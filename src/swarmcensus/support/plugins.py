@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from swarmcensus.support.errors import InputError, line_of, pydantic_message
+from swarmcensus.support.errors import BrainError, InputError, line_of, pydantic_message
 from swarmcensus.support.hints import did_you_mean
 
 if TYPE_CHECKING:
@@ -71,7 +71,8 @@ class Plugins:
         """The entry point of another package's plugin. Raises InputError if two packages use the name."""
         entry = self.outside[name]
         if name in self.clashes:
-            raise InputError(f"two packages have a {self.kind} named {name!r}: {self.clashes[name]}")
+            two = f"two packages have a {self.kind} named {name!r}: {self.clashes[name]}"
+            raise BrainError(two, key=self.kind, value=name)
         return entry
 
     @property
@@ -93,7 +94,7 @@ class Plugins:
             plugin = entry.load()
         except Exception as error:
             where = f"{self.kind} {name!r}, {entry.value} of {_package(entry)}"
-            raise InputError(f"{where}: {error_message(error)}") from error
+            raise BrainError(f"{where}: {error_message(error)}", key=self.kind, value=name) from error
         self.imported_hashes[name] = _hash(self.path(name))
         return plugin
 
@@ -106,9 +107,8 @@ class Plugins:
             return ""
         current = _hash(self.path(name))
         if self.imported_hashes.get(name, current) != current:
-            raise InputError(
-                f"{self.kind} {name!r}: {self.path(name)} was changed since it was imported: restart Python"
-            )
+            changed = f"{self.path(name)} was changed since it was imported: restart Python"
+            raise BrainError.named(self.kind, name, changed)
         return current
 
     def provider(self, name: str) -> str:
@@ -136,10 +136,15 @@ class Plugins:
         except ImportError:
             spec = None
         except Exception as error:  # raised by the package's __init__, or by a malformed entry point
-            raise InputError(f"{self.kind} {name!r} of {self.provider(name)}: {error_message(error)}") from error
+            where = f"{self.kind} {name!r} of {self.provider(name)}"
+            raise BrainError(f"{where}: {error_message(error)}", key=self.kind, value=name) from error
         if spec is None or spec.origin is None or not Path(spec.origin).is_file():
-            raise InputError(f"{self.kind} {name!r}: {self.provider(name)} names {module}: there is no such file")
+            raise BrainError.named(self.kind, name, f"{self.provider(name)} names {module}: there is no such file")
         return Path(spec.origin)
+
+    def error(self, name: str, what: object) -> BrainError:
+        """The error of another package's plugin."""
+        return BrainError(f"{self.kind} {name!r}, {self.outside[name].value}: {what}", key=self.kind, value=name)
 
 
 def _hash(path: Path) -> str:
@@ -174,7 +179,7 @@ def keys_of(function: Callable[..., Any]) -> type[BaseModel]:
 
 
 def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any], context: Any = None) -> Keys:
-    """Check values for a function's keyword-only arguments, and add its defaults. Raises ValueError."""
+    """Check values for a function's keyword-only arguments, and add its defaults. Raises InputError."""
     from pydantic import ValidationError
 
     model = keys_of(function)
@@ -186,19 +191,20 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
         key, known = str(first["loc"][0]), ", ".join(model.model_fields)
         if first["type"] == "extra_forbidden":
             has = f"{did_you_mean(key, model.model_fields)}it has {known}" if known else "it has none"
-            raise ValueError(f"{what} has no key {key}: {has}") from None
+            raise InputError(f"{what} has no key {key}: {has}", key=key) from None
         if first["type"] == "missing":
-            raise ValueError(f"{what} needs the key {key}") from None
+            raise InputError(f"{what} needs the key {key}", key=key) from None
         message = pydantic_message(first["msg"])
         if first["type"] == "literal_error":
             hint = did_you_mean(str(first["input"]), re.findall("'(.*?)'", first["ctx"]["expected"]))
             message += f": {hint.rstrip()}" if hint else ""
         unit = model.model_fields[str(first["loc"][0])].description
-        raise ValueError(f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}") from None
+        found = f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}"
+        raise InputError(found, key=key, value=first["input"]) from None
     keys = tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
     for name, value in keys:
         if not _is_plain(value):
-            raise ValueError(f"{what}: {name} should be a number, a text, true or false, or a list of them")
+            raise InputError(f"{what}: {name} should be a number, a text, true or false, or a list of them", key=name)
     return keys
 
 

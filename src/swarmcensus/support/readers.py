@@ -18,5 +18,6 @@ def asked_columns() -> int | None:
     """The columns that SWARMCENSUS_TERMINAL asks for, or None. Raises InputError."""
     text = os.environ.get(AS_TERMINAL, "")
     if text and not (text.isdecimal() and len(text) <= 7 and 0 < int(text) <= MOST):
-        raise InputError(f"{AS_TERMINAL}={text}: should be a number of columns, such as 100")
+        should = "should be a number of columns, such as 100"
+        raise InputError(f"{AS_TERMINAL}={text}: {should}", key=AS_TERMINAL, value=text)
     return int(text) if text else None

@@ -50,10 +50,8 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
         known = ", ".join(plugins.names)
         file = Path(f"{path}.py")
         hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, plugins.names)
-        raise BrainError(
-            f"{plugins.kind} {name!r}: {hint}neither a shipped {plugins.kind} ({known}) nor a file at {path}",
-            key=plugins.kind, value=name
-        )  # fmt: skip
+        neither = f"neither a shipped {plugins.kind} ({known}) nor a file at {path}"
+        raise BrainError.named(plugins.kind, name, f"{hint}{neither}")
     return path
 
 
@@ -62,7 +60,7 @@ def read_source(kind: str, path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        raise BrainError(f"{kind} file {path}: cannot be read as text: {error}", file=path) from error
+        raise BrainError.within(f"{kind} file {path}", f"cannot be read as text: {error}") from error
 
 
 def digest(source: str) -> str:
@@ -83,11 +81,11 @@ def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[
         line = getattr(error, "lineno", None)
         what = getattr(error, "msg", error)
         where = f", line {line}" if line else ""
-        raise BrainError(f"{kind} file {path}{where}: not Python: {what}", file=path) from error
+        raise BrainError.of(path, f"not Python: {what}", where=f"{kind} file {path}{where}") from error
     try:
         return tree, _check_syntax(tree, kind, path)
     except RecursionError:
-        raise BrainError(f"{kind} file {path}: its brackets or operators are nested too deep", file=path) from None
+        raise BrainError.within(f"{kind} file {path}", "its brackets or operators are nested too deep") from None
 
 
 def run(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
@@ -97,7 +95,7 @@ def run(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
     try:
         exec(compile(tree, str(path), "exec"), vars(module))
     except Exception as error:
-        raise BrainError(f"{kind} file {path}: fails when it is loaded: {error!r}", file=path) from error
+        raise BrainError.within(f"{kind} file {path}", f"fails when it is loaded: {error!r}") from error
     return module
 
 
@@ -105,7 +103,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
     """Check what a file holds; returns its constants. Raises InputError."""
 
     def error(node: ast.stmt | ast.expr, what: str) -> InputError:
-        return BrainError(f"{kind} file {path}, line {node.lineno}: {what}", file=path)
+        return BrainError.of(path, what, where=f"{kind} file {path}, line {node.lineno}")
 
     a_kind = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}

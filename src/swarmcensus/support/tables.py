@@ -43,7 +43,7 @@ FORMATS = {  # how files begin that are no tables
 AS_TABLE = "should be a table: save it as CSV in UTF-8 (a graph by networkx.write_edgelist(graph, path, data=False))"
 
 
-class Table(NamedTuple):
+class ReadTable(NamedTuple):
     """Columns of cells: texts of a file, or values of a data frame. All rows have the same length."""
 
     source: str  # the file or the argument, for messages
@@ -91,7 +91,11 @@ class Table(NamedTuple):
     def wrong(self, row: int, k: int, right: str) -> InputError:
         """The error for a cell that is not what it should be."""
         cell = str(self.rows[row][k]).strip()
-        return TableError(f"{self.where(row)}: {cell!r}: should be {right}", file=self.source, value=cell)
+        return self.error(row, f"{cell!r}: should be {right}", self.names[k] if self.names else None, cell)
+
+    def error(self, row: int, what: str, key: str | None = None, value: str | None = None) -> TableError:
+        """The error of a row; of a cell, `key` is the column's name and `value` the cell."""
+        return TableError.of(self.source, what, key, value, where=self.where(row))
 
     def counts(self, k: int, starts: tuple[int, ...] = (0,)) -> bool:
         """Whether a column counts the rows."""
@@ -101,7 +105,7 @@ class Table(NamedTuple):
             return False
         return any(np.array_equal(values, np.arange(len(values)) + first) for first in starts)
 
-    def without(self, *columns: int) -> "Table":
+    def without(self, *columns: int) -> "ReadTable":
         """The table without some columns."""
         if not columns:
             return self
@@ -128,7 +132,7 @@ class Table(NamedTuple):
         cells = [number(cell, True) for cell in self.rows[0]]
         return cells[1:] if len(cells) > 1 and np.isnan(cells[0]) else cells
 
-    def named_by_first_row(self) -> "Table":
+    def named_by_first_row(self) -> "ReadTable":
         """The table with the first row as names."""
         return _without_row_numbers(self._replace(names=self.rows[0], rows=self.rows[1:], lines=self.lines[1:]))
 
@@ -137,11 +141,8 @@ class Table(NamedTuple):
         cells = self.heading()
         if cells == list(range(len(cells))):
             shown = self.separator.join(self.rows[0])
-            raise TableError(
-                f"{self.where(0)}: {shown!r} may be names of columns or {rows}: if names, write {names} instead; if "
-                f"{rows}, add a line {names} above it",
-                file=self.source,
-            )
+            advice = f"if names, write {names} instead; if {rows}, add a line {names} above it"
+            raise self.error(0, f"{shown!r} may be names of columns or {rows}: {advice}")
 
     def refuse(self, columns: Sequence[int], right: str) -> NoReturn:
         """Raise InputError for columns that are not understood, or for too many without names."""
@@ -175,14 +176,14 @@ def is_frame(value: Any) -> bool:
     return hasattr(value, "columns") and hasattr(value, "to_numpy")
 
 
-def frame_table(frame: Any, source: str) -> Table:
+def frame_table(frame: Any, source: str) -> ReadTable:
     """A data frame as a table, with its index if that has a name."""
     if any(name is not None for name in getattr(getattr(frame, "index", None), "names", ())):
         frame = frame.reset_index()
-    return _without_row_numbers(Table(source, [str(name) for name in frame.columns], frame.to_numpy().tolist()))
+    return _without_row_numbers(ReadTable(source, [str(name) for name in frame.columns], frame.to_numpy().tolist()))
 
 
-def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
+def read_table(path: str | Path, known: Callable[[str], bool]) -> ReadTable:
     """Read a table from a text file.
 
     Separators are tabs, semicolons, commas or spaces; numbers may have decimal commas, but not between commas. Lines
@@ -194,7 +195,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
     lines[0] = "" if SEPARATOR_LINE.fullmatch(lines[0]) else lines[0]
     numbers = [n for n, line in enumerate(lines, start=1) if line and not line.startswith(COMMENTS)]
     if not numbers:
-        return Table(str(path), None, [])
+        return ReadTable(str(path), None, [])
     texts = [_without_attributes(path, n, lines[n - 1]) for n in numbers]
     starts = (lines[0].lower(), texts[0].lower())
     if kind := next((kind for start, kind in FORMATS.items() if any(line.startswith(start) for line in starts)), ""):
@@ -215,7 +216,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
         raise TableError(f"{path}, line {numbers[odd]}: {wrong} where there were {len(rows[0])}", file=path)
     first, last = (numbers[0], numbers[-1]) if numbers else (0, 0)
     gap = next((n for n in range(first + 1, last) if not lines[n - 1]), 0)
-    table = Table(str(path), names, rows, numbers, separator, gap)
+    table = ReadTable(str(path), names, rows, numbers, separator, gap)
     return table if names is None else _without_row_numbers(_with_names_for_all(table))
 
 
@@ -256,7 +257,8 @@ def _without_attributes(path: str | Path, line: int, text: str) -> str:
     if found is None or found.start() == 0:
         return text
     if found[1].strip():
-        raise TableError(f"{path}, line {line}: {found[0].strip()}: links have no attributes: write it with data=False")
+        what = f"{found[0].strip()}: links have no attributes: write it with data=False"
+        raise TableError.of(path, what, where=f"{path}, line {line}")
     return text[: found.start()]
 
 
@@ -268,7 +270,7 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def _with_names_for_all(table: Table) -> Table:
+def _with_names_for_all(table: ReadTable) -> ReadTable:
     """A table with as many names as columns: R names no row numbers, and a separator at the end makes a column."""
     names, rows = table.names or [], table.rows
     width = len(rows[0]) if rows else len(names)
@@ -280,11 +282,11 @@ def _with_names_for_all(table: Table) -> Table:
         names = ["", *names]
     if len(names) != width:
         names_there = counted(len(names), "name")
-        raise InputError(f"{table.source}, line {table.lines[0]}: {counted(width, 'value')} under {names_there}")
+        raise table.error(0, f"{counted(width, 'value')} under {names_there}")
     return table._replace(names=names, rows=rows)
 
 
-def _without_row_numbers(table: Table) -> Table:
+def _without_row_numbers(table: ReadTable) -> ReadTable:
     """A table without a first column that counts rows from 0 or 1. Raises InputError for names that are not unique."""
     names = [plain(name) for name in table.names or ()]
     if names and names[0] in ROW_NUMBERS:

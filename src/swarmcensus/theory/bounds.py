@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
-from swarmcensus.theory.checks import Floats, count, fitting, from_zero, numbers, positive, sensors, shares
+from swarmcensus.theory.checks import Floats, count, fitting, from_zero, misshapen, numbers, positive, sensors, shares
 
 MEDIAN = 0.6744897501960817  # standard deviations: half of a normal distribution lies within
 
@@ -83,10 +83,10 @@ def neighbourhood_bound(
     hears = numbers("matrix", matrix) != 0.0
     robots = len(hears) if hears.ndim else 0
     if hears.shape != (robots, robots):
-        raise InputError(f"matrix has the shape {hears.shape}: should be a square, a row and a column a robot")
+        raise misshapen("matrix", hears, "a square, a row and a column a robot")
     each = information(fill_ratio, b, w)
     if each.shape not in ((), (robots,)):
-        raise InputError(f"b has the shape {each.shape}: should be one number, or {robots}, one a robot")
+        raise misshapen("b", each, f"one number, or {robots}, one a robot")
     each = np.broadcast_to(each, (robots,))
     np.fill_diagonal(hears, True)
     total = np.array([each[row].sum() for row in hears])

@@ -68,7 +68,7 @@ def count(name: str, value: Any, least: int = 1, most: int | None = None) -> int
     try:
         found = whole(name, value)
     except ValueError as error:
-        raise InputError(str(error)) from None
+        raise InputError(str(error), key=name, value=value) from None
     if found < least or (most is not None and found > most):
         reach = f"from {least}" if most is None else f"from {least} to {most:,}"
         raise InputError.at(name, found, f"should be {reach}")
@@ -97,7 +97,12 @@ def fitting(**given: Floats) -> tuple[Floats, ...]:
         return tuple(np.broadcast_arrays(*given.values()))
     except ValueError:
         shapes = ", ".join(f"{name} {one.shape}" for name, one in given.items()).replace(" ", " has the shape ", 1)
-        raise InputError(f"{shapes}: should be one shape, or a number") from None
+        raise InputError(f"{shapes}: should be one shape, or a number", key=next(iter(given))) from None
+
+
+def misshapen(name: str, value: Floats, should: str) -> InputError:
+    """The error of an array of a wrong shape."""
+    return InputError(f"{name} has the shape {value.shape}: should be {should}", key=name)
 
 
 def _shown(value: Any) -> str:

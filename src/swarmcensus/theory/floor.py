@@ -42,7 +42,7 @@ def even_concentration(readings: ArrayLike, tiles: int) -> Floats:
     """
     t = positive("readings", readings)
     if (t < 1.0).any():
-        raise InputError(f"readings = {float(t.min()):g}: should be 1 or above")
+        raise InputError.at("readings", f"{float(t.min()):g}", "should be 1 or above")
     return np.asarray(1.0 / t + (1.0 - 1.0 / t) / count("tiles", tiles))
 
 
@@ -56,7 +56,7 @@ def sensing_variance(readings: ArrayLike, fill_ratio: float, b: float, w: float 
     t, black, white = fitting(readings=t, b=black, w=white)
     slope = black + white - 1.0
     if (np.abs(slope) < BLIND).any():
-        raise InputError("b + w = 1: such a sensor's readings say nothing about the floor")
+        raise InputError("b + w = 1: such a sensor's readings say nothing about the floor", key="b")
     errs = f * black * (1.0 - black) + (1.0 - f) * white * (1.0 - white)
     return np.asarray(errs / slope**2 / t)
 
@@ -74,7 +74,7 @@ def tiles_variance(
     _among("drawn", drawn, get_args(Drawn))
     _among("truth", truth, get_args(Truth))
     if (c < (1.0 - 1e-9) / m).any():
-        raise InputError(f"concentration = {float(c.min()):g}: should be 1/tiles or above, {1.0 / m:g}")
+        raise InputError.at("concentration", f"{float(c.min()):g}", f"should be 1/tiles or above, {1.0 / m:g}")
     if drawn == "exactly":
         return np.maximum(f * (1.0 - f) * (m * c - 1.0) / max(m - 1, 1), 0.0)
     return np.maximum(f * (1.0 - f) * (c - (1.0 / m if truth == "floor" else 0.0)), 0.0)
@@ -106,12 +106,12 @@ def covariance_variance(visits: ArrayLike, covariance: ArrayLike, *, truth: Trut
     weights = _visited(visits)
     _among("truth", truth, get_args(Truth))
     if weights.size > MOST_TILES:
-        raise InputError(f"visits: {counted(weights.size, 'tile')}: should be {MOST_TILES:,} at the most")
+        tiles = counted(weights.size, "tile")
+        raise InputError(f"visits: {tiles}: should be {MOST_TILES:,} at the most", key="visits")
     between = numbers("covariance", covariance)
     if between.shape != (weights.size, weights.size):
-        raise InputError(
-            f"covariance has the shape {between.shape}: should be {weights.size} by {counted(weights.size, 'tile')}"
-        )
+        should = f"should be {weights.size} by {counted(weights.size, 'tile')}"
+        raise InputError(f"covariance has the shape {between.shape}: {should}", key="covariance")
     if truth == "floor":
         weights = weights - 1.0 / weights.size
     return max(float(weights @ between @ weights), 0.0)
@@ -148,4 +148,4 @@ def _visited(visits: ArrayLike) -> Floats:
 
 def _among(name: str, value: str, known: tuple[str, ...]) -> None:
     if value not in known:
-        raise InputError(f"{name} = {value!r}: should be {' or '.join(map(repr, known))}", key=name, value=value)
+        raise InputError.at(name, repr(value), f"should be {' or '.join(map(repr, known))}")

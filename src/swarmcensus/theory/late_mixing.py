@@ -45,9 +45,8 @@ def late_moments(matrix: Floats, delay: int, at: list[int], squared: Floats, sum
     """
     robots = len(matrix)
     if not fits(robots, delay):
-        raise InputError(
-            f"{counted(robots, 'robot')} with messages {counted(delay, 'round')} late: the weights do not fit in memory"
-        )
+        late = f"{counted(robots, 'robot')} with messages {counted(delay, 'round')} late"
+        raise InputError(f"{late}: the weights do not fit in memory", key="delay", value=delay)
     own = np.diag(matrix)[:, np.newaxis]
     others = matrix - np.diagflat(own)
     squares, sums = np.zeros((2, len(at), robots))

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.theory.checks import Floats, numbers
+from swarmcensus.theory.checks import Floats, misshapen, numbers
 from swarmcensus.worlds import network
 
 MOST = 4096  # robots of a matrix: 128 MB
-SMALL = 100  # robots of the largest matrix whose decomposition is cached: 512 of them take 80 MB
+SMALL = 100  # robots of the largest matrix with a cached decomposition: 512 of them take 80 MB
 
 
 def mixing_matrix(graph: Any, robots: int | None = None, *, directed: bool = False) -> Floats:
@@ -40,12 +40,13 @@ def checked(matrix: ArrayLike) -> Floats:
     """A mixing matrix, checked: square, nothing negative, rows that sum to 1. Raises InputError."""
     found = numbers("matrix", matrix)
     if found.ndim != 2 or found.shape[0] != found.shape[1] or not found.size:
-        raise InputError(f"matrix has the shape {found.shape}: should be a square, a row and a column a robot")
+        raise misshapen("matrix", found, "a square, a row and a column a robot")
     if (found < 0.0).any():
-        raise InputError("matrix has a negative weight: should be 0 or above")
+        raise InputError("matrix has a negative weight: should be 0 or above", key="matrix")
     wrong = np.flatnonzero(np.abs(found.sum(axis=1) - 1.0) > 1e-9)
     if wrong.size:
-        raise InputError(f"matrix: the weights of row {wrong[0]} sum to {found[wrong[0]].sum():g}: should be 1")
+        total = found[wrong[0]].sum()
+        raise InputError(f"matrix: the weights of row {wrong[0]} sum to {total:g}: should be 1", key="matrix")
     return found
 
 

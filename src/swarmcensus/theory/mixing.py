@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.support.errors import InputError
-from swarmcensus.theory.checks import BLIND, Floats, count, one_share, sensors, times
+from swarmcensus.theory.checks import BLIND, Floats, count, misshapen, one_share, sensors, times
 from swarmcensus.theory.late_mixing import late_moments
 from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of, summed_products
 
@@ -72,10 +72,10 @@ def mixed_sums(
     looks = count("observations_per_round", observations_per_round)
     black, white = sensors(b, w)
     if black.shape not in ((), (len(found),)):
-        raise InputError(f"b has the shape {black.shape}: should be one number, or {len(found)}, one a robot")
+        raise misshapen("b", black, f"one number, or {len(found)}, one a robot")
     slope = np.broadcast_to(black + white - 1.0, (len(found),))
     if (np.abs(slope) < BLIND).all():
-        raise InputError("b + w = 1 for all robots: their readings say nothing about the floor")
+        raise InputError("b + w = 1 for all robots: their readings say nothing about the floor", key="b")
     q = slope * one_share("fill_ratio", fill_ratio) + 1.0 - white
     late, parts = count("delay", delay, 0), (slope**2 * q * (1.0 - q), slope**2)
     squares, sums = late_moments(found, late, at, *parts) if late else moments(found, at, *parts)

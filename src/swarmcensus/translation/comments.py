@@ -13,13 +13,13 @@ class Comments:
 
     def __init__(self, source: str) -> None:
         """Read all comments."""
-        self.beside: dict[int, str] = {}  # by line: comments after code
+        self.trailing: dict[int, str] = {}  # by line: comments after code
         self.alone: dict[int, str] = {}  # comments that have a line of their own
         for token in tokenize.generate_tokens(io.StringIO(source).readline):
             if token.type == tokenize.COMMENT:
                 line, column = token.start
                 is_alone = not token.line[:column].strip()
-                (self.alone if is_alone else self.beside)[line] = plain(token.string.lstrip("#"))
+                (self.alone if is_alone else self.trailing)[line] = plain(token.string.lstrip("#"))
 
     def above(self, line: int, begin: int = 0) -> Iterator[str]:
         """The comments on lines of their own from `begin` to above `line`."""
@@ -27,8 +27,8 @@ class Comments:
             yield self.alone.pop(place)
 
     def at(self, first: int, last: int) -> str:
-        """The comments beside the code of these lines, both included."""
-        found = [self.beside.pop(line) for line in range(first, last + 1) if line in self.beside]
+        """The comments after the code of these lines, both included."""
+        found = [self.trailing.pop(line) for line in range(first, last + 1) if line in self.trailing]
         return "; ".join(found)
 
 

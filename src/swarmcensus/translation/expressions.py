@@ -265,7 +265,7 @@ class Expressions:
         return Text(f"{self.vector(whole).text}[{self._index(index, items)}]")
 
     def _table(self, node: ast.expr) -> object:
-        """The value of a constant table, or of a row of one; rows are all alike."""
+        """The value of a constant table, or of a row of one; all rows have one type."""
         if isinstance(node, ast.Name) and node.id not in self.names:
             return self.unit.constants.get(node.id)
         if isinstance(node, ast.Subscript) and isinstance(rows := self._table(node.value), tuple):

@@ -52,7 +52,7 @@ def header(brain: Brain) -> str:
     try:
         return _header(brain)
     except Untranslatable as error:
-        raise BrainError(f"brain file {brain.path}, line {error.line}: {error}", file=brain.path) from None
+        raise BrainError.of(brain.path, error, where=f"brain file {brain.path}, line {error.line}") from None
 
 
 def unit_of(brain: Brain) -> Unit:
@@ -110,7 +110,7 @@ def _header(brain: Brain) -> str:
 
 
 def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:
-    """The comments beside constants, and beside the entries of MEMORY and PARAMETERS."""
+    """The comments of constants, and of the entries of MEMORY and PARAMETERS."""
     notes: dict[str, str] = {}
     for node in tree.body:
         if not (isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)):
@@ -121,8 +121,8 @@ def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:
             for key, value in entries:
                 if isinstance(key, ast.Constant):
                     above = " ".join(comments.above(key.lineno, node.lineno))
-                    beside = comments.at(key.lineno, value.end_lineno or key.lineno)
-                    notes[f"{name}.{key.value!s}"] = "; ".join(filter(None, (above, beside)))
+                    trailing = comments.at(key.lineno, value.end_lineno or key.lineno)
+                    notes[f"{name}.{key.value!s}"] = "; ".join(filter(None, (above, trailing)))
         else:
             notes[name] = comments.at(node.lineno, node.end_lineno or node.lineno)
     return notes

@@ -2,7 +2,7 @@
 
 import re
 
-# the beginnings of macros of the C library, and of what brain.h defines beside the brain
+# the beginnings of macros of the C library, and of what brain.h defines besides the brain
 OURS = re.compile(
     r"(U?INT(8|16|32|64|MAX|PTR|_)|SIZE_|PTRDIFF_|SIG_|WCHAR_|WINT_|FLT_|DBL_|LDBL_|FP_|HUGE_|MATH_|M_|BRAIN_"
     r"|brain_|parameter_|codec_|missing_|test_|cost_|robot_|kilo_)"

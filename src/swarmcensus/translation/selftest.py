@@ -20,26 +20,23 @@ def expected(brain: Brain) -> str:
     """What the self-test of a brain prints, from CPython. Raises InputError if the brain fails in it."""
     single = brain.numbers.precision == "single"
     width = rounded_to_single if single else float
-    minds = [brain.robot(width(b), width(w), float(i)) for i, (b, w) in enumerate(ACCURACIES)]
+    states = [brain.robot(width(b), width(w), float(i)) for i, (b, w) in enumerate(ACCURACIES)]
     try:
-        return lived(brain, brain.functions, minds)
+        return lived(brain, brain.functions, states)
     except Exception as error:
         what = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
-        raise BrainError(
-            f"brain {brain.name!r} fails in the self-test: {what}; "
-            f"{command('swarmcensus', 'brains', '--check', brain.name)} shows where",
-            key="brain",
-            value=brain.name,
-        ) from error
+        fails = f"brain {brain.name!r} fails in the self-test: {what}"
+        check = command("swarmcensus", "brains", "--check", brain.name)
+        raise BrainError(f"{fails}; {check} shows where", key="brain", value=brain.name) from error
 
 
-def lived(brain: Brain, functions: Any, minds: Sequence[Any], codec: Any = None) -> str:
-    """What the self-test prints in this process, with a brain's `functions`, blank `minds`, and a codec of messages."""
-    radios = [messages_of(brain) for _ in minds]
+def lived(brain: Brain, functions: Any, states: Sequence[Any], codec: Any = None) -> str:
+    """What the self-test prints in this process, with a brain's `functions`, blank `states` and a codec."""
+    radios = [messages_of(brain) for _ in states]
     for radio in radios:
         radio.codec = codec or radio.codec
     single = brain.numbers.precision == "single"
-    lines = live(functions, minds, radios, list(brain.memory), owed_places(brain), brain.uses.luck, single)
+    lines = live(functions, states, radios, list(brain.memory), owed_places(brain), brain.uses.luck, single)
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -48,7 +45,7 @@ def owed_places(brain: Brain) -> list[int]:
     return [place for part in owing(brain) for place in part.places]
 
 
-class Difference(NamedTuple):
+class BitDifference(NamedTuple):
     """How the output of a self-test differs from what is expected."""
 
     line: int  # the first line that differs, counted from 1; 0 if none does
@@ -71,14 +68,14 @@ def is_exact(brain: Brain) -> bool:
     return called <= EXACT and not exponents
 
 
-def compare(wanted: str, found: str) -> Difference:
+def compare(wanted: str, found: str) -> BitDifference:
     """Compare the output of a self-test with the expected one."""
     rows = list(zip(wanted.splitlines(), found.splitlines(), strict=False))
     first = next((k for k, (one, other) in enumerate(rows, 1) if one != other), 0)
     if len(wanted.splitlines()) != len(found.splitlines()):
-        return Difference(first or len(rows) + 1, float("inf"))
+        return BitDifference(first or len(rows) + 1, float("inf"))
     largest = max((_distance(one, other) for one, other in rows if one != other), default=0.0)
-    return Difference(first, largest)
+    return BitDifference(first, largest)
 
 
 def _distance(one: str, other: str) -> float:
@@ -101,7 +98,7 @@ def _apart(one: str, other: str) -> float:
 
 
 def in_c(brain: Brain, unit: Unit) -> str:
-    """The self-test's C source, for a file beside brain.h."""
+    """The self-test's C source, for a file next to brain.h."""
     answers = ["    test_put_number(estimate(me));"]
     answers += ["    test_put_number(decide(me));"] * brain.decides
     answers += ["    test_put_number(done(me) ? 1 : 0);"] * brain.ends
@@ -114,11 +111,11 @@ def in_c(brain: Brain, unit: Unit) -> str:
         ]
     if brain.steers:
         answers += [
-            "    test_give_luck(me);",
-            "    struct wish wish = {0, 0};",
-            "    test_put_number(steer(me, &wish) ? 1 : 0);",
-            "    test_put_number(wish.speed);",
-            "    test_put_number(wish.turn);",
+            "    test_give_draw(me);",
+            "    struct command command = {0, 0};",
+            "    test_put_number(steer(me, &command) ? 1 : 0);",
+            "    test_put_number(command.speed);",
+            "    test_put_number(command.turn);",
         ]
     memory = []
     for name, items in brain.lengths.items():
@@ -138,8 +135,8 @@ def in_c(brain: Brain, unit: Unit) -> str:
         lost=LOST,
         word="uint32_t" if unit.number == "float" else "uint64_t",
         top=28 if unit.number == "float" else 60,
-        luck="    me->luck = luck;" if brain.uses.luck else "    (void)me;\n    (void)luck;",
-        unit_of_luck=unit.real(2.0**-24),
+        draws="    me->luck = luck;" if brain.uses.luck else "    (void)me;\n    (void)luck;",
+        unit_of_draw=unit.real(2.0**-24),
         name=", (number)i" if brain.uses.name else "",
         done=" && !done(me)" if brain.ends else "",
         jam="jam(&test_swarm[i]) ? false : " if brain.jams else "",

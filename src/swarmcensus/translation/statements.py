@@ -38,7 +38,7 @@ class Function:
         above = [f"// {text}".rstrip() for text in self.comments.above(self.node.lineno)]
         document = ast.get_docstring(self.node)
         above += [f"// {plain(line)}".rstrip() for line in document.splitlines()] if document else []
-        beside = self.comments.at(self.node.lineno, self.node.body[0].lineno - 1)
+        trailing = self.comments.at(self.node.lineno, self.node.body[0].lineno - 1)
         body = self.node.body[1:] if document else self.node.body
         for name in arguments_of(self.node):
             if not self.scopes.is_read(name):
@@ -50,7 +50,7 @@ class Function:
             self._write(f"// {text}", 1)
         if self.fills and not isinstance(body[-1] if body else None, ast.Return):
             self._write("return false;", 1)
-        return [*above, f"{signature(self.unit, self.name)} {{{_remark(beside)}", *self.made, "}"]
+        return [*above, f"{signature(self.unit, self.name)} {{{_remark(trailing)}", *self.made, "}"]
 
     def _note_counters(self) -> None:
         """Find the whole numbers that are never negative, so that they can be indexes as they are."""

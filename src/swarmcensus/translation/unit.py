@@ -187,7 +187,7 @@ class Unit:
             return self.message
         if name in SPECIAL and not self.prefix:
             items = SPECIAL[name]
-            record = Record({"steer": "wish"}.get(name, name), items, (REAL,) * len(items), (0,) * len(items))
+            record = Record({"steer": "command"}.get(name, name), items, (REAL,) * len(items), (0,) * len(items))
             return self.records.setdefault(record.name, record)
         if isinstance(kind, tuple):
             return self.record_of(kind, self.functions[name])

@@ -1,10 +1,10 @@
 from . import (
     arena as arena,
+    distributions as distributions,
     faults as faults,
     networks as networks,
     patterns as patterns,
     sensors as sensors,
-    spreading as spreading,
     wiring as wiring,
 )
 from .arena import tiles_across as tiles_across
@@ -18,6 +18,7 @@ from .changes import (
     steady as steady,
 )
 from .changing_ground import ChangingGround as ChangingGround
+from .distributions import Distribution as Distribution
 from .edge_lists import KNOWN as KNOWN, LINKS as LINKS, from_one as from_one, links_of as links_of, unlinked as unlinked
 from .faults import NAMES as NAMES, Fault as Fault, outages as outages
 from .generators import numbered as numbered
@@ -36,4 +37,3 @@ from .sensors import (
     parse_assumed as parse_assumed,
     start_of as start_of,
 )
-from .spreading import Spread as Spread

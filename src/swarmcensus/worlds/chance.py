@@ -21,7 +21,7 @@ class Chance(NamedTuple):
     def uniform(self, count: int) -> NDArray[np.float64]:
         """Return `count` uniform numbers in [0, 1)."""
         out = np.empty((1, count))
-        compile_world().spread_uniform(self.key, self.trial, 0.0, 1.0, out)
+        compile_world().draw_uniform(self.key, self.trial, 0.0, 1.0, out)
         return np.asarray(out[0])
 
     def noise(self, tiles: NDArray[np.int32]) -> NDArray[np.float64]:

@@ -7,13 +7,13 @@ from pydantic import Field
 
 from swarmcensus.engine import address, compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
-from swarmcensus.support.forms import LISTED, ONE_OR_SEVERAL, Robots, Table
+from swarmcensus.support.forms import LISTED, ONE_OR_SEVERAL, Robots, TomlTable
 from swarmcensus.support.times import MOST, OR_TIME
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 
 
-class Fault(Table):
+class Fault(TomlTable):
     """Some robots stop moving, sensing or talking at round (or tick) `at`, and begin again at `until`, if given.
 
     A robot that stops talking still hears. One that stops moving is still heard, seen and bumped into.
@@ -56,7 +56,7 @@ def stops(faults: tuple[Fault, ...], seed: int, trial: int, robots: int) -> np.n
     for number, fault in enumerate(faults):
         key = address(seed, "faults", number=number, robots=robots)
         lots = np.empty((1, robots))
-        compile_world().spread_uniform(key, trial, 0.0, 1.0, lots)
+        compile_world().draw_uniform(key, trial, 0.0, 1.0, lots)
         failing = np.argsort(lots[0], kind="stable")[: fault.count(robots)]
         for part in map(NAMES.__getitem__, fault.stop):
             out[part, failing] = np.minimum(out[part, failing], fault.at)

@@ -138,7 +138,7 @@ def _function(kind: str) -> Callable[..., Any]:
     module = PLUGINS.module(kind)
     found = getattr(module, "paint", None) or getattr(module, "score", None)
     if not callable(found):
-        raise InputError(f"floor {kind!r}, {PLUGINS.outside[kind].value}: it has no function score")
+        raise PLUGINS.error(kind, "it has no function score")
     return cast(Callable[..., Any], found)
 
 

@@ -65,18 +65,22 @@ def read_image(path: Path) -> np.ndarray:
             with Image.open(path, formats=["PNG"]) as image:
                 if math.prod(image.size) > MOST_PIXELS:
                     size = f"{image.width:,} x {image.height:,} pixels"
-                    raise InputError(f"image {path}: {size}: should be {MOST_PIXELS:,} at the most", file=path)
+                    raise _error(path, f"{size}: should be {MOST_PIXELS:,} at the most")
                 return _grey(image)
     except FileNotFoundError:
-        raise InputError(f"image {path}: there is no such file", file=path) from None
+        raise _error(path, "there is no such file") from None
     except UnidentifiedImageError:
-        raise InputError(f"image {path}: not a PNG file", file=path) from None
+        raise _error(path, "not a PNG file") from None
     except Image.DecompressionBombError:
-        raise InputError(f"image {path}: too many pixels: should be {MOST_PIXELS:,} at the most") from None
+        raise _error(path, f"too many pixels: should be {MOST_PIXELS:,} at the most") from None
     except (OSError, SyntaxError, ValueError, EOFError) as error:  # Pillow's errors for damaged files
         if isinstance(error, InputError):
             raise
-        raise InputError(f"image {path}: cannot be read as PNG: {error}", file=path) from error
+        raise _error(path, f"cannot be read as PNG: {error}") from error
+
+
+def _error(path: Path, what: str) -> InputError:
+    return InputError.of(path, what, where=f"image {path}")
 
 
 def _grey(image: Any) -> np.ndarray:

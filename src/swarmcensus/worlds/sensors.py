@@ -16,7 +16,13 @@ from pydantic import Field
 
 from swarmcensus.engine import address
 from swarmcensus.support.forms import Number, Share, ValueTable, any_of, read, says
-from swarmcensus.worlds.spreading import AccuracySpread, ErrorSpread, Spread, SpreadText, parse_spread
+from swarmcensus.worlds.distributions import (
+    AccuracyDistribution,
+    Distribution,
+    DistributionText,
+    ErrorDistribution,
+    parse_distribution,
+)
 
 KEYS = ("start", "drift", "least", "most")
 FORM = "{start = 0.9, drift = -1e-5, least = 0.6}"
@@ -35,7 +41,7 @@ class Drift:
 
     @property
     def form(self) -> dict[str, float]:
-        """As in a study file, beside `start`."""
+        """As in a study file, next to `start`."""
         return {"drift": self.slope, "least" if self.slope < 0.0 else "most": self.bound}
 
     @property
@@ -48,8 +54,8 @@ class Drift:
 class Accuracy:
     """A swarm's sensor accuracies: b, w (None: w = b for each robot), and how both drift."""
 
-    black: Spread
-    white: Spread | None = None
+    black: Distribution
+    white: Distribution | None = None
     drift: Drift | None = None
 
     def __str__(self) -> str:
@@ -98,21 +104,21 @@ class Accuracy:
         return black, white, max(sd_black, sd_white)
 
     @property
-    def spreads(self) -> tuple[Spread, ...]:
+    def distributions(self) -> tuple[Distribution, ...]:
         """The distributions that it is drawn from."""
         return (self.black, self.white) if self.white else (self.black,)
 
     @functools.cached_property
     def edition(self) -> str:
         """Hashes of other packages' files that it uses: results depend on them too."""
-        return "".join(spread.edition for spread in self.spreads)
+        return "".join(distribution.edition for distribution in self.distributions)
 
 
 @dataclass(frozen=True)
 class Misjudgement:
     """Assumed accuracies: the true b and w plus an error, one for each robot, cut to [0, 1]."""
 
-    error: Spread
+    error: Distribution
 
     def __str__(self) -> str:
         """The canonical text, as in the dataset."""
@@ -124,7 +130,7 @@ class Misjudgement:
         return {"error": self.error.form}
 
     @property
-    def spreads(self) -> tuple[Spread, ...]:
+    def distributions(self) -> tuple[Distribution, ...]:
         """The distributions that it is drawn from."""
         return (self.error,)
 
@@ -152,14 +158,14 @@ SLOPE = says("should be a number in [-1, 1]")
 class SidesTable(ValueTable):
     """b and w, where they differ."""
 
-    black: AccuracySpread
-    white: AccuracySpread
+    black: AccuracyDistribution
+    white: AccuracyDistribution
 
 
 class FallingTable(ValueTable):
     """An accuracy that falls by `drift` a round, from `start` to `least`."""
 
-    start: Annotated[AccuracySpread, any_of(Annotated[Share, Field(gt=0.0)], SpreadText)]
+    start: Annotated[AccuracyDistribution, any_of(Annotated[Share, Field(gt=0.0)], DistributionText)]
     drift: Annotated[Number, Field(ge=-1.0, lt=0.0), SLOPE]
     least: Annotated[Number, Field(ge=0.0, lt=1.0), says("should be a number in [0, 1)")] = BLIND
 
@@ -167,7 +173,7 @@ class FallingTable(ValueTable):
 class RisingTable(ValueTable):
     """An accuracy that rises by `drift` a round, from `start` to `most`."""
 
-    start: Annotated[AccuracySpread, any_of(Annotated[Share, Field(lt=1.0)], SpreadText)]
+    start: Annotated[AccuracyDistribution, any_of(Annotated[Share, Field(lt=1.0)], DistributionText)]
     drift: Annotated[Number, Field(gt=0.0, le=1.0), SLOPE]
     most: Annotated[Number, Field(gt=0.0, le=1.0), says("should be a number in (0, 1]")] = PERFECT
 
@@ -175,11 +181,11 @@ class RisingTable(ValueTable):
 class ErrorTable(ValueTable):
     """Assumed accuracies, as the true ones plus an error."""
 
-    error: ErrorSpread
+    error: ErrorDistribution
 
 
-ACCURACY = any_of(AccuracySpread, SidesTable, FallingTable, RisingTable)
-BELIEF = any_of(AccuracySpread, SidesTable, ErrorTable)
+ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable)
+BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable)
 
 
 def parse_accuracy(value: object) -> Accuracy:
@@ -187,7 +193,7 @@ def parse_accuracy(value: object) -> Accuracy:
     if isinstance(value, Accuracy):
         return value
     if not isinstance(value, Mapping):
-        return Accuracy(parse_spread(value))
+        return Accuracy(parse_distribution(value))
     if "start" in value or "drift" in value:
         return _drifting(value)
     if any(isinstance(side, Mapping) for side in value.values()):
@@ -201,8 +207,8 @@ def start_of(text: str) -> Accuracy:
     """The accuracies of round 1 from their text in a dataset. Raises ValueError."""
     sides = re.fullmatch("black=(.*) white=(.*)", text)
     if sides:
-        return Accuracy(parse_spread(sides[1]), parse_spread(sides[2]))
-    return Accuracy(parse_spread(text.partition(" drift=")[0]))
+        return Accuracy(parse_distribution(sides[1]), parse_distribution(sides[2]))
+    return Accuracy(parse_distribution(text.partition(" drift=")[0]))
 
 
 def parse_assumed(value: object) -> Accuracy | Misjudgement:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.chance import Chance
@@ -26,7 +26,7 @@ def _function(name: str) -> Callable[..., Any]:
     if name in PLUGINS.shipped:
         return getattr(module, "edges", getattr(module, "links", _no_edges))  # type: ignore[no-any-return]
     if not callable(getattr(module, "edges", None)):
-        raise InputError(f"topology {name!r}, {PLUGINS.outside[name].value}: it has no function edges")
+        raise PLUGINS.error(name, "it has no function edges")
     return module.edges  # type: ignore[no-any-return]
 
 
@@ -34,7 +34,7 @@ def read(name: str, given: dict[str, Any]) -> tuple[str, Keys]:
     """The text of a named topology, such as torus(columns=5), and its keys. Raises ValueError."""
     function = _function(name)
     for key in keys_of(function).model_fields.keys() & TAKEN:
-        raise InputError(f"topology {name!r}: it has a key {key}, which means something else in study files")
+        raise BrainError.named("topology", name, f"it has a key {key}, which means something else in study files")
     keys = read_keys(f"topology {name}", function, given)
     defaults = defaults_of(function)
     shown = ",".join(f"{key}={text_of(value)}" for key, value in keys if key not in defaults or defaults[key] != value)
@@ -60,12 +60,9 @@ def check_repeats(name: str, keys: Keys, robots: int) -> None:
     chances = [Chance(np.zeros(2, np.uint64), 0) if varies(name) else None]
     one, other = (graphs(name, keys, robots, chances)[0] for _ in range(2))
     if not all(map(np.array_equal, one, other)):
-        raise BrainError(
-            f"topology {name!r}: its edges should be the same at each call: those that differ from trial to trial are "
-            "drawn from chance.generator(), by a function edges(robots, chance)",
-            key="topology",
-            value=name,
-        )
+        drawn = "those that differ from trial to trial are drawn from chance.generator()"
+        what = f"its edges should be the same at each call: {drawn}, by a function edges(robots, chance)"
+        raise BrainError.named("topology", name, what)
 
 
 def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
@@ -87,11 +84,9 @@ def _called(name: str, keys: Keys, robots: int, call: Callable[..., Any], argume
         return call(argument)
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
-        raise BrainError(
-            f"topology {name!r} of {counted(robots, 'robot')}{own}: {error_message(error, PLUGINS.path(name))}",
-            key="topology",
-            value=name,
-        ) from error
+        where = f"topology {name!r} of {counted(robots, 'robot')}{own}"
+        what = error_message(error, PLUGINS.path(name))
+        raise BrainError(f"{where}: {what}", key="topology", value=name) from error
 
 
 def pairs_of(given: Any, robots: int) -> np.ndarray:

@@ -15,17 +15,17 @@ from swarmcensus.simulation.trials import run_batch
 from swarmcensus.support.errors import InputError
 from tests.reference import walks as reference_walks
 from tests.support.lives import MEASURE, lived
-from tests.support.lying import RICH, adversary_of, liars, robot, worn
+from tests.support.lying import RICH, adversary_of, liars, robot, wrapped
 from tests.support.second import MEANS, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED, failing
 
 NAMES = adversary.PLUGINS.shipped
 
 
-def rounds(used, me, luck):
+def rounds(used, me, draws):
     """One round after the other, in which nobody is heard, with this luck."""
     said = []
-    for one in luck:
+    for one in draws:
         said.append(used.functions.broadcast(me))
         if used.uses.luck:
             me.luck = one
@@ -56,7 +56,7 @@ def rounds(used, me, luck):
 @pytest.mark.parametrize("blacks", [0, 3, 7, 10])
 def test_what_is_said_in_the_first_round(name, given, told, blacks):
     """Estimate and confidence by the formulas: x = (n/t + w - 1)/(b + w - 1), alpha = q t^3 / (n (t - n))."""
-    used, honest = worn(name, **given), brains.load("minimalistic")
+    used, honest = wrapped(name, **given), brains.load("minimalistic")
     x, alpha = honest.functions.broadcast(robot(honest, blacks, 10))
     if 3 <= blacks <= 7:
         assert x == pytest.approx((blacks / 10 + 0.8 - 1) / 0.7)
@@ -65,35 +65,35 @@ def test_what_is_said_in_the_first_round(name, given, told, blacks):
 
 
 def test_a_slow_liar_goes_one_pace_a_round():
-    used = worn("slow-liar", pace=0.01, goal=0.0)
+    used = wrapped("slow-liar", pace=0.01, goal=0.0)
     me = robot(used, 7, 10)
     x = (0.7 + 0.8 - 1) / 0.7
     said = [one[0] for one in rounds(used, me, [0.5] * 90)]
     assert said == pytest.approx([max(x - 0.01 * k, 0.0) for k in range(90)])
     assert said[-1] == 0.0
-    upwards = worn("slow-liar")
+    upwards = wrapped("slow-liar")
     assert [one[0] for one in rounds(upwards, robot(upwards, 7, 10), [0.5] * 3)] == pytest.approx(
         [x, x + 1e-3, x + 2e-3]
     )
 
 
-def own(luck):
+def own(draws):
     """What an adversary sees of luck: all but its 20 highest bits."""
-    return luck * 2**20 % 1.0
+    return draws * 2**20 % 1.0
 
 
 def test_a_coin_is_tossed_each_round():
-    luck = [0.1 + 0.3 / 2**20, 0.9 + 0.8 / 2**20, 0.5 + 1 / 2**53]
-    used, even = worn("random"), worn("random", uniform=1.0)
+    draws = [0.1 + 0.3 / 2**20, 0.9 + 0.8 / 2**20, 0.5 + 1 / 2**53]
+    used, even = wrapped("random"), wrapped("random", uniform=1.0)
     x = (0.7 + 0.8 - 1) / 0.7
-    said = [one[0] for one in rounds(used, robot(used, 7, 10), [*luck, 0.5])]
-    assert said == [pytest.approx(x), *(1.0 if own(u) >= 0.5 else 0.0 for u in luck)]
-    said = [one[0] for one in rounds(even, robot(even, 7, 10), [*luck, 0.5])]
-    assert said == [pytest.approx(x), *(own(u) for u in luck)]
+    said = [one[0] for one in rounds(used, robot(used, 7, 10), [*draws, 0.5])]
+    assert said == [pytest.approx(x), *(1.0 if own(u) >= 0.5 else 0.0 for u in draws)]
+    said = [one[0] for one in rounds(even, robot(even, 7, 10), [*draws, 0.5])]
+    assert said == [pytest.approx(x), *(own(u) for u in draws)]
 
 
 def test_mirror_repeats_the_mean_it_heard():
-    used = worn("noisy-mirror", noise=0.1)
+    used = wrapped("noisy-mirror", noise=0.1)
     me = robot(used, 7, 10)
     for x in (0.2, 0.3, 0.7):
         used.functions.receive(me, (x, 5.0))
@@ -106,23 +106,23 @@ def test_mirror_repeats_the_mean_it_heard():
 
 
 def test_a_forger_has_another_name_each_round():
-    used = worn("forger", by=brain(RICH), names=50.0)
+    used = wrapped("forger", by=brain(RICH), names=50.0)
     me = robot(used, 6, 8)
-    luck = [(k + own_luck) / 2**20 for k, own_luck in enumerate((0.1, 0.5, 0.99, 0.0001))]
-    said = [one[0] for one in rounds(used, me, [*luck, 0.5])]
+    draws = [(k + own_draws) / 2**20 for k, own_draws in enumerate((0.1, 0.5, 0.99, 0.0001))]
+    said = [one[0] for one in rounds(used, me, [*draws, 0.5])]
     assert said == [3.0, 5.0, 25.0, 49.0, 0.0]
 
 
 def test_a_jammer_makes_noise_as_often_as_it_is_told():
-    used = worn("jammer", often=0.3)
+    used = wrapped("jammer", often=0.3)
     me, honest = robot(used, 7, 10), brains.load("minimalistic")
     assert used.functions.jam(me)  # in the first round, if ever
-    for luck in (0.1 + 0.2 / 2**20, 0.2 + 0.4 / 2**20):
-        me.luck = luck
+    for draws in (0.1 + 0.2 / 2**20, 0.2 + 0.4 / 2**20):
+        me.luck = draws
         used.functions.fuse(me)
-        assert used.functions.jam(me) == (own(luck) < 0.3)
+        assert used.functions.jam(me) == (own(draws) < 0.3)
     assert used.functions.broadcast(me) == honest.functions.broadcast(robot(honest, 7, 10))
-    assert not worn("jammer", often=0.0).functions.jam(me)
+    assert not wrapped("jammer", often=0.0).functions.jam(me)
 
 
 def test_each_field_is_lied_about_by_what_it_means():
@@ -139,7 +139,7 @@ def test_each_field_is_lied_about_by_what_it_means():
         "jammer": (3.0, 0.75, 1.0, 3.0, (spare, spare, first[0], spare), 2.0, 1.5, 4.0),
     }
     for name, told in expected.items():
-        used = worn(name, by=brain(RICH))
+        used = wrapped(name, by=brain(RICH))
         me = robot(used, 3, 4)
         me.luck = 0.25
         used.functions.fuse(me)
@@ -182,18 +182,18 @@ def test_names_and_imports_of_both_do_not_clash():
 
 
 def test_the_source_can_be_read_and_is_what_runs():
-    used = worn("noisy-mirror")
+    used = wrapped("noisy-mirror")
     again = brain(used.source, "again.py")
     assert again.memory == used.memory
     assert used.sums == ()
     assert used.message == brains.load("minimalistic").message
     assert "Wearing: Minimalistic collective perception" in used.functions.__doc__
-    assert str(used.path).endswith(f"noisy_mirror.py --wearing {brains.load('minimalistic').path}")
+    assert str(used.path).endswith(f"noisy_mirror.py --wrapping {brains.load('minimalistic').path}")
 
 
 def test_parameters_of_both_are_kept():
     weighs = changed(("MEMORY = {", 'PARAMETERS = {"pace": 0.5}\nMEMORY = {'))
-    used = worn("slow-liar", by=brain(weighs).with_parameters({"pace": 0.75}), pace=0.25)
+    used = wrapped("slow-liar", by=brain(weighs).with_parameters({"pace": 0.75}), pace=0.25)
     assert used.parameters == {"pace": 0.75, "liar_pace": 0.25, "liar_goal": 1.0}
 
 
@@ -201,10 +201,10 @@ def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
     """Of the 33 low bits: what the brain makes of the first 20 does not say what the adversary does."""
     random = np.random.default_rng(SEED)
     words = random.integers(0, 2**52, 20_000, dtype=np.uint64)
-    luck = (words + 0.5) / 2.0**52
-    mine = luck * 2.0**20 % 1.0
+    draws = (words + 0.5) / 2.0**52
+    mine = draws * 2.0**20 % 1.0
     assert ((mine > 0.0) & (mine < 1.0)).all()
-    assert abs(np.corrcoef(luck, mine)[0, 1]) < 3.3 / np.sqrt(luck.size)  # error rate 0.1 %
+    assert abs(np.corrcoef(draws, mine)[0, 1]) < 3.3 / np.sqrt(draws.size)  # error rate 0.1 %
 
 
 @pytest.mark.parametrize(
@@ -217,7 +217,7 @@ def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
 )
 def test_what_does_not_go_together_is_told(lies, source, said):
     with pytest.raises(ValueError, match=r"the adversary '.*' cannot") as error:
-        worn(lies, by=brain(source))
+        wrapped(lies, by=brain(source))
     assert said in str(error.value)
 
 
@@ -232,7 +232,7 @@ def test_what_does_not_go_together_is_told(lies, source, said):
         ("def lie(me, x):\n    return x\n\n\ndef boasts(me, c):\n    return c\n", "did you mean 'boast'?"),
         (
             'MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x\n',
-            "MESSAGE belongs to the brain that the adversary wears",
+            "MESSAGE belongs to the brain that the adversary wraps",
         ),
         ('PARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    me.p = 2.0\n    return x\n', "lie sets me.p: parameters"),
         ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
@@ -281,8 +281,8 @@ def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
     lies = adversary_of(f"import math\n\n\ndef lie(me, x):\n    return {lie}\n")
     used, honest = brains.lying_brain(lies, brain(source)), brain(source)
     me, other = robot(used, 3, 4), robot(honest, 3, 4)
-    for one, mind in ((used, me), (honest, other)):
-        one.functions.fuse(mind)
+    for one, state in ((used, me), (honest, other)):
+        one.functions.fuse(state)
     assert used.functions.broadcast(me) == (told,)
     assert (me.own, type(me.own)) == (other.own, type(other.own))
 
@@ -342,7 +342,7 @@ def forged(ends):
     """The lie is a parameter's: what alters the message has the record."""
     said = ("    return (estimate(me),)", ends)
     heard = ("    pass\n\n\ndef fuse", "    me.heard += message[0]\n\n\ndef fuse")
-    return worn("forger", by=brain(changed(said, heard, ('"n": 0.0}', '"n": 0.0, "heard": 0.0}'))), value=0.25)
+    return wrapped("forger", by=brain(changed(said, heard, ('"n": 0.0}', '"n": 0.0, "heard": 0.0}'))), value=0.25)
 
 
 @pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
@@ -360,40 +360,40 @@ def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range."""
     honest = brains.load(by)
     for name in NAMES:
-        used = worn(name, by=by)
+        used = wrapped(name, by=by)
         random = np.random.default_rng(SEED)
         brain_of = [honest, honest, honest, honest, used]
-        minds = [one.robot(0.9, 0.8, float(min(k, 3))) for k, one in enumerate(brain_of)]
+        states = [one.robot(0.9, 0.8, float(min(k, 3))) for k, one in enumerate(brain_of)]
         for _ in range(30):
-            blacks, luck = random.integers(0, 6, 4).tolist(), random.random((4, 5)).tolist()
-            said = [one.functions.broadcast(me) for one, me in zip(brain_of, minds, strict=True)]
+            blacks, draws = random.integers(0, 6, 4).tolist(), random.random((4, 5)).tolist()
+            said = [one.functions.broadcast(me) for one, me in zip(brain_of, states, strict=True)]
             assert (said[3] is None) == (said[4] is None)
             for part, field in zip(said[4] or (), honest.message if said[4] else (), strict=True):
                 whole = list(part) if honest.message[field] else [part]
                 assert np.isfinite(whole).all()
                 if name.startswith("always") and honest.roles.get(field) in ("estimate", "opinion"):
                     assert whole == [float(name == "always-black")]
-            for k, (one, me) in enumerate(zip(brain_of, minds, strict=True)):
-                lot = iter(luck[min(k, 3)])
+            for k, (one, me) in enumerate(zip(brain_of, states, strict=True)):
+                lot = iter(draws[min(k, 3)])
                 give(one, me, lot).observe(me, float(blacks[min(k, 3)]), 5.0)
                 for j in range(3):
                     if j != k and said[j] is not None:
                         give(one, me, lot).receive(me, said[j])
                 give(one, me, lot).fuse(me)
-            assert used.functions.estimate(minds[4]) == honest.functions.estimate(minds[3])
+            assert used.functions.estimate(states[4]) == honest.functions.estimate(states[3])
 
 
 def give(one, me, lot):
     """The functions of a brain, whose robot is given luck if it asks for any."""
-    luck = next(lot)
+    draws = next(lot)
     if one.uses.luck:
-        me.luck = luck
+        me.luck = draws
     return one.functions
 
 
 def test_nobody_wears_an_oracle(capsys):
-    said = "brain 'oracle': an oracle hears no liars, so no adversary can wear it"
-    assert main(["brains", "--check", "always-black", "--wearing", "oracle"]) == 2
+    said = "brain 'oracle': an oracle hears no liars, so no adversary can wrap it"
+    assert main(["brains", "--check", "always-black", "--wrapping", "oracle"]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert said in err.splitlines()[-1]
@@ -451,7 +451,7 @@ def test_on_the_move(name, rich):
     ride, (batch,) = record_ride(setting, SEED, 1), run_ride([setting], SEED, 1, MEASURE, GO)
     life = reference_walks.lives(setting, SEED, 1, failing(setting, 1))
     honest = sampling.groups(setting, SEED, 1, 1)[0] == 0
-    assert ride.estimates == pytest.approx(np.array(life.minds.estimates), abs=1e-12)
-    assert batch.counts[0, HEARD].tolist() == np.array(life.minds.heard)[honest].tolist()
-    assert batch.counts[0, SENT].tolist() == np.array(life.minds.sent)[honest].tolist()
+    assert ride.estimates == pytest.approx(np.array(life.states.estimates), abs=1e-12)
+    assert batch.counts[0, HEARD].tolist() == np.array(life.states.heard)[honest].tolist()
+    assert batch.counts[0, SENT].tolist() == np.array(life.states.sent)[honest].tolist()
     assert batch.counts[0, HEARD].sum() > 0

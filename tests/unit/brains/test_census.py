@@ -27,7 +27,7 @@ def robots(number, b=0.8, w=0.8, finds=True):
     return made
 
 
-def round_of(swarm, readings, heard, luck=None):
+def round_of(swarm, readings, heard, draws=None):
     """One round: readings are (blacks, looks) a robot, `heard` has for each robot those that it hears."""
     for me, (blacks, looks) in zip(swarm, readings, strict=True):
         DO.observe(me, blacks, looks)
@@ -35,7 +35,7 @@ def round_of(swarm, readings, heard, luck=None):
     for k, me in enumerate(swarm):
         for j in heard[k]:
             DO.receive(me, said[j])
-        me.luck = 0.3 if luck is None else luck[k]
+        me.luck = 0.3 if draws is None else draws[k]
         DO.fuse(me)
 
 

@@ -17,7 +17,7 @@ TEN = {"rounds": 500, "observations_per_round": 10}
 PATH = np.eye(4) + np.diag([1.0] * 3, 1) + np.diag([1.0] * 3, -1)  # who is heard, the robot itself among them
 
 
-def minds(functions, accuracies):
+def states(functions, accuracies):
     """A robot for each pair of accuracies."""
     given = {**functions.MEMORY, **getattr(functions, "PARAMETERS", {})}
     return [SimpleNamespace(**given, b=b, w=w, name=float(i)) for i, (b, w) in enumerate(accuracies)]
@@ -50,7 +50,7 @@ def test_commons_is_a_matrix_of_means_that_mixes_both_sums():
     """Four robots on a path, sensors apart: s and v by powers of one matrix, f their ratio with the prior."""
     rng = np.random.default_rng(1)
     b, w = np.array([0.9, 0.6, 0.75, 0.3]), np.array([0.8, 0.7, 0.5, 0.4])
-    robots = minds(COMMONS, zip(b, w, strict=True))
+    robots = states(COMMONS, zip(b, w, strict=True))
     mixing, slope = PATH / PATH.sum(1, keepdims=True), b + w - 1.0
     s, v = np.zeros((2, 4))
     for _ in range(30):
@@ -91,7 +91,7 @@ def test_the_ratio_has_no_bias_whatever_becomes_of_messages(tables):
 def test_swift_is_a_second_order_recursion_of_the_same_matrix():
     """Four robots on a path, no losses: from round 3 on what is said goes beyond the mean by g times the way since."""
     rng = np.random.default_rng(2)
-    robots = minds(SWIFT, [(0.9, 0.8)] * 4)
+    robots = states(SWIFT, [(0.9, 0.8)] * 4)
     mixing = PATH / PATH.sum(1, keepdims=True)
     said, before = np.zeros((2, 3, 4))  # of s, v, and of 1 a round
     for rounds in range(1, 31):
@@ -119,7 +119,7 @@ def test_momentum_is_given_up_in_full_networks(topology, keeps):
 
 
 def test_lost_messages_stop_momentum_nearby():
-    robots = minds(SWIFT, [(0.9, 0.8)] * 4)
+    robots = states(SWIFT, [(0.9, 0.8)] * 4)
     one_round(SWIFT, robots, [3.0] * 4, 5.0, PATH)
     lost = PATH.copy()
     lost[0, 1] = 0.0

@@ -22,13 +22,13 @@ class TestThreeState:
 
     def test_some_bin_is_always_possible_and_one_at_most_true(self):
         random = np.random.default_rng(6)
-        for luck in random.random(300):
+        for draws in random.random(300):
             me, rule = robot("three-state", dance=2.0)
-            rounds(me, rule, luck=float(luck))
+            rounds(me, rule, draws=float(draws))
             for _ in range(6):
                 other, _ = robot("three-state")
-                rounds(other, rule, luck=float(random.random()))
-                rounds(me, rule, [(1.0, other.site, tuple(other.beliefs))], luck=float(random.random()), count=3)
+                rounds(other, rule, draws=float(random.random()))
+                rounds(me, rule, [(1.0, other.site, tuple(other.beliefs))], draws=float(random.random()), count=3)
                 beliefs = list(me.beliefs)
                 assert set(beliefs) <= {0.0, 0.5, 1.0}
                 assert beliefs.count(1.0) <= 1
@@ -43,7 +43,7 @@ class TestThreeState:
         found = set()
         for number in range(1, 1024):
             me, rule = robot("three-state")
-            rounds(me, rule, luck=(number - 0.5) / 1023.0)
+            rounds(me, rule, draws=(number - 0.5) / 1023.0)
             chosen = [k for k in range(10) if number >> k & 1]
             value = 1.0 if len(chosen) == 1 else 0.5
             assert list(me.beliefs) == [value if k in chosen else 0.0 for k in range(10)]
@@ -57,8 +57,8 @@ def test_it_dances_as_long_as_its_site_is_good(name):
     """Readings of which 0.35 are black, or 0.35 once corrected: quality by the formula, rounded by lot."""
     for b, w, debiased, blacks in ((1.0, 1.0, 0.0, 35.0), (0.9, 0.8, 1.0, 100 * (0.9 * 0.35 + 0.2 * 0.65))):
         me, rule = robot(name, b=b, w=w, debiased=debiased, dance=25.0, width=0.2)
-        for luck in np.random.default_rng(7).random(20):
-            me.t, me.n, me.luck = 100.0, blacks, float(luck)
+        for draws in np.random.default_rng(7).random(20):
+            me.t, me.n, me.luck = 100.0, blacks, float(draws)
             rule.begin(me)
             good = 25.0 * math.exp(-(((me.site + 0.5) / 10 - 0.35) ** 2) / (2 * 0.2**2))
             assert rule.quality(me) == pytest.approx(good, rel=1e-12)
@@ -98,8 +98,8 @@ def test_the_faulty_never_listen(name):
     me, rule = robot(name, every=1.0, dance=1.0, width=50.0, faulty=1.0)
     said = (1.0, 4.0, (0.0,) * 4 + (1.0,) + (0.0,) * 5)[: len(brains.load(name).message)]
     sites = set()
-    for luck in np.random.default_rng(8).random(60):
-        rounds(me, rule, [said], luck=float(luck))
+    for draws in np.random.default_rng(8).random(60):
+        rounds(me, rule, [said], draws=float(draws))
         assert rule.broadcast(me)[0] == 1.0
         sites.add(me.site)
     assert len(sites) == 10

@@ -1,4 +1,4 @@
-"""Adversaries that know the brain they wear: what they say by field, what they read, and what is refused."""
+"""Adversaries that know the brain they wrap: what they say by field, what they read, and what is refused."""
 
 from pathlib import Path
 
@@ -107,7 +107,7 @@ def test_machine_code_says_and_knows_the_same(untraced):
     ],
 )
 def test_a_brain_that_it_does_not_fit_is_told_with_the_line(lies, source, said):
-    with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wear the brain 'brain\.py': ") as error:
+    with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wrap the brain 'brain\.py': ") as error:
         brains.lying_brain(lies, brain(source))
     assert said in str(error.value)
 
@@ -142,15 +142,15 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     Path("rich.py").write_text(RICH)
     assert suite.notes("knows.py", "rich.py") == ["say_other says nothing: the MESSAGE of rich.py has no other"]
     assert suite.notes("always-black") == []
-    assert main(["brains", "--show", "knows.py", "--wearing", "rich.py"]) == 0
+    assert main(["brains", "--show", "knows.py", "--wrapping", "rich.py"]) == 0
     shown = capsys.readouterr().out
     assert "def liar_say_t(me, value):\n    return value + 10.0 * me.n + 100.0 * me.liar_rounds + me.mood" in shown
     assert "KNOWS" not in shown
-    assert main(["brains", "--show", "knows.py", "--wearing", "commons"]) == 2
-    assert "cannot wear the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in capsys.readouterr().err
+    assert main(["brains", "--show", "knows.py", "--wrapping", "commons"]) == 2
+    assert "cannot wrap the brain 'commons': KNOWS names 'n' in line 3 of knows.py" in capsys.readouterr().err
     assert main(["brains", "--show", "knows.py"]) == 2
     assert "KNOWS names 'mood'" in (error := capsys.readouterr().err)
-    assert error.endswith("no such field: name another brain with --wearing\n")
+    assert error.endswith("no such field: name another brain with --wrapping\n")
 
 
 STUDY = """
@@ -208,10 +208,10 @@ def test_the_shipped_insider_is_what_its_first_lines_say():
 
     me, other = robot(used, 7, 10), robot(honest, 7, 10)
     assert said(used, me) == pytest.approx(said(honest, other))  # asleep
-    for one, mind in ((used, me), (honest, other)):
-        mind.luck = 0.75
-        one.functions.fuse(mind)
-        one.functions.observe(mind, 7, 10)
+    for one, state in ((used, me), (honest, other)):
+        state.luck = 0.75
+        one.functions.fuse(state)
+        one.functions.observe(state, 7, 10)
     found, due = said(used, me), said(honest, other)
     for total, weight, step in (("s", "v", 0.02), ("own_s", "own_v", 0.05), ("short_s", "short_v", -0.01)):
         x = due[total] / due[weight]

@@ -54,14 +54,14 @@ def test_the_quality_is_the_share_of_the_own_colour(name):
 @pytest.mark.parametrize("name", BINARY)
 def test_a_cycle_knows_nothing_of_the_readings_before(name, number):
     """Of three cycles each has other readings, and tells for as long as those of its own exploration say."""
-    luck, own = 0.3, 1.0 - number
+    draws, own = 0.3, 1.0 - number
     me, rule = robot(name, number, **({"miscommunication": 0.0, "asocial": 0.0} if name in SWITCHERS else {}))
     first = 1.0 if name in TELLERS else 0.0
     explored = [5.0, 4.0, 4.0]  # the first exploration is one round longer
     for cycle, (alike, looks) in enumerate([(1000.0, 1000.0), (2.0, 4.0), (90.0, 100.0)]):
         seen = 0.0
         while rule.broadcast(me) is None:
-            rounds(me, rule, luck=luck, blacks=alike if own else looks - alike, looks=looks)
+            rounds(me, rule, draws=draws, blacks=alike if own else looks - alike, looks=looks)
             seen += 1.0
         assert seen == explored[cycle]
         mine, all_of_them = alike * seen, looks * seen + first
@@ -70,9 +70,9 @@ def test_a_cycle_knows_nothing_of_the_readings_before(name, number):
             assert rule.broadcast(me) == (own, mine / all_of_them, float(number))
         told = 0
         while rule.broadcast(me) is not None:
-            rounds(me, rule, luck=luck, blacks=0.0 if own else 50.0, looks=50.0)  # of the other colour
+            rounds(me, rule, draws=draws, blacks=0.0 if own else 50.0, looks=50.0)  # of the other colour
             told += 1
-        assert told == math.ceil(-6.0 * larger / all_of_them * math.log(luck)) + (2 if name in TELLERS else 0)
+        assert told == math.ceil(-6.0 * larger / all_of_them * math.log(draws)) + (2 if name in TELLERS else 0)
     assert me.opinion == own
 
 
@@ -172,9 +172,9 @@ def test_an_asocial_look_is_at_the_floor(name):
         rounds(me, rule, [(1.0 - expected,)], blacks=blacks, looks=4.0)
         assert me.opinion == expected
     found = []
-    for luck in np.random.default_rng(2).random(400):
+    for draws in np.random.default_rng(2).random(400):
         me, rule = telling(name, asocial=1.0)
-        rounds(me, rule, blacks=1.0, looks=4.0, luck=float(luck))
+        rounds(me, rule, blacks=1.0, looks=4.0, draws=float(draws))
         found.append(me.opinion)
     assert 0.25 * 400 - 44 < sum(found) < 0.25 * 400 + 44  # 5 standard deviations
     me, rule = telling(name, asocial=1.0, miscommunication=0.0)

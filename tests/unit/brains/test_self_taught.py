@@ -16,14 +16,14 @@ def robot(b=0.8, w=0.8, **given):
     return TAUGHT.with_parameters(given).robot(b, w)
 
 
-def talk(minds, rounds, hears):
+def talk(states, rounds, hears):
     """So many rounds without new readings; `hears(k)` are those that robot k hears."""
     for _ in range(rounds):
-        said = [RUN.broadcast(me) for me in minds]
-        for k, me in enumerate(minds):
+        said = [RUN.broadcast(me) for me in states]
+        for k, me in enumerate(states):
             for j in hears(k):
                 RUN.receive(me, said[j])
-        for me in minds:
+        for me in states:
             RUN.fuse(me)
 
 
@@ -56,11 +56,11 @@ def test_self_taught_reaches_the_random_effects_mean(graph):
     b = chance.uniform(0.6, 0.95, robots)
     t = chance.integers(200, 900, robots).astype(float)
     n = np.floor(t * chance.uniform(0.4, 0.6, robots))
-    minds = [robot(a, a, memory=1e5, **ALL_FIT) for a in b]
-    for me, black, looks in zip(minds, n, t, strict=True):
+    states = [robot(a, a, memory=1e5, **ALL_FIT) for a in b]
+    for me, black, looks in zip(states, n, t, strict=True):
         RUN.observe(me, black, looks)
     hears = everyone(robots) if graph == "full" else lambda k: ((k - 1) % robots, (k + 1) % robots)
-    talk(minds, 1500, hears)
+    talk(states, 1500, hears)
     x, d = (n / t - 1 + b) / (2 * b - 1), 0.0
     e = 0.25 / ((2 * b - 1) ** 2 * t)
     for _ in range(2000):
@@ -68,7 +68,7 @@ def test_self_taught_reaches_the_random_effects_mean(graph):
         f = (g * x).sum() / g.sum()
         d += 0.1 * (max((g * (x * x - e)).sum() / g.sum() - f * f, 0.0) - d)
     assert d > 0.005
-    for me in minds:
+    for me in states:
         assert me.s / me.v == pytest.approx(f, abs=2e-4)
         assert me.spread == pytest.approx(d, rel=0.02)
 
@@ -77,30 +77,30 @@ def test_self_taught_reaches_the_random_effects_mean(graph):
 @pytest.mark.parametrize("wrong", range(12))
 def test_majority_keeps_its_evidence(wrong):
     """Eleven robots without noise, of which some read 0.7 where the others read 0.3; 5 against 6 is the limit."""
-    minds = [robot(1.0, 1.0) for _ in range(11)]
-    for k, me in enumerate(minds):
+    states = [robot(1.0, 1.0) for _ in range(11)]
+    for k, me in enumerate(states):
         RUN.observe(me, 7e3 if k < wrong else 3e3, 1e4)
-    talk(minds, 1500, everyone(11))
-    out = np.array([me.out for me in minds])
-    f = {me.s / me.v for me in minds}
+    talk(states, 1500, everyone(11))
+    out = np.array([me.out for me in states])
+    f = {me.s / me.v for me in states}
     if min(wrong, 11 - wrong) in (1, 2, 3, 4):
         assert (out == [(k < wrong) == (wrong < 6) for k in range(11)]).all()
         assert max(abs(x - (0.3 if wrong < 6 else 0.7)) for x in f) < 1e-3
-        assert all(me.given_v < 1e-3 * me.v for me in minds if me.out)
+        assert all(me.given_v < 1e-3 * me.v for me in states if me.out)
     elif wrong in (0, 11):
         assert not out.any()
 
 
 def test_what_the_swarm_makes_of_a_sensor_is_what_it_is():
     """A sensor of 0.7 that is told 0.9, at f = 0.8: n/t = 0.62 and b = w = (0.62 + 0.8 - 1)/(2 0.8 - 1) = 0.7."""
-    minds = [robot(0.9, 0.9) for _ in range(6)]
-    for k, me in enumerate(minds):
+    states = [robot(0.9, 0.9) for _ in range(6)]
+    for k, me in enumerate(states):
         RUN.observe(me, 1e6 * (0.62 if k == 0 else 0.74), 1e6)
-    talk(minds, 800, everyone(6))
-    assert [me.out for me in minds] == [1.0] + [0.0] * 5
-    assert minds[0].accuracy == pytest.approx(0.7, abs=1e-4)
-    assert minds[1].accuracy == 0.9
-    assert RUN.estimate(minds[0]) == pytest.approx(0.8, abs=1e-4)
+    talk(states, 800, everyone(6))
+    assert [me.out for me in states] == [1.0] + [0.0] * 5
+    assert states[0].accuracy == pytest.approx(0.7, abs=1e-4)
+    assert states[1].accuracy == 0.9
+    assert RUN.estimate(states[0]) == pytest.approx(0.8, abs=1e-4)
 
 
 def swarm_of(wrong, told, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):

@@ -11,7 +11,7 @@ from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.checks import single_life, suite
 from swarmcensus.checks.lives_in_single import single_lives
 from swarmcensus.cli.commands import main
-from tests.support import ring_days
+from tests.support import ring_recordings
 
 LONG_LIVED = ("commons", "swift", "tracking", "steadfast", "sure")
 KEPT = {
@@ -84,13 +84,13 @@ class TestDays:
     @pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
     def test_a_swarm_lives_a_day_in_single_precision(self, name):
         loss = 0.0 if name == "swift" else 0.2
-        assert ring_days.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.001
+        assert ring_recordings.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.001
 
     @pytest.mark.long
     @pytest.mark.parametrize(("name", "least"), [("swift", 0.01), ("commons", 0.002)])
     def test_it_would_not_without_the_rests(self, name, least, tmp_path):
         loss = 0.0 if name == "swift" else 0.2
-        assert ring_days.median_error(forgetful(name, tmp_path), "single", single_life.DAY, loss) > least
+        assert ring_recordings.median_error(forgetful(name, tmp_path), "single", single_life.DAY, loss) > least
 
 
 class TestLives:
@@ -117,7 +117,7 @@ class TestLives:
 class TestShell:
     @pytest.mark.long
     def test_check_says_at_which_reading(self, tmp_path, monkeypatch, capsys):
-        monkeypatch.setattr(suite, "check", lambda path, wearing="": [suite.Check(suite.KEEPS, None)])
+        monkeypatch.setattr(suite, "check", lambda path, wrapping="": [suite.Check(suite.KEEPS, None)])
         assert main(["brains", "--check", "minimalistic", "--single", "--json"]) == 0
         found = json.loads(capsys.readouterr().out)
         assert found["single"] == {"alone": None, "hearing": None}

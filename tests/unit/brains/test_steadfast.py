@@ -20,7 +20,7 @@ GEOMETRIC = {"networkx": "random_geometric_graph", "radius": 0.4}
 ANYTHING = {"sure": math.inf, "near": math.inf, "cap": math.inf}
 
 
-def mind(b=0.9, w=0.8, **given):
+def state(b=0.9, w=0.8, **given):
     """A robot, with what is given in place of the defaults."""
     return SimpleNamespace(**{**STEADFAST.MEMORY, **STEADFAST.PARAMETERS} | given, b=b, w=w)
 
@@ -39,7 +39,7 @@ def test_a_swarm_follows_the_equations():
     rng = np.random.default_rng(3)
     b, w = np.array([0.9, 0.6, 0.75, 0.8, 0.7, 0.95]), np.array([0.8, 0.7, 0.7, 0.9, 0.6, 0.85])
     hears = ~np.eye(6, dtype=bool) & (rng.random((6, 6)) < 0.8)
-    robots = [mind(*pair) for pair in zip(b, w, strict=True)]
+    robots = [state(*pair) for pair in zip(b, w, strict=True)]
     s, v, n, t, typical = np.zeros(6), np.zeros(6), np.zeros(6), 0.0, np.full(6, 0.25)
     k, counted = b + w - 1.0, []
     for _ in range(60):
@@ -75,7 +75,7 @@ def test_a_swarm_follows_the_equations():
 
 def test_the_bound_by_hand():
     """100 readings, 46 black, by a sensor of 0.9 and 0.8: q = 48/104, e = 0.0489, and the estimate within 2 e / 0.7."""
-    me = mind()
+    me = state()
     STEADFAST.observe(me, 46.0, 100.0)
     me.s = me.v = 1e12  # as if a lie had come through
     own, half = (48.0 / 104.0 - 0.2) / 0.7, 2.0 * math.sqrt(48.0 / 104.0 * 56.0 / 104.0 / 104.0) / 0.7
@@ -92,7 +92,7 @@ def test_own_readings_bound_the_estimate(open_to_all):
     for _ in range(150):
         b, w = rng.random(2)
         gates = {"near": math.inf, "cap": math.inf} if open_to_all else {}
-        me, f = mind(b, w, **gates), rng.random()
+        me, f = state(b, w, **gates), rng.random()
         for _ in range(rng.integers(1, 30)):
             looks = float(rng.integers(0, 20))
             STEADFAST.observe(me, float(rng.binomial(int(looks), f * (b + w - 1.0) + 1.0 - w)), looks)
@@ -110,7 +110,7 @@ def test_own_readings_bound_the_estimate(open_to_all):
 @pytest.mark.parametrize(("far", "opens"), [(5, False), (10, False), (12, True)])
 def test_fewer_than_half_of_the_voices_open_no_gate(far, opens):
     """Of 20 voices so many say 0.9, the others what the robot holds: the typical distance falls, or lets them in."""
-    me = mind(sure=math.inf, lean=0.0, typical=0.01)
+    me = state(sure=math.inf, lean=0.0, typical=0.01)
     STEADFAST.observe(me, 46.0, 100.0)
     s, v = me.s, me.v
     told(me, *[(0.9 * v, v)] * far, *[(s, v)] * (20 - far), rounds=200)
@@ -120,7 +120,7 @@ def test_fewer_than_half_of_the_voices_open_no_gate(far, opens):
 
 def test_a_lie_fades_and_the_own_evidence_does_not():
     """Told once at t0 = 100 readings: what it left is multiplied by every 1 - lean fresh / t, until 1,000 readings."""
-    liar, twin = mind(**ANYTHING), mind(**ANYTHING)
+    liar, twin = state(**ANYTHING), state(**ANYTHING)
     kept = 1.0
     for round in range(100):
         for me in (liar, twin):

@@ -17,7 +17,7 @@ from tests.support.small import study_of
 SURE = brains.load("sure").functions
 
 
-def mind(b=0.9, w=0.8, name=0.0, **given):
+def state(b=0.9, w=0.8, name=0.0, **given):
     """A robot, with what is given in place of the defaults."""
     fields = {k: list(v) if isinstance(v, tuple) else v for k, v in {**SURE.MEMORY, **SURE.PARAMETERS}.items()}
     return SimpleNamespace(**fields | given, b=b, w=w, name=name)
@@ -32,7 +32,7 @@ def test_the_quantile_is_student_s(alpha, degrees):
 def test_streams_alike_give_the_interval_of_a_mean():
     """Equal weights: Student's interval of eight ratios, by SciPy."""
     ratios = np.random.default_rng(4).normal(0.5, 0.1, 8)
-    me = mind(s=list(2.0 * ratios), v=[2.0] * 8, looks=10**6, voices=3.0, rounds=1.0)
+    me = state(s=list(2.0 * ratios), v=[2.0] * 8, looks=10**6, voices=3.0, rounds=1.0)
     low, high = stats.t.interval(0.95, 7, ratios.mean(), stats.sem(ratios))
     assert SURE.interval(me) == pytest.approx((low, high))
     assert SURE.half(me, 0.2) == pytest.approx(stats.t.ppf(0.9, 7) * stats.sem(ratios))
@@ -42,7 +42,7 @@ def test_unequal_streams_have_fewer_degrees_of_freedom():
     """Those of Satterthwaite, from the covariance of what the spread is made of: (tr M)^2 / tr M^2."""
     v = np.array([5.0, 1.0, 1.0, 2.0, 0.5, 1.0, 3.0, 1.0])
     s = v * np.random.default_rng(5).normal(0.5, 0.1, 8)
-    me = mind(s=list(s), v=list(v), looks=10**6, voices=3.0, rounds=1.0)
+    me = state(s=list(s), v=list(v), looks=10**6, voices=3.0, rounds=1.0)
     shares = v / v.sum()
     left = np.eye(8) - np.outer(shares, np.ones(8))
     covariance = left @ np.diag(shares) @ left.T
@@ -58,7 +58,7 @@ def test_unequal_streams_have_fewer_degrees_of_freedom():
 
 def test_readings_all_alike_are_no_certainty():
     """Perfect sensors that saw only black: what share of white would not have shown, with 95 %."""
-    me = mind(b=1.0, w=1.0, s=[10.0] * 8, v=[10.0] * 8, looks=80.0, voices=8.0, rounds=8.0)
+    me = state(b=1.0, w=1.0, s=[10.0] * 8, v=[10.0] * 8, looks=80.0, voices=8.0, rounds=8.0)
     low, high = SURE.interval(me)
     assert (low, high) == (pytest.approx(1.0 - math.log(20.0) / 80.0), 1.0)
     assert low**80 == pytest.approx(0.05, rel=0.1)
@@ -67,7 +67,7 @@ def test_readings_all_alike_are_no_certainty():
 def test_eight_robots_feed_all_streams():
     """Seven cannot tell: each feeds that of its name, modulo eight."""
     for many, told in ((7, False), (8, True)):
-        swarm = [mind(name=100.0 + k) for k in range(many)]
+        swarm = [state(name=100.0 + k) for k in range(many)]
         for k, me in enumerate(swarm):
             SURE.observe(me, k % 5, 5.0)
         said = [SURE.broadcast(me) for me in swarm]
@@ -82,7 +82,7 @@ def test_eight_robots_feed_all_streams():
 
 
 def test_looks_follow_twice_as_many_rounds_each():
-    me, looks = mind(within=0.0), []
+    me, looks = state(within=0.0), []
     for round in range(1, 121):
         SURE.fuse(me)
         if me.look > len(looks):
@@ -92,7 +92,7 @@ def test_looks_follow_twice_as_many_rounds_each():
 
 def test_products_of_successive_rounds_are_averaged():
     """By hand, with a perfect sensor on a floor known to be half black; the fourth round has no readings."""
-    me = mind(b=1.0, w=1.0, s=[1e12] * 8, v=[2e12] * 8, looks=4.0)
+    me = state(b=1.0, w=1.0, s=[1e12] * 8, v=[2e12] * 8, looks=4.0)
     products = []
     for blacks, looks in ((4.0, 4.0), (1.0, 1.0), (0.0, 3.0), (0.0, 0.0), (1.0, 4.0)):
         SURE.observe(me, blacks, looks)
@@ -105,13 +105,13 @@ def test_products_of_successive_rounds_are_averaged():
 def test_the_likeness_of_readings_counts_its_error_twice():
     """Perfect sensors, half black, 100 pairs: 0.05 / 0.25, and an error of sqrt((1 + 1) / 100)."""
     half = {"s": [1e12] * 8, "v": [2e12] * 8}
-    perfect = mind(b=1.0, w=1.0, pairs=100.0, product=0.05, looks=101.0, **half)
+    perfect = state(b=1.0, w=1.0, pairs=100.0, product=0.05, looks=101.0, **half)
     assert SURE.alike(perfect) == pytest.approx(0.2 + 2.0 * 0.02**0.5)
-    poor = mind(b=0.75, w=0.75, pairs=900.0, product=0.0125, looks=9010.0, **half)  # ten a round, a quarter as clear
+    poor = state(b=0.75, w=0.75, pairs=900.0, product=0.0125, looks=9010.0, **half)  # ten a round, a quarter as clear
     assert SURE.alike(poor) == pytest.approx(0.2 + 2.0 * math.sqrt((0.4**2 + 1.0) / 900.0))
-    assert SURE.alike(mind(b=0.75, w=0.75, pairs=9.0, product=0.0, looks=10.0, **half)) == 1.0
-    assert SURE.alike(mind(b=0.75, w=0.25, pairs=9.0, product=0.0, looks=10.0, **half)) == 1.0
-    alike = mind(b=1.0, w=1.0, pairs=100.0, product=0.05, looks=101.0, **half)
+    assert SURE.alike(state(b=0.75, w=0.75, pairs=9.0, product=0.0, looks=10.0, **half)) == 1.0
+    assert SURE.alike(state(b=0.75, w=0.25, pairs=9.0, product=0.0, looks=10.0, **half)) == 1.0
+    alike = state(b=1.0, w=1.0, pairs=100.0, product=0.05, looks=101.0, **half)
     rounds = 0
     while SURE.stream(alike) == 0:
         SURE.fuse(alike)
@@ -124,7 +124,7 @@ def test_streams_change_slowly_on_patches():
     """One robot alone, 800 rounds: colours of 40 rounds each, and the same colours shuffled."""
     patches = np.repeat(np.arange(20) % 2, 40)
     for colours, fed in ((patches, False), (np.random.default_rng(6).permutation(patches), True)):
-        me = mind(b=0.95, w=0.95)
+        me = state(b=0.95, w=0.95)
         for colour in colours:
             SURE.observe(me, float(colour), 1.0)
             SURE.fuse(me)

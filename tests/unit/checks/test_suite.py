@@ -151,7 +151,7 @@ FAULTS = [
     (FINITE, [("return (me.n,)", "return (math.inf,)")], "not a finite number"),
     (READ, [("return (me.n,)", "me.n += 1.0\n    return (me.n,)")], r"broadcast \(line 14\) changes me.n"),
     (READ, [("return (me.n,)", "me.n += me.t > 5000.0\n    return (me.n,)")], "broadcast .* changes me.n"),
-    # what sums add depends on the message alone: not on beliefs, sums so far, or how old a mind is
+    # what sums add depends on the message alone: not on beliefs, sums so far, or how old a state is
     (ADD, adds("me.sum += message[0] * me.b"), r"line \d+.*with SUMS.*depends on the message alone"),
     (ADD, adds("me.sum += message[0] / (1.0 + abs(me.sum))"), "depends on the message alone"),
     (ADD, adds("me.sum = max(me.sum, message[0])"), "depends on the message alone"),
@@ -296,7 +296,7 @@ def test_rounding_and_fair_draws_are_no_faults(changes, tmp_path):
 )
 def test_nothing_is_kept_outside_of_a_mind(change, said, tmp_path):
     calls = ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nCALLS = [0.0]')
-    fault = faults_of(changed(tmp_path / "bad.py", change, calls, CLIP))["the same history gives the same mind"]
+    fault = faults_of(changed(tmp_path / "bad.py", change, calls, CLIP))["the same history gives the same state"]
     assert said in fault
     assert "something is kept outside of me" in fault
 
@@ -419,8 +419,8 @@ def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
     with pytest.raises(sc.InputError, match=r"brain 'minimalistc': did you mean 'minimalistic'\?"):
         sc.check("minimalistc")
     with pytest.raises(sc.InputError, match="did you mean 'legacy'"):
-        sc.check("bad.py", wearing="legcy")
-    monkeypatch.setattr(conformance, "check", lambda *_, wearing: [conformance.Check("keeps the contract", None)])
+        sc.check("bad.py", wrapping="legcy")
+    monkeypatch.setattr(conformance, "check", lambda *_, wrapping: [conformance.Check("keeps the contract", None)])
     monkeypatch.setattr(conformance, "single_life", lambda *_: {"alone": None, "hearing": 7})
     good = sc.check("three-state", single=True)
     assert good.conforms

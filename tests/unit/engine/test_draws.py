@@ -202,7 +202,7 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
 
 def test_uniform_spreads_are_of_trial_and_robot():
     key, out = address(SEED, "spread"), np.empty((2, 5))
-    compile_world().spread_uniform(key, 3, 0.2, 0.7, out)
+    compile_world().draw_uniform(key, 3, 0.2, 0.7, out)
     expected = [[0.2 + 0.5 * reference.unit(reference.robots_word(key, 3 + t, 0, i)) for i in range(5)] for t in (0, 1)]
     assert out == pytest.approx(np.array(expected), rel=1e-12)
 
@@ -211,7 +211,7 @@ def test_uniform_spreads_are_of_trial_and_robot():
 def test_normal_spreads_are_drawn_by_rejection(mean, sd):
     """From U(low, high), with the density of the normal distribution over its peak as the chance to be taken."""
     key, out = address(SEED, "spread"), np.empty((2, 6))
-    compile_world().spread_normal(key, 3, mean, sd, out)
+    compile_world().draw_normal(key, 3, mean, sd, out)
     low, high = max(0.0, mean - 9 * sd), min(1.0, mean + 9 * sd)
     for t in (0, 1):
         for i in range(6):
@@ -339,7 +339,7 @@ def test_chance_is_of_key_and_trial():
         assert (draw(chances[0]) == draw(Chance(keys[0], 0))).all()
     assert (chances[1].uniform(5)[:2] == chances[1].uniform(2)).all()
     drawn = np.empty((1, 5))
-    compile_world().spread_uniform(keys[0], 1, 0.0, 1.0, drawn)
+    compile_world().draw_uniform(keys[0], 1, 0.0, 1.0, drawn)
     assert (chances[1].uniform(5) == drawn[0]).all()
 
 

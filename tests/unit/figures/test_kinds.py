@@ -1,25 +1,17 @@
 """`sc.plot` and `plot --kind`: shipped kinds and other packages' kinds; and `lines`, whose numbers are the data's."""
 
 import inspect
-import itertools
-import json
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
-from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.figures.kinds.lines import stretches
-from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
@@ -27,89 +19,6 @@ from tests.support.drawing import assert_fits, drawn, forget, study, texts
 from tests.support.places import ROOT
 
 OURS = ["arena", "beliefs", "compare", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
-
-GOOD = '''
-"""Kinds of figures that are not ours."""
-
-from matplotlib.figure import Figure
-
-
-def box_plot(results, *, color: str = "brain", whiskers: float = 1.5, title: str | None = None):
-    """Draw boxes."""
-    figure = Figure()
-    ax = figure.add_subplot()
-    ax.boxplot(results["convergence_error"].values.reshape(results.sizes["setting"], -1).T, whis=whiskers)
-    ax.set_title(f"{color} {whiskers:g} {title}")
-    return figure
-
-
-def fails(results):
-    """Fail."""
-    return {}["no such\\nkey"]
-
-
-def nothing(results):
-    """Return what is no figure."""
-
-
-def awry(results, more):
-    """Have a second positional argument."""
-
-
-def unknown(results, *, size: "Missing" = 1):
-    """Have an annotation that means nothing."""
-'''
-
-
-@pytest.fixture(scope="module")
-def elsewhere(tmp_path_factory, small_file):
-    """Runs Python where another package is installed that has kinds of its own."""
-    tmp_path = tmp_path_factory.mktemp("elsewhere")
-    info = tmp_path / "site" / "others_figures-1.0.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others-figures\nVersion: 1.0\n")
-    names = {"box-plot": "box_plot", "fails": "fails", "nothing": "nothing", "awry": "awry", "unknown": "unknown"}
-    lines = [f"{name} = others_figures:{function}" for name, function in names.items()]
-    lines += ["gone = others_figures_gone", "scatter = others_figures:fails"]
-    (info / "entry_points.txt").write_text("[swarmcensus.figures]\n" + "\n".join(lines) + "\n")
-    (tmp_path / "site" / "others_figures.py").write_text(GOOD)
-    path = os.pathsep.join([str(tmp_path / "site"), *filter(None, [os.environ.get("PYTHONPATH")])])
-    folder = tmp_path / "here"
-    folder.mkdir()
-    (folder / "small.nc").write_bytes(small_file.read_bytes())
-
-    def run(*command):
-        return subprocess.run(
-            [sys.executable, *map(str, command)], cwd=folder, env=os.environ | {"PYTHONPATH": path},
-            capture_output=True, text=True, check=False,
-        )  # fmt: skip
-
-    run.folder = folder
-    return run
-
-
-TOLD = """
-import contextlib, io, json, os, sys
-from swarmcensus.cli.commands import main
-said = []
-for command in json.loads(sys.argv[1]):
-    with contextlib.redirect_stderr(io.StringIO()) as error:
-        code = main(command)
-    said.append((code, error.getvalue(), sorted(os.listdir())))
-json.dump(said, sys.stderr)
-"""
-
-
-@pytest.fixture(scope="module")
-def told_elsewhere(elsewhere):
-    """What each command says there, its exit code, and which files are there then: of one process, in this order."""
-    for left in elsewhere.folder.iterdir():
-        if left.name != "small.nc":
-            left.unlink()  # by other tests
-    commands = [["plot", "small.nc", "--kind", kind, *options] for kind, options, _ in WRONG]
-    done = elsewhere("-c", TOLD, json.dumps([*commands, BOXES]))
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stderr)
 
 
 def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:
@@ -139,102 +48,28 @@ def test_all_kinds_of_ours_are_found_in_their_folder():
         assert draw.__doc__.count("\n") > 3
 
 
-def test_an_unknown_kind_is_told_with_what_was_meant(small_file, tmp_path, monkeypatch, capsys):
+def test_an_unknown_kind_is_told_with_what_was_meant(small_file, refused):
     with pytest.raises(AttributeError, match=r"did you mean 'scatter'\? there are arena, beliefs"):
         sc.plot.scater  # noqa: B018
     assert not hasattr(sc.plot, "__wrapped__")
-    monkeypatch.chdir(tmp_path)
-    assert main(["plot", str(small_file), "--kind", "line"]) == 2
-    assert "no figure 'line': did you mean 'lines'? there are arena, beliefs" in capsys.readouterr().err
-
-
-def test_import_is_lazy_and_help_searches_no_packages():
-    code = "import sys, swarmcensus as sc; dir(sc), sc.plot; sys.exit('matplotlib' in sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)
-    code = "import sys\nfrom swarmcensus.cli.commands import main\ntry: main(['plot', '--help'])\n"
-    code += "except SystemExit: sys.exit(bool({'importlib.metadata', 'numpy'} & {*sys.modules}))"
-    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
-
-
-@pytest.mark.long
-def test_plugin_figure_is_drawn(elsewhere, untraced_processes):
-    code = """
-import json, swarmcensus as sc
-results = sc.load("small.nc")
-figure = sc.plot.box_plot(results, whiskers=2.0, title="mine")
-print(json.dumps([dir(sc.plot), figure.axes[0].get_title(), [str(p) for p in sc.plot.save(figure, "x.png")]]))
-"""
-    done = elsewhere("-c", code)
-    assert not done.stderr
-    names, title, paths = json.loads(done.stdout)
-    assert {*OURS, "box_plot", "fails", "save"} <= {*names}
-    assert title == "brain 2 mine"
-    assert paths == ["x.png"]
-    plot = ["-m", "swarmcensus", "plot", "small.nc", "--kind", "box-plot"]
-    done = elsewhere(*plot, "--color", "topology", "--set", "whiskers=3", "--set", "title=12 of them")
-    assert (done.returncode, done.stdout) == (0, "small-box-plot.png\nsmall-box-plot.svg\n")
-    assert "topology 3 12 of them" in (elsewhere.folder / "small-box-plot.svg").read_text()
-    assert elsewhere("-m", "swarmcensus", "plot", "small.nc").returncode == 0  # `scatter` stays ours
-
-
-BOXES = ["plot", "small.nc", "--kind", "box-plot", "--color", "topology", "--set", "whiskers=3", "--out", "b.svg"]
-WRONG = [
-    ("box-plot", ["--x", "robots"], "--x goes with --kind heatmap or lines, not with box-plot"),
-    ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: "),
-    ("box-plot", ["--set", "whiskers=wide"], "--kind box-plot: whiskers = 'wide': should be a valid number"),
-    ("box-plot", ["--set", "whiskers"], "--set whiskers"),
-    ("box-plott", [], "no figure 'box-plott': did you mean 'box-plot'?"),
-    ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
-    ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
-    ("awry", [], "figure 'awry', others_figures:awry: should be a function of results and keyword-only options"),
-    ("unknown", [], "the keys of others_figures.unknown cannot be read: NameError"),
-    ("gone", [], "figure 'gone', others_figures_gone of others-figures: ModuleNotFoundError"),
-]
-
-
-@pytest.mark.parametrize("k", range(len(WRONG)), ids=lambda k: f"{WRONG[k][0]} {' '.join(WRONG[k][1])}".strip())
-def test_faults_of_a_plugin_figure(k, told_elsewhere):
-    code, error, files = told_elsewhere[k]
-    assert code == 2
-    assert WRONG[k][2] in error
-    assert error.count("\n") == 1
-    assert files == ["small.nc"]
-
-
-def test_another_package_s_kind_is_drawn(elsewhere, told_elsewhere):
-    *_, (code, error, files) = told_elsewhere
-    assert (code, error, files) == (0, "", ["b.svg", "small.nc"])
-    assert "topology 3 None" in (elsewhere.folder / "b.svg").read_text()
+    assert "no figure 'line': did you mean 'lines'? there are" in refused("plot", small_file, "--kind", "line")
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--kind", "scatter", "--x", "robots"], "--x goes with --kind heatmap or lines, not with scatter"),
-        (["--kind", "curves", "--panels", "robots"], "--panels goes with --kind decisions or lines or scatter, not"),
-        (["--kind", "arena", "--bins", "4"], "--bins goes with --kind decisions or lines, not with arena"),
-        (
-            ["--kind", "lines", "--x", "robot"],
-            "x 'robot': did you mean 'robots'? the coordinates that vary here are top",
-        ),
-        (["--kind", "lines", "--y", "error"], "y 'error': did you mean 'convergence_error'? what is measured"),
-        (["--kind", "lines", "--x", "checkpoint"], "x 'checkpoint': the coordinates that vary"),
-        (
-            ["--color", "brian"],
-            "color 'brian': did you mean 'brain'? the coordinates that vary here are topology, robots",
-        ),
-        (["--panels", "robots,floors"], "panels 'floors': did you mean 'floor'?"),
-        (["--kind", "heatmap", "--x", "robots", "--y", "robots"], "x and y are both 'robots'"),
-        (["--kind", "lines", "--set", "statistic=mode"], "statistic = 'mode'"),
+        ("--kind scatter --x robots", "--x goes with --kind heatmap or lines, not with scatter"),
+        ("--kind lines --x robot", "x 'robot': did you mean 'robots'? the coordinates that vary here are top"),
+        ("--kind lines --y error", "y 'error': did you mean 'convergence_error'? what is measured"),
+        ("--kind lines --x checkpoint", "x 'checkpoint': the coordinates that vary"),
+        ("--color brian", "color 'brian': did you mean 'brain'? the coordinates that vary here are topology, robots"),
+        ("--panels robots,floors", "panels 'floors': did you mean 'floor'?"),
+        ("--kind heatmap --x robots --y robots", "x and y are both 'robots'"),
+        ("--kind lines --set statistic=mode", "statistic = 'mode'"),
     ],
 )
-def test_options_that_cannot_be_are_told_in_a_line(options, said, small_file, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["plot", str(small_file), *options]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert not list(tmp_path.iterdir())
+def test_options_that_cannot_be_are_told_in_a_line(options, said, small_file, refused):
+    assert said in refused("plot", small_file, *options.split())
 
 
 def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, monkeypatch):
@@ -266,21 +101,15 @@ def test_the_page_s_table_has_every_kind_and_all_its_options():
 # ---- one trial
 
 
-def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results, tmp_path):
+def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results):
     tables = {"swarm": {"robots": 4, "accuracy": 0.8}, "schedule": {"ticks": 20}}
     moving = sc.run(sc.Study(trials=2, world={"topology": "moving", "density": 2, "fill_ratio": 0.55}, **tables))
     trace = sc.replay(moving, 0, 1, links=True)
     for figure in (sc.plot.arena(moving, trial=1, tick="1.5 s"), sc.plot.arena(trace, tick=15)):
         assert "tick 15" in texts(figure)
-    told = []
-    frames = sc.plot.film(trace, out=tmp_path / "x.gif", first=3, last=9, progress=lambda *n: told.append(n))
-    assert (frames, told[-1]) == (4, (4, 4))
-    with Image.open(tmp_path / "x.gif") as film:
-        assert film.n_frames == 4
     for options, said in (
-        ({"tick": 21}, "tick 21: this trial has ticks 0 to 20"), ({"robot": 4}, "robot 4: the robots are"),
-        ({"setting": 1}, "setting 1"),
-        ({"tick": "soon"}, "tick = 'soon': should be a whole number, or a time"), ({"tick": "7 h"}, "tick 252000:"),
+        ({"setting": 1}, "setting 1"), ({"tick": "7 h"}, "tick 252000: this trial has ticks 0 to 20"),
+        ({"tick": "soon"}, "tick = 'soon': should be a whole number, or a time"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=re.escape(said)):
             sc.plot.arena(moving, **options)
@@ -349,17 +178,6 @@ def test_a_figure_says_what_is_pooled_in_it(kind, options, said, small_results, 
     assert [one for one in caplog.messages if "pooled" in one] == told
 
 
-def test_intervals_end_where_a_variable_can_go_no_further():
-    results = study(["0.6"], trials=12)
-    below = results.assign(final_estimate=results["convergence_error"] - 1.0)
-    (ax,) = sc.plot.lines(below, y="final_estimate", x="accuracy", color="accuracy").axes
-    ((low, high),) = intervals(ax, "0.6")
-    assert -1.0 <= low < drawn(ax, "0.6")[0, 1] < high < 0.0
-    same = results.assign(convergence_error=0.0 * results["convergence_error"])
-    (ax,) = sc.plot.lines(same, x="accuracy", color="accuracy").axes
-    assert intervals(ax, "0.6")[0, 0] == 0.0
-
-
 def test_a_heatmap_has_any_two_coordinates():
     parts = [
         study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "a_long_name_of_a_network") for n in (4, 1200)
@@ -376,32 +194,6 @@ def test_a_heatmap_has_any_two_coordinates():
     np.testing.assert_array_equal(chosen.images[0].get_array(), shown.T)
     with pytest.raises(TooMuch, match=r"a heatmap shows accuracy and topology, but robots \(4, 1200\) varies too"):
         sc.plot.heatmap(results, x="topology", y="accuracy")
-
-
-def test_axes_of_one_s_own_hold_one_panel(small_results):
-    one = small_results.isel(setting=small_results["topology"].values == "ring")
-    figure = Figure(figsize=(18, 3))
-    axes = figure.subplots(1, 3)
-    for draw, ax in zip((sc.plot.scatter, sc.plot.decisions, sc.plot.lines), axes, strict=True):
-        assert draw(one, panels=[], title="mine", ax=ax) is ax.figure
-        assert ax.get_title("left") == "mine"
-        assert ax.get_ylabel()
-        with pytest.raises(InputError, match="ax holds one panel, not"):
-            draw(one, ax=ax)
-    alone = Figure().subplots()
-    sc.plot.curves(small_results, setting=3, trial=1, ax=alone)
-    assert "setting 3, trial 1" in alone.get_title("left").replace("\n", " ")
-
-
-def test_names_look_different_and_numbers_in_order():
-    looks = looks_of(["ring", "full", "x"], "o", "topology")
-    assert list(looks) == ["ring", "full", "x"]
-    assert (
-        len({(look.colour, look.marker) for look in looks.values()})
-        == len({look.colour for look in looks.values()})
-        == 3
-    )
-    assert [look.name for look in looks_of(["1000", "20", "none"], "o", "robots").values()] == ["20", "1,000", "none"]
 
 
 # ---- lines
@@ -454,15 +246,10 @@ def test_any_variable_that_has_trials_is_drawn_with_its_unit():
     np.testing.assert_allclose(ax.lines[0].get_ydata(), results["battery_used"].mean("trial"))
     with pytest.raises(InputError, match=r"what is measured here is convergence_round, .*battery_used"):
         sc.plot.lines(results, y="weather")
-
-
-def test_quantity_is_drawn_with_its_declared_statistic_and_label():
-    results = robots()
     results["messages_sent"] = results["convergence_round"].astype(float)
-    (ax,) = sc.plot.lines(results, y="messages_sent").axes
-    assert ax.get_ylabel() == "messages sent by a robot, mean"
-    (ax,) = sc.plot.lines(results, y="messages_sent", statistic="median").axes
-    assert ax.get_ylabel() == "messages sent by a robot, median"
+    for options, statistic in ({}, "mean"), ({"statistic": "median"}, "median"):
+        (ax,) = sc.plot.lines(results, y="messages_sent", **options).axes
+        assert ax.get_ylabel() == f"messages sent by a robot, {statistic}"
 
 
 def test_what_is_left_open_is_chosen_from_what_varies():
@@ -501,16 +288,6 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert_fits(sc.plot.lines(never, y="stop_round"))
 
 
-def test_the_interval_of_a_median_may_reach_to_never():
-    results = robots((10,))
-    when = np.tile(np.arange(1.0, 9.0), (1, 12, 1))
-    when[0, :5] = np.inf  # 5 of 12 trials: the median is finite, and might not be
-    results["stop_round"] = (("setting", "trial", "robot"), when)
-    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
-    ((low, high),) = intervals(ax, "")
-    assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]
-
-
 def test_trials_that_were_not_run_are_left_out_of_lines():
     results = forget(forget(robots(), setting=1), trial=slice(7, None), setting=0)
     (ax,) = sc.plot.lines(results).axes
@@ -522,24 +299,6 @@ def test_trials_that_were_not_run_are_left_out_of_lines():
     assert ax.lines[0].get_ydata()[0] == pytest.approx(np.median(padded.convergence_error.values[0, :, :5]))
     with pytest.raises(InputError, match="nothing to draw"):
         sc.plot.lines(forget(robots(), trial=slice(None)))
-
-
-@pytest.mark.long
-def test_lines_of_long_names_and_of_many_stay_on_the_paper():
-    long = ["warehouse_measured_links_2024-05-17_north_wing_final_v2", "b", "w" * 90, "costs $2 or $3"]
-    names = [*long, *"defgh"]
-    parts = [robots(brain=name) for name in names]
-    results = xr.concat(parts, "setting")
-    for options in ({}, {"x": "brain"}, {"color": "brain"}, {"panels": "brain"}, {"x": "brain", "panels": "robots"}):
-        figure = sc.plot.lines(results, **options)
-        assert_fits(figure)
-        figure.canvas.draw()
-    many = xr.concat([robots(fill_ratio=f) for f in np.linspace(0.1, 0.9, 40)], "setting")
-    assert_fits(sc.plot.lines(many, color="fill_ratio"))
-    (ax,) = sc.plot.lines(many, x="fill_ratio", color="robots").axes
-    boxes = [tick.get_window_extent() for tick in ax.get_xticklabels()]
-    assert 4 < len(boxes) < 40
-    assert all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
 
 
 def test_lines_that_lie_upon_one_another_are_all_seen():

@@ -105,13 +105,13 @@ def assert_readable(figure: Figure, within: float = 1.0) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_readable_in_a_column_and_on_a_slide(kind, draw):
-    for width, inches in (("column", 3.5), ("double", 7.2), ("slide", 10.0)):
+    for width, inches in (("column", 3.5), ("slide", 10.0)):
         figure = draw(kind, width=width)
         assert figure.get_figwidth() == pytest.approx(inches)
         assert_readable(figure)
 
 
-@pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.75, 4.0), (5.8, 4.3), (6.0, 2.5)])
+@pytest.mark.parametrize(("width", "height"), [("slide", 5.625), (6.0, 2.5)])
 def test_an_arena_is_readable_on_a_low_page(width, height, draw):
     figure = draw("arena", width=width, height=height)
     assert figure.get_figheight() == height
@@ -119,7 +119,7 @@ def test_an_arena_is_readable_on_a_low_page(width, height, draw):
 
 
 def test_height_and_font_size(draw):
-    for kind in ("scatter", "lines", "heatmap", "curves", "compare", "arena"):
+    for kind in ("scatter", "heatmap", "arena"):
         figure = draw(kind, width=5.0, height=8.0, font_size=6)
         assert figure.get_size_inches().tolist() == pytest.approx([5.0, 8.0]), kind
         assert_readable(figure)
@@ -130,25 +130,16 @@ def test_height_and_font_size(draw):
     ("kind", "options", "said"),
     [
         ("lines", {"width": "wide"}, r"width='wide': should be 2 to 60 inches, or one of column, double, slide"),
-        ("lines", {"width": 1}, r"width=1: should be 2 to 60 inches"),
         ("lines", {"font_size": float("nan")}, "font_size=nan: should be 4 to 40 points"),
         ("lines", {"height": 2.0}, r"height=2.0: this figure needs \d+\.\d inches at least"),
-        ("lines", {"width": 2.0, "font_size": 30}, r"width=2.0: this figure needs \d+\.\d inches at least"),
         ("ranks", {"height": 3.0}, "height=3.0: the height of this figure follows from the names in it"),
         ("arena", {"height": 2.0}, "an arena with its key needs"),
-        ("lines", {"y": "final_eror"}, r"y 'final_eror': did you mean 'final_error'\? what is measured here is "),
-        (
-            "lines",
-            {"colour": "brain"},
-            r"lines has no option 'colour': did you mean 'color'\? there are y, x, .*, width",
-        ),
+        ("lines", {"widht": 3.5}, "lines has no option 'widht': did you mean 'width'"),
+        ("lines", {"labels": 3}, "labels=3: should be names by names"),
+        ("curves", {"ax": Figure().subplots(), "width": 3.0}, "width=: axes of your own have the size of their figure"),
         ("pareto", {"labels": {"votre": "x"}}, r"labels=\{'votre': 'x'\}: did you mean 'voter'\? the brains here are"),
         ("pareto", {"labels": {"voter": "minimalistic"}}, "minimalistic and voter would both be called 'minimalistic'"),
-        (
-            "pareto",
-            {"labels": {"bayes-bots": "Voter model"}},
-            "bayes-bots and voter would both be called 'Voter model'",
-        ),
+        ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),
     ],
 )
 def test_pages_that_cannot_be_are_told_in_a_line(kind, options, said, draw):
@@ -156,59 +147,32 @@ def test_pages_that_cannot_be_are_told_in_a_line(kind, options, said, draw):
         draw(kind, **options)
 
 
-def test_an_option_that_no_kind_has_is_told(draw):
-    with pytest.raises(sc.InputError, match="lines has no option 'widht': did you mean 'width'"):
-        draw("lines", widht=3.5)
-    with pytest.raises(sc.InputError, match="labels=3: should be names by names"):
-        draw("lines", labels=3)
-
-
-def test_numbers_of_numpy_are_sizes(draw, tmp_path):
-    figure = draw("curves", width=np.int64(4), font_size=np.float32(8))
-    assert sc.plot.save(figure, tmp_path / "f.png", dpi=np.int64(50))
-    assert figure.get_figwidth() == 4.0
-    figure.set_size_inches(60, 60)
-    with pytest.raises(sc.InputError, match=r"dpi=600: these are 36,000 x 36,000 pixels, more than 400,000,000"):
-        sc.plot.save(figure, tmp_path / "large.png", dpi=600)
-    assert not (tmp_path / "large.png").exists()
-
-
-def test_axes_of_ones_own_have_the_size_of_their_figure(draw):
-    mine = Figure().subplots()
-    with pytest.raises(sc.InputError, match="width=: axes of your own have the size of their figure"):
-        draw("curves", ax=mine, width=3.0)
-
-
-def test_figure_size_in_each_format(small_file, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_figure_size_in_each_format(small_file, here, refused):
     plot = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--panels", "topology", "--color", "accuracy"]
     size = ["--width", "column", "--height", "8", "--dpi", "100", "--font-size", "6"]
     for ending in ("png", "svg", "pdf"):
         assert main([*plot, *size, "--out", f"f.{ending}"]) == 0
     with Image.open("f.png") as picture:
         assert picture.size == (350, 800)
-    svg = (tmp_path / "f.svg").read_text()
+    svg = (here / "f.svg").read_text()
     assert 'width="252pt" height="576pt"' in svg
     assert re.search("<text [^>]*>scale-free</text>|<text [^>]*>\\(\\w\\) scale-free</text>", svg)  # text stays text
-    assert b"/FontFile2" in (tmp_path / "f.pdf").read_bytes()  # TrueType: letters that editors know
+    assert b"/FontFile2" in (here / "f.pdf").read_bytes()  # TrueType: letters that editors know
     for wrong, said in (
-        (["--dpi", "5"], "--dpi 5: should be 10 to 2400 dots per inch"),
-        (["--style", "gplot"], "--style gplot: is neither a style nor a file: did you mean 'ggplot'?"),
-        (["--width", "tiny"], "--width tiny: should be 2 to 60 inches, or one of column, double, slide"),
+        ("--dpi 5", "--dpi 5: should be 10 to 2400 dots per inch"),
+        ("--style gplot", "--style gplot: is neither a style nor a file: did you mean 'ggplot'?"),
+        ("--width tiny", "--width tiny: should be 2 to 60 inches, or one of column, double, slide"),
+        ("--label minimalistic=a --label minimalistic=b", "--label"),
     ):
-        capsys.readouterr()
-        assert main([*plot, *wrong, "--out", "wrong.png"]) == 2
-        assert said in capsys.readouterr().err
-    assert not (tmp_path / "wrong.png").exists()
+        assert said in refused(*plot, *wrong.split(), "--out", "wrong.png")
 
 
-def test_styles_are_respected(draw, small_file, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_styles_are_respected(draw, small_file, here):
     with mpl.rc_context({"font.size": 5.0, "axes.facecolor": "#ffeeee", "axes.grid": True}):
         axes = draw("lines").axes[0]
     assert {t.get_fontsize() for t in axes.get_xticklabels()} == {5.0}
     assert mpl.colors.to_hex(axes.get_facecolor()) == "#ffeeee"
-    (tmp_path / "mine.mplstyle").write_text("axes.facecolor: eeffee\nsavefig.dpi: 50\n")
+    (here / "mine.mplstyle").write_text("axes.facecolor: eeffee\nsavefig.dpi: 50\n")
     plot = ["plot", str(small_file), "--kind", "curves", "--width", "4", "--height", "3"]
     assert main([*plot, "--style", "mine.mplstyle", "--out", "styled.png"]) == 0
     with Image.open("styled.png") as picture:
@@ -216,13 +180,6 @@ def test_styles_are_respected(draw, small_file, tmp_path, monkeypatch):
     assert picture.size == (200, 150)
     assert (238, 255, 238) in {colour for _, colour in picture.getcolors(100_000)}
     assert mpl.rcParams["axes.facecolor"] == "white"  # as before
-
-
-def test_on_dark_paper_no_line_is_black(draw):
-    with mpl.style.context("dark_background"):
-        lines = [line for kind in ("ranks", "curves") for line in draw(kind).axes[0].get_lines()]
-    assert lines
-    assert "black" not in {line.get_color() for line in lines}
 
 
 # ---- names of brains
@@ -240,30 +197,15 @@ def test_brains_have_the_names_of_labels_else_their_titles(draw, capsys):
 
 def test_labels_are_written_as_they_are(draw, tmp_path):
     labels = {"minimalistic": r"bad $\frac$ x", "bayes-bots": "voter and more", "voter": "census"}
-    for kind in ("pareto", "ranks", "compare"):
+    for kind in ("pareto", "compare"):
         figure = draw(kind, labels=labels)
         sc.plot.save(figure, tmp_path / "f.png")  # no part of a label is a formula
         written = " ".join(" ".join(text.split()) for text, _ in shown(figure)).replace(r"\$", "$")
         assert all(each in written for each in (*labels.values(), "voter and more prior=1")), kind
-    sc.plot.save(draw("scatter", color="brain", labels={"minimalistic": labels["minimalistic"]}), tmp_path / "f.png")
-
-
-def test_long_label_in_a_key(draw):
     assert_readable(draw("compare", width="column", labels={"minimalistic": "word " * 30}))
 
 
-def test_labels_from_the_shell(small_file, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    plot = ["plot", str(small_file), "--kind", "lines", "--x", "brain", "--out", "f.svg"]
-    assert main([*plot, "--label", "minimalistic=a = b"]) == 0
-    assert "a = b" in (tmp_path / "f.svg").read_text()
-    assert main([*plot, "--label", "minimalistic=a", "--label", "minimalistic=b"]) == 2
-    assert "--label" in capsys.readouterr().err
-
-
-def test_labels_change_names_only(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    study = """
+TWO = """
 trials = 2
 [swarm]
 brain    = ["minimalistic", "legacy"]
@@ -275,11 +217,14 @@ fill_ratio = 0.5
 [schedule]
 rounds = 5
 """
-    path = tmp_path / "two.toml"
-    path.write_text(study)
+
+
+def test_labels_change_names_only(here, capsys):
+    path = here / "two.toml"
+    path.write_text(TWO)
     assert main(["run", "two.toml", "-q"]) == 0
     before = sc.load("two.nc")
-    path.write_text(study + '[labels]\nlegacy = "The old rule"\n')
+    path.write_text(TWO + '[labels]\nlegacy = "The old rule"\n')
     assert main(["run", "two.toml"]) == 0  # nothing is run again
     assert "found 4 of 4 trials" in capsys.readouterr().err.replace("all ", "")
     after = sc.load("two.nc")
@@ -295,12 +240,11 @@ rounds = 5
     assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Minimalistic (paper)", "The old rule"]
     for labels, said in (
         ('{legaci = "x"}', "labels: no brain is called 'legaci': did you mean 'legacy'?"),
-        ('{legacy = "minimalistic"}', "labels: minimalistic and legacy would both be called 'minimalistic'"),
         ('{legacy = "Minimalistic (paper)"}', r"minimalistic and legacy would both be called 'Minimalistic \(paper\)'"),
         ('{legacy = ""}', "labels.legacy"),
     ):
         with pytest.raises(sc.InputError, match=said):
-            sc.Study.parse(f"labels = {labels}\n{study}")
+            sc.Study.parse(f"labels = {labels}\n{TWO}")
 
 
 def test_long_names_are_shortened_once_and_stay_different(draw):
@@ -321,52 +265,23 @@ def test_long_names_are_shortened_once_and_stay_different(draw):
 
 
 def test_equal_labels_of_two_brains():
-    text = MOVING.replace("robots", 'brain = "{0}"\nrobots').replace("trials = 1", "trials = 1\nlabels.{0} = 'Ours'")
-    studies = [sc.Study.parse(text.format(brain).replace("ticks = 20", "ticks = 1")) for brain in ("legacy", "swift")]
+    studies = [
+        sc.Study.parse(f"labels.{brain} = 'Ours'\n{TWO}".replace('["minimalistic", "legacy"]', f'"{brain}"'))
+        for brain in ("minimalistic", "legacy")
+    ]
     merged = sc.merge([sc.run(study, jobs=1) for study in studies])
     figure = sc.plot.lines(merged, x="brain")
-    assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Legacy (paper)", "Swift"]
-    assert sc.compare(merged).grid.contenders == ["legacy", "swift"]
+    assert [t.get_text() for t in figure.axes[0].get_xticklabels()] == ["Minimalistic (paper)", "Legacy (paper)"]
+    assert sc.compare(merged).grid.contenders == ["minimalistic", "legacy"]
 
 
-def test_accuracies_as_numbers_are_an_axis_instead_of_accuracy(draw, small_results):
-    lines = sc.plot.lines(small_results, x="accuracy_black", color="topology")
-    for figure in (lines, draw("scatter", color="accuracy_black")):
-        captions = [ax.get_title("left") for ax in figure.axes]
-        assert captions
-        assert not any("accuracy" in caption for caption in captions)
-
-
-def test_long_names_under_an_axis(small_results):
-    names = [f"brains/some_long_name_of_number_{k}.py" for k in range(small_results.sizes["setting"])]
-    data = small_results.assign_coords(brain=("setting", np.array(names)))
-    figure = sc.plot.lines(data, x="brain", panels=[], width=2.0, font_size=6)
-    figure.canvas.draw()
-    ticks = [tick for tick in figure.axes[0].get_xticklabels() if tick.get_text()]
-    assert 2 < len(ticks) < len(names)
-    assert min(tick.get_window_extent().x0 for tick in ticks) >= 0
-    ends = [tick.get_window_extent().x1 for tick in ticks]
-    assert min(np.diff(ends)) >= 6 / 72 * figure.dpi / np.sin(np.radians(40))  # lines of letters do not touch
-
-
-def test_a_study_without_a_name_is_called_by_its_file(draw, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_study_without_a_name_is_called_by_its_file(here, capsys):
     study = sc.Study.parse(MOVING.replace('name   = "moving"', ""))
     sc.save(sc.run(study, jobs=1), "meadow.nc")
     assert main(["show", "meadow.nc"]) == 0
     assert capsys.readouterr().out.startswith("meadow.nc: meadow (seed 0")
     assert main(["plot", "meadow.nc", "--kind", "curves", "--label", "minimalistic=Ours", "--out", "c.svg"]) == 0
     assert ">meadow, setting 0, trial 0: Ours, moving, N = 6, D = 2, " in Path("c.svg").read_text()
-
-
-def test_films_have_the_size_and_dots_that_are_asked_for(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    sc.save(sc.run(sc.Study.parse(MOVING), jobs=1), "m.nc")
-    film = ["plot", "m.nc", "--kind", "film", "--last", "2", "--out", "f.gif"]
-    assert main([*film, "--width", "4", "--height", "5", "--dpi", "50"]) == 0
-    with Image.open("f.gif") as picture:
-        assert picture.size == (200, 250)
-    assert main([*film, "--dpi", "5"]) == 2
 
 
 # ---- what figures say
@@ -380,22 +295,6 @@ def test_too_few_trials_are_said_as_compare_says_it(draw):
     assert said[1] in ranks
     assert said[0] in compared
     assert "cannot tell" not in " ".join(t for t, _ in shown(sc.plot.ranks(made_up(trials=20, gap=0.3))))
-
-
-def test_a_measure_without_numbers_is_left_out_with_a_sentence():
-    data = made_up(trials=8)
-    data["correct"][:] = np.nan
-    figure = sc.plot.compare(data, metric=["final_error", "correct"])
-    assert len(figure.axes) == 1
-    assert "left out, no pair of trials has numbers: right" in " ".join(t for t, _ in shown(figure))
-
-
-def test_equal_costs_have_one_x():
-    figure = sc.plot.pareto(made_up(), cost="memory_bytes")
-    for axes in figure.axes:
-        dots = [line for line in axes.lines if line.get_marker() not in ("", "None")]
-        assert [line.get_xdata()[0] for line in dots] == [48, 60, 60, 8]
-        assert all(line.get_transform() == axes.transData for line in dots)
 
 
 def test_one_sided_interval_is_dotted(small_file, small_results, capsys):
@@ -416,12 +315,7 @@ def test_one_sided_interval_is_dotted(small_file, small_results, capsys):
     assert "(medians, pooled over 6 trials of 8 robots)" in out
 
 
-def test_captions_write_one_for_one_point_nothing():
-    data = made_up(worlds=("ring", "full"), trials=8)
-    data = data.assign_coords(density=("setting", np.repeat([1.0, 2.5], 4)))
-    assert [axes.get_title("left") for axes in sc.plot.pareto(data).axes] == ["(a) ring, D = 1", "(b) full, D = 2.5"]
-
-
+@pytest.mark.long
 def test_figures_of_the_paper_are_also_written_as_pdf(tmp_path):
     done = reproduce(tmp_path, only="fig3", trials=1, pdf=True, say=lambda _: None)
     [(_, paths)] = done.figures

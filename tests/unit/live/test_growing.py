@@ -4,7 +4,6 @@ import itertools
 import json
 import random
 
-import numpy as np
 import pytest
 
 from swarmcensus.cli.commands import main
@@ -14,12 +13,11 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import Show
 from swarmcensus.robots.logs import growing, lives
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import read_day
-from swarmcensus.robots.logs.growing import GrowingDay
+from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.robots.logs.growing import GrowingRecording
 from swarmcensus.robots.logs.logs import Gap, LogReader, read_log
 from swarmcensus.support.errors import InputError
-from tests.support.growing import ROUNDS, Day
-from tests.support.relived import logged, told
+from tests.support.growing import Recording
 from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
@@ -51,11 +49,11 @@ def test_log_read_byte_by_byte(whole, tmp_path):
 def test_a_page_that_comes_late_gets_the_day_in_parts(whole, tmp_path, monkeypatch):
     """Also where a block is longer than a part."""
     monkeypatch.setattr(LogReader.more, "__defaults__", (150,))
-    day = Day(whole, tmp_path / "day")
-    session = Session(offer_of(day.folder))
+    recording = Recording(whole, tmp_path / "day")
+    session = Session(offer_of(recording.folder))
     asked(session, do="begin", ask={})
-    day.grow(1.0)
-    day.tell({})
+    recording.grow(1.0)
+    recording.tell({})
     rounds, news = [], {"wait": 0.0}
     while news["wait"] is not None:
         _, news = asked(session, do="news", since=0)
@@ -63,29 +61,29 @@ def test_a_page_that_comes_late_gets_the_day_in_parts(whole, tmp_path, monkeypat
         assert news["wait"] in (0.0, None)
     assert len(rounds) > 5
     assert rounds == sorted(rounds)
-    assert session.shows[0].life.clock.rounds == Clock(read_day(whole).members).rounds
+    assert session.shows[0].life.clock.rounds == Clock(read_recording(whole).members).rounds
 
 
 def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
     lived = []
     live = lives.lives
-    monkeypatch.setattr(lives, "lives", lambda mind, tick: lived.append((mind.number, tick)) or live(mind, tick))
-    day = Day(whole, tmp_path / "day")
-    page = Session(offer_of(day.folder))
+    monkeypatch.setattr(lives, "lives", lambda state, tick: lived.append((state.number, tick)) or live(state, tick))
+    recording = Recording(whole, tmp_path / "day")
+    page = Session(offer_of(recording.folder))
     asked(page, do="begin", ask={})
     version, rounds = 0, 0
     for step in range(101):
-        day.grow(step / 100)
+        recording.grow(step / 100)
         _, news = asked(page, do="news", since=version)
         assert news["wait"] == 0.1
         assert news["rounds"] >= rounds
         assert news["changed"] <= news["rounds"] + 1
         version, rounds = news["version"], news["rounds"]
         asked(page, do="frames", **{"from": rounds, "count": 1})
-    day.tell({})
+    recording.tell({})
     _, news = asked(page, do="news", since=version)
     assert news["wait"] is None
-    known = read_day(whole)
+    known = read_recording(whole)
     assert len(lived) == sum(life.relived for life in lives.relive_all(known))
     lived.clear()
     [grown] = page.shows
@@ -101,16 +99,16 @@ def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
 
 
 def test_clock_of_a_growing_recording(whole, tmp_path):
-    day = Day(whole, tmp_path / "day")
-    grows = GrowingDay(day.folder)
+    recording = Recording(whole, tmp_path / "day")
+    grows = GrowingRecording(recording.folder)
     known = {}
     for step in range(0, 101, 7):
-        day.grow(step / 100)
+        recording.grow(step / 100)
         grows.go_on()
-        batch = Clock(grows.day.members)
+        batch = Clock(grows.recording.members)
         times = {
             (member.number, at): grows.clock.time(member.number, at)
-            for member in grows.day.members
+            for member in grows.recording.members
             for at in range(len(member.log.blocks))
         }
         assert times == {(number, at): batch.time(number, at) for number, at in times}
@@ -121,29 +119,13 @@ def test_clock_of_a_growing_recording(whole, tmp_path):
     assert grows.clock.time(3, 0) == 15  # it began late
 
 
-def test_late_start_is_shown(tmp_path):
-    folder = tmp_path / "day"
-    _, _, swarm = logged(folder, robots=3, rounds=ROUNDS)
-    swarm.kill(2)
-    (folder / "robot-2.log").unlink()
-    swarm.run(10)
-    swarm.start(2)
-    swarm.run(10)
-    swarm.close()
-    known = read_day(folder)
-    clock = Clock(known.members)
-    assert not clock.restarted
-    assert [clock.time(robot, 0) for robot in range(3)] == [0, 0, 10]
-    assert {clock.last(robot) for robot in range(3)} == {20}
-
-
 def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkeypatch):
-    day = Day(whole, tmp_path / "day")
-    session = Session(offer_of(day.folder))
+    recording = Recording(whole, tmp_path / "day")
+    session = Session(offer_of(recording.folder))
     asked(session, do="begin", ask={})
     for name in ("robot-0.log", "robot-1.log"):
-        with (day.folder / name).open("ab") as log:
-            log.write(day.contents[name][log.tell() : 900 if name == "robot-0.log" else 500])
+        with (recording.folder / name).open("ab") as log:
+            log.write(recording.contents[name][log.tell() : 900 if name == "robot-0.log" else 500])
     _, news = asked(session, do="news", since=0)
     [show] = session.shows
     last = {number: show.life._last[number][0] for number in (0, 1, 2)}
@@ -163,18 +145,18 @@ def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkey
 
 
 def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, capsys):
-    day = Day(whole, tmp_path / "day")
-    session = Session(offer_of(day.folder))
+    recording = Recording(whole, tmp_path / "day")
+    session = Session(offer_of(recording.folder))
     _, begun = asked(session, do="begin", ask={})
     assert begun["form"]["grows"]
     assert "beside" in begun["form"]["fixed"]
     _, refused = asked(session, do="begin", ask={"beside": "voter"})
     says = "beside: this swarm still runs: another brain can be compared when it has ended"
     assert refused["error"] == says
-    assert main(["watch", str(day.folder), "--brain", "voter", "--out", str(tmp_path / "page.html")]) == 2
+    assert main(["watch", str(recording.folder), "--brain", "voter", "--out", str(tmp_path / "page.html")]) == 2
     assert says in capsys.readouterr().err
-    day.grow(1.0)
-    day.tell({})
+    recording.grow(1.0)
+    recording.tell({})
     asked(session, do="begin", ask={})
     _, news = asked(session, do="news", since=0)
     assert "beside" not in news["fixed"]
@@ -183,50 +165,18 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert [scene["brain"] for scene in begun["scenes"]] == ["commons", "voter"]
     assert [scene["rounds"] for scene in begun["scenes"]] == [news["rounds"]] * 2
     _, refused = asked(session, do="news", since=0)
-    assert refused["error"] == "do = 'news': only of a day in logs, without another brain beside it"
-
-
-def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):
-    day = Day(whole, tmp_path / "day")
-    day.grow(1.0)
-    assert growing.may_grow(day.folder)
-    later = growing.time.time() + 100.0
-    monkeypatch.setattr(growing.time, "time", lambda: later)
-    assert not growing.may_grow(day.folder)
-    session = Session(offer_of(day.folder))
-    _, begun = asked(session, do="begin", ask={"beside": "voter"})
-    assert "beside" not in begun["form"]["fixed"]
-
-
-def test_last_rounds_of_a_recording(tmp_path):
-    """Robots that missed ticks have lived fewer rounds; one that was killed before the end is away."""
-    folder = tmp_path / "day"
-    study, _, swarm = logged(folder, robots=3, rounds=ROUNDS)
-    swarm.run(10)
-    swarm.kill(1)
-    swarm.kill(2)
-    swarm.run(10)
-    swarm.close()
-    told(folder, study, ended=1, result={"estimates": [0.5, 0.5, None]})
-    offer = offer_of(folder)
-    trial = wanted(offer, {})
-    show = Show(offer.live(trial.settings[0], trial.seed, trial.trial), trial.study.measure)
-    assert show.rounds == 20
-    estimates = [show.find(tick)[0].estimates[show.find(tick)[1]] for tick in (10, 20)]
-    assert estimates[0][1] == estimates[1][1]
-    assert np.isnan(estimates[1][2])
-    assert not np.isnan(estimates[0][2])
+    assert refused["error"] == "do = 'news': only of a recording in logs, without another brain beside it"
 
 
 @pytest.mark.parametrize("robot", [0, 2])
 def test_two_logs_of_one_robot_are_refused(whole, tmp_path, robot):
     """Also a second one that comes while the day is watched."""
-    day = Day(whole, tmp_path / "day")
-    session = Session(offer_of(day.folder))
+    recording = Recording(whole, tmp_path / "day")
+    session = Session(offer_of(recording.folder))
     asked(session, do="begin", ask={})
-    (day.folder / "copy.log").write_bytes(day.contents[f"robot-{robot}.log"])
-    says = f"{day.folder}: two logs are of robot {robot}: each robot has one"
+    (recording.folder / "copy.log").write_bytes(recording.contents[f"robot-{robot}.log"])
+    says = f"{recording.folder}: two logs are of robot {robot}: each robot has one"
     with pytest.raises(InputError, match=says):
-        read_day(day.folder)
+        read_recording(recording.folder)
     _, refused = asked(session, do="news", since=0)
     assert refused["error"] == says

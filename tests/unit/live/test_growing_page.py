@@ -7,7 +7,7 @@ import pytest
 from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
 from tests.support.browsing import come, playwright, pytestmark as marks, until
-from tests.support.growing import Day
+from tests.support.growing import Recording
 
 pytestmark = [*marks, pytest.mark.interpreted]
 
@@ -15,11 +15,11 @@ pytestmark = [*marks, pytest.mark.interpreted]
 @pytest.fixture
 def watched(page, whole, tmp_path):
     """The page of a day that grows, and the day."""
-    day = Day(whole, tmp_path / "day")
-    served = listen(offer_of(day.folder))
+    recording = Recording(whole, tmp_path / "day")
+    served = listen(offer_of(recording.folder))
     with serving(served):
         come(page, served.address())
-        yield page, day
+        yield page, recording
 
 
 def newest(shown):
@@ -28,8 +28,8 @@ def newest(shown):
     return shown.evaluate("rounds()")
 
 
-def grown(shown, day, share, before):
-    day.grow(share)
+def grown(shown, recording, share, before):
+    recording.grow(share)
     until(shown, f"rounds() > {before}", True)
 
 
@@ -53,10 +53,10 @@ def test_curves_of_a_growing_recording(watched):
 
 @pytest.mark.parametrize("size", [(1280, 900), (390, 844)])
 def test_it_follows_is_wound_back_and_is_told_of_the_end(watched, size):
-    shown, day = watched
+    shown, recording = watched
     shown.set_viewport_size({"width": size[0], "height": size[1]})
     clock, live = shown.locator("#clock"), shown.locator("#live")
-    grown(shown, day, 0.3, newest(shown))
+    grown(shown, recording, 0.3, newest(shown))
     at = newest(shown)
     playwright.expect(clock).to_have_text(f"round {at} of {at}")
     playwright.expect(live).to_have_attribute("aria-pressed", "true")
@@ -67,14 +67,14 @@ def test_it_follows_is_wound_back_and_is_told_of_the_end(watched, size):
     shown.locator("#moment").fill("3")
     playwright.expect(clock).to_have_text(f"round 3 of {at} so far")
     playwright.expect(live).to_have_attribute("aria-pressed", "false")
-    grown(shown, day, 0.5, at)
+    grown(shown, recording, 0.5, at)
     playwright.expect(clock).to_have_text(re.compile(rf"^round 3 of (?!{at} )\d+ so far$"))
     until(shown, "state.charts.histories[0].missing(rounds() + 1) === null", True)
 
     shown.click("#play")  # plays from there, and follows when it has caught up
     at = newest(shown)
     shown.click("#play")
-    grown(shown, day, 0.7, at)
+    grown(shown, recording, 0.7, at)
     playwright.expect(clock).to_have_text(re.compile(rf"^round {at} of \d+ so far$"))
     live.click()
     at = newest(shown)
@@ -83,8 +83,8 @@ def test_it_follows_is_wound_back_and_is_told_of_the_end(watched, size):
 
     beside = shown.locator("#control-beside")
     playwright.expect(beside).to_be_disabled()
-    grown(shown, day, 1.0, at)
-    day.tell({})
+    grown(shown, recording, 1.0, at)
+    recording.tell({})
     playwright.expect(live).to_be_hidden(timeout=20_000)
     playwright.expect(beside).to_be_enabled()
     last = shown.evaluate("rounds()")

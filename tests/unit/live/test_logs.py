@@ -2,6 +2,7 @@
 
 import base64
 import json
+import shutil
 import warnings
 import zlib
 from pathlib import Path
@@ -9,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.live.offers import offer_of, wanted
@@ -18,12 +18,10 @@ from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.logs.others import under
 from swarmcensus.robots.logs.traces import as_logged, estimates_of
-from swarmcensus.simulation.trials import record_trial
-from swarmcensus.support.errors import InputError
 from tests.support.relived import SEED, logged, setting_of, told
 from tests.support.watching import parsed
 
@@ -41,7 +39,7 @@ def made(folder, brain="commons", **given):
 
 
 @pytest.fixture(scope="module")
-def day(tmp_path_factory):
+def recording(tmp_path_factory):
     folder = tmp_path_factory.mktemp("days") / "day"
     made(folder)
     return folder
@@ -76,18 +74,6 @@ def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precis
             assert one == other
 
 
-def test_what_was_heard_is_shown_in_numbers(tmp_path):
-    setting = made(tmp_path / "day")
-    [show] = show_of(tmp_path / "day")
-    memory = record_trial(setting, SEED, 0)[0]
-    told = robot_of(show, 12, 2)
-    assert told["heard"]
-    for heard in told["heard"]:
-        assert set(heard["said"]) == set(setting.brain.message)
-        assert all(isinstance(value, float) for value in heard["said"].values())
-    assert told["fields"] == {name: memory[name][12, 2].tolist() for name in setting.brain.memory}
-
-
 def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
     study, _, swarm = logged(tmp_path / "day", "voter", robots=4, rounds=ROUNDS, more={"saves": 4})
     swarm.run(9)
@@ -102,7 +88,7 @@ def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
         [show] = show_of(tmp_path / "day")
         ticks = list(range(show.rounds + 1))
         shown = parsed(show.frames(ticks))
-    known = read_day(tmp_path / "day")
+    known = read_recording(tmp_path / "day")
     x = estimates_of(known, as_logged(known, relive_all(known)), Clock(known.members))
     away = np.isnan(x)
     assert away.sum() == 5
@@ -119,9 +105,9 @@ def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
     json.dumps(gone, allow_nan=False)
 
 
-def test_the_same_day_under_another_brain_is_beside_it(day):
-    [mine, other] = show_of(day, {"beside": "voter"})
-    known = read_day(day)
+def test_the_same_day_under_another_brain_is_beside_it(recording):
+    [mine, other] = show_of(recording, {"beside": "voter"})
+    known = read_recording(recording)
     lived = under(known, brains.load("voter"), keep=True)
     x = estimates_of(known, lived, Clock(known.members))
     ticks = list(range(ROUNDS + 1))
@@ -131,8 +117,8 @@ def test_the_same_day_under_another_brain_is_beside_it(day):
     assert robot_of(other, 20, 1)["brain"] == "voter"
 
 
-def test_fixed_controls_and_frames(day):
-    session = Session(offer_of(day))
+def test_fixed_controls_and_frames(recording):
+    session = Session(offer_of(recording))
     [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"trial": "0", "seed": str(SEED)}}))
     assert begun["form"]["name"] == "day"
     assert {"robots", "accuracy", "seed", "brain"} <= set(begun["form"]["fixed"])
@@ -141,71 +127,52 @@ def test_fixed_controls_and_frames(day):
     assert parsed(frames)["ticks"].tolist() == [5, 6, 7]
     assert end["frames"] == 3
     [refused] = session.answer(json.dumps({"id": 3, "do": "begin", "ask": {"robots": "9"}}))
-    assert refused["error"] == "robots = 9: this day is as its logs have it: only beside can be chosen"
+    assert refused["error"] == "robots = 9: this recording is as its logs have it: only beside can be chosen"
 
 
-def test_the_exported_page_holds_the_day(day, tmp_path, capsys):
+def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
     page = tmp_path / "day.html"
-    assert main(["watch", str(day), "--out", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
+    assert main(["watch", str(recording), "--out", str(page), "--brain", "voter", "--set", "tick=7"]) == 0
     text = page.read_text()
     start = text.index('type="application/json">') + len('type="application/json">')
-    recording = json.loads(text[start : text.index("</script>", start)])
-    assert [scene["brain"] for scene in recording["scenes"]] == ["commons", "voter"]
-    shown = parsed(zlib.decompress(base64.b64decode(recording["frames"][0][0])))
-    known = read_day(day)
+    held = json.loads(text[start : text.index("</script>", start)])
+    assert [scene["brain"] for scene in held["scenes"]] == ["commons", "voter"]
+    shown = parsed(zlib.decompress(base64.b64decode(held["frames"][0][0])))
+    known = read_recording(recording)
     for column, member in enumerate(known.members):
         logs = np.array([tick.estimate for tick in member.log.ticks])
         np.testing.assert_allclose(shown["layers"][1:, 0, column] / 65_534, logs, atol=1 / 65_534)
-    assert recording["played"] == {"tick": "7"}
+    assert held["played"] == {"tick": "7"}
 
 
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["BOARDS"], "BOARDS: watch needs swarm.json with the study of the day, as swarmcensus swarm writes it"),
-        (["STRANGE"], "swarm.json: study: "),
-        (["NUMBER"], "swarm.json: setting = 7: should be from 0 to 0"),
-        (["MOVES"], "swarm.json: study: its robots move, and logs do not say where they were"),
-        (["FEW"], "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
-        (["EMPTY"], "EMPTY: it holds no log"),
-        (["DAY", "--set", "accuracy=0.9"], "accuracy = 0.9"),
-        (["DAY", "--set", "seed=99"], "seed = 99"),
-        (["DAY", "--set", "tick=31"], "tick = 31"),
-        (["DAY", "--brain", "everyone"], "everyone"),
-        (["DAY", "--brain", "oracle"], "the brain 'oracle' is a bound"),
+        ("BOARDS", "BOARDS: watch needs swarm.json with the study of the recording, as swarmcensus swarm writes it"),
+        ("STRANGE", "swarm.json: study: "),
+        ("NUMBER", "swarm.json: setting = 7: should be from 0 to 0"),
+        ("MOVES", "swarm.json: study: its robots move, and logs do not say where they were"),
+        ("FEW", "FEW: a log is of robot 2, and the 2 robots of its study are numbered from 0"),
+        ("DAY --set accuracy=0.9", "accuracy = 0.9"),
+        ("DAY --set tick=31", "tick = 31"),
+        ("DAY --brain everyone", "everyone"),
+        ("DAY --brain oracle", "the brain 'oracle' is a bound"),
     ],
 )
-def test_what_cannot_be_watched_is_told_in_a_sentence(day, tmp_path, monkeypatch, capsys, arguments, says):
-    monkeypatch.chdir(tmp_path)
-    about = json.loads((day / "swarm.json").read_text())
+def test_what_cannot_be_watched_is_told_in_a_sentence(recording, here, refused, arguments, says):
+    about = json.loads((recording / "swarm.json").read_text())
     moves = about["study"].replace('topology = "ring"', 'topology = "moving"\ndensity = 1.0')
     changes = {
         "STRANGE": {"study": "swarm = 3"}, "NUMBER": {"setting": 7}, "MOVES": {"study": moves},
-        "FEW": {"study": about["study"].replace("robots = 4", "robots = 2")}, "BOARDS": None, "EMPTY": None,
+        "FEW": {"study": about["study"].replace("robots = 4", "robots = 2")}, "BOARDS": {}, "DAY": {},
     }  # fmt: skip
-    for name, change in changes.items():
-        folder = tmp_path / name
-        folder.mkdir()
-        if name != "EMPTY":
-            for path in day.glob("*.log"):
-                (folder / path.name).write_bytes(path.read_bytes())
-            (folder / "brain.py").write_text((day / "brain.py").read_text())
-        if change:
-            (folder / "swarm.json").write_text(json.dumps(about | change))
-    given = [str(day) if word == "DAY" else word for word in arguments]
-    assert main(["watch", *given, "--out", "page.html"]) == 2
-    said = capsys.readouterr().err
-    assert says in said
-    assert not list(tmp_path.glob("*.html"))
-
-
-def test_python_takes_a_folder_too(day):
-    page = sc.watch(day, brain="voter", tick=3)
-    page.stop()
-    with pytest.raises(InputError, match="is a bound"):
-        sc.watch(day, brain="oracle")
-    with pytest.raises(InputError, match="only beside can be chosen"):
-        sc.watch(day, robots=3)
+    folder, *options = arguments.split()
+    shutil.copytree(recording, folder)
+    if folder == "BOARDS":
+        (here / folder / "swarm.json").unlink()
+    else:
+        (here / folder / "swarm.json").write_text(json.dumps(about | changes[folder]))
+    assert says in refused("watch", folder, *options, "--out", "page.html")
 
 
 @pytest.mark.parametrize("brain", ["commons", "minimalistic"])
@@ -235,10 +202,9 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
         assert one["brain"] == other["brain"]
 
 
-def test_own_brain_comes_from_the_folder_of_logs(tmp_path, monkeypatch):
+def test_own_brain_comes_from_the_folder_of_logs(here):
     """Also where its file has changed since."""
-    monkeypatch.chdir(tmp_path)
-    mine = tmp_path / "mine.py"
+    tmp_path, mine = here, here / "mine.py"
     mine.write_text(brains.load("commons").source)
     study, _, swarm = logged(tmp_path / "day", "mine.py", robots=4, rounds=ROUNDS)
     swarm.run()

@@ -10,7 +10,6 @@ import pytest
 import uvicorn
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.live import server
 from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.exporting import export
@@ -135,35 +134,6 @@ def test_zoom_and_drag(page, served):
     until(page, "state.stages[0].konva.scaleX() === state.stages[0].size", True)
     page.mouse.click(x, y)
     assert page.input_value("#which") == "0"
-
-
-@pytest.mark.long
-def test_curves_have_a_logarithmic_time(page, served):
-    come(page, served.address("setting=1&tick=300"), 300)
-    page.keyboard.press("l")
-    assert page.is_checked("#log")
-    page.locator(".uplot .u-over").first.click()  # the middle of three decades, or of two and a half
-    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1\d of"))
-    page.keyboard.press("l")
-    page.locator(".uplot .u-over").first.click()
-    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1[45]\d of"))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("way", ["End", "slider"])
-def test_jump_keeps_curves(page, served, way):
-    come(page, served.address("trial=1&rounds=2000&robot=2"), 0)
-    page.click("#play")
-    page.wait_for_timeout(1500)
-    page.click("#play")
-    if way == "End":
-        page.keyboard.press("End")
-        at(page, 2000)
-    else:
-        page.locator("#moment").fill("2000")
-        at(page, 2000)
-    until(page, "state.charts.histories[0].missing(2000)", None)
-    until(page, "state.stages[0].before.map(frame => frame.tick).sort((a, b) => a - b)", list(range(1701, 2001)))
 
 
 @pytest.mark.long
@@ -300,11 +270,11 @@ def test_quick_changes_during_a_computation(page, folder, monkeypatch):
 @pytest.mark.long
 def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
     """After the second time; what was there before can be watched on."""
-    begun, wishes = Session.answer, []
+    begun, commands = Session.answer, []
 
     def deadly(session, words):
         if '"robots":"77"' in words:
-            wishes.append(words)
+            commands.append(words)
             raise RuntimeError("as of a socket that is closed")
         return begun(session, words)
 
@@ -315,7 +285,7 @@ def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
     page.keyboard.press("End")
     at(page, 300)
     until(page, "[state.source.tries, state.source.waiting.size, state.scenes[0].robots]", [0, 0, 12])
-    assert len(wishes) == 2
+    assert len(commands) == 2
 
 
 @pytest.mark.long
@@ -342,14 +312,6 @@ def test_page_reconnects_to_a_returning_server(browser, folder, monkeypatch):
     page.close()
 
 
-@pytest.mark.long
-def test_two_brains_go_in_step(page, served):
-    come(page, served.address("beside=commons&tick=60"), 60)
-    assert page.locator("#stages .stage").count() == 2
-    titles = page.locator("figcaption").all_inner_texts()
-    assert [title.split(":")[0] for title in titles] == ["minimalistic", "commons"]
-
-
 @pytest.mark.long(only=["0"])
 @pytest.mark.parametrize("setting", [0, 1])
 def test_an_export_opens_from_disk(page, folder, setting):
@@ -365,14 +327,6 @@ def test_an_export_opens_from_disk(page, folder, setting):
         assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
     page.click("#play")
     at(page, 300)
-
-
-@pytest.mark.long
-def test_the_command_writes_an_export(folder, monkeypatch, capsys):
-    monkeypatch.chdir(folder)
-    assert main(["watch", "study.toml", "--set", "rounds=50", "--out", "some.html"]) == 0
-    assert re.fullmatch(r"some\.html \(0\.\d MB\)\n", capsys.readouterr().out)
-    assert "tick 50" not in (folder / "some.html").read_text()
 
 
 @pytest.mark.long(only=["dark"])

@@ -37,46 +37,39 @@ ticks = 60
 """
 
 
-@pytest.fixture
-def offer(tmp_path):
-    (tmp_path / "study.toml").write_text(STUDY)
-    return offer_of(tmp_path / "study.toml")
+@pytest.fixture(scope="module")
+def offer():
+    return offer_of(sc.Study.parse(STUDY))
 
 
-def test_a_small_swarm_is_offered_where_no_study_is():
-    found = wanted(offer_of(None), {})
-    assert str(found.settings[0]) == "moving, N = 25, D = 1, accuracy 0.75, f = 0.75, 10,000 ticks"
+def show_of(asked, offer=None):
+    """What is shown of a trial that a page asks for."""
+    found = wanted(offer or offer_of(None), asked)
+    return Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
 
 
-def test_settings_are_those_of_the_study(offer):
-    settings = sc.Study.parse(STUDY).settings()
-    for number, setting in enumerate(settings):
-        assert wanted(offer, {"setting": str(number)}).settings == (setting,)
-
-
-def test_results_are_watched_too(offer, tmp_path):
-    sc.save(sc.run(sc.Study.parse(STUDY), jobs=1), tmp_path / "r.nc")
-    found = wanted(offer_of(tmp_path / "r.nc"), {"setting": "2", "trial": "1"})
-    assert found.settings[0] == sc.Study.parse(STUDY).settings()[2]
-    assert (found.seed, found.trial) == (4, 1)
+@pytest.mark.interpreted
+def test_settings_are_those_of_the_study_or_its_results(offer, tmp_path):
+    study = sc.Study.parse(STUDY)
+    sc.save(sc.run(study, jobs=1), tmp_path / "r.nc")
+    for known in (offer, offer_of(tmp_path / "r.nc")):
+        for number, setting in enumerate(study.settings()):
+            found = wanted(known, {"setting": str(number), "trial": "1"})
+            assert (found.settings, found.seed, found.trial) == ((setting,), 4, 1)
 
 
 @pytest.mark.parametrize(
     ("asked", "line"),
     [
-        ({"brain": "commons"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
-        ({"robots": "50"}, "ring, N = 50, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
-        ({"accuracy": "0.8"}, "ring, N = 6, accuracy 0.8, f = 0.6, C = 60, R = 10"),
+        ({"brain": "commons", "robots": "50"}, "ring, N = 50, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"topology": "moving"}, "moving, N = 6, D = 1, accuracy U(0.6,0.9), f = 0.6, 10,000 ticks"),
         ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1,000, R = 10"),
         ({"setting": "2", "floor": "half", "density": "2"}, "D = 2, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
         ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
-        ({"liars": "0.5"}, "of them 0.5 always-black, not honest"),
         ({"liars": "0.5", "adversary": "jammer"}, "of them 0.5 jammer, not honest"),
         ({"liars": "0"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"rounds": "7"}, "C = 7"),
         ({"accuracy": "{black = 0.9, white = 0.6}"}, "accuracy black=0.9 white=0.6"),
-        ({"accuracy": "N(0.7, 0.05)"}, "accuracy N(0.7,0.05)"),
     ],
 )
 def test_values_are_changed(offer, asked, line):
@@ -84,23 +77,9 @@ def test_values_are_changed(offer, asked, line):
 
 
 @pytest.mark.parametrize(
-    "accuracy", [0.8, "U(0.6, 0.9)", {"black": 0.9, "white": 0.6}, {"start": 0.9, "drift": -0.001, "least": 0.6}]
-)
-def test_the_accuracy_that_a_page_shows_can_be_given_again(accuracy):
-    study = sc.Study(
-        trials=1, swarm={"robots": 5, "accuracy": accuracy}, world={"topology": "ring", "fill_ratio": 0.5}
-    )  # fmt: skip
-    offer = offer_of(study)
-    [begun] = Session(offer).answer('{"do": "begin", "ask": {}}')
-    shown = begun["form"]["now"]["accuracy"]
-    assert wanted(offer, {"accuracy": shown}).settings[0].accuracy == study.settings()[0].accuracy
-
-
-@pytest.mark.parametrize(
     ("asked", "said"),
     [
         ({"brian": "commons"}, "brian: did you mean 'brain'? known here: setting, trial"),
-        ({"brain": "comons"}, "brain = comons"),
         ({"beside": "comons"}, "beside = comons: did you mean"),
         ({"robots": "1e3"}, "robots = 1e3"),
         ({"robots": "-1"}, "robots = -1"),
@@ -108,15 +87,11 @@ def test_the_accuracy_that_a_page_shows_can_be_given_again(accuracy):
         ({"setting": "99"}, "setting = 99: there are 0 to 7"),
         ({"of": "00000000"}, "of = 00000000"),
         ({"accuracy": "1.5"}, "accuracy = 1.5"),
-        ({"fill_ratio": "nan"}, "fill_ratio = nan"),
-        ({"link_success": "2"}, "link_success = 2"),
         ({"topology": "office.csv"}, "topology = office.csv"),
-        ({"setting": "2", "density": "1000"}, "density = 1000"),
         ({"setting": "2", "density": "0"}, "density = 0: should be above 0"),
+        ({"topology": "moving", "density": "1e-300"}, "tiles wide"),
         ({"setting": "2", "floor": "/etc/passwd"}, "floor = /etc/passwd"),
-        ({"density": "2"}, "density = 2"),
         ({"setting": "2", "topology": "line", "floor": "half"}, "floor = half"),
-        ({"accuracy": "{black = 2, white = 1}"}, "accuracy = {black = 2, white = 1}"),
         ({"accuracy": "[0.6"}, "accuracy = [0.6: "),
         ({"liars": "1"}, "none is honest"),
         ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic"),
@@ -129,23 +104,22 @@ def test_what_is_wrong_is_told(offer, asked, said):
     assert said in str(told.value)
 
 
-def test_no_file_is_run_that_a_page_names(offer, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_no_file_is_run_that_a_page_names(offer, here):
     Path("evil.py").write_text("raise SystemExit('it ran')\n")
     for asked in ({"brain": "evil.py"}, {"beside": "./evil.py"}, {"liars": "0.5", "adversary": "evil.py"}):
         with pytest.raises(InputError):
             wanted(offer, asked)
     assert "mine.py" not in KEYS
     Path("mine.py").write_text(sc.Study.parse(STUDY).brains[0].source)
-    known = offer_of(tmp_path / "study.toml", (Path("mine.py"),))
+    known = offer_of(None, (Path("mine.py"),))
     assert wanted(known, {"brain": "mine.py"}).settings[0].brain.name == "mine.py"
 
 
-@pytest.mark.parametrize("number", [0, 2, 4])
+@pytest.mark.parametrize("number", [0, 2])
 def test_frames_and_robots_are_those_of_the_replay(offer, number):
-    found = wanted(offer, {"setting": str(number), "trial": "2"})
-    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
-    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), number, 2)
+    show = show_of({"setting": str(number), "trial": "2"}, offer)
+    study = sc.Study.parse(STUDY.replace(', "sure"', ""))
+    trace = sc.replay(sc.run(study, jobs=1), study.settings().index(show.setting), 2)
     ticks = [0, 1, 2, 30, 60]
     shown = parsed(show.frames(ticks))
     x = trace["estimate"].values[ticks]
@@ -179,12 +153,12 @@ def test_who_has_no_estimate_is_told_apart(tmp_path):
     mine = tmp_path / "none.py"
     text = brains.load("minimalistic").source
     mine.write_text(text.replace("    return me.x\n", "    return me.x + 1e999 - 1e999\n"))
-    found = wanted(offer_of(None, (mine,)), {"brain": str(mine), "topology": "ring", "robots": "5"})
-    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
+    show = show_of({"brain": str(mine), "topology": "ring", "robots": "5"}, offer_of(None, (mine,)))
     assert (parsed(show.frames([3, 4]))["layers"][:, 0] == 65_535).all()
     assert robot_of(show, 4, 2)["estimate"] is None
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("brain", ["voter", "sure"])
 def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
     monkeypatch.setattr("swarmcensus.simulation.living.MOST_ROUNDS", 7)
@@ -225,24 +199,19 @@ def test_after_a_failure_it_fails_again(tmp_path):
         assert "fails in trial 0" in answer["error"]
 
 
-def test_what_cannot_be_watched_is_told(offer, tmp_path):
-    results = sc.run(sc.Study.parse(STUDY), jobs=1)
+def test_what_cannot_be_watched_is_told(small_results):
     for chosen in ([], 2):
         with pytest.raises(InputError, match="no setting"):
-            offer_of(results.isel(setting=chosen))
+            offer_of(small_results.isel(setting=chosen))
     big = {"robots": 30_000, "accuracy": 0.7}
     study = sc.Study(trials=1, swarm=big, world={"topology": "ring", "fill_ratio": 0.5})
     with pytest.raises(InputError, match="at most 20,000 robots"):
         wanted(offer_of(study), {})
-    with pytest.raises(InputError, match="tiles wide"):
-        wanted(offer, {"topology": "moving", "density": "1e-300"})
 
 
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
-    found = wanted(offer_of(None), {"topology": "ring", "robots": "7"})
-    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
-    told = robot_of(show, 12, 3)
+    told = robot_of(show_of({"topology": "ring", "robots": "7"}), 12, 3)
     assert told["heard_at"] == 12
     assert [one["from"] for one in told["heard"]] == [2, 4]
     beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
@@ -251,8 +220,7 @@ def test_what_a_robot_heard_is_what_its_neighbours_said():
 
 
 def test_lost_messages_are_not_lit():
-    found = wanted(offer_of(None), {"topology": "ring", "robots": "40", "link_success": "0.3"})
-    show = Show(Simulated(found.settings[0], found.seed, found.trial), found.study.measure)
+    show = show_of({"topology": "ring", "robots": "40", "link_success": "0.3"})
     shown = parsed(show.frames(list(range(1, 101))))
     carried = np.array([links.sum() for links in shown["links"]])
     heard = np.diff(shown["numbers"][:, COLUMNS.index("heard")], prepend=0)
@@ -260,6 +228,7 @@ def test_lost_messages_are_not_lit():
     assert carried.mean() == pytest.approx(0.3 * 80, rel=0.1)  # 8,000 messages: six standard deviations are a tenth
 
 
+@pytest.mark.interpreted
 def test_a_session_answers(offer):
     session = Session(offer)
     [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"beside": "commons"}}))
@@ -288,12 +257,6 @@ def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
     assert export(offer_of(None), asked | {"rounds": "10"}, tmp_path / "run.html") > 100_000
 
 
-def test_an_answer_that_is_no_json_becomes_an_error():
-    [told] = spoken([b"frames", {"id": 7, "end": float("inf")}])
-    assert json.loads(told)["id"] == 7
-    assert "internal error: ValueError" in json.loads(told)["error"]
-
-
 @pytest.mark.parametrize(
     ("said", "error"),
     [
@@ -309,6 +272,7 @@ def test_an_answer_that_is_no_json_becomes_an_error():
         ('{"do": "frames"}', "no trial yet"),
         ('{"do": "begin", "file": "x"}', "file: "),
         ('{"do": "begin", "id": 1e400, "ask": {}}', "id: should be a whole number"),
+        ('{"do": "begin", "ask": {"accuracy": "0.5\\nx = 1"}}', "should be one value, on one line"),
     ],
 )
 def test_nonsense_is_answered_in_a_sentence(offer, said, error):
@@ -316,7 +280,7 @@ def test_nonsense_is_answered_in_a_sentence(offer, said, error):
     assert error in answer["error"]
 
 
-@pytest.mark.parametrize("key", ["brain", "beside", "topology", "floor", "adversary", "accuracy", "robots", "x" * 5000])
+@pytest.mark.parametrize("key", ["brain", "topology", "floor", "adversary", "accuracy", "robots", "x" * 5000])
 @pytest.mark.parametrize("value", ["x" * 9000, "[" * 9000])
 def test_what_is_long_is_not_said_again_in_full(offer, key, value):
     asked = {"setting": "2", key: value}
@@ -326,19 +290,13 @@ def test_what_is_long_is_not_said_again_in_full(offer, key, value):
     assert len(answer["error"]) < 500
 
 
-@pytest.mark.parametrize("value", ["0.5\nx = 1", "0.5\r\n[swarm]", "[0.6,\n0.8]"])
-def test_an_accuracy_is_one_value(offer, value):
-    [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": {"accuracy": value}}))
-    assert answer["error"].endswith("should be one value, on one line")
-
-
 def test_random_words_are_answered(offer):
     """Each gets an answer that is JSON or frames, and the session goes on."""
     chance = random.Random(3)
     session = Session(offer)
     session.answer('{"do": "begin", "ask": {}}')
     numbers = [0, 1, -1, 5, 61, 2**31, 2**70, 1.5, True, None, "7", [], {}, float("nan")]
-    for _ in range(10_000):
+    for _ in range(3_000):
         kind = chance.random()
         if kind < 0.2:
             said = chance.randbytes(chance.randrange(40))
@@ -362,7 +320,7 @@ def test_random_words_are_answered(offer):
 @pytest.mark.parametrize(
     ("asked", "crowd"),
     [
-        ({"topology": "ring"}, 0), ({"topology": "line"}, 0), ({"topology": "scale-free", "robots": "30"}, 0),
+        ({"topology": "ring"}, 0), ({"topology": "scale-free", "robots": "30"}, 0),
         ({"topology": "full", "robots": "12"}, 0), ({"topology": "line", "robots": "410"}, 21),
     ],
 )  # fmt: skip

@@ -5,12 +5,10 @@ import contextlib
 import functools
 import http.client
 import json
-import os
 import random
 import signal
 import subprocess
 import sys
-import threading
 import time
 import types
 from urllib.parse import urlsplit
@@ -25,7 +23,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.live import server, sessions
 from swarmcensus.live.offers import offer_of
-from swarmcensus.live.server import MOST_PAGES, listen, serve, serving
+from swarmcensus.live.server import MOST_PAGES, listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import Show
 from swarmcensus.support.errors import InputError
@@ -91,20 +89,7 @@ def test_a_trial_is_saved_as_a_page_by_who_has_the_token(served):
     assert get(served, f"/run.html?token={served.token}", host="evil.example")[0] == 403
 
 
-@pytest.mark.parametrize(
-    "path",
-    [
-        "/index.html",
-        "/server.py",
-        "/..%2fserver.py",
-        "/%2e%2e/offers.py",
-        "/live/x",
-        "/x",
-        "/main.js/",
-        "/live/",
-        "//x/",
-    ],
-)
+@pytest.mark.parametrize("path", ["/server.py", "/..%2fserver.py", "/%2e%2e/offers.py", "/live/x", "//x/"])
 @pytest.mark.parametrize("host", [None, "evil.example"])
 def test_nothing_else_is_served(served, path, host):
     status, _, headers = get(served, path, host)
@@ -112,15 +97,14 @@ def test_nothing_else_is_served(served, path, host):
     assert "default-src 'none'" in headers["content-security-policy"]
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "[", "a@b"])
-def test_names_of_other_sites_are_not_answered(served, host):
+@pytest.mark.parametrize(
+    ("host", "statuses"),
+    [("evil.example:80", (400, 421)), ("127.0.0.1.evil.example", (400, 421)), ("a@b", (400, 421)), ("[", (400, 421)),
+     ("localhost:9000", (200,)), ("[::1]:80", (200,))],
+)  # fmt: skip
+def test_names_of_this_machine_are_answered_and_no_others(served, host, statuses):
     """A page of another site that had its name point here would come with that name."""
-    assert get(served, f"/?token={served.token}", host)[0] in (400, 421)
-
-
-@pytest.mark.parametrize("host", ["localhost:9000", "127.0.0.1:1234", "[::1]:80", "localhost"])
-def test_a_tunnel_is_answered(served, host):
-    assert get(served, f"/?token={served.token}", host)[0] == 200
+    assert get(served, f"/?token={served.token}", host)[0] in statuses
 
 
 @pytest.mark.parametrize(
@@ -208,14 +192,14 @@ def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
 
 
 def test_a_page_that_goes_stops_its_computing(served):
-    """It goes while the end of a long trial is on its way: a second later nothing is computed any more."""
+    """It goes while the end of a long trial is on its way: soon nothing is computed any more."""
     me = psutil.Process()
     page = talk(served)
     ask(page, id=1, do="begin", ask={"robots": "1500", "density": "1"})
     page.send(json.dumps({"id": 2, "do": "frames", "from": 10_000, "step": 1, "count": 1}))
     time.sleep(0.1)
     page.close()
-    time.sleep(1.0)
+    time.sleep(0.5)
     before = sum(me.cpu_times()[:2])
     time.sleep(0.5)
     assert sum(me.cpu_times()[:2]) - before < 0.25
@@ -248,14 +232,6 @@ def test_random_bytes_on_every_route(served, requests, pages):
     assert get(served, f"/?token={served.token}")[0] == 200
 
 
-def test_too_much_at_once_closes_one_page_alone(served):
-    with talk(served) as other:
-        with contextlib.suppress(ConnectionClosed), talk(served) as page:
-            page.send("x" * 1_000_000)
-            page.recv(timeout=10)
-        ask(other, id=1, do="begin", ask={})
-
-
 def test_who_comes_early_waits():
     made = listen(offer_of(None))
     connection = http.client.HTTPConnection("127.0.0.1", made.port, timeout=10)
@@ -281,28 +257,25 @@ def test_it_listens_on_loopback_alone(served):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        (["--set", "robots"], "--set robots"),
-        (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
-        (["--moment", "#robots=-4"], "robots = -4"),
-        (["--moment", "not a link"], "--moment 'not a link': should be a copied link, or the part of it behind #"),
-        (["--set", "tick=10001"], "tick = 10001"),
-        (["--set", "robot=25"], "robot = 25"),
-        (["--set", "colour=red"], "colour = red"),
-        (["mine.py"], "neither a shipped brain"),
-        (["--out", "run.txt"], "--out run.txt"),
-        (["none.toml"], "study file none.toml: cannot be read"),
-        (["--host", "256.1.1.1"], "cannot listen on 256.1.1.1, port 0"),
-        (["--out", "folder/none/run.html", "--set", "robots=99999"], "robots = 99999: should be"),
+        ("--set robots", "--set robots"),
+        ("--set brian=voter", "brian: did you mean 'brain'?"),
+        ("--moment #robots=-4", "robots = -4"),
+        ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
+        ("--set tick=10001", "tick = 10001"),
+        ("--set robot=25", "robot = 25"),
+        ("--set colour=red", "colour = red"),
+        ("mine.py", "neither a shipped brain"),
+        ("--out run.txt", "--out run.txt"),
+        ("none.toml", "study file none.toml: cannot be read"),
+        ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
+        ("--out folder/none/run.html --set robots=99999", "robots = 99999: should be"),
     ],
 )
-def test_mistakes_are_told_in_a_sentence(given, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["watch", "--no-browser", *given]) == 2
-    assert said in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+def test_mistakes_are_told_in_a_sentence(given, said, refused):
+    assert said in refused("watch", "--no-browser", *given.split())
 
 
-def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys):
+def test_the_command_prints_the_address_and_serves(monkeypatch, capsys):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("swarmcensus.live.serve", lambda served: (time.sleep(0.5), served.socket.close()))
@@ -311,36 +284,6 @@ def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys
     assert address.startswith("http://127.0.0.1:")
     assert address.endswith("#robots=9&tick=70")
     assert opened == [address]
-
-
-@pytest.fixture
-def ended():
-    """What ends the process ends a test alone here."""
-
-    def end(*_):
-        raise SystemExit
-
-    before = signal.signal(signal.SIGTERM, end)
-    yield
-    signal.signal(signal.SIGTERM, before)
-
-
-def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, ended):
-    made, answers = listen(offer_of(None)), []
-
-    def stopped():
-        answers.append(get(made, f"/?token={made.token}")[0])
-        os.kill(os.getpid(), signal.SIGINT)
-        time.sleep(0.3)
-        answers.append(get(made, f"/?token={made.token}")[0])
-        os.kill(os.getpid(), signal.SIGTERM)
-
-    thread = threading.Thread(target=stopped)
-    thread.start()
-    with pytest.raises(SystemExit):
-        serve(made)
-    thread.join()
-    assert answers == [200, 200]
 
 
 @pytest.mark.long(only=["1"])
@@ -375,28 +318,25 @@ def test_ctrl_c_ends_it_at_once_whatever_is_computed(times):
             running.kill()
 
 
-def test_from_python_it_is_a_frame(tmp_path):
-    with pytest.raises(InputError, match="robots = many"):
-        sc.watch(robots="many")
-    with pytest.raises(InputError, match="port='x': should be a whole number from 0 to 65,535"):
-        sc.watch(port="x")
-    with pytest.raises(InputError, match="height=True: should be"):
-        sc.watch(height=True)
-    with pytest.raises(InputError, match="robot = 500"):
-        sc.watch(robot=500)
+def test_from_python_it_is_a_frame():
+    for options, said in (
+        ({"robots": "many"}, "robots = many"),
+        ({"port": "x"}, "port='x': should be a whole number from 0 to 65,535"),
+        ({"height": True}, "height=True: should be"),
+        ({"robot": 500}, "robot = 500"),
+    ):
+        with pytest.raises(InputError, match=said):
+            sc.watch(**options)
     study = sc.Study(trials=2, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.5})
     shown = sc.watch(study, trial=1, tick=30, beside="commons")
     try:
         assert shown.address.endswith("#trial=1&tick=30&beside=commons")
         port = int(shown.address.split(":")[2].split("/")[0])
-        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", port, timeout=10)) as connection:
-            connection.request("GET", shown.address.split(str(port))[1].split("#")[0])
-            with connection.getresponse() as answer:
-                assert answer.status == 200
-                assert b"swarmcensus" in answer.read()
+        path = shown.address.split(str(port))[1].split("#")[0]
+        status, page, _ = get(types.SimpleNamespace(port=port), path)
+        assert (status, b"swarmcensus" in page) == (200, True)
         frame = shown._repr_html_()
         assert 'src="http://127.0.0.1:' in frame
-        assert "&amp;tick=30" in frame
     finally:
         shown.stop()
     with pytest.raises(OSError, match="refused"):

@@ -80,7 +80,7 @@ def test_live_page_of_a_running_swarm(started, tmp_path):
 def test_the_page_goes_on_after_the_end_until_ctrl_c(started, tmp_path):
     process, served, _ = started("--rounds", "60", "--hz", "50", "--json")
     told = next(line for line in process.stderr if "goes on" in line)
-    assert told == "The live page goes on showing the day. Press Ctrl-C to stop.\n"
+    assert told == "The live page goes on showing the recording. Press Ctrl-C to stop.\n"
     assert not programs(tmp_path)
     with talk(served) as page:
         ask(page, id=0, do="begin", ask={})

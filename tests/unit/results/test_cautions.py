@@ -26,20 +26,6 @@ observations_per_round = 100
 """
 
 
-@pytest.mark.long
-def test_swarms_that_begin_at_the_truth_are_warned_of(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "s.toml").write_text(STUDY)
-    assert main(["run", "s.toml"]) == 0
-    said = capsys.readouterr().err
-    assert "warning: setting 0: 100 % of the robots have K = 0" in said
-    assert "by delta = 0.01 or more" in said
-    assert (sc.load("s.nc")["convergence_round"][0] == 0).all()
-    (tmp_path / "s.toml").write_text(STUDY.replace("[0.5, 0.7]", "0.7"))
-    assert main(["run", "s.toml", "--out", "t.nc"]) == 0
-    assert "K = 0" not in capsys.readouterr().err
-
-
 def test_shares_are_of_the_robots_that_were_run(small_results):
     data = small_results.copy(deep=True)
     when = data["convergence_round"]
@@ -75,10 +61,9 @@ def test_python_warns_of_what_the_shell_warns_of():
         sc.run(study, jobs=1, cautions=False)
 
 
-def test_truths_on_the_edge_of_a_bin_are_warned_of(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     text = STUDY.replace("[0.5, 0.7]", "[0.2, 0.55, 0.7, 1.0]") + "[measure]\nestimates = true\n"
-    (tmp_path / "s.toml").write_text(text)
+    (here / "s.toml").write_text(text)
     assert main(["run", "s.toml"]) == 0
     says = "warning: fill ratio 0.2, 0.7 lie on the edge between two of the 10 bins: about half of good estimates"
     assert capsys.readouterr().err.count(says) == 1

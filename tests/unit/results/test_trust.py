@@ -1,6 +1,5 @@
 """Whatever is changed in a results file is noticed; nothing is opened or run that only such a file names."""
 
-import contextlib
 import functools
 import json
 import re
@@ -14,15 +13,13 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import check_against_study, structure
+from swarmcensus.results import check_against_study
 from swarmcensus.results.reading import WHOLE
 from swarmcensus.results.store import stored
-from swarmcensus.results.values import ENDLESS, EVERY
+from swarmcensus.results.values import EVERY
 from swarmcensus.runs import verifying
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.safe_source import digest
 from swarmcensus.worlds import networks, pictures
-from tests.support import second
 from tests.support.altering import alterations, of_the_whole
 from tests.support.places import DATA
 
@@ -48,36 +45,6 @@ estimates = true
 """
 RULE = '{until = "convergence_error median +- 0.05", at_least = 6, at_most = 9}'
 
-EVERYTHING = """
-name = "everything"
-seed = 3
-trials = 2
-[swarm]
-brain = {file = "all.py", step = [0.08, 0.0]}
-robots = 4
-accuracy = [{start = 0.9, drift = -0.01}]
-[world]
-topology = "ring"
-fill_ratio = [0.3, {from = 0.7, to = 0.2, at = 5}]
-message_delay = 1
-[schedule]
-rounds = 8
-observations_per_round = 2
-[measure]
-checkpoints = [2, 8]
-estimates = true
-metrics = ["first-right", "swarm-right"]
-[[members]]
-robots = [0, 1]
-brain = "slow-liar"
-honest = false
-[[faults]]
-at = 3
-until = 6
-robots = 1
-stop = "talking"
-"""
-
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
@@ -90,44 +57,18 @@ def files(tmp_path_factory):
             text = text.replace("local = true\nestimates = true\n", "").replace('["ring", "full"]', '"ring"')
             text = text.replace("[0.3, 0.6]", "0.3").replace("[2, 3]", "3")
         sc.save(sc.run(sc.Study.parse(text), jobs=1), here / f"{name}.nc")
-    pictured = (
-        (DATA / "results.toml")
-        .read_text()
-        .replace('"ring", "office.csv", ', '"office.csv", ')
-        .replace("2\n\n[swarm]", "1\n\n[swarm]")
-    )
-    (here / "results.toml").write_text(pictured)
-    for name in ("office.csv", "leaf.png"):
-        shutil.copy(DATA / name, here)
-    sc.save(sc.run(sc.Study.load(here / "results.toml"), jobs=1), here / "pictures.nc")
     one, two = PLAIN.format(trials=2), PLAIN.format(trials=1).replace("[2, 8]", "[4]").replace("0.3, 0.6", "0.6, 0.9")
     parts = [sc.run(sc.Study.parse(text.replace("local = true\n", "")), jobs=1) for text in (one, two)]
     sc.save(sc.merge(parts), here / "merged.nc")
     return here
 
 
-@pytest.fixture(scope="module")
-def everything_at_once(tmp_path_factory):
-    here = tmp_path_factory.mktemp("everything")
-    (here / "all.py").write_text(second.ALL)
-    with contextlib.chdir(here):
-        sc.save(sc.run(sc.Study.parse(EVERYTHING), jobs=1), "everything.nc")
-    return here / "everything.nc"
-
-
 @pytest.fixture
-def everything(everything_at_once, monkeypatch):
-    """A file of a brain that uses all of the contract, among liars, with metrics, faults, delays and changes."""
-    monkeypatch.chdir(everything_at_once.parent)
-    return everything_at_once
-
-
-@pytest.fixture
-def liars(monkeypatch, tmp_path):
+def liars(here, monkeypatch):
     """A file of a brain that decides and ends, with parameters, in both worlds, some robots of another brain."""
     monkeypatch.chdir(DATA)
-    sc.save(sc.run(sc.Study.load("second.toml"), jobs=1), tmp_path / "second.nc")
-    return tmp_path / "second.nc"
+    sc.save(sc.run(sc.Study.load("second.toml"), jobs=1), here / "second.nc")
+    return here / "second.nc"
 
 
 @pytest.fixture
@@ -167,17 +108,13 @@ def unheld(what):
 @pytest.mark.parametrize(
     ("name", "step"),
     [
-        *(pytest.param(name, 1, id=name) for name in ("kinds", "measures", "rule", "merged", "everything", "liars")),
+        *(pytest.param(name, 1, id=name) for name in ("kinds", "measures", "rule", "merged", "liars")),
         pytest.param("rule", 3, id="some of rule"),
     ],
 )
 def test_whatever_is_changed_is_noticed(name, step, request, files, quick, untraced):
-    """Every variable, coordinate and attribute that is in the file, in each way; only what `verify` names is not.
-
-    In quick runs each third way of one file is tried.
-    """
-    given = request.getfixturevalue(name) if name in ("everything", "liars") else files / f"{name}.nc"
-    data = stored(given)
+    """Every variable, coordinate and attribute that is in the file, in each way; only what `verify` names is not."""
+    data = stored(request.getfixturevalue(name) if name == "liars" else files / f"{name}.nc")
     assert not noticed(data)
     # what is said of settings is of one kind everywhere, and each change costs some milliseconds
     told = {*stored(files / "kinds.nc").variables} - {*EVERY} if name != "kinds" else set()
@@ -185,53 +122,6 @@ def test_whatever_is_changed_is_noticed(name, step, request, files, quick, untra
     assert len(ways) > 100
     missed = [what for what, changed in ways if not noticed(changed)]
     assert [what for what in missed if not unheld(what)] == []
-
-
-@pytest.mark.long(but=["measures"])
-@pytest.mark.parametrize("name", ["measures", "everything"])
-def test_what_is_missing_or_infinite_has_one_form(name, request, files):
-    """Other forms are refused wherever results are read, not only where trials are run again."""
-    data = stored(request.getfixturevalue(name) if name == "everything" else files / f"{name}.nc")
-    assert structure.wrong(data) is None
-    forms = ("nan", "inf", "-1", "-2", "as ", "all NaN", "all -1")
-    ways = [(w, d) for w, d in alterations(data, {*EVERY}) if any(form in w for form in forms) and ": " not in w]
-    ways = [(w, d) for w, d in ways if not (w.split()[0] in ENDLESS and w.endswith("= inf"))]  # never, or not
-    assert len(ways) > 100
-    assert [what for what, changed in ways if structure.wrong(changed) is None] == []
-    with pytest.raises(InputError, match="damaged or changed"):
-        sc.merge([data, ways[0][1]])
-
-
-@pytest.mark.long
-def test_what_is_changed_in_the_file_itself(files, quick, tmp_path):
-    """Every attribute that HDF5 holds and every number that no reader shows: noticed, or bookkeeping without effect."""
-    source = files / "pictures.nc"
-    data, without_effect = stored(source), set()
-    with h5py.File(source) as file:
-        every = [(name, key) for name in ("/", *file) for key in file[name].attrs if not key.endswith("_LIST")]
-        kept = list({(key, file[name].dtype if name != "/" else key): (name, key) for name, key in every}.values())
-        bare = [name for name, one in file.items() if bytes(one.attrs.get("NAME", b"")).startswith(b"This is a netCDF")]
-    assert len(bare) == 4
-    for name, key in [*kept, *((name, None) for name in bare)]:
-        for other in (7, None) if key else (7,):
-            shutil.copy(source, tmp_path / "x.nc")
-            with h5py.File(tmp_path / "x.nc", "r+") as file:
-                if key is None:
-                    file[name][...] = other
-                elif other is None:
-                    del file[name].attrs[key]
-                else:
-                    file[name].attrs[key] = np.bytes_(b"7") if key in ("CLASS", "NAME") else other
-            try:
-                changed = stored(tmp_path / "x.nc")
-            except InputError:
-                continue
-            assert key is not None, name
-            if changed.identical(data) and (key != "coordinates" or not noticed(tmp_path / "x.nc")):
-                without_effect.add(key)
-            else:
-                assert key == "coordinates" or noticed(changed) or unheld(f"attribute {key}: "), (name, key, other)
-    assert without_effect <= {"_NCProperties", "_Netcdf4Dimid", "_Netcdf4Coordinates", "_FillValue", "NAME"}
 
 
 def test_what_no_reader_meets_is_verified(small_file, tmp_path, capsys):
@@ -255,8 +145,6 @@ def test_what_no_reader_meets_is_verified(small_file, tmp_path, capsys):
     [
         ("convergence_round", "_FillValue", np.int32(3)),
         ("convergence_round", "_FillValue", None),
-        ("robots", "_FillValue", np.int64(2)),
-        ("final_estimate", "_FillValue", 0.5),
         ("final_estimate", "scale_factor", 2.0),
         ("fill_ratio", "add_offset", 0.1),
         ("rounds", "missing_value", 4),
@@ -279,10 +167,6 @@ class TestWhatIsMissing:
             data[name].loc[{"setting": 3, "trial": 1}] = -1 if data[name].dtype.kind == "i" else np.nan
         return data.assign_attrs(attributes)
 
-    def test_an_erased_trial_is_refused(self, files):
-        with pytest.raises(InputError, match="trials_done is 48, and 47 trials are there"):
-            sc.verify(self.erased(files), 1.0)
-
     def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, capsys):
         sc.save(self.erased(files), tmp_path / "x.nc")
         assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
@@ -291,22 +175,9 @@ class TestWhatIsMissing:
         assert "1 of 48 trials are not in the file" in said
 
     def test_a_total_that_hides_it_is_not_the_studys(self, files):
-        found = sc.verify(self.erased(files, trials_done=47, trials_total=47), 1.0)
-        assert found.labels == [
-            "the attribute trials_total is 47 in the file and 48 by its study",
-            "setting 3: of its 2 trials some are missing, and none is said to be",
-        ]
-
-    def test_a_setting_that_is_taken_away(self, files, tmp_path):
-        sc.save(sc.load(files / "kinds.nc").isel(setting=slice(1, None)), tmp_path / "x.nc")
-        assert sc.load(tmp_path / "x.nc").attrs["trials_done"] == 46
-        found = sc.verify(tmp_path / "x.nc", 1.0)
-        assert found.labels == ["1 of the 24 settings of its study are not in the file"]
-
-    def test_a_failure_of_a_trial_that_is_there(self, files):
-        data = sc.load(files / "kinds.nc").assign_attrs(failed=json.dumps([{"setting": 2, "trial": 0, "why": "?"}]))
-        with pytest.raises(InputError, match="failed names setting 2, trial 0, which is there"):
-            sc.verify(data, 1.0)
+        [total, missing] = sc.verify(self.erased(files, trials_done=47, trials_total=47), 1.0).labels
+        assert "trials_total is 47 in the file and 48 by its study" in total
+        assert missing.startswith("setting 3: of its 2 trials some are missing")
 
 
 def test_another_version_is_not_called_the_same(files, tmp_path, capsys):
@@ -328,19 +199,13 @@ def test_labels_that_differ_are_sentences_and_exit_with_1(files, tmp_path, capsy
     assert "labels that do not match the study: 1" in said
 
 
-@pytest.mark.long(but_every=2)
-@pytest.mark.parametrize("what", ["done trials with NaN", "half a trial", "a label", "dims"])
-def test_merge_refuses(what, files):
+@pytest.mark.parametrize(
+    ("name", "place", "value"),
+    [("correct", (0, 0, 0), np.nan), ("convergence_round", (0, 0, 1), -1), ("fill_ratio", 0, 0.9)],
+)
+def test_merge_refuses(name, place, value, files):
     data = sc.load(files / "kinds.nc")
-    if what == "done trials with NaN":
-        data["correct"].values[0, 0, 0] = np.nan
-    elif what == "half a trial":
-        data["convergence_round"].values[0, 0, 1] = -1
-    elif what == "a label":
-        data["fill_ratio"].values[0] = 0.9
-    else:
-        data = data.pad(robot=(0, 2)).assign_coords(robot=np.arange(6))
-        data["convergence_round"] = data["convergence_round"].fillna(-1).astype(np.int32)
+    data[name].values[place] = value
     with pytest.raises(InputError, match="results 2: damaged or changed: "):
         sc.merge([sc.load(files / "kinds.nc"), data])
 
@@ -370,16 +235,6 @@ class TestTrialsThatAreHidden:
         kept[:, ::2] = False
         assert "some are missing, and none is said to be" in sc.verify(hidden(data, kept), 1.0).labels[0]
 
-    @pytest.mark.long
-    def test_behind_one_that_is_said_to_have_failed(self, files):
-        data = sc.load(files / "rule.nc")
-        kept = self.done(data)
-        kept[0] = np.arange(kept.shape[1]) == 3
-        failed = json.dumps([{"setting": 0, "trial": 0, "why": "ZeroDivisionError"}])
-        data["half_width"].values[0] = np.nan
-        found = sc.verify(hidden(data, kept, failed=failed, trials_total=int(kept.sum()) + 1), 1.0)
-        assert "setting 0: of its 6 trials some are missing, and none is said to be" in found.labels
-
     def test_said_to_have_failed_though_it_runs(self, files):
         data = sc.load(files / "kinds.nc")
         kept = self.done(data)
@@ -388,14 +243,6 @@ class TestTrialsThatAreHidden:
         found = sc.verify(hidden(data, kept, failed=failed, trials_total=kept.size), 1.0)
         assert [(d.setting, d.trial, d.stored) for d in found.differences] == [(2, 1, -1)]
 
-    @pytest.mark.parametrize("names", [("estimates",), ("local_convergence_step", "local_convergence_error")])
-    def test_what_every_study_measures_of_merged_results(self, names, files):
-        data = sc.merge([files / "measures.nc"])
-        assert not noticed(data)
-        kept = np.tile([True, False], (data.sizes["setting"], 1))
-        found = sc.verify(hidden(data, kept, names), 1.0)
-        assert "setting 0, trial 1: some of what its study measures is missing" in found.labels
-
     def test_trials_that_no_study_asks_for(self, files):
         data = sc.load(files / "kinds.nc")
         other = data.assign_coords(trial=[2, 3])
@@ -403,22 +250,8 @@ class TestTrialsThatAreHidden:
             sc.merge([data, other])
 
 
-def test_half_a_trial_of_a_run_that_was_cut_off_is_not_merged(files):
-    data = sc.load(files / "measures.nc")
-    kept = np.tile([True, False], (data.sizes["setting"], 1))
-    half = hidden(data, kept, ("local_convergence_step", "local_convergence_error"), trials_total=kept.size)
-    half.attrs["trials_done"] = int(kept.sum())
-    merged = sc.merge([half])
-    assert not (merged["convergence_round"].values[:, 1] >= 0).any()
-    assert merged.attrs["trials_done"] == kept.sum()
-    assert sc.verify(merged, 1.0).labels == []
-
-
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize("how", ["a run", "some settings", "merged"])
-def test_a_round_trip_changes_no_type(how, files, tmp_path):
-    data = sc.run(sc.Study.load(DATA / "results.toml"), jobs=1) if how == "a run" else sc.load(files / "kinds.nc")
-    data = data.isel(setting=[0, 5]) if how == "some settings" else sc.merge([data]) if how == "merged" else data
+def test_a_round_trip_changes_no_type(files, tmp_path):
+    data = sc.merge([sc.load(files / "kinds.nc")])
     sc.save(data, tmp_path / "x.nc")
     again = sc.load(tmp_path / "x.nc")
     assert {name: one.dtype for name, one in data.variables.items()} == {n: v.dtype for n, v in again.variables.items()}
@@ -435,19 +268,11 @@ def test_minus_zero_is_not_the_same_to_the_last_bit(files):
     assert len(sc.verify(data, 1.0).differences) == 1
 
 
-def test_attributes_of_other_programs_are_told(files):
-    found = sc.verify(sc.load(files / "kinds.nc").assign_attrs(Conventions="CF"), 0.1)
-    assert found.notes == ["the attribute Conventions is not of a run"]
-    assert not found.labels
-
-
 @pytest.mark.parametrize(
     ("how", "said"),
     [
         ("elsewhere", "the numbers of fill_ratio are not in the file"),
-        ("virtual", "the numbers of fill_ratio are not in the file"),
         ("linked", "fill_ratio is a link"),
-        ("group", "notes is a group"),
     ],
 )
 def test_no_other_file_is_read(how, said, tmp_path):
@@ -457,18 +282,11 @@ def test_no_other_file_is_read(how, said, tmp_path):
     with h5py.File(path, "r+") as file:
         old = file["fill_ratio"]
         shape, kind = old.shape, old.dtype
-        if how == "group":
-            file.create_group("notes")
-        else:
-            del file["fill_ratio"]
+        del file["fill_ratio"]
         if how == "elsewhere":
             other.write_bytes(bytes(8 * shape[0]))
             file.create_dataset("fill_ratio", shape, kind, external=[(str(other), 0, 8 * shape[0])])
-        elif how == "virtual":
-            layout = h5py.VirtualLayout(shape, kind)
-            layout[...] = h5py.VirtualSource(str(other), "x", shape)
-            file.create_virtual_dataset("fill_ratio", layout)
-        elif how == "linked":
+        else:
             file["fill_ratio"] = h5py.ExternalLink(str(other), "x")
     with pytest.raises(InputError, match=f"damaged or changed: {said}$"):
         sc.load(path)
@@ -502,8 +320,7 @@ class TestNothingElseIsOpened:
         return made
 
     @pytest.mark.long(but_every=4)
-    @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "plot x.nc --kind curves",
-                                         "plot x.nc --kind arena", "merge x.nc --out y.nc"])  # fmt: skip
+    @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "merge x.nc --out y.nc"])
     @pytest.mark.parametrize(
         ("old", "new", "said"),
         [
@@ -543,7 +360,7 @@ class TestBrainFiles:
         assert not sc.verify(data, 1.0).differences
         assert sc.replay(data, 0, 0)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
 
-    @pytest.mark.parametrize("how", ["changed", "gone", "folder", "longer"])
+    @pytest.mark.parametrize("how", ["changed", "gone", "folder"])
     def test_one_with_another_source_is_not_run(self, how, here):
         (here / "mine.py").write_text(self.SOURCE)
         data = self.results("mine.py")
@@ -552,8 +369,6 @@ class TestBrainFiles:
             (here / "mine.py").write_text("raise SystemExit('was run')")
         elif how == "folder":
             (here / "mine.py").mkdir()
-        elif how == "longer":
-            (here / "mine.py").write_text(self.SOURCE + 3 * self.SOURCE)
         with pytest.raises(InputError, match="are run only if they lie below"):
             sc.verify(data, 1.0)
 
@@ -571,18 +386,6 @@ class TestBrainFiles:
         (here / "mine.py").write_text("raise SystemExit('was run')")
         with pytest.raises(InputError, match="not the source that these results were made with"):
             sc.verify(data, 1.0, brain_file="mine.py")
-
-    def test_a_source_and_its_hash_belong_together(self, here):
-        (here / "mine.py").write_text(self.SOURCE)
-        data = self.results("mine.py")
-        (here / "mine.py").write_text(self.SOURCE + "\n# other\n")
-        known = json.loads(data.attrs["brains"])
-        known["mine.py"]["source"] += "\n# other\n"
-        with pytest.raises(InputError, match="is not the one that the hash beside it is of"):
-            sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain_file="mine.py")
-        known["mine.py"]["sha256"] = digest(known["mine.py"]["source"])
-        found = sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain_file="mine.py")
-        assert any("is not of the study that these results name" in label for label in found.labels)
 
 
 class TestFormat:
@@ -610,16 +413,14 @@ class TestFormat:
         assert "48 of 48 trials done" in said
 
     @pytest.mark.long
-    def test_brains_of_the_second_edition_are_done_with_too(self, tmp_path, monkeypatch, capsys):
+    def test_brains_of_the_second_edition_are_verified_too(self, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
         for name in ("second-3.nc", "second.py", "teller.py"):
             shutil.copy(DATA / name, tmp_path)
         for command in ("verify second-3.nc --all", "replay second-3.nc --setting 7 --trial 1 --out trace.csv",
-                        "plot second-3.nc --where robots==4", "export second-3.nc", "compare second-3.nc",
-                        "merge second-3.nc --out m.nc", "verify m.nc --all"):  # fmt: skip
+                        "compare second-3.nc"):  # fmt: skip
             assert main(command.split()) == 0, command
-        said = capsys.readouterr().out
-        assert said.count("64 of 64 trials run again: the ") == said.count("same to the last bit") == 2
+        assert "64 of 64 trials run again: the same to the last bit" in capsys.readouterr().out
         assert "recent[2]" in (tmp_path / "trace.csv").read_text().partition("\n")[0]
 
     def test_a_run_goes_on_from_a_kept_file(self, tmp_path):
@@ -630,20 +431,7 @@ class TestFormat:
         assert data.drop_attrs().identical(whole.drop_attrs())
         assert sc.load(tmp_path / "results-3.nc").identical(data)
 
-    def test_other_readers_see_what_is_missing(self, files):
-        with xr.open_dataset(files / "measures.nc", engine="h5netcdf") as plain:
-            assert np.isnan(plain["convergence_round"].values[0, 0, 2])
-            assert np.isnan(plain["local_convergence_step"].values[0, 0, 2])
-            assert np.isfinite(plain["convergence_round"].values[0, 0, :2]).all()
-        with h5py.File(files / "measures.nc") as file:
-            assert file["convergence_round"].attrs["_FillValue"] == -1
-
-    @pytest.mark.parametrize("other", ["swarmcensus results 2", "swarmcensus results 99"])
-    def test_another_format_is_refused(self, other, files, tmp_path):
-        data = sc.load(files / "kinds.nc").assign_attrs(format=other)
-        said = f"its format is '{other}', and this version of swarmcensus reads 'swarmcensus results 3'"
-        with pytest.raises(InputError, match=said):
-            sc.verify(data)
-        sc.save(data, tmp_path / "x.nc")
-        with pytest.raises(InputError, match=f"x.nc: {said}"):
+    def test_another_format_is_refused(self, files, tmp_path):
+        sc.save(sc.load(files / "kinds.nc").assign_attrs(format="swarmcensus results 2"), tmp_path / "x.nc")
+        with pytest.raises(InputError, match=r"x\.nc: its format is 'swarmcensus results 2', and this version"):
             sc.load(tmp_path / "x.nc")

@@ -134,7 +134,7 @@ def test_in_one_thread_and_bundles_of_another_size(known, name, monkeypatch):
     assert same(sc.run(study(name), jobs=1), known[name])
 
 
-@pytest.mark.long(but=["networks", "moving", "sums"])
+@pytest.mark.long(but=QUICK)
 @every
 def test_where_few_rounds_are_kept_at_a_time(known, name, monkeypatch):
     """Rounds that are run again for their curves are not counted or judged again."""
@@ -201,6 +201,8 @@ def test_in_cpython(name):
     if name == "late and changing":
         less["schedule"] = {"rounds": 30}
     small = study(name, trials=1, **less).with_(swarm={"accuracy": 0.8} | STUDIES[name][0] | {"robots": 4})
+    if name == "networks":
+        small = small.with_(world=STUDIES[name][1] | {"fill_ratio": 0.55})
     file = Path(f"{name.replace(', ', '-')}.toml")
     file.write_text(small.text)
     command = [sys.executable, "-W", "ignore", "-c", IN_CPYTHON, str(file)]

@@ -1,18 +1,16 @@
 """What a study of large swarms keeps in memory while it runs, and what it does not."""
 
 import tracemalloc
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.engine import compiler
 from swarmcensus.results import shards, store, values as arrays
 from swarmcensus.results.values import ArrayStore, Values
-from swarmcensus.runs import pools, tasks
+from swarmcensus.runs import pools
 from swarmcensus.runs.running import run
-from swarmcensus.simulation.trials import record_estimates, record_trial
+from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
 from tests.support.small import SEED, settings_of
 
@@ -88,47 +86,6 @@ def test_a_folder_without_room_for_results_is_told(small_arrays, tmp_path, monke
     with pytest.raises(InputError, match=r"cannot keep results in .*: No space left on device"):
         run(crowds(5), 1, progress=False, out=tmp_path / "a.nc")
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("trials", "settings", "jobs", "threads"), [(1, 1, 2, 1), (2, 1, 2, 2), (1, 3, 2, 2), (3, 2, 1, 1)]
-)
-def test_trials_know_how_many_threads_share_the_memory(trials, settings, jobs, threads, monkeypatch):
-    asked = []
-
-    def run_batch(*arguments):
-        asked.append(arguments[7])
-        return batch(*arguments)
-
-    batch = tasks.run_batch
-    run(crowds(1, 5), 1, progress=False)  # compiled, so that only trials of the study ask
-    monkeypatch.setattr(tasks, "run_batch", run_batch)
-    run(crowds(settings, 5, trials), jobs, progress=False)
-    assert asked.count(threads) >= settings  # the tiny trial that compiles is alone
-    assert {*asked} <= {1, threads}
-
-
-@pytest.mark.parametrize(
-    "case",
-    [
-        {"rounds": 1},
-        {"rounds": 7, "topology": ["full", "scale-free"], "accuracy": "U(0.6, 0.9)"},
-        {"rounds": 5, "brain": "commons", "message_delay": 2, "link_success": 0.7},
-    ],
-)
-def test_estimates_need_no_further_compilation(case, monkeypatch):
-    """They are those of its record in full, which others of the engine's entries make."""
-    compile_world = compiler.compile_world
-
-    def only_what_runs(name="world"):
-        return SimpleNamespace(simulate=compile_world(name).simulate) if name == "kernel" else compile_world(name)
-
-    for setting in settings_of(**case):
-        expected = record_trial(setting, SEED, 1)[1]
-        with monkeypatch.context() as patch:
-            patch.setattr(compiler, "compile_world", only_what_runs)
-            assert (record_estimates(setting, SEED, 1) == expected).all()
-        assert np.isfinite(expected).all()
 
 
 def test_curves_replay_no_more_than_estimates(monkeypatch):

@@ -123,11 +123,10 @@ def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
     assert rule.half_width(values) > (high - low) / 2
 
 
-@pytest.mark.parametrize("statistic", ["median", "mean"])
-def test_a_look_needs_memory_of_the_order_of_its_values(statistic):
+def test_a_look_needs_memory_of_the_order_of_its_values():
     """400 trials of 250 robots are 0.8 MB; each against each trial would be hundreds."""
     values = np.random.default_rng(4).normal(size=(400, 250))
-    rule = Until(until=f"final_estimate {statistic} +- 1")
+    rule = Until(until="final_estimate median +- 1")
     tracemalloc.start()
     rule.half_width(values)
     _, peak = tracemalloc.get_traced_memory()
@@ -138,19 +137,15 @@ def test_a_look_needs_memory_of_the_order_of_its_values(statistic):
 @pytest.mark.parametrize(
     ("trials", "said"),
     [
-        ({"until": "convergence_error"}, "should be such as"),
         ({"until": "speed median +- 1"}, "should be such as"),
         ({"until": "correct mean +- 0.1"}, "should be such as"),
         ({"until": "convergence_error@10 mean +- 0.1"}, "should be such as"),
         ({"until": "convergence_error mean +- 0"}, "should be such as"),
-        ({"until": "convergence_error mean +- 1.2.3"}, "should be such as"),
         ({"until": "correct@11 mean +- 0.1"}, "11 is no checkpoint"),
-        ({"until": "correct@99 mean +- 0.1"}, "99 is no checkpoint"),
         ({"until": "final_estimate mean +- 1", "at_least": 3}, "trials.at_least = 3"),
         ({"until": "final_estimate mean +- 1", "at_least": 30, "at_most": 20}, "at_most = 20 is less than"),
         ({"until": "final_estimate mean +- 1", "at_last": 30}, "did you mean 'at_least'"),
         ({"at_least": 30}, "trials.until is missing"),
-        ({"until": 3}, "trials.until = 3"),
     ],
 )
 def test_bad_rules(trials, said):
@@ -158,38 +153,11 @@ def test_bad_rules(trials, said):
         sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE, measure=MEASURE)
 
 
-def test_rule_on_an_unreached_round():
-    with pytest.raises(InputError, match=r"correct@40 .*: that comes after the last round of settings of 20 rounds"):
-        sc.Study(
-            trials={"until": "correct@40 mean +- 0.1"}, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD,
-            schedule={"rounds": [20, 40]},
-        )  # fmt: skip
-
-
-def test_checkpoint_of_a_rule():
-    asked = sc.Study(
-        trials={"until": "correct@17 mean +- 0.2"}, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE
-    )
-    assert 17 in asked.checkpoints
-
-
-def test_the_report_lists_what_each_setting_needed(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_the_report_lists_what_each_setting_needed(here, capsys):
     asked = study("convergence_error median +- 0.003")
-    (tmp_path / "s.toml").write_text(asked.text)
+    (here / "s.toml").write_text(asked.text)
     assert main(["run", "s.toml"]) == 0
     shown = capsys.readouterr().out
-    data = sc.load("s.nc")
-    for k, trials in enumerate(needed(data)):
-        line = next(line for line in shown.splitlines() if line.split()[:1] == [str(k)])
-        assert line.split()[-2] == str(trials)
+    rows = {words[0]: words[-2] for line in shown.splitlines() if (words := line.split())}
+    assert [int(rows[str(k)]) for k in range(4)] == needed(sc.load("s.nc")).tolist()
     assert "4 settings of up to 200 trials" in shown
-    assert main(["plot", "s.nc"]) == 0
-    assert main(["run", "s.toml", "--share", "1/2", "--out", "x.nc"]) == 2
-
-
-def test_half_widths_of_missing_values_are_never_narrow():
-    asked = study("final_estimate mean +- 1e9")
-    values = np.ones((8, 1))
-    values[3] = np.nan
-    assert not asked.until.holds(asked.until.half_width(values))

@@ -5,7 +5,6 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.runs.tasks import plan_tasks
-from swarmcensus.support.errors import Interrupted
 
 LONG = {
     "trials": 40,
@@ -48,17 +47,3 @@ def test_short_settings_are_not_cut_in_two():
     tables = LONG | {"schedule": {"rounds": 10, "ticks": 10}, "swarm": {"robots": 5, "accuracy": [0.6, 0.8]}}
     settings = [s for s in sc.Study(**tables).settings() if s.body is None]
     assert len(plan_tasks(settings, np.ones((len(settings), 40), np.bool_), None, 0.1)) == len(settings)
-
-
-def test_early_picture_of_a_whole_study():
-    study = sc.Study(**LONG)
-
-    def soon(progress):
-        if progress.done > 0.3 * progress.total:
-            raise KeyboardInterrupt
-
-    with pytest.raises(Interrupted) as stopped:
-        sc.run(study, 2, soon)
-    done = (stopped.value.results["convergence_round"].values[:, :, 0] >= 0).sum(axis=1)
-    assert (done >= 1).all()
-    assert (done < 40).any()

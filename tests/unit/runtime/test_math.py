@@ -182,7 +182,7 @@ CALLS = [
 
 
 def outcome(call, *given):
-    """What a call returns, or the type of its error; a complex number, which no mind can hold, is an error too."""
+    """What a call returns, or the type of its error; a complex number, which no state can hold, is an error too."""
     try:
         result = call(*given)
     except (ValueError, OverflowError, ZeroDivisionError) as error:

@@ -33,17 +33,17 @@ def robot_of(
 
 @pytest.mark.parametrize("name", brains.shipped())
 def test_a_swarm_of_robots_is_one_of_the_reference(name):
-    """Calls come in the reference's order: minds are those that it has by hand, of messages that were packed."""
+    """Calls come in the reference's order: states are those that it has by hand, of messages that were packed."""
     brain = brains.load(name)
     random_ = random.Random(4)
     seen = [[random_.random() < 0.6 for _ in range(40)] for _ in range(3)]
     air = Air()
-    robots = [robot_of(brain, k, seen[k], air.radio(), message="float16", luck=lambda: 0.25) for k in range(3)]
-    minds = [brain.robot(0.9, 0.8, float(k)) for k in range(3)]
-    lines = [messages_of(brain, "float16") for _ in minds]
+    robots = [robot_of(brain, k, seen[k], air.radio(), message="float16", draws=lambda: 0.25) for k in range(3)]
+    states = [brain.robot(0.9, 0.8, float(k)) for k in range(3)]
+    lines = [messages_of(brain, "float16") for _ in states]
     waiting = [[], [], []]
     for tick in range(1, 41):
-        for k, me in enumerate(minds):
+        for k, me in enumerate(states):
             if brain.uses.luck:
                 me.luck = 0.25
             if not (brain.ends and brain.functions.done(me)):
@@ -331,7 +331,7 @@ def fuzz(datagrams, seed):
 @pytest.mark.long(but=["5000"])
 @pytest.mark.parametrize("datagrams", [5000, 100_000])
 def test_noise_changes_nothing(untraced, datagrams):
-    """No exception leaves, memory is flat, and the mind is as if nothing had been heard."""
+    """No exception leaves, memory is flat, and the state is as if nothing had been heard."""
     fuzz(1000, 0)
     gc.collect()
     tracemalloc.start()
@@ -356,7 +356,7 @@ def test_forged_messages_leave_a_robot_that_works(name, format_):
     """Whoever knows the format can say anything: the estimate stays one, and the robot goes on or begins anew."""
     brain, air, random_ = brains.load(name), Air(), random.Random(2)
     readings = (random_.random() < 0.8 for _ in itertools.count())
-    robot = robot_of(brain, radio=air.radio(), message=format_, readings=readings, luck=random_.random)
+    robot = robot_of(brain, radio=air.radio(), message=format_, readings=readings, draws=random_.random)
     forged = messages_of(brain, format_)
     for tick in range(1, 61):
         for sender in range(2, 5):

@@ -55,7 +55,7 @@ def listed(table):
 
 @pytest.mark.interpreted
 def test_decisions_by_hand():
-    """Three robots, six rounds: they once agree, change their minds, and take decisions back."""
+    """Three robots, six rounds: they once agree, change their states, and take decisions back."""
     data = told(listed(TABLE))
     assert data["decision"].values.tolist() == [0, 2, 1]
     assert data["decision_round"].values.tolist() == [3, 2, 3]

@@ -35,14 +35,14 @@ def test_shipped_brains_hear_late_messages_as_in_the_reference(world):
     """Bit for bit, but to rounding where everyone hears everyone: sums are added in another order there."""
     for setting in settings_of(6, BRAINS, "U(0.6, 0.9)", rounds=9, looks=3, message_delay=[1, 4], **WORLDS[world]):
         fields, estimates, blacks = record_trial(setting, SEED, 1)
-        minds = reference.fixed(setting, SEED, 1, failing(setting, 1), heard_in(setting, 1), blacks)
+        states = reference.fixed(setting, SEED, 1, failing(setting, 1), heard_in(setting, 1), blacks)
         batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
-        assert estimates == pytest.approx(np.array(minds.estimates), abs=1e-12 if world == "full" else 0.0)
+        assert estimates == pytest.approx(np.array(states.estimates), abs=1e-12 if world == "full" else 0.0)
         assert (batch.final[0] == estimates[-1]).all()
-        assert batch.counts[0, SENT].tolist() == minds.sent
-        assert batch.counts[0, HEARD].tolist() == minds.heard
+        assert batch.counts[0, SENT].tolist() == states.sent
+        assert batch.counts[0, HEARD].tolist() == states.heard
         for name in setting.brain.memory:
-            assert fields[name][-1] == pytest.approx([getattr(me, name) for me in minds.minds], rel=1e-9)
+            assert fields[name][-1] == pytest.approx([getattr(me, name) for me in states.states], rel=1e-9)
 
 
 def test_without_a_delay_all_is_as_before():

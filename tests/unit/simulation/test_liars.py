@@ -158,7 +158,7 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     ("old", "new", "said"),
     [
         ("honest = false", "", "members[0].brain = 'always-black'"),
-        ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wears the brain of its swarm"),
+        ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wraps the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
         ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
         ('"grey.py"', '"bad.py"', "bad.py, line 2: lie uses me.y"),
@@ -183,7 +183,7 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
     Path("s.toml").write_text(study.replace('{file = "slow-liar", pace = [0.01, 0.02]}, "jammer", ', ""))
     assert main(["run", "s.toml", "--jobs", "1"]) == 2
     said = capsys.readouterr().err
-    assert re.search("ZeroDivisionError: (float )?division by zero, at grey.py --wearing", said)
+    assert re.search("ZeroDivisionError: (float )?division by zero, at grey.py --wrapping", said)
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 

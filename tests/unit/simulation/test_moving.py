@@ -1,4 +1,4 @@
-"""Robots that move: the physics by its own laws, the radio by brute force, and one walk with many minds."""
+"""Robots that move: the physics by its own laws, the radio by brute force, and one walk with many states."""
 
 import numpy as np
 import pytest

@@ -14,7 +14,7 @@ from swarmcensus.results.replaying import honest_in
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import answers, metrics, trials
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.living import Life
+from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from tests.support.drawn import LIARS, TRIALS, drawn
@@ -100,17 +100,17 @@ def _watched(metric, study, setting, curves, truths):
         ends.append((low / study.measure.bins, np.inf if low == last else (low + 1) / study.measure.bins))
     given = {"delta": study.measure.delta, "rounds": float(setting.rounds), "robots": float(curves.shape[1])}
     low, high = ends[0]
-    minds = [metric.record(low=low, high=high, **given) for _ in range(1 if metric.of_swarm else curves.shape[1])]
-    for my in minds:
+    states = [metric.record(low=low, high=high, **given) for _ in range(1 if metric.of_swarm else curves.shape[1])]
+    for my in states:
         functions.begin(my)
     for k, (row, truth) in enumerate(zip(curves.tolist(), truths.tolist(), strict=True), start=1):
-        for my in minds:
+        for my in states:
             my.low, my.high = ends[k - 1]
         for i, x in enumerate(row):
-            functions.watch(minds[0 if metric.of_swarm else i], k, x, truth)
+            functions.watch(states[0 if metric.of_swarm else i], k, x, truth)
         if metric.of_swarm:
-            functions.after(minds[0], k)
-    found = [functions.result(my) for my in minds]
+            functions.after(states[0], k)
+    found = [functions.result(my) for my in states]
     return found[0] if metric.of_swarm else np.array(found)
 
 
@@ -173,8 +173,8 @@ def _compared(study, results, k, trial):
     trace = sc.replay(results, k, trial)
     found = worked_out(study, setting, trace)
     honest = honest_in(trace)
-    lucky = any(brain.uses.luck for brain in setting.brains)
-    if study.measure.local and not lucky:
+    drawing = any(brain.uses.luck for brain in setting.brains)
+    if study.measure.local and not drawing:
         found |= alone(study, setting, trial, honest)
     recorded = results.isel(setting=k, trial=trial)
     for name, value in found.items():
@@ -185,7 +185,7 @@ def _compared(study, results, k, trial):
             due = due[..., : honest.sum()]
         if not np.array_equal(due, value, equal_nan=True):
             yield f"{name} is recorded as {due}, replayed as {value}"
-    life = Life(setting, study.seed, trial)
+    life = LiveTrial(setting, study.seed, trial)
     stretches = [life.at(n) for n in range(-(-setting.rounds // life.length))]
     watched = np.concatenate([life.start.estimates, *(one.estimates for one in stretches)])
     if not np.array_equal(watched, trace["estimate"].values, equal_nan=True):  # liars may be beyond all numbers

@@ -6,7 +6,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.checks import contract_checks, machine_code, sample_minds, suite as conformance
+from swarmcensus.checks import contract_checks, machine_code, sample_states, suite as conformance
 from swarmcensus.engine.return_values import chosen
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides, sampling
@@ -166,34 +166,34 @@ def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, untraced):
     assert said in faults.pop()
 
 
-@pytest.mark.parametrize("wish", [None, (0.1, -0.2), (1, 0), (0.1, 2)])
-def test_a_wish_is_read(wish):
-    assert numba.njit(lambda: chosen(wish))() == chosen(wish) == ((0, 0, 0) if wish is None else (1, *wish))
+@pytest.mark.parametrize("command", [None, (0.1, -0.2), (1, 0), (0.1, 2)])
+def test_a_wish_is_read(command):
+    assert numba.njit(lambda: chosen(command))() == chosen(command) == ((0, 0, 0) if command is None else (1, *command))
 
 
-@pytest.mark.parametrize("wish", [(0.1, 0.0, 0.0), (0.1,), (True, 0.1), ("a", "b"), 0.1, "left"])
-def test_what_is_no_wish_is_not_compiled(wish):
+@pytest.mark.parametrize("command", [(0.1, 0.0, 0.0), (0.1,), (True, 0.1), ("a", "b"), 0.1, "left"])
+def test_what_is_no_wish_is_not_compiled(command):
     with pytest.raises(TypeError, match=r"steer gives .*, neither two numbers, a speed and a turn, nor None"):
-        numba.njit(lambda: chosen(wish))()
+        numba.njit(lambda: chosen(command))()
 
 
 def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
-    """Bit for bit, on minds of many histories; and the suite sees it where they are not."""
+    """Bit for bit, on states of many histories; and the suite sees it where they are not."""
     brain = brains.load(folder / "steered.py")
-    minds, said = [], []
-    for _, me in sample_minds.lives(brain):
+    states, said = [], []
+    for _, me in sample_states.lives(brain):
         for w in WANTS.values():
             me.w = w
             if w not in (WANTS["BROKEN"], WANTS["DIVIDES"]):
-                minds.append(tuple(getattr(me, name) for name in (*brain.memory, "b", "w")))
+                states.append(tuple(getattr(me, name) for name in (*brain.memory, "b", "w")))
                 said.append(brain.functions.steer(me) or (0.0, 0.0))
-    table = np.array(minds, rides.compiler.array_layout(brain).record)
-    there, speed, turn = machine_code.wishes_of(brain, table)
+    table = np.array(states, rides.compiler.array_layout(brain).record)
+    there, speed, turn = machine_code.commands_of(brain, table)
     assert (np.stack([speed, turn], axis=1) == np.array(said)).all()
     assert (there == (np.array(said) != 0.0).any(axis=1)).all()
     trace = sc.infer(np.ones((3, 2)), None, 0.75, brain=brain)
     beliefs = np.full(2, WANTS["STRAIGHT"])
-    machine_code.wishes_agree(brain, trace, beliefs, beliefs)
+    machine_code.commands_agree(brain, trace, beliefs, beliefs)
     monkeypatch.setattr(brain.functions, "steer", lambda me: (0.14, 1e-9))
-    with pytest.raises(sample_minds.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
-        machine_code.wishes_agree(brain, trace, beliefs, beliefs)
+    with pytest.raises(sample_states.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
+        machine_code.commands_agree(brain, trace, beliefs, beliefs)

@@ -15,19 +15,19 @@ READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
 def by_hand(readings, every, messages, b=0.8, w=0.8):
     """The reference run, written out: messages[step] lists (sender, receiver)."""
     functions = brains.load("minimalistic").functions
-    minds = [brains.load("minimalistic").robot(b, w) for _ in readings.T]
-    out = [[functions.estimate(me) for me in minds]]
+    states = [brains.load("minimalistic").robot(b, w) for _ in readings.T]
+    out = [[functions.estimate(me) for me in states]]
     for step, row in enumerate(readings):
-        for me, z in zip(minds, row, strict=True):
+        for me, z in zip(states, row, strict=True):
             if not np.isnan(z):
                 functions.observe(me, z, 1.0)
-        said = [functions.broadcast(me) for me in minds]
+        said = [functions.broadcast(me) for me in states]
         for sender, receiver in messages.get(step, ()):
-            functions.receive(minds[receiver], said[sender])
+            functions.receive(states[receiver], said[sender])
         if (step + 1) % every == 0 or step == len(readings) - 1:
-            for me in minds:
+            for me in states:
                 functions.fuse(me)
-            out.append([functions.estimate(me) for me in minds])
+            out.append([functions.estimate(me) for me in states])
     return np.array(out)
 
 
@@ -124,9 +124,9 @@ def test_what_is_refused(arguments, said):
 
 
 def test_replay_of_what_is_not_there(small_results):
-    with pytest.raises(sc.InputError, match="setting 99: these results hold setting 0 to 31"):
+    with pytest.raises(sc.InputError, match="setting=99: these results hold setting 0 to 31"):
         sc.replay(small_results, 99, 0)
-    with pytest.raises(sc.InputError, match="trial 4: these results hold trial 0 to 3"):
+    with pytest.raises(sc.InputError, match="trial=4: these results hold trial 0 to 3"):
         sc.replay(small_results, 0, 4)
 
 

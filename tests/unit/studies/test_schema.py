@@ -55,41 +55,10 @@ def wrong(place, value):
     ("place", "value"),
     [
         ("triels", 3),
-        ("trials", 0),
-        ("trials", {"until": "correct@1 mean +- 0.1", "atleast": 3}),
-        ("seed", "one"),
-        ("schedule.round", 3),
-        ("schedule.rounds", []),
         ("schedule.ticks", "17 fortnights"),
-        ("swarm.robots", 2.5),
         ("swarm.robots", [10, 0]),
-        ("swarm.accuracy", 1.5),
-        ("swarm.accuracy", "somewhat"),
         ("swarm.accuracy", {"black": 0.9}),
-        ("swarm.accuracy", {"error": 0.1}),
-        ("swarm.accuracy", {"start": 0.9, "drift": -0.1, "last": 0.5}),
-        ("swarm.assumed_accuracy", {"start": 0.9, "drift": -0.1}),
-        ("swarm.brain", {"prior": 1}),
-        ("world.topology", 3),
         ("world.topology", {"name": "star", "edges": [[0, 1, 2]]}),
-        ("world.fill_ratio", [0.5, 1.5]),
-        ("world.fill_ratio", {"from": 0.1, "to": 0.2}),
-        ("world.link_success", -0.1),
-        ("world.density", 0),
-        ("world.floor", "lava"),
-        ("world.body.radius", 0.0),
-        ("world.body.sensor", [0.1, "left"]),
-        ("world.body.wheels", 2),
-        ("measure.bins", 0),
-        ("world.fill_ratio", {"from": 0.1, "to": 0.2, "at": 1}),
-        ("faults", [{"at": 1, "robots": 1, "stop": []}]),
-        ("swarm.accuracy", "beta(8, 2)"),
-        ("measure.truth", "both"),
-        ("faults", [{"at": 1, "robots": 1, "stop": "singing"}]),
-        ("faults", [{"at": 0, "robots": 1, "stop": "moving"}]),
-        ("members", [{"robots": -1}]),
-        ("members", [{"honest": False}]),
-        ("case", [{"body": {}}]),
         ("case", {"robots": 3}),
     ],
     ids=str,
@@ -105,10 +74,7 @@ def test_what_is_wrong_is_marked(checker, place, value):
         ("schedule.ticks", ["2 min", 100]),
         ("world.body.message_delay", "0.2 s"),
         ("world.topology", {"name": "relay", "edges": [[0, 1]], "directed": True}),
-        ("world.topology", "edges.csv"),
-        ("world.floor", [{"clusters": 0.2}, "half"]),
         ("swarm.brain", ["my_brain.py", {"file": "sprt.py", "wrong": [0.1, 0.2]}]),
-        ("swarm.accuracy", "N(0.7, 0.1)"),
         ("members", [{"robots": [0, 0.1], "brain": "shouter", "honest": False, "speed": 0}]),
     ],
     ids=str,
@@ -137,8 +103,6 @@ def test_of_missions(capsys):
             assert re.match(r"\S.*\.$", told["description"], re.DOTALL), key
     assert main(["plan", "--schema"]) == 0
     assert json.loads(capsys.readouterr().out) == found
-    assert main(["plan", "--schema", "--robots", "3"]) == 2
-    assert "> mission.schema.json" in capsys.readouterr().err
 
 
 def test_names_are_offered(checker):
@@ -149,5 +113,3 @@ def test_names_are_offered(checker):
 def test_the_shell_prints_it(capsys):
     assert main(["studies", "--schema"]) == 0
     assert json.loads(capsys.readouterr().out) == schema()
-    assert main(["studies", "--schema", "--out", "x.json"]) == 2
-    assert "> study.schema.json" in capsys.readouterr().err

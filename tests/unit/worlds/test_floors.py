@@ -218,8 +218,8 @@ def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
     assert (np.diff(share) < 0).all()
     darkness = 1 - np.arange(30, 230, 20) / 255
     odds = share / (1 - share) * (1 - darkness) / darkness  # all are changed by one factor
-    spread = error / (share * (1 - share))
-    assert (np.abs(np.log(odds / odds[4])) < SIGMAS * np.hypot(spread, spread[4])).all()
+    distribution = error / (share * (1 - share))
+    assert (np.abs(np.log(odds / odds[4])) < SIGMAS * np.hypot(distribution, distribution[4])).all()
     trials = [sampling.ground(setting, 1, t).all_tiles()[: n // 2, n // 2] for t in (0, 1)]
     assert (trials[0] != trials[1]).any()
 

@@ -67,10 +67,9 @@ def grid_of(
         at = worlds[key], places[name]
         if place[at] != NONE:
             first, second = data["setting"].values[[place[at], setting]].tolist()
-            raise InputError(
-                f"settings {first} and {second} are both of {name} in the same world: leave one out, for example by "
-                f"{option('where', f'setting != {second}')}"
-            )
+            without = option("where", f"setting != {second}")
+            both = f"settings {first} and {second} are both of {name} in the same world"
+            raise InputError(f"{both}: leave one out, for example by {without}", key="setting", value=second)
         place[at] = setting
     has_pairs = (place != NONE).sum(axis=1) > 1
     if not has_pairs.any():

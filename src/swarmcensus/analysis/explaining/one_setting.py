@@ -57,7 +57,7 @@ def explain(data: xr.Dataset, setting: int) -> Explanation:
     selected = data.sel(setting=[setting])
     ran = done(selected)[0]
     if not ran.any():
-        raise InputError(f"setting {setting}: none of its trials has been run", key="setting", value=setting)
+        raise InputError.named("setting", setting, "none of its trials has been run")
     rounds, robots = int(selected["rounds"].values[0]), int(robots_in(selected).values[0])
     reached = selected["checkpoint"].values <= rounds
     checkpoints = selected["checkpoint"].values[reached].tolist()

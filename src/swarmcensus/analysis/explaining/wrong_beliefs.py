@@ -13,7 +13,11 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
-EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4, as `asymptote` assumes
+EQ_4 = {
+    "minimalistic",
+    "leaver",
+    "legacy",
+}  # brains with the local estimate of the paper's Eq. 4, as `asymptote` assumes
 
 
 def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
@@ -59,7 +63,8 @@ def costs(results: xr.Dataset) -> list[Cost]:
     if (results["assumed_accuracy"].values == results["accuracy"].values).all():
         raise InputError(
             "all robots of these results know their sensors: set assumed_accuracy under [swarm], "
-            "such as [{error = -0.05}, {error = 0}, {error = 0.05}], and run again"
+            "such as [{error = -0.05}, {error = 0}, {error = 0.05}], and run again",
+            key="assumed_accuracy",
         )
     return costs_of(results)
 
@@ -115,12 +120,14 @@ def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, beli
     if black != white:
         raise InputError(
             f"assumed_accuracy {belief} is off from the accuracy {accuracy} by {black:g} for black and {white:g} for "
-            "white: this figure shows one error for both, as {error = ...} gives; select others"
+            "white: this figure shows one error for both, as {error = ...} gives; select others",
+            key="assumed_accuracy",
+            value=belief,
         )
     return black
 
 
 def goes_to(true: Accuracy, error: float | Floats, f: float) -> Floats:
-    """The `asymptote` of robots whose belief is the truth plus `error`, for black and for white."""
+    """The `asymptote` of robots that believe the truth plus `error`, for black and for white."""
     b, w = _sides(true)
     return asymptote(b, w, np.clip(b + error, 0.0, 1.0), np.clip(w + error, 0.0, 1.0), f)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.support import safe_source
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.plugins import Plugins
 
 PLUGINS = Plugins("metric", "swarmcensus.metrics", "swarmcensus.brains.metrics.library")
@@ -87,8 +87,8 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 def parse(source: str, name: str, path: Path) -> Metric:
     """Check a metric's source against the contract without running it. Raises InputError."""
 
-    def error(what: str, node: ast.stmt | ast.expr | None = None) -> InputError:
-        return InputError(f"metric file {path}{f', line {node.lineno}' if node else ''}: {what}")
+    def error(what: str, node: ast.stmt | ast.expr | None = None) -> BrainError:
+        return BrainError.of(path, what, where=f"metric file {path}{f', line {node.lineno}' if node else ''}")
 
     tree, constants = safe_source.parse_checked(source, "metric", path)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}

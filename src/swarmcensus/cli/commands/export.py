@@ -18,7 +18,7 @@ OF_RESULTS = ("where", "bins", "delta")  # options that select and measure resul
 def add_export_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `export`."""
     add_source_options(sub, "RESULTS.nc|FOLDER", f"{RESULTS_HELP}; or a folder of robots' logs")
-    sub.set_defaults(reads_results=False)  # logs neither
+    sub.set_defaults(reads_results=False)  # the source may be logs
     sub.add_argument(
         "--format", choices=FORMATS, help="format (default: by the ending of --out, else csv; of robots' logs mcap)"
     )
@@ -37,15 +37,15 @@ def export(options: argparse.Namespace) -> int:
     logs = logs_in(source)
     if not logs:
         if source.is_dir() and not folder_of(source).is_dir() and options.format in (None, "mcap"):
-            raise InputError(without_logs(source))
+            raise without_logs(source)
         check_there(source)
     formats = ("mcap",) if logs else TABLES
     ending = options.out.suffix.lower().removeprefix(".") if options.out else ""
-    kind = options.format or (ending if ending in FORMATS else formats[0])
+    kind = options.format or ending or formats[0]
     if kind not in formats:
-        asked = f"--format {kind}" if options.format else f"--out {options.out}"
+        key, value = ("format", kind) if options.format else ("out", options.out)
         what = "robots' logs are written as mcap" if logs else "results are written as csv or parquet"
-        raise InputError.of(source, f"{what}, not by {asked}")
+        raise InputError.of(source, f"{what}, not by --{key} {value}", key, value)
     whole = source if source.name not in ("", "..") else source.resolve()
     out = options.out or whole.parent / f"{whole.name if logs else source.stem}.{kind}"  # each folder keeps its own
     if (ending in FORMATS and ending != kind) or (logs and ending not in ("", "mcap")):

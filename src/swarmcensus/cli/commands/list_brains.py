@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 MODULES = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "brains.metrics.metric",
-    "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.spreading",
+    "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.distributions",
     "figures": "figures.kinds", "targets": "robots.targets",
 }  # fmt: skip  # kinds of plugins, and the module that finds each
 COLUMNS = ("memory", "message", "single")
@@ -46,7 +46,7 @@ def add_brains_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument("--single", action="store_true", help="with --check: also live a day at 10 Hz in single precision")
     sub.add_argument(
-        "--wearing", metavar="BRAIN", default="", help="the brain that an adversary is put on (default: minimalistic)"
+        "--wrapping", metavar="BRAIN", default="", help="the brain that an adversary wraps (default: minimalistic)"
     )
 
 
@@ -55,8 +55,8 @@ def brains(options: argparse.Namespace) -> int:
     if options.single and options.check is None:
         raise misplaced("single", None, "needs --check with a brain or an adversary")
     if options.check is None and options.show is None:
-        if options.wearing:
-            raise misplaced("wearing", options.wearing, "needs --check or --show with an adversary")
+        if options.wrapping:
+            raise misplaced("wrapping", options.wrapping, "needs --check or --show with an adversary")
         if options.cost is not None:
             measure_costs(options)
             return 0
@@ -72,15 +72,15 @@ def brains(options: argparse.Namespace) -> int:
     from swarmcensus.brains import find
     from swarmcensus.checks import brain_to_check, check
 
-    if options.wearing:
-        find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
+    if options.wrapping:
+        find(options.wrapping)  # so that a misspelt name is not reported as an error of the adversary
     if options.show is not None:
         if options.json:
             raise misplaced("json", None, "does not go with --show, which prints a program")
-        sys.stdout.write(brain_to_check(options.show, options.wearing).source)
+        sys.stdout.write(brain_to_check(options.show, options.wrapping).source)
         return 0
     say(f"checking {options.check}, which is compiled for it: up to a minute")
-    found = check(options.check, wearing=options.wearing, single=options.single)
+    found = check(options.check, wrapping=options.wrapping, single=options.single)
     checks, conforms, said, lived = found.checks, found.conforms, [*found.notes], found.single
     if lived is not None:
         said.append(lived if isinstance(lived, str) else single_note(lived))
@@ -93,7 +93,7 @@ def brains(options: argparse.Namespace) -> int:
 
 
 def single_note(lived: dict[str, int | None]) -> str:
-    """A sentence on a day in single precision."""
+    """A sentence on a day of readings in single precision."""
     apart = {how: at for how, at in lived.items() if at is not None}
     if not apart:
         return "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
@@ -269,7 +269,9 @@ def _show_choices(kinds: Collection[str]) -> None:
 
     for k, kind in enumerate(kinds):
         rows = list(_rows(kind))
-        plugins = {row[-1] for row in rows} != {"swarmcensus"}  # else the last column would say the same in every row
+        plugins = {row[-1] for row in rows} != {
+            "swarmcensus"
+        }  # otherwise the last column would be the same in every row
         heads = dict.fromkeys((kind, "keys", "what it is", *["from"] * plugins), False)
         if k:
             print()

@@ -22,7 +22,7 @@ from swarmcensus.cli.options import (  # fmt: skip
 )
 from swarmcensus.cli.output import LOG, wrote
 from swarmcensus.cli.source import add_source_options, read
-from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.errors import BrainError, InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced, option, wrong_option
 
@@ -111,7 +111,7 @@ def plot(options: argparse.Namespace) -> int:
     stored, data = read(options)
     say_partial(stored, options.results)
     if options.setting in stored["setting"].values and options.setting not in data["setting"].values:
-        raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
+        raise misplaced("setting", options.setting, f"is not one of those that --where {options.where!r} selects")
     page = {name: getattr(options, name) for name in ("width", "height", "font_size")}
     if "out" in given and options.dpi is not None:
         given["dpi"] = options.dpi
@@ -169,10 +169,7 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     more = {name: _value(text) for name, text in once("set", options.set).items()}
     for name in given.keys() & more:
         raise OptionError(f"{option(name)} and --set {name}=... set the same option: give one of them", key=name)
-    try:
-        return dict(read_keys(f"--kind {options.kind}", draw, given | more))
-    except ValueError as error:
-        raise InputError(str(error)) from None
+    return dict(read_keys(f"--kind {options.kind}", draw, given | more))
 
 
 def _value(text: str) -> Any:
@@ -197,8 +194,7 @@ def _failures(kind: str) -> Iterator[None]:
     except Exception as error:
         if kind in PLUGINS.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
             raise
-        where = PLUGINS.outside[kind].value
-        raise InputError(f"figure {kind!r}, {where}: {type(error).__name__}: {error}") from error
+        raise PLUGINS.error(kind, f"{type(error).__name__}: {error}") from error
 
 
 @contextlib.contextmanager
@@ -230,7 +226,8 @@ def _as_figure(drawn: Any, kind: str) -> Any:
     from matplotlib.figure import Figure
 
     if not isinstance(drawn, Figure):
-        raise InputError(f"figure {kind!r} returned {type(drawn).__name__}: should be a matplotlib Figure")
+        what = f"figure {kind!r} returned {type(drawn).__name__}: should be a matplotlib Figure"
+        raise BrainError(what, key="figure", value=kind)
     return drawn
 
 

@@ -1,4 +1,4 @@
-"""The command `relive`: lives robots' minds again from their logs, under their brain or others."""
+"""The command `relive`: computes robots' states again from their logs, with their brain or others."""
 
 import argparse
 from collections.abc import Sequence
@@ -13,9 +13,9 @@ from swarmcensus.support.options import misplaced, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
-    from swarmcensus.robots import Day, Life, OtherDay
+    from swarmcensus.robots import Life, Recording, Relived
 
-DIFFER = 1  # exit code where a mind was not lived again to the bit, as of `verify`
+DIFFER = 1  # exit code if a state differs in any bit, as of `verify`
 SHOWN = 8  # lines of a list
 
 
@@ -23,7 +23,11 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `relive`."""
     sub.add_argument("folder", type=Path, metavar="FOLDER", help="robots' logs, as swarmcensus swarm or boards write")
     sub.add_argument(
-        "--brain", action="append", default=[], metavar="BRAIN", help="live the day under this brain too; repeatable"
+        "--brain",
+        action="append",
+        default=[],
+        metavar="BRAIN",
+        help="replay under this brain too; repeatable",
     )
     add_shared(sub, parameter="of --brain", message="under --brain; default: that of the logs")
     sub.add_argument("--brain-file", type=Path, metavar="FILE", help="the robots' brain, if FOLDER lacks its file")
@@ -39,35 +43,35 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
 
 
 def relive(options: argparse.Namespace) -> int:
-    """Live the minds of a folder again."""
-    from swarmcensus.robots import Clock, read_day, relive_all, traces, under
+    """Compute the states of a folder again."""
+    from swarmcensus.robots import Clock, read_recording, relive_all, traces, under
 
     _check(options)
-    day = read_day(options.folder, options.brain_file, options.fill_ratio)
-    others = _brains(options, day)
-    for what in day.absent:
+    recording = read_recording(options.folder, options.brain_file, options.fill_ratio)
+    others = _brains(options, recording)
+    for what in recording.absent:
         say(f"left out: {what}")
-    clock = Clock(day.members)
-    lives = relive_all(day, keep=bool(options.trace) and not others)
-    lived = [traces.as_logged(day, lives)]
-    lived += [under(day, brain, options.message, clock, bool(options.trace)) for brain in others]
+    clock = Clock(recording.members)
+    lives = relive_all(recording, keep=bool(options.trace) and not others)
+    lived = [traces.as_logged(recording, lives)]
+    lived += [under(recording, brain, options.message, clock, bool(options.trace)) for brain in others]
     if options.out:
         from swarmcensus.results import dataset_of, save
 
-        save(dataset_of(day, lived, clock, options.message), options.out)
+        save(dataset_of(recording, lived, clock, options.message), options.out)
     if options.trace or options.plot:
-        _write_trace(options, traces.as_trace(day, lived[-1], clock))
+        _write_trace(options, traces.as_trace(recording, lived[-1], clock))
     if options.json:
-        answer("relived", _as_dict(day, lives, lived))
+        answer("relived", _as_dict(recording, lives, lived))
     else:
-        _show(day, lives, lived)
+        _show(recording, lives, lived)
     if options.out:
         wrote(options.out)
     return 0 if all(life.to_the_bit for life in lives) else DIFFER
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Raise InputError for options that do not go together, before anything is lived."""
+    """Raise InputError for options that do not go together, before anything is computed."""
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.support.files import check_output
 
@@ -87,7 +91,7 @@ def _check(options: argparse.Namespace) -> None:
         figure_files(options.plot, ("png",))
 
 
-def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
+def _brains(options: argparse.Namespace, recording: "Recording") -> list["Brain"]:
     from swarmcensus import brains
 
     found, values = [], once("parameter", options.parameter)
@@ -97,12 +101,12 @@ def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
             brain = brain.with_parameters(values)
         except ValueError as error:
             raise OptionError(f"--parameter: {error}", key="parameter") from None
-        if brain.name == day.brain.name and brain.sha256 != day.brain.sha256:
+        if brain.name == recording.brain.name and brain.sha256 != recording.brain.sha256:
             brain = replace(brain, name=f"{brain.name} (--brain)")
         found.append(brain)
-    labels = [day.brain.label, *(brain.label for brain in found)]
+    labels = [recording.brain.label, *(brain.label for brain in found)]
     if twice := next((label for label in labels if labels.count(label) > 1 and options.out), None):
-        why = "the robots' own brain is always there" if twice == day.brain.label else "give each --brain once"
+        why = "the robots' own brain is always there" if twice == recording.brain.label else "give each --brain once"
         raise wrong_option("out", options.out, f"{twice} would be there twice: {why}")
     return found
 
@@ -120,7 +124,7 @@ def _write_trace(options: argparse.Namespace, trace: Any) -> None:
         save_figure(plot.curves(trace), options.plot, ("png",))
 
 
-def _as_dict(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> dict[str, Any]:
+def _as_dict(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Relived"]) -> dict[str, Any]:
     robots = [
         {
             "number": life.number, "ticks": life.ticks, "relived": life.relived, "to_the_bit": life.to_the_bit,
@@ -134,33 +138,33 @@ def _as_dict(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -
         for life in lives
     ]  # fmt: skip
     brains = [
-        {"brain": one.brain.label, **_ends(day, one), "unknown": one.unknown, "counts": dict(one.counts)}
+        {"brain": one.brain.label, **_ends(recording, one), "unknown": one.unknown, "counts": dict(one.counts)}
         for one in lived
     ]
-    return {"title": day.title, "fill_ratio": day.fill_ratio, "robots": robots, "brains": brains}
+    return {"title": recording.title, "fill_ratio": recording.fill_ratio, "robots": robots, "brains": brains}
 
 
-def _ends(day: "Day", lived: "OtherDay") -> dict[str, float | None]:
+def _ends(recording: "Recording", lived: "Relived") -> dict[str, float | None]:
     """The mean error of honest robots at the end and the share in the right bin; None where f is not known."""
     import numpy as np
 
     from swarmcensus.robots import ends_of
     from swarmcensus.simulation import correct
 
-    honest = np.array([member.honest for member in day.members])
-    last = ends_of(day, lived)[honest]
+    honest = np.array([member.honest for member in recording.members])
+    last = ends_of(recording, lived)[honest]
     last = last[np.isfinite(last)]
     if not last.size:
         return {"mean_estimate": None, "mean_error": None, "right": None}
-    f = day.fill_ratio
+    f = recording.fill_ratio
     return {
         "mean_estimate": float(last.mean()),
         "mean_error": None if f is None else float(np.abs(last - f).mean()),
-        "right": None if f is None else float(correct(last, f, day.bins)),
+        "right": None if f is None else float(correct(last, f, recording.bins)),
     }
 
 
-def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> None:
+def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Relived"]) -> None:
     from swarmcensus.robots import TOLD, UNKNOWN, summary_of
     from swarmcensus.support.formatting import counted
     from swarmcensus.support.printed_tables import Table
@@ -168,10 +172,12 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
 
     exact = sum(life.to_the_bit for life in lives)
     ticks, relived = sum(life.ticks for life in lives), sum(life.relived for life in lives)
-    truth = "" if day.fill_ratio is None else f", fill ratio {day.fill_ratio:g}"
-    whose = "its log" if len(lives) == 1 else "their logs"
-    print(f"{day.title}: {summary_of(day)}, {counted(ticks, 'tick')} in {whose}{truth}")
-    print(f"{exact:,} of {counted(len(lives), 'mind')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}")
+    truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
+    logs = "its log" if len(lives) == 1 else "their logs"
+    print(f"{recording.title}: {summary_of(recording)}, {counted(ticks, 'tick')} in {logs}{truth}")
+    print(
+        f"{exact:,} of {counted(len(lives), 'robot')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
+    )
     _list(_break_lines(lives))
     _list([_lost_line(life.number, lost) for life in lives for lost in life.lost])
     _list([
@@ -184,7 +190,7 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
     names = ("mean estimate", "mean error", "right", "sent", "heard", "unknown")
     rows = []
     for k, one in enumerate(lived):
-        ends = _ends(day, one)
+        ends = _ends(recording, one)
         rows.append((
             one.brain.label + ("" if k else ", as it was"), _number(ends["mean_estimate"]), _number(ends["mean_error"]),
             "-" if ends["right"] is None else f"{100 * ends['right']:.1f} %", f"{sum(one.sent.values()):,}",
@@ -200,7 +206,7 @@ def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"]) -> N
 
 
 def _break_lines(lives: Sequence["Life"]) -> list[str]:
-    """A line for each difference; robots that ran another brain are together in one."""
+    """A line for each difference, and one for all robots that ran another brain."""
     from swarmcensus.robots import ANOTHER
 
     together: dict[str, list[int]] = {}
@@ -243,7 +249,7 @@ def _number(value: float | None) -> str:
 
 COMMANDS = (
     Command(
-        "relive", "Live robots' minds again from their logs, to the bit, or the same day under another brain.",
+        "relive", "Live robots' states again from their logs, to the bit, or the same recording under another brain.",
         Group.ROBOTS, relive, add_relive_options,
     ),
 )  # fmt: skip

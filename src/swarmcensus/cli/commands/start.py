@@ -87,9 +87,8 @@ def studies(options: argparse.Namespace) -> int:
     name = options.name.removesuffix(".toml")
     if name not in known:
         hint = did_you_mean(name, known)
-        raise InputError(
-            f"{options.name}: no such study comes with swarmcensus: {hint}`swarmcensus studies` lists them"
-        )
+        there = f"{hint}`swarmcensus studies` lists them"
+        raise InputError.of(options.name, f"no such study comes with swarmcensus: {there}")
     _copy(known[name], options.out or Path(known[name].name))
     return 0
 

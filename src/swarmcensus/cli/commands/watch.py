@@ -9,13 +9,13 @@ from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once
 from swarmcensus.cli.output import say, wrote
-from swarmcensus.support.errors import OptionError
+from swarmcensus.support.errors import InputError, OptionError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.live import LoggedDay, Offer
+    from swarmcensus.live import LoggedRecording, Offer
 
 
 def add_watch_options(sub: argparse.ArgumentParser) -> None:
@@ -43,7 +43,7 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="BRAIN",
-        help="another brain to choose from; the first is shown beside a day in logs; may be repeated",
+        help="another brain to choose from; the first is shown beside a recording in logs; may be repeated",
     )
     sub.add_argument(
         "--out", type=Path, metavar="FILE.html", help="write the page with this trial as one file, and exit"
@@ -68,23 +68,29 @@ def watch(options: argparse.Namespace) -> int:
     check_output("out", options.out, (".html",), *([options.of] if options.of else []))
     offer = offer_of(options.of, tuple(options.brain_file if is_results else options.brain))
     if offer.logged:
-        _tell_day(offer.logged)
-    query, play = first_view(offer, asked)
+        _warn_of_gaps(offer.logged)
+    try:
+        query, play = first_view(offer, asked)
+    except InputError as error:
+        for name in ("set", "parameter"):
+            if error.key in dict(getattr(options, name)):
+                raise OptionError(f"--{name} {error}", key=error.key, value=error.value, hint=error.hint) from None
+        raise
     if options.out is not None:
         return _export(options, offer, query, play)
     return _serve(options, offer, query, play)
 
 
-def _tell_day(logged: "LoggedDay") -> None:
-    """Say what of a day is not known."""
+def _warn_of_gaps(logged: "LoggedRecording") -> None:
+    """Say what is unknown of a recording."""
     if logged.grows:
         say("This swarm still runs: the page follows it.")
-    for what in logged.day.absent:
+    for what in logged.recording.absent:
         say(f"left out: {what}")
     whole, lives = sum(life.to_the_bit for life in logged.lives), len(logged.lives)
     if whole < lives:
-        minds = f"{whole} of {counted(lives, 'mind')} lived again to the bit"
-        say(f"{minds}: swarmcensus relive tells where the others differ.")
+        states = f"{whole} of {counted(lives, 'robot')} lived again to the bit"
+        say(f"{states}: swarmcensus relive tells where the others differ.")
 
 
 def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
@@ -93,7 +99,7 @@ def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], p
     from swarmcensus.live import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port or 0)
-    with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, and no failure
+    with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, not a failure
         warm(served, query)
         address = served.address(urlencode(query | play))
         print(address, flush=True)

@@ -46,7 +46,7 @@ class Board:
     def table(self) -> "pd.DataFrame":
         """A pandas table with a row for each contender, best first, and columns for each kind of world.
 
-        `place` is missing for bounds, and for brains whose estimate is an opinion. Errors are |x - f| after the last
+        `place` is missing for bounds, and for brains with opinions as estimates. Errors are |x - f| after the last
         round, and `right_side` is a share of robots.
         """
         import pandas as pd
@@ -104,7 +104,7 @@ def leaderboard(
     boards = {name: scores_of(data, opinions, oracles, name) for name in DIVISIONS}
     scores = {name: board_scores for name, board_scores in boards.items() if board_scores}
     if board not in scores:
-        raise InputError(f"board {board!r}: no world of studies/leaderboard.toml is on it")
+        raise InputError.named("board", board, "no world of studies/leaderboard.toml is on it")
     own = [name for name in scores[board].contenders if name in map(str, own_files.values())]
     losses = {name: [losses_of(brain, name, scores[name]) for brain in own] for name in scores}
     if folder is None:
@@ -214,5 +214,6 @@ def named(files: list[Path]) -> dict[str, Path]:
         if file.stem == OFFICIAL:
             raise InputError.of(file, "this name is reserved for the results of the shipped brains: rename the file")
         if names.setdefault(file.stem, file).resolve() != file.resolve():
-            raise InputError(f"{names[file.stem]} and {file}: results of both would be named {file.stem}: rename one")
+            why = f"results of both would be named {file.stem}: rename one"
+            raise InputError.of(file, why, where=f"{names[file.stem]} and {file}")
     return names

@@ -23,7 +23,8 @@ def find(name: str) -> Callable[..., Any]:
     """The function that draws a kind. Raises InputError if there is none, or if its parameters are wrong."""
     if name not in PLUGINS:
         known = PLUGINS.names
-        raise InputError(f"no figure {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
+        there = f"{did_you_mean(name, known)}there are {', '.join(known)}"
+        raise InputError(f"no figure {name!r}: {there}", key="kind", value=name)
     loaded = PLUGINS.module(name)
     function: Callable[..., Any] | None = loaded
     if isinstance(loaded, ModuleType):
@@ -31,8 +32,7 @@ def find(name: str) -> Callable[..., Any]:
     if name in PLUGINS.shipped and function is not None:
         return function
     if not callable(function) or not _is_kind(function):
-        where = PLUGINS.outside[name].value
-        raise InputError(f"figure {name!r}, {where}: should be a function of results and keyword-only options")
+        raise PLUGINS.error(name, "should be a function of results and keyword-only options")
     from swarmcensus.figures.page import on_page  # imports matplotlib
 
     return on_page(function)

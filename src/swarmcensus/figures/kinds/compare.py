@@ -71,10 +71,8 @@ def compare(
     by = [by] if isinstance(by, str) else by
     if by is None and len(worlds) > MOST_ROWS:
         names = ", ".join(dict.fromkeys(name for world in worlds for name in world))
-        raise InputError(
-            f"{len(worlds):,} worlds are more than the {MOST_ROWS} rows that have room: pool them with by, "
-            f"or select some; they differ in {names}"
-        )
+        many = f"{len(worlds):,} worlds are more than the {MOST_ROWS} rows that have room"
+        raise InputError(f"{many}: pool them with by, or select some; they differ in {names}", key="by")
     reference = standings.against or 0
     rows, drawn = effects(results, standings, reference, by)
     few = in_worlds_too_few(standings.contests)
@@ -100,9 +98,8 @@ def draw_effects(
     their common coordinates and their number. `few` says what the trials are too few for.
     """
     if len(rows) > MOST_ROWS:
-        raise InputError(
-            f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room: name other coordinates by"
-        )
+        many = f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room"
+        raise InputError(f"{many}: name other coordinates by", key="by")
     others = [k for k in range(len(standings.contenders)) if k != reference]
     names = [standings.contenders[k] for k in others]
     titles = titles_of_contenders(*results)
@@ -110,7 +107,7 @@ def draw_effects(
     texts = [_row_name(world, count, len(standings.grid.worlds)) for world, count in rows]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
-    if single:  # contenders are the rows, and all look alike
+    if single:  # contenders are the rows, and all have one look
         texts, looks = [renamed(name, titles) for name in names], [Look("", "", palette(11)[3], "o")]
     width = page().width
     room = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)

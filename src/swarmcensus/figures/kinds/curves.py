@@ -121,7 +121,8 @@ def curves(
 def _expected(results: xr.Dataset, trace: xr.Dataset, last: int) -> Expectation:
     """What theory expects of the trace's setting, up to round `last`. Raises InputError if `results` is the trace."""
     if results is trace:
-        raise InputError("theory needs a study's results, not a trace: draw curves of results, with setting and trial")
+        why = "theory needs a study's results, not a trace: draw curves of results, with setting and trial"
+        raise InputError(why, key="theory")
     times = np.unique(np.geomspace(1, max(last, 1), MOST_TIMES).astype(int)).tolist()
     return expect(results, int(trace.attrs["setting"]), times, (ALONE, SWARM))
 

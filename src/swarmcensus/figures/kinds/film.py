@@ -77,7 +77,7 @@ def film(
     file that cannot be written. It is raised before the trial is replayed.
     """
     if ax is not None and out != "film.mp4":
-        raise InputError(f"film: with ax no file is written: leave out={out} out, or ax")
+        raise InputError(f"film: with ax no file is written: leave out={out} out, or ax", key="out", value=out)
     suffix_of(out)
     clock, path = scenes.clock_of(results, setting, trial, brain_file, robot), Path(out)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
@@ -127,13 +127,15 @@ def _ticks(path: Path, clock: Clock, first: int, last: int | None, every: int, f
     gif = suffix_of(path) == ".gif"
     fastest = MOST_GIF_FPS if gif else 240
     if every < 1 or not 1 <= fps <= fastest:
-        raise InputError(f"every {every}, fps {fps}: should be from 1, and at most {fastest} frames a second")
+        key, value = ("every", every) if every < 1 else ("fps", fps)
+        should = f"should be from 1, and at most {fastest} frames a second"
+        raise InputError(f"every {every}, fps {fps}: {should}", key=key, value=value)
     last = min(first + LENGTH - 1, clock.last) if last is None else last
     for tick in (first, last):
         check_tick(tick, (clock.first, clock.last))
     ticks = range(first, last + 1, every)
     if not ticks:
-        raise InputError(f"no tick from {first} to {last}: a film needs one at least")
+        raise InputError(f"no tick from {first} to {last}: a film needs one at least", key="last", value=last)
     if gif and len(ticks) > MOST_GIF_FRAMES:
         raise InputError(
             f"{len(ticks):,} frames: a GIF may have {MOST_GIF_FRAMES:,}; show a shorter stretch, fewer of its ticks, "
@@ -177,7 +179,7 @@ def _drawn(
     arena: Arena, ticks: range, dpi: int, progress: Callable[[int, int], None] | None
 ) -> Generator[Frame, None, None]:
     """Draw the ticks one by one; the still parts are drawn once and then copied."""
-    canvas: Any = arena.figure.canvas  # an Agg canvas, some of whose functions have no types
+    canvas: Any = arena.figure.canvas  # an Agg canvas: some of its functions have no types
     arena.figure.set_dpi(dpi)
     for artist in arena.moving:
         artist.set_animated(True)  # `canvas.draw` leaves them out

@@ -65,7 +65,7 @@ def heatmap(
     check_coordinates(results, x=x, y=y)
     x, y = _axes_of(results, x, y)
     if x == y:
-        raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates")
+        raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates", key="y", value=y)
     if varying := varies(results, apart_from={x, y}):
         listed = ", ".join(f"{name} ({_first_values(values)})" for name, values in varying.items())
         vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
@@ -85,7 +85,7 @@ def heatmap(
     names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
     drawn = [k for k, name in enumerate(get_args(Z)) if z in (None, name)]
     if not drawn:
-        raise InputError(f"z {z!r}: should be one of {', '.join(get_args(Z))}", key="z", value=z)
+        raise InputError.named("z", z, f"should be one of {', '.join(get_args(Z))}")
     widest = max(width_of(look.name, letters()) for look in across.values())
     cell = max(
         0.4 * scale(), ((widest if places_of(across)[1] else min(widest, NAME_WIDTH)) + letters()) / 72

@@ -95,12 +95,8 @@ def draw_pareto(
     """
     known = standings.costs | standings.sizes
     if cost not in known:
-        raise InputError(
-            f"cost {cost!r}: these results have no such cost; {did_you_mean(cost, known)}"
-            f"there are {', '.join(known) or 'none'}",
-            key="cost",
-            value=cost,
-        )
+        there = f"{did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
+        raise InputError.named("cost", cost, f"these results have no such cost; {there}")
     worlds = standings.grid.worlds
     if len(worlds) > MOST_PANELS:
         raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
@@ -109,7 +105,7 @@ def draw_pareto(
     values, low, high = (times * part for part in (contest.values, *contest.value_ends))
     costs = _rounded(known[cost])
     if not (np.isfinite(values) & np.isfinite(costs)).any():
-        raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
+        raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}", key="cost")
     looks = looks_of(standings.contenders, "o", "brain", titles_of_contenders(*results))
     captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]

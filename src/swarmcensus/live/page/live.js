@@ -1,5 +1,5 @@
 "use strict";
-// A day whose logs still grow: the page asks for what is new, and shows the newest moment until another one is chosen.
+// A recording that still grows: the page asks for what is new, and shows the newest moment until another one is chosen.
 
 const RECENT = 120; // newest rounds that are fetched again when logs have grown
 
@@ -43,7 +43,7 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
   if (fixed.length !== state.form.fixed.length) {
     state.form.fixed = fixed;
     buildFields(state.form, change, false);
-    noteDay();
+    noteRecording();
   }
   if (state.live) [state.tick, state.place] = [newest, newest];
   if (changed <= state.tick) again();

@@ -120,10 +120,10 @@ matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
   again();
 });
 window.addEventListener("hashchange", () => {
-  const wish = wishOf(location.hash);
+  const goal = goalOf(location.hash);
   if (state.playing) pause();
-  look(wish);
-  begin(wish.ask, wish.tick, wish.robot).then(() => wish.tick === null && playUnasked());
+  look(goal);
+  begin(goal.ask, goal.tick, goal.robot).then(() => goal.tick === null && playUnasked());
 });
 
 // a page opens playing, unless its address names a moment or its reader wants little motion
@@ -134,8 +134,8 @@ function playUnasked() {
 async function start() {
   document.body.classList.toggle("bare", Boolean(recordedText) && window.self !== window.top); // within another page
   const played = recordedText ? new URLSearchParams(state.source.recording.played).toString() : "";
-  const wish = wishOf(location.hash || played);
-  look(wish);
+  const goal = goalOf(location.hash || played);
+  look(goal);
   try {
     state.source.closed = (error) => complain(error);
     state.source.found = () => {
@@ -143,8 +143,8 @@ async function start() {
     };
     await state.source.open();
     requestAnimationFrame(tickOn);
-    await begin(wish.ask, wish.tick, wish.robot);
-    if (wish.tick === null) playUnasked();
+    await begin(goal.ask, goal.tick, goal.robot);
+    if (goal.tick === null) playUnasked();
   } catch (error) {
     $("title").textContent = "";
     complain(error);

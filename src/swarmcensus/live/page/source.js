@@ -166,13 +166,13 @@ class Recorded {
       for (const block of blocks) frames.push(...framesOf(await inflated(block)).frames);
       this.sides.push(frames);
     }
-    this.minds = [];
-    for (const text of this.recording.minds) {
+    this.states = [];
+    for (const text of this.recording.states) {
       const shuffled = new Uint8Array(await inflated(text));
       const size = shuffled.length / 4;
       const bytes = new Uint8Array(shuffled.length);
       for (let i = 0; i < size; i++) for (let k = 0; k < 4; k++) bytes[4 * i + k] = shuffled[k * size + i];
-      this.minds.push(new Float32Array(bytes.buffer));
+      this.states.push(new Float32Array(bytes.buffer));
     }
   }
 
@@ -202,7 +202,7 @@ class Recorded {
     const row = Math.floor(tick / step);
     const fields = {};
     names[side].forEach((name, k) => {
-      const value = this.minds[side][(k * scene.robots + robot) * rows + row];
+      const value = this.states[side][(k * scene.robots + robot) * rows + row];
       fields[name] = Number.isNaN(value) ? null : value;
     });
     const frame = this.sides[side][tick];

@@ -21,7 +21,7 @@ const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
   tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", span: 0.1, chosen: null, side: 0, follow: false,
-  wish: null, preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
+  goal: null, preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
 };
 
 function complain(error) {
@@ -33,7 +33,7 @@ const rounds = () => state.scenes[0]?.rounds || 0;
 const step = () => Math.max(1, Math.ceil(Math.min(state.speed, 1e9) / PICTURES) || 1);
 const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds() / 600)) : Math.min(step(), Math.max(1, Math.floor(rounds() / 100))));
 
-function wishOf(text) {
+function goalOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
   const { tick, robot, side, colour, zoom, centre, follow, log, full, speed, ...ask } = asked;
   const [x, y] = (centre || "").split(",").map(Number);
@@ -95,23 +95,23 @@ const titled = () => `${state.form.name}: ${state.scenes[0].title}; seed ${state
 // one request at a time, then the latest of those made meanwhile, so that server and page show the same trial
 // where logs grow, no tick is the newest one
 async function begin(ask, tick = null, robot = state.chosen) {
-  state.wish = { ask, tick, robot };
+  state.goal = { ask, tick, robot };
   if (state.preparing) return;
   state.preparing = true;
   $("title").textContent = "preparing …";
   let [refused, instead] = [null, false]; // for an invalid link the first trial is shown instead
-  while (state.wish) {
-    const wish = state.wish;
+  while (state.goal) {
+    const goal = state.goal;
     try {
-      const answer = await state.source.begin(wish.ask, wish.tick ?? 0);
-      arrive(answer, wish);
+      const answer = await state.source.begin(goal.ask, goal.tick ?? 0);
+      arrive(answer, goal);
       if (!instead) refused = null;
     } catch (error) {
       refused = error;
-      instead = !state.form && state.wish === wish && Object.keys(wish.ask).length > 0;
-      if (instead) state.wish = { ask: {}, tick: null, robot: null };
+      instead = !state.form && state.goal === goal && Object.keys(goal.ask).length > 0;
+      if (instead) state.goal = { ask: {}, tick: null, robot: null };
     }
-    if (state.wish === wish) state.wish = null;
+    if (state.goal === goal) state.goal = null;
   }
   state.preparing = false;
   complain(refused);
@@ -143,7 +143,7 @@ async function watchFiles(run) {
   while (run === state.run) {
     await new Promise((soon) => setTimeout(soon, LOOK));
     if (run !== state.run) return;
-    const found = await state.source.saved().catch(() => null); // a connection that is lost is told elsewhere
+    const found = await state.source.saved().catch(() => null); // a lost connection is reported elsewhere
     if (run !== state.run) return;
     if (!found) continue;
     const { version, wrong } = found;
@@ -190,14 +190,14 @@ function buildPage() {
   tellBroken("");
   state.charts = new Charts($("curves"), scenes, seek, state.grows);
   state.charts.build($("log").checked, $("full").checked);
-  if (form.fixed.length) noteDay();
+  if (form.fixed.length) noteRecording();
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   legend();
 }
 
-function noteDay() {
+function noteRecording() {
   const choice = state.form.fixed.includes("beside") ? "another brain can be compared when the swarm has ended" : "only another brain to compare with can be chosen";
-  $("world-note").textContent = `This day is in robots' logs: ${choice}.`;
+  $("world-note").textContent = `This recording is in robots' logs: ${choice}.`;
 }
 
 function legend() {
@@ -222,7 +222,7 @@ function legend() {
 
 // the moment stays, unless it would be another one
 function change(key, value) {
-  const ask = { ...(state.wish || state).ask };
+  const ask = { ...(state.goal || state).ask };
   if (value === "" && key !== "beside") delete ask[key];
   else ask[key] = value;
   if (key === "beside" && value === "") delete ask[key];
@@ -231,7 +231,7 @@ function change(key, value) {
   if (key === "topology") for (const other of ["density", "floor", "rounds"]) delete ask[other];
   if (key === "brain" || key === "beside") dropParameters(ask, key === "beside" ? "beside." : "");
   if (RESTARTS.includes(key)) state.view.set(1, [0.5, 0.5]);
-  begin(ask, RESTARTS.includes(key) ? 0 : (state.wish?.tick ?? state.tick));
+  begin(ask, RESTARTS.includes(key) ? 0 : (state.goal?.tick ?? state.tick));
 }
 
 // parameters of a brain that is no longer chosen

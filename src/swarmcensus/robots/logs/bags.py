@@ -23,7 +23,7 @@ MESSAGES = (*NUMBERS, *(f"{name}MultiArray" for name in NUMBERS), "String")
 MOST_STEPS = 10_000_000
 MOST_LACKING = 2**32  # bytes of a cut file that are made up; more is a damaged number
 NANO = 10**9
-# of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length is told
+# of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length stands
 CHUNK_HEAD, COMPRESSION, COMPRESSION_END = 49, 37, 41
 
 
@@ -249,7 +249,8 @@ def _decoded(raw: list[Raw], wanted: dict[str, tuple[Callable[[_Events, Raw, str
 
 def _reading(events: _Events, raw: Raw, robot: str, value: Any) -> None:
     if value == value and value not in (0, 1):
-        raise InputError(f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)")
+        found = f"{raw.topic}: a reading of {value:g}: should be 0 (white), 1 (black) or NaN (none)"
+        raise ResultsError(found, key=raw.topic, value=value)
     events.seen.append((raw.time, robot, float(value)))
 
 

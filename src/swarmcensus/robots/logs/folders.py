@@ -1,4 +1,4 @@
-"""A folder of robots' logs: who the robots were, which brain each had, and what is known of the day."""
+"""A folder of robots' logs: who the robots were, which brain each had, and what is known of the recording."""
 
 import contextlib
 import json
@@ -23,7 +23,7 @@ FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Member:
+class LoggedRobot:
     """One robot: its log, the brain that it ran, and whether it was honest."""
 
     number: int
@@ -35,13 +35,13 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Day:
+class Recording:
     """All robots of a folder, by their numbers, and what is known of their world."""
 
     folder: Path
     title: str  # the folder's name
     brain: Brain  # of the honest robots, with its parameters
-    members: tuple[Member, ...]
+    members: tuple[LoggedRobot, ...]
     fill_ratio: float | None
     bins: int
     delta: float
@@ -51,7 +51,7 @@ class Day:
     absent: tuple[str, ...]  # logs that swarm.json names and that are not there, or hold nothing
 
 
-def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Day:
+def read_recording(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Recording:
     """Read a folder. `brain_file` is the brain of robots whose brain the folder does not hold. Raises InputError."""
     of = Folder(folder, brain_file, fill_ratio)
     logs, absent = [], []
@@ -61,8 +61,8 @@ def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: flo
         except InputError as error:
             absent.append(str(error))
     if not logs:
-        raise InputError(f"{folder}: no robot's log can be read: {absent[0]}" if absent else without_logs(folder))
-    return of.day(logs, absent)
+        raise ResultsError.of(folder, f"no robot's log can be read: {absent[0]}") if absent else without_logs(folder)
+    return of.recording(logs, absent)
 
 
 class Folder:
@@ -83,8 +83,8 @@ class Folder:
         """The logs that swarm.json names, and others that are there."""
         return list(dict.fromkeys([*self._entries, *(path.name for path in sorted(self.path.glob("*.log")))]))
 
-    def day(self, logs: Sequence[RobotLog], absent: Sequence[str] = ()) -> Day:
-        """The day of these logs. Raises InputError."""
+    def recording(self, logs: Sequence[RobotLog], absent: Sequence[str] = ()) -> Recording:
+        """The recording of these logs. Raises InputError."""
         numbers = [log.number for log in logs]
         twice = next((number for number in numbers if numbers.count(number) > 1), None)
         if twice is not None:
@@ -93,23 +93,25 @@ class Folder:
         members.sort(key=lambda member: member.number)
         swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
         about, known = self.about, self.fill_ratio
-        return Day(
+        return Recording(
             self.path, self.path.resolve().name, swarm, tuple(members),
             None if known is None else float(known), int(about.get("bins", 10)), float(about.get("delta", 0.01)),
             int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
         )  # fmt: skip
 
-    def _member(self, log: RobotLog) -> Member:
+    def _member(self, log: RobotLog) -> LoggedRobot:
         entry, kept = self._entries.get(log.path.name, {}), self._brains
         of_swarm = str(entry.get("brain", kept.file)) == kept.file
         brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
         adversary = entry.get("adversary")
-        return Member(log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm)
+        return LoggedRobot(
+            log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm
+        )
 
 
-def without_logs(folder: Path) -> str:
-    """What is wrong with a folder that holds no log."""
-    return f"{folder}: it holds no log: should be a folder with files such as robot-0.log"
+def without_logs(folder: Path) -> ResultsError:
+    """The error of a folder that holds no log."""
+    return ResultsError.of(folder, "it holds no log: should be a folder with files such as robot-0.log")
 
 
 class Brains:
@@ -164,8 +166,8 @@ class Brains:
             return brain
 
 
-def _with_adversaries(members: list[Member], about: Mapping[str, Any]) -> list[Member]:
-    """The same robots; the study tells which adversary a brain wears, where swarm.json names none."""
+def _with_adversaries(members: list[LoggedRobot], about: Mapping[str, Any]) -> list[LoggedRobot]:
+    """The same robots; the study tells which adversary a brain is wrapped by, where swarm.json names none."""
     honest = next((member.brain for member in members if member.is_swarm), None)
     unknown = any(not (member.honest or member.is_swarm or member.adversary) for member in members)
     study = study_of(about) if unknown and honest is not None else None
@@ -251,7 +253,7 @@ def _check_name(path: Path, key: str, name: object) -> None:
         )
 
 
-def summary_of(day: Day) -> str:
+def summary_of(recording: Recording) -> str:
     """Who there was, in a line."""
-    liars = sum(not member.honest for member in day.members)
-    return counted(len(day.members), "robot") + (f", {liars} of them not honest" if liars else "")
+    liars = sum(not member.honest for member in recording.members)
+    return counted(len(recording.members), "robot") + (f", {liars} of them not honest" if liars else "")

@@ -1,4 +1,4 @@
-"""A swarm's folder while its logs grow: robots' minds and the clock go on from what was appended."""
+"""A swarm's folder while its logs grow: robots' states and the clock go on from what was appended."""
 
 import time
 from collections.abc import Mapping
@@ -7,11 +7,10 @@ from typing import Any
 
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import ABOUT, Folder, about_of, without_logs
-from swarmcensus.robots.logs.lives import Life, Reliving
+from swarmcensus.robots.logs.lives import Reliving, RobotReplay
 from swarmcensus.robots.logs.logs import LogReader, RobotLog
-from swarmcensus.robots.logs.others import OtherDay
+from swarmcensus.robots.logs.others import Relived
 from swarmcensus.robots.logs.traces import note_logged
-from swarmcensus.support.errors import InputError
 
 RECENT = 60.0  # seconds without a new block after which a swarm without an end counts as killed
 GONE = 3.0  # seconds without a new block after which a robot counts as gone
@@ -25,8 +24,8 @@ def may_grow(path: Path) -> bool:
     return "ended" in about and about["ended"] is None and time.time() - newest < _patience(about, RECENT)
 
 
-class GrowingDay:
-    """What is known of a day so far; `go_on` reads and lives what was appended to the logs."""
+class GrowingRecording:
+    """What is known of a recording so far; `go_on` reads and lives what was appended to the logs."""
 
     def __init__(self, path: Path) -> None:
         """Read and live the first part of what there is. Raises InputError."""
@@ -34,24 +33,24 @@ class GrowingDay:
         self.clock = Clock()
         self.moved = False  # whether blocks that were known before have other times since the last `go_on`
         self._readers: dict[str, LogReader] = {}
-        self._minds: dict[int, Reliving] = {}
+        self._replicas: dict[int, Reliving] = {}
         self._lived: dict[int, int] = {}  # how many blocks of a robot's log
         self._grew: dict[int, float] = {}  # when a robot's log did, in seconds since 1970
         self._about_of = _changed(path / ABOUT)
         self._folder = Folder(path)
-        self.day = self._folder.day(self._read())
-        self.lived = OtherDay(self.day.brain, {}, {})
+        self.recording = self._folder.recording(self._read())
+        self.lived = Relived(self.recording.brain, {}, {})
         self.go_on()
 
     @property
-    def lives(self) -> list[Life]:
-        """The lives of the day's members, so far."""
-        return [self._minds[member.number].life for member in self.day.members]
+    def lives(self) -> list[RobotReplay]:
+        """The lives of the recording's members, so far."""
+        return [self._replicas[member.number].life for member in self.recording.members]
 
     @property
     def has_ended(self) -> bool:
         """Whether the swarm has ended, and all of its logs are read."""
-        return self.day.about.get("ended") is not None and not self.is_behind
+        return self.recording.about.get("ended") is not None and not self.is_behind
 
     @property
     def is_behind(self) -> bool:
@@ -60,7 +59,7 @@ class GrowingDay:
 
     def at_work(self) -> frozenset[int]:
         """The robots whose logs grew lately."""
-        now, patience = time.time(), _patience(self.day.about, GONE)
+        now, patience = time.time(), _patience(self.recording.about, GONE)
         return frozenset(number for number, grew in self._grew.items() if now - grew < patience)
 
     def go_on(self) -> dict[int, int]:
@@ -68,19 +67,19 @@ class GrowingDay:
         if (changed := _changed(self.path / ABOUT)) != self._about_of:  # before the logs: after its end none grows
             self._folder, self._about_of = Folder(self.path), changed
         logs = self._read()
-        if len(logs) != len(self.day.members) or self.day.about is not self._folder.about:
-            self.day = self._folder.day(logs)
+        if len(logs) != len(self.recording.members) or self.recording.about is not self._folder.about:
+            self.recording = self._folder.recording(logs)
         new = {}
-        for member in self.day.members:
+        for member in self.recording.members:
             number, count, first = member.number, len(member.log.blocks), self._lived.get(member.number, 0)
             if count == first:
                 continue
-            if number not in self._minds:
-                self._minds[number] = Reliving(member, keep=True)
-            note_logged(self.lived, member, self._minds[number].go_on(), first)
+            if number not in self._replicas:
+                self._replicas[number] = Reliving(member, keep=True)
+            note_logged(self.lived, member, self._replicas[number].go_on(), first)
             self._grew[number] = time.time() if first else _changed(member.log.path)
             self._lived[number], new[number] = count, first
-        self.moved = self.clock.go_on(self.day.members)
+        self.moved = self.clock.go_on(self.recording.members)
         return new
 
     def _read(self) -> list[RobotLog]:
@@ -91,7 +90,7 @@ class GrowingDay:
             self._readers[name].more()
         logs = [reader.log for reader in self._readers.values() if reader.log is not None]
         if not logs:
-            raise InputError(without_logs(self.path))
+            raise without_logs(self.path)
         return logs
 
 

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from swarmcensus.robots.logs.folders import Day, Member
+from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
-from swarmcensus.robots.logs.minds import Mind, Unfit, checksum_of, mind_of
 from swarmcensus.robots.logs.reasons import reason_of, said_before, unfit_reason
+from swarmcensus.robots.logs.replicas import Replica, Unfit, checksum_of, replica_of
 from swarmcensus.support.fork import in_background
 from swarmcensus.support.formatting import counted
 
@@ -44,7 +44,7 @@ class Lost(NamedTuple):
 
 
 @dataclass
-class Life:
+class RobotReplay:
     """What came of living a log again."""
 
     number: int
@@ -61,12 +61,12 @@ class Life:
         return self.relived == self.ticks and not self.breaks
 
     def differs(self, boot: int, tick: int, reason: str) -> None:
-        """Note that a tick was not lived again; a reason for the whole log is told once, not at each state."""
+        """Note that a tick was not lived again; a reason for the whole log is given once, not at each state."""
         if not said_before(reason, [one.reason for one in self.breaks]):
             self.breaks.append(Break(boot, tick, reason))
 
 
-def relive(member: Member, keep: bool = False) -> Life:
+def relive(member: LoggedRobot, keep: bool = False) -> RobotReplay:
     """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
     life = Reliving(member, keep).go_on()
     life.starts = starts_of(member)
@@ -77,22 +77,22 @@ def relive(member: Member, keep: bool = False) -> Life:
 class Reliving:
     """A life on its way through its log, which may still grow."""
 
-    def __init__(self, member: Member, keep: bool = False) -> None:
+    def __init__(self, member: LoggedRobot, keep: bool = False) -> None:
         """Start before the first block."""
         self.member, self.keep = member, keep
-        self.life = Life(member.number)
+        self.life = RobotReplay(member.number)
         self._at = 0  # the next block
-        self._mind: Mind | None = None
-        self._first = -1  # the block from whose state the mind came
+        self._replica: Replica | None = None
+        self._first = -1  # the block of the state that the replica started from
         self._boot = 0
 
-    def go_on(self) -> Life:
+    def go_on(self) -> RobotReplay:
         """Live the blocks that were not lived yet."""
         blocks = self.member.log.blocks
         while self._at < len(blocks):
             block = blocks[self._at]
             if isinstance(block, Gap):
-                self._mind = None
+                self._replica = None
             elif isinstance(block, State):
                 self._become(block)
             else:
@@ -101,68 +101,68 @@ class Reliving:
         return self.life
 
     def _become(self, state: State) -> None:
-        """Check a mind against a saved state, or take over a state after a start, a gap or a difference."""
+        """Check a state against a saved state, or take over a state after a start, a gap or a difference."""
         self._boot = state.boot
-        mind = self._mind
-        if mind is not None and not state.starts:
-            if mind.ticks != state.tick:  # ticks are missing
-                mind = None
-            elif mind.checksum != checksum_of((*state.numbers, *state.owed)):
+        replica = self._replica
+        if replica is not None and not state.starts:
+            if replica.ticks != state.tick:  # ticks are missing
+                replica = None
+            elif replica.checksum != checksum_of((*state.numbers, *state.owed)):
                 self.life.differs(self._boot, state.tick, "its saved memory is not what its ticks lead to")
-                mind = None
-        if mind is None or state.starts:
+                replica = None
+        if replica is None or state.starts:
             self._first = self._at
             try:
-                mind = mind_of(self.member.brain, state)
+                replica = replica_of(self.member.brain, state)
             except Unfit as why:
                 self.life.differs(self._boot, state.tick, unfit_reason(self.member, state, str(why)))
-                mind = None
-        self._mind = mind
+                replica = None
+        self._replica = replica
 
     def _live(self, tick: Tick) -> None:
-        """Live a tick, if the mind before it is known."""
-        mind, life = self._mind, self.life
+        """Live a tick, if the state before it is known."""
+        replica, life = self._replica, self.life
         life.ticks += 1
-        if mind is None:
+        if replica is None:
             return
-        if mind.ticks + 1 != tick.tick:
-            self._mind = None
+        if replica.ticks + 1 != tick.tick:
+            self._replica = None
             return
-        before, estimate, stuck = mind.kept(), mind.estimate, mind.stuck
-        if lives(mind, tick):
+        before, estimate, stuck = replica.kept(), replica.estimate, replica.stuck
+        if lives(replica, tick):
             life.relived += 1
             if self.keep:
-                life.memory[self._at] = mind.numbers()
+                life.memory[self._at] = replica.numbers()
             return
-        mind.become(before, tick.tick - 1)
-        mind.estimate, mind.stuck = estimate, stuck
-        life.differs(self._boot, tick.tick, reason_of(self.member, self._first, self._at, mind, lives))
-        self._mind = None
+        replica.become(before, tick.tick - 1)
+        replica.estimate, replica.stuck = estimate, stuck
+        life.differs(self._boot, tick.tick, reason_of(self.member, self._first, self._at, replica, lives))
+        self._replica = None
 
 
-def relive_all(day: Day, keep: bool = False) -> list[Life]:
-    """Live all lives of a day again, half of them in another process where that is possible."""
-    half = len(day.members) // 2
-    if sum(len(member.log.blocks) for member in day.members) < LARGE:
-        half = len(day.members)
-    rest = in_background(lambda: [relive(member, keep) for member in day.members[half:]])
-    return [relive(member, keep) for member in day.members[:half]] + rest()
+def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:
+    """Live all lives of a recording again, half of them in another process where that is possible."""
+    half = len(recording.members) // 2
+    if sum(len(member.log.blocks) for member in recording.members) < LARGE:
+        half = len(recording.members)
+    rest = in_background(lambda: [relive(member, keep) for member in recording.members[half:]])
+    return [relive(member, keep) for member in recording.members[:half]] + rest()
 
 
-def lives(mind: Mind, tick: Tick) -> bool:
+def lives(replica: Replica, tick: Tick) -> bool:
     """Live one tick; returns whether what was said, the estimate and the memory are those of the log."""
-    mind.lots, mind.lacked = list(tick.luck), 0
-    if mind.first_half(tick) != tick.said:
+    replica.lots, replica.lacked = list(tick.draws), 0
+    if replica.first_half(tick) != tick.said:
         return False
     for heard in tick.heard:
-        mind.hear(heard.code)
-    mind.think()
-    if mind.checksum != tick.checksum or mind.lots or mind.lacked:
+        replica.hear(heard.code)
+    replica.think()
+    if replica.checksum != tick.checksum or replica.lots or replica.lacked:
         return False
-    return struct.pack("<d", mind.estimate) == struct.pack("<d", tick.estimate)
+    return struct.pack("<d", replica.estimate) == struct.pack("<d", tick.estimate)
 
 
-def starts_of(member: Member) -> list[Start]:
+def starts_of(member: LoggedRobot) -> list[Start]:
     """How each start of a log came to its memory: blank, or saved after an earlier tick of the same robot."""
     known: dict[tuple[int, int], tuple[int, int]] = {}  # tick and checksum: block and boot
     starts, boot = [], 0
@@ -182,15 +182,15 @@ def starts_of(member: Member) -> list[Start]:
     return starts
 
 
-def _is_blank(member: Member, state: State) -> bool:
+def _is_blank(member: LoggedRobot, state: State) -> bool:
     if state.tick or any(state.owed):
         return False
     try:
-        mind = mind_of(member.brain, state)
+        replica = replica_of(member.brain, state)
     except Unfit:
         return False
-    mind._give(mind.brain.MEMORY)
-    return checksum_of(mind.kept()) == checksum_of((*state.numbers, *state.owed))
+    replica._give(replica.brain.MEMORY)
+    return checksum_of(replica.kept()) == checksum_of((*state.numbers, *state.owed))
 
 
 def _lost(log: RobotLog) -> Iterator[Lost]:

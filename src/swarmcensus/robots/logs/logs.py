@@ -25,7 +25,7 @@ class Heard(NamedTuple):
 
 
 class State(NamedTuple):
-    """What a robot was, and what its mind held, at a start or when it saved its memory."""
+    """What a robot was, and what its state held, at a start or when it saved its memory."""
 
     starts: bool
     feedback: bool
@@ -56,7 +56,7 @@ class Tick(NamedTuple):
     looks: int
     said: bytes | None
     heard: tuple[Heard, ...]
-    luck: tuple[float, ...]
+    draws: tuple[float, ...]
     estimate: float
     checksum: int  # CRC-32 of the memory and of what is owed, at the end
 
@@ -232,7 +232,7 @@ def _tick(body: bytes, size: int) -> Tick | None:
     try:
         tick, clock, blacks, looks, flags, count = struct.unpack_from(written.OPENING, body)
         at = struct.calcsize(written.OPENING)
-        said, heard, luck = None, [], ()
+        said, heard, draws = None, [], ()
         if flags & written.SAID:
             said = body[at : at + size]
             at += size
@@ -240,11 +240,11 @@ def _tick(body: bytes, size: int) -> Tick | None:
             sender, boot, sent = struct.unpack_from(written.FROM, body, at)
             at += struct.calcsize(written.FROM) + size
             heard.append(Heard(sender, boot, sent, body[at - size : at]))
-        if flags & written.LUCKY:
+        if flags & written.DREW:
             drawn = struct.unpack_from("<H", body, at)[0]
-            luck = struct.unpack_from(f"<{drawn}d", body, at + 2)
+            draws = struct.unpack_from(f"<{drawn}d", body, at + 2)
             at += 2 + 8 * drawn
         estimate, checksum = struct.unpack(written.ENDING, body[at:])
     except struct.error:
         return None
-    return Tick(tick, clock, blacks, looks, said, tuple(heard), luck, estimate, checksum)
+    return Tick(tick, clock, blacks, looks, said, tuple(heard), draws, estimate, checksum)

@@ -147,7 +147,7 @@ def write_mcap(folder: str | Path, out: str | Path) -> Written:
     swarm = about_of(folder)
     sources = [_Source(path) for path in logs_in(folder)]
     if not sources:
-        raise InputError(without_logs(folder))
+        raise without_logs(folder)
     by_number: dict[int, _Source] = {}
     for source in sources:
         other = by_number.setdefault(source.first.number, source)

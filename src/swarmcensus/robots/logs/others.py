@@ -1,4 +1,4 @@
-"""The same day under another brain: what each robot would have believed, from the readings that it made.
+"""A recording under another brain: what each robot would have believed, from the readings that it made.
 
 A tick has two halves: a robot observes and broadcasts, then it receives and fuses. So a message of a robot's tick is
 known once that robot's first half is done. Robots are taken in any order that keeps to this.
@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from swarmcensus import brains
 from swarmcensus.brains import Brain, Format, Numbers, adversary
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import Day, Member
+from swarmcensus.robots.logs.draws import Draws, of_calls
+from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import Start, starts_of
 from swarmcensus.robots.logs.logs import State, Tick
-from swarmcensus.robots.logs.luck import Luck, of_calls
-from swarmcensus.robots.logs.minds import Mind, format_of, other_mind
 from swarmcensus.robots.logs.origins import Origins, Place
-from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.robots.logs.replicas import Replica, format_of, other_replica
+from swarmcensus.support.errors import BrainError, InputError, ResultsError
 
 UNKNOWN = {
     "missing": "messages whose sender's log lacks the tick",
@@ -26,16 +26,16 @@ UNKNOWN = {
     "unheard": "broadcasts where the robot was silent: nobody is taken to have heard them",
     "unread": "ticks without readings, because the robot's own brain was done",
     "lost": "ticks that the log lacks",
-    "starts": "starts with a memory of unknown origin: the mind goes on from its last known tick",
-}  # what is not known of a day under another brain
+    "starts": "starts with a memory of unknown origin: the state goes on from its last known tick",
+}  # what is not known of a recording under another brain
 TOLD = {
     "silent": "messages that the robot sent, and this brain does not",
-    "lots": "numbers of luck that are drawn anew",
+    "lots": "random numbers that are drawn again",
 }  # what is known, and differs
 
 
 @dataclass
-class OtherDay:
+class Relived:
     """What came of another brain: estimates and memory by robot and block of its log, and what is not known."""
 
     brain: Brain
@@ -54,43 +54,44 @@ class OtherDay:
 
 
 def under(
-    day: Day, brain: Brain, message: Format | None = None, clock: Clock | None = None, keep: bool = False
-) -> OtherDay:
-    """Live a day under another brain; `keep` keeps the memory and the messages of each tick. Raises InputError."""
+    recording: Recording, brain: Brain, message: Format | None = None, clock: Clock | None = None, keep: bool = False
+) -> Relived:
+    """Run another brain on a recording; `keep` keeps the memory and the messages of each tick. Raises InputError."""
     if brain.is_oracle:
-        raise InputError(f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so")
-    return _Day(day, brain, message, clock or Clock(day.members), keep).live()
+        bound = f"the brain {brain.name!r} is a bound: it hears all robots, and no log says so"
+        raise BrainError(bound, key="brain", value=brain.name)
+    return _OneBrain(recording, brain, message, clock or Clock(recording.members), keep).live()
 
 
 class _Robot:
     """A robot on its way through its log."""
 
-    def __init__(self, member: Member, brain: Brain, keeps: set[int], starts: dict[int, Start]) -> None:
+    def __init__(self, member: LoggedRobot, brain: Brain, keeps: set[int], starts: dict[int, Start]) -> None:
         self.member, self.brain, self.keeps, self.starts = member, brain, keeps, starts
         self.at = 0
         self.spoke = False  # whether the first half of the tick at `at` is done
-        self.mind: Mind | None = None
+        self.replica: Replica | None = None
         self.boot = -1
         self.saved: dict[int, list[float]] = {}  # memories that are resumed later, by block
 
 
-class _Day:
-    def __init__(self, day: Day, brain: Brain, message: Format | None, clock: Clock, keep: bool) -> None:
-        self.day, self.brain, self.keep = day, brain, keep
-        self.origins = Origins(day.members, clock)
-        self.result = OtherDay(brain, defaultdict(dict), defaultdict(dict))
+class _OneBrain:
+    def __init__(self, recording: Recording, brain: Brain, message: Format | None, clock: Clock, keep: bool) -> None:
+        self.recording, self.brain, self.keep = recording, brain, keep
+        self.origins = Origins(recording.members, clock)
+        self.result = Relived(brain, defaultdict(dict), defaultdict(dict))
         self.said: dict[Place, bytes | str | None] = {}  # str: why it is not known
         self.waiting: dict[Place, list[_Robot]] = defaultdict(list)
         self.places: dict[Place, list[Place | str]] = {}
         self.robots: dict[int, _Robot] = {}
-        self.luck = Luck(day, brain)
-        for member in day.members:
+        self.draws = Draws(recording, brain)
+        for member in recording.members:
             first = member.log.states[0]
             form = message or format_of(member.brain, first)
-            worn = brain_of(member, brain)
-            if worn is None:
+            wrapped = brain_of(member, brain)
+            if wrapped is None:
                 continue
-            own = worn.with_numbers(Numbers("single" if first.single else "double", form, first.feedback))
+            own = wrapped.with_numbers(Numbers("single" if first.single else "double", form, first.feedback))
             starts = {start.at: start for start in starts_of(member)}
             self.robots[member.number] = _Robot(member, own, {start.source for start in starts.values()}, starts)
         self._check_messages()
@@ -98,11 +99,13 @@ class _Day:
     def _check_messages(self) -> None:
         formats = {robot.brain.numbers.message for robot in self.robots.values()}
         if not self.robots:
-            raise ResultsError.of(self.day.folder, "no robot of it is honest")
+            raise ResultsError.of(self.recording.folder, "no robot of it is honest")
         if len(formats) > 1:
-            raise ResultsError.of(self.day.folder, "its logs have messages of several formats: give one with --message")
+            raise ResultsError.of(
+                self.recording.folder, "its logs have messages of several formats: give one with --message"
+            )
 
-    def live(self) -> OtherDay:
+    def live(self) -> Relived:
         work = deque(self.robots.values())
         while work:
             while work:
@@ -131,47 +134,47 @@ class _Day:
                     self.waiting[missing].append(robot)
                     return
                 self._think(robot, block, place)
-            if robot.at in robot.keeps and robot.mind is not None:
-                robot.saved[robot.at] = robot.mind.kept()
-            if robot.mind is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
-                self.result.estimates[number][robot.at] = robot.mind.estimate
+            if robot.at in robot.keeps and robot.replica is not None:
+                robot.saved[robot.at] = robot.replica.kept()
+            if robot.replica is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
+                self.result.estimates[number][robot.at] = robot.replica.estimate
                 if self.keep:
-                    self.result.memory[number][robot.at] = [float(x) for x in robot.mind.numbers()]
+                    self.result.memory[number][robot.at] = [float(x) for x in robot.replica.numbers()]
             robot.at += 1
             robot.spoke = False
 
     def _state(self, robot: _Robot, state: State) -> None:
         start = robot.starts.get(robot.at)
-        mind, before = robot.mind, robot.mind
-        if start is None and state.boot == robot.boot and mind is not None:
-            self.result.counts["lost"] += max(0, state.tick - mind.ticks)
-            mind.ticks = state.tick
+        replica, before = robot.replica, robot.replica
+        if start is None and state.boot == robot.boot and replica is not None:
+            self.result.counts["lost"] += max(0, state.tick - replica.ticks)
+            replica.ticks = state.tick
             return
         robot.boot = state.boot
-        robot.mind = mind = other_mind(robot.brain, state)
+        robot.replica = replica = other_replica(robot.brain, state)
         if start is not None and start.kind == "blank":
             return
         if start is not None and start.source in robot.saved:
-            mind.become(robot.saved[start.source], state.tick)
+            replica.become(robot.saved[start.source], state.tick)
             return
         self.result.counts["starts"] += 1
         if before is not None:
-            mind.become(before.kept(), state.tick)
-        mind.ticks = state.tick
+            replica.become(before.kept(), state.tick)
+        replica.ticks = state.tick
 
     def _speak(self, robot: _Robot, tick: Tick, place: Place) -> None:
-        mind, counts = robot.mind, self.result.counts
-        assert mind is not None
-        counts["lost"] += max(0, tick.tick - 1 - mind.ticks)
-        mind.ticks = tick.tick - 1
+        replica, counts = robot.replica, self.result.counts
+        assert replica is not None
+        counts["lost"] += max(0, tick.tick - 1 - replica.ticks)
+        replica.ticks = tick.tick - 1
         if robot.brain.uses.luck:
             given = of_calls(robot.member.brain, tick)
-            mind.lots = [given.observe or self._drawn(self.luck.own(mind, robot.boot, tick.tick, 0))]
-        if not tick.looks and not mind.done and robot.member.brain.ends:
+            replica.lots = [given.observe or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 0))]
+        if not tick.looks and not replica.done and robot.member.brain.ends:
             counts["unread"] += 1
-        said = mind.first_half(tick)
+        said = replica.first_half(tick)
         self.said[place] = said
-        self.result.sent[mind.number] += said is not None
+        self.result.sent[replica.number] += said is not None
         if self.keep and said is not None:
             self.result.said[place] = said
         counts["unheard"] += said is not None and tick.said is None
@@ -189,35 +192,35 @@ class _Day:
         return not isinstance(place, str) and place[0] not in self.robots
 
     def _think(self, robot: _Robot, tick: Tick, place: Place) -> None:
-        mind, counts = robot.mind, self.result.counts
-        assert mind is not None
-        lucky = robot.brain.uses.luck
+        replica, counts = robot.replica, self.result.counts
+        assert replica is not None
+        is_random = robot.brain.uses.luck
         given = of_calls(robot.member.brain, tick)
         for k, one in enumerate(self.places.pop(place)):
             code = one if isinstance(one, str) else self.said[one]
             if isinstance(code, str):
                 counts[code] += 1
             elif code is not None:
-                if lucky:
+                if is_random:
                     drawn = given.receive[k] if given.receive else None
                     sender = tick.heard[k].sender
-                    mind.lots = [drawn or self._drawn(self.luck.message(mind, robot.boot, tick.tick, sender))]
-                mind.hear(code)
-                self.result.heard[mind.number] += 1
+                    replica.lots = [drawn or self._drawn(self.draws.message(replica, robot.boot, tick.tick, sender))]
+                replica.hear(code)
+                self.result.heard[replica.number] += 1
                 if self.keep:
                     self.result.received.setdefault(place, []).append((tick.heard[k].sender, code))
-        if lucky:
-            mind.lots = [given.fuse or self._drawn(self.luck.own(mind, robot.boot, tick.tick, 1))]
+        if is_random:
+            replica.lots = [given.fuse or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 1))]
             if robot.brain.steers:
-                mind.lots.append(given.steer or self._drawn(self.luck.own(mind, robot.boot, tick.tick, 2)))
-        mind.think()
+                replica.lots.append(given.steer or self._drawn(self.draws.own(replica, robot.boot, tick.tick, 2)))
+        replica.think()
 
     def _drawn(self, lot: float) -> float:
         self.result.counts["lots"] += 1
         return lot
 
 
-def brain_of(member: Member, brain: Brain) -> Brain | None:
+def brain_of(member: LoggedRobot, brain: Brain) -> Brain | None:
     """What a robot has if the swarm has this brain: an adversary puts it on; None if it is not known which."""
     if member.honest or (member.is_swarm and not member.adversary):
         return brain
@@ -230,10 +233,10 @@ def brain_of(member: Member, brain: Brain) -> Brain | None:
     try:
         return brains.lying_brain(liar.with_parameters(_told(member, liar.parameters)), brain)
     except ValueError as error:
-        raise InputError(f"robot {member.number}: {error}") from None
+        raise InputError.named("robot", member.number, error) from None
 
 
-def _told(member: Member, parameters: Mapping[str, object]) -> dict[str, object]:
+def _told(member: LoggedRobot, parameters: Mapping[str, object]) -> dict[str, object]:
     """The values that a log tells of an adversary's parameters, which its brain has with a prefix."""
     values: dict[str, object] = {}
     state, at = member.log.states[0], 0

@@ -6,26 +6,26 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import Day, Member
-from swarmcensus.robots.logs.lives import Life
+from swarmcensus.robots.logs.folders import LoggedRobot, Recording
+from swarmcensus.robots.logs.lives import RobotReplay
 from swarmcensus.robots.logs.logs import State, Tick
-from swarmcensus.robots.logs.minds import Unfit, mind_of
-from swarmcensus.robots.logs.others import OtherDay, brain_of
+from swarmcensus.robots.logs.others import Relived, brain_of
+from swarmcensus.robots.logs.replicas import Unfit, replica_of
 from swarmcensus.simulation import trace_of
 from swarmcensus.support.errors import ResultsError
 
 MOST_VALUES = 2**26  # of a trace
 
 
-def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
-    """The day as it was: the estimates of the logs, and the memory of minds that were lived again."""
-    result = OtherDay(day.brain, {}, {})
-    for member, life in zip(day.members, lives, strict=True):
+def as_logged(recording: Recording, lives: Sequence[RobotReplay]) -> Relived:
+    """The recording as it was: the estimates of the logs, and the memory of states that were lived again."""
+    result = Relived(recording.brain, {}, {})
+    for member, life in zip(recording.members, lives, strict=True):
         note_logged(result, member, life)
     return result
 
 
-def note_logged(result: OtherDay, member: Member, life: Life, first: int = 0) -> None:
+def note_logged(result: Relived, member: LoggedRobot, life: RobotReplay, first: int = 0) -> None:
     """Add what the blocks of a robot's log say, from the block `first` on."""
     number, blocks = member.number, member.log.blocks
     estimates, memory = result.estimates.setdefault(number, {}), result.memory.setdefault(number, {})
@@ -43,17 +43,17 @@ def note_logged(result: OtherDay, member: Member, life: Life, first: int = 0) ->
                 result.received[number, at] = [(one.sender, one.code) for one in block.heard]
         elif isinstance(block, State) and block.starts:
             try:
-                mind = mind_of(member.brain, block)
+                replica = replica_of(member.brain, block)
             except Unfit:
                 continue
-            estimates[at], memory[at] = mind.estimate, mind.numbers()
+            estimates[at], memory[at] = replica.estimate, replica.numbers()
 
 
-def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:
+def estimates_of(recording: Recording, lived: Relived, clock: Clock) -> np.ndarray:
     """The estimates (round, robot); NaN where a robot was away, or its log lacks the tick."""
-    _check_size(day, clock, 1)
-    out = np.full((clock.rounds + 1, len(day.members)), np.nan)
-    for column, member in enumerate(day.members):
+    _check_size(recording, clock, 1)
+    out = np.full((clock.rounds + 1, len(recording.members)), np.nan)
+    for column, member in enumerate(recording.members):
         for at, estimate in lived.estimates.get(member.number, {}).items():
             row = clock.time(member.number, at)
             if isinstance(member.log.blocks[at], Tick) or np.isnan(out[row, column]):  # a start comes after the tick
@@ -61,27 +61,31 @@ def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:
     return out
 
 
-def as_trace(day: Day, lived: OtherDay, clock: Clock) -> xr.Dataset:
-    """The trace of a day."""
-    trace = trace_of(_fields(day, lived, clock), estimates_of(day, lived, clock), lived.brain)
-    trace = trace.assign_coords(robot=[member.number for member in day.members])
+def as_trace(recording: Recording, lived: Relived, clock: Clock) -> xr.Dataset:
+    """The trace of a recording."""
+    trace = trace_of(_fields(recording, lived, clock), estimates_of(recording, lived, clock), lived.brain)
+    trace = trace.assign_coords(robot=[member.number for member in recording.members])
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
-    if not all(member.honest for member in day.members):
+    if not all(member.honest for member in recording.members):
         says = {"long_name": "1 where metrics count the robot"}
-        trace["honest"] = ("robot", np.array([member.honest for member in day.members], np.int8), says)
-    known = {} if day.fill_ratio is None else {"fill_ratio": day.fill_ratio}
-    trace.attrs |= {"title": f"{day.title}: {lived.brain.label}", "bins": day.bins, "delta": day.delta} | known
+        trace["honest"] = ("robot", np.array([member.honest for member in recording.members], np.int8), says)
+    known = {} if recording.fill_ratio is None else {"fill_ratio": recording.fill_ratio}
+    trace.attrs |= {
+        "title": f"{recording.title}: {lived.brain.label}",
+        "bins": recording.bins,
+        "delta": recording.delta,
+    } | known
     return trace
 
 
-def _fields(day: Day, lived: OtherDay, clock: Clock) -> dict[str, np.ndarray]:
+def _fields(recording: Recording, lived: Relived, clock: Clock) -> dict[str, np.ndarray]:
     """The fields of the brain's memory (round, robot) or (round, robot, item)."""
-    shape, lengths = (clock.rounds + 1, len(day.members)), lived.brain.lengths
+    shape, lengths = (clock.rounds + 1, len(recording.members)), lived.brain.lengths
     width = sum(size or 1 for size in lengths.values())
-    _check_size(day, clock, width)
+    _check_size(recording, clock, width)
     every = np.full((*shape, width), np.nan)
-    for column, member in enumerate(day.members):
-        own = member.brain if lived.brain is day.brain else brain_of(member, lived.brain)
+    for column, member in enumerate(recording.members):
+        own = member.brain if lived.brain is recording.brain else brain_of(member, lived.brain)
         if own is not None and own.lengths == lengths:  # a liar remembers more
             for at, numbers in lived.memory.get(member.number, {}).items():
                 every[clock.time(member.number, at), column] = numbers
@@ -93,15 +97,17 @@ def _fields(day: Day, lived: OtherDay, clock: Clock) -> dict[str, np.ndarray]:
     return fields
 
 
-def _check_size(day: Day, clock: Clock, width: int) -> None:
+def _check_size(recording: Recording, clock: Clock, width: int) -> None:
     """Raise InputError if so many numbers of each robot and tick are too many, as after a forged tick."""
-    if (clock.rounds + 1) * len(day.members) * width > MOST_VALUES:
-        raise ResultsError.of(day.folder, f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?")
+    if (clock.rounds + 1) * len(recording.members) * width > MOST_VALUES:
+        raise ResultsError.of(
+            recording.folder, f"its logs span {clock.rounds:,} ticks, too many to keep: is one damaged?"
+        )
 
 
-def ends_of(day: Day, lived: OtherDay) -> np.ndarray:
+def ends_of(recording: Recording, lived: Relived) -> np.ndarray:
     """The last estimate of each robot (robot,), NaN if none is known."""
-    of_robots = (lived.estimates.get(member.number) or {0: np.nan} for member in day.members)
+    of_robots = (lived.estimates.get(member.number) or {0: np.nan} for member in recording.members)
     return np.array([estimates[max(estimates)] for estimates in of_robots])
 
 
@@ -119,6 +125,6 @@ def last_estimates(estimates: np.ndarray) -> np.ndarray:
     return out
 
 
-def messages_of_robots(day: Day, counts: Mapping[int, int]) -> np.ndarray:
+def messages_of_robots(recording: Recording, counts: Mapping[int, int]) -> np.ndarray:
     """How many messages each robot has (robot,)."""
-    return np.array([float(counts[member.number]) for member in day.members])
+    return np.array([float(counts[member.number]) for member in recording.members])

@@ -1,7 +1,7 @@
-"""The air between robots that are processes. Plain Python and MicroPython alike.
+"""The air between robots that are processes. Runs in CPython and in MicroPython.
 
 What becomes of a message is decided where it arrives, by a hash of who sent it, when, and who hears it. So a run's
-losses can be told afterwards.
+losses are known afterwards.
 """
 
 MASK = 0xFFFFFFFF

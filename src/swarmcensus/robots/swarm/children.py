@@ -22,7 +22,7 @@ PROGRAM = (
     "import sys; sys.path.insert(0, sys.argv[1]); sys.dont_write_bytecode = True; import node; node.main(*sys.argv[2:])"
 )
 GRACE = 0.3  # seconds from asking a process to end to ending it
-LAST_LINES = 3  # of what a dead robot said that are told
+LAST_LINES = 3  # of a dead robot's output that are shown
 
 
 def check_system() -> None:
@@ -143,8 +143,8 @@ class Children:
 def _resident(pids: list[int]) -> int:
     """Bytes of these processes as `ps` tells them."""
     command = ["ps", "-o", "rss=", "-p", ",".join(map(str, pids))]
-    told = subprocess.run(command, capture_output=True, text=True, check=False).stdout if pids else ""
-    return 1024 * sum(int(word) for word in told.split())
+    listed = subprocess.run(command, capture_output=True, text=True, check=False).stdout if pids else ""
+    return 1024 * sum(int(word) for word in listed.split())
 
 
 def seconds_of_children() -> float:

@@ -1,4 +1,4 @@
-"""What one robot of a swarm of processes runs. Plain Python and MicroPython alike; beside it lie its other files.
+"""What one robot of a swarm of processes runs. Runs in CPython and in MicroPython; its other files lie next to it.
 
 It says who it is to the swarm's command, which answers with when the swarm starts and who hears the robot. From then on
 it reads, talks and thinks by its own clock until its rounds are over, and goes on reporting until it is ended. It ends
@@ -79,7 +79,7 @@ class Node:
         self.reported = 0.0  # when it reported last
         self.lag = 0  # milliseconds that the next tick comes late
         self.ended = False
-        self.version = 0  # of what the command last told
+        self.version = 0  # of the command's last orders
         self.radio = self._open()
         self.command = self._open()
         self.command.connect((settings.HOST, settings.COMMAND))
@@ -168,7 +168,7 @@ class Node:
         brain = __import__(s.BRAIN)
         self.robot = robot = Timed(
             brain, self.air.messages, sensor, self.air, self.clock, s.B, s.W, s.NUMBER, s.PERIOD, s.LOOKS, s.PARAMETERS,
-            None if s.LUCK is None else self.luck, None, 255,
+            None if s.LUCK is None else self.draws, None, 255,
         )  # fmt: skip
         self.drawn = 0
         robot.keep(s.MEMORY, s.SAVE_EVERY)
@@ -177,7 +177,7 @@ class Node:
         if s.DELAY:
             self.poll.register(self.radio.fileno(), select.POLLIN)
 
-    def luck(self):
+    def draws(self):
         """A random number in (0, 1), with 23 binary digits in single precision and 52 in double."""
         self.drawn += 2
         s = self.settings

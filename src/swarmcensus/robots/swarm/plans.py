@@ -14,7 +14,7 @@ from swarmcensus.robots import on_node
 from swarmcensus.robots.target import check_hz, check_is_no_bound, datagram_bytes, mark_of
 from swarmcensus.simulation import inputs_of, record_readings
 from swarmcensus.studies import Setting, Study
-from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.errors import InputError, OptionError, StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 
@@ -30,14 +30,14 @@ class Air:
     """What becomes of messages, and how uneven clocks are."""
 
     hz: float = 10.0
-    delay: int = 0  # milliseconds, beside the rounds of a study
+    delay: int = 0  # milliseconds, in addition to the rounds of a study
     duplicate: float = 0.0  # share of messages that are heard twice
     jitter: float = 0.1  # a tick comes late by up to this share of a period
     host: str = "127.0.0.1"
 
 
 @dataclass(frozen=True)
-class Member:
+class PlannedRobot:
     """One robot."""
 
     number: int
@@ -51,7 +51,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Plan:
+class SwarmPlan:
     """A swarm to be started."""
 
     study: Study
@@ -60,11 +60,11 @@ class Plan:
     seed: int
     trial: int
     air: Air
-    members: tuple[Member, ...]
+    members: tuple[PlannedRobot, ...]
     links: tuple[tuple[int, int], ...]  # receiver, sender
     readings: np.ndarray  # (observation, robot), 1 black
     chance: int  # 32 bits, the seed of what happens to messages
-    luck: int | None  # the same for brains, if any uses luck
+    draws: int | None  # the same for brains, if any uses luck
 
     @property
     def period(self) -> int:
@@ -97,7 +97,7 @@ class Plan:
         return mark_of(self.setting.brain)
 
 
-def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> Plan:
+def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> SwarmPlan:
     """The plan of one trial of a setting. Raises InputError if it cannot be run as processes."""
     settings = study.settings()
     if not 0 <= number < len(settings):
@@ -110,9 +110,9 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     members = _members(setting, given, micropython)
     links = _links(given, setting.robots)
     readings = record_readings(setting, seed, trial)
-    luck = _words("luck", given.luck, trial) if given.luck.size else None
+    draws = _words("luck", given.draws, trial) if given.draws.size else None
     chance = _words("messages", given.radio.key, trial, seed)
-    return Plan(study, setting, number, seed, trial, air, members, links, readings, chance, luck)
+    return SwarmPlan(study, setting, number, seed, trial, air, members, links, readings, chance, draws)
 
 
 def _in_bytes(setting: Setting) -> Setting:
@@ -125,24 +125,23 @@ def _in_bytes(setting: Setting) -> Setting:
 
 def _check(setting: Setting, study: Study, air: Air) -> None:
     if setting.body is not None:
-        raise InputError(
-            f"{study.name}: robots that move have no fixed neighbours: a swarm of processes needs a fixed network, "
-            'such as topology = "ring"'
-        )
+        needs = 'a swarm of processes needs a fixed network, such as topology = "ring"'
+        raise StudyError.within(study.name, f"robots that move have no fixed neighbours: {needs}", "topology")
     if setting.faults:
-        raise InputError(f"{study.name}: [[faults]] are not run by processes: --fault makes robots fail")
+        raise StudyError.within(study.name, "[[faults]] are not run by processes: --fault makes robots fail", "faults")
     check_is_no_bound(setting.brain)
     if any(brain.jams for brain in setting.brains):
-        raise InputError(f"{study.name}: a robot jams others' messages, which no robot does over sockets")
+        raise StudyError.within(study.name, "a robot jams others' messages, which no robot does over sockets", "brain")
     if setting.robots > MOST_ROBOTS:
-        raise InputError(f"{setting.robots:,} robots: {MOST_ROBOTS:,} processes are the most on one machine")
-    if setting.observations_per_round > MOST_LOOKS:
-        raise InputError(
-            f"{setting.observations_per_round:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
-        )
+        most = f"{setting.robots:,} robots: {MOST_ROBOTS:,} processes are the most on one machine"
+        raise InputError(most, key="robots", value=setting.robots)
+    if (observations := setting.observations_per_round) > MOST_LOOKS:
+        most = f"{observations:,} observations a round: a robot's log holds up to {MOST_LOOKS:,} a tick"
+        raise InputError(most, key="observations_per_round", value=observations)
     size = max(map(datagram_bytes, setting.brains))
     if size > MOST_BYTES:
-        raise InputError(f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram")
+        most = f"a message of {size:,} bytes: UDP carries up to {MOST_BYTES:,} in a datagram"
+        raise InputError(most, key="message", value=size)
     check_hz(air.hz, HIGHEST_HZ)
     for name, value in (("duplicate", air.duplicate), ("jitter", air.jitter)):
         if not 0.0 <= value <= 0.9:
@@ -153,15 +152,11 @@ def _check_delay(setting: Setting, air: Air) -> None:
     """Raise InputError if no message could arrive before the end."""
     seconds = setting.rounds * round(1000.0 / air.hz) / 1000.0
     if air.delay >= 1000.0 * seconds > 0.0:
-        raise OptionError(
-            f"--delay {air.delay / 1000.0:g}s: the run takes {seconds:g} s, so that no message would arrive: should be "
-            "shorter than the run",
-            key="delay",
-            value=air.delay / 1000.0,
-        )
+        delay, late = air.delay / 1000.0, f"the run takes {seconds:g} s, so that no message would arrive"
+        raise OptionError(f"--delay {delay:g}s: {late}: should be shorter than the run", key="delay", value=delay)
 
 
-def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member, ...]:
+def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[PlannedRobot, ...]:
     if not 0 <= micropython <= setting.robots:
         raise wrong_option("micropython", micropython, f"the swarm has {counted(setting.robots, 'robot')}")
     if micropython and not on_node.micropython():
@@ -170,18 +165,18 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member,
     honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
     b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)
     names = _names(setting, group, honest)
-    worn = _adversaries(setting)
+    wrapped = _adversaries(setting)
     return tuple(
-        Member(
+        PlannedRobot(
             k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython,
-            worn.get(setting.brains[group[k]]),
+            wrapped.get(setting.brains[group[k]]),
         )
         for k in range(setting.robots)
     )  # fmt: skip
 
 
 def _adversaries(setting: Setting) -> dict[Brain, str]:
-    """The names of adversaries by the brains that wear them."""
+    """The names of adversaries by the brains that they wrap."""
     liars = [member for member in setting.members if isinstance(member.brain, Adversary)]
     brains = (liar.brain_in(setting.brain).with_numbers(setting.brain.numbers) for liar in liars)
     return {brain: liar.brain.name for brain, liar in zip(brains, liars, strict=True) if liar.brain}
@@ -210,7 +205,7 @@ def _words(purpose: str, *content: object) -> int:
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest())
 
 
-def hearers(plan: Plan, cuts: Sequence[frozenset[int]]) -> list[list[int]]:
+def hearers(plan: SwarmPlan, cuts: Sequence[frozenset[int]]) -> list[list[int]]:
     """For each robot, who hears it while the swarm is cut into these groups and the rest."""
     heard_by: list[list[int]] = [[] for _ in plan.members]
     for receiver, sender in plan.links:

@@ -15,7 +15,7 @@ class Report(NamedTuple):
     number: int
     life: int
     port: int  # of its radio
-    version: int  # of what it was last told
+    version: int  # of the last orders that it got
     round: int = -1  # the round that comes next, counted from 0
     ticks: int = 0
     estimate: float = 0.5

@@ -1,4 +1,4 @@
-"""Rounding to single precision where neither NumPy nor ctypes is. Plain Python and MicroPython alike."""
+"""Rounding to single precision where neither NumPy nor ctypes is. Runs in CPython and in MicroPython."""
 
 import struct
 

@@ -8,12 +8,12 @@ from swarmcensus.brains import rounded_to_single
 from swarmcensus.robots.chips import KILOBOT, avr_size, for_avr, missing
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.target import Order, Target
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, header, piece, quoted
 
 TICKS_A_SECOND = 32  # of a Kilobot's clock
-FLASH, RAM = 20_000, 1_300  # bytes left beside Kilobot's own library, its boot loader and a stack
+FLASH, RAM = 20_000, 1_300  # bytes left by Kilobot's own library, its boot loader and a stack
 FLAGS = ("-funsigned-char", "-funsigned-bitfields", "-fpack-struct", "-fshort-enums")  # those of Kilobot's library
 
 
@@ -40,13 +40,10 @@ def kilobot_files(order: Order) -> dict[str, str]:
 
 
 def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int | None]:
-    """The bytes of flash and of memory beside Kilobot's own library; None without avr-gcc. Raises InputError."""
+    """The bytes of flash and of memory besides Kilobot's own library; None without avr-gcc. Raises InputError."""
     name = order.brain.name
     if order.brain.memory_bytes > RAM:
-        raise InputError(
-            f"the brain {name!r} remembers {order.brain.memory_bytes:,} bytes, and a Kilobot has {RAM:,} for it: it is "
-            "too large"
-        )
+        raise _too_large(name, f"remembers {order.brain.memory_bytes:,} bytes, and a Kilobot has {RAM:,} for it")
     if missing(("avr-gcc", "avr-size")):
         return None, None
     with tempfile.TemporaryDirectory() as made:
@@ -56,11 +53,13 @@ def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int 
         program = for_avr(folder / "main.c", KILOBOT, *FLAGS, f"-I{folder}", str(folder / "kilolib.c"))
         flash, ram = avr_size(program)
     if flash > FLASH or ram > RAM:
-        raise InputError(
-            f"the brain {name!r} needs {flash:,} bytes of flash and {ram:,} of memory, and a Kilobot has {FLASH:,} and "
-            f"{RAM:,} beside its own library: it is too large"
-        )
+        needs = f"needs {flash:,} bytes of flash and {ram:,} of memory"
+        raise _too_large(name, f"{needs}, and a Kilobot has {FLASH:,} and {RAM:,} beside its own library")
     return flash, ram
+
+
+def _too_large(name: str, needs: str) -> BrainError:
+    return BrainError(f"the brain {name!r} {needs}: it is too large", key="brain", value=name)
 
 
 def _literal(value: float) -> str:

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import arena
 
@@ -17,50 +18,47 @@ class NoNetwork(ValueError):
 
 
 def check_areas(mission: Any) -> None:
-    """Raise ValueError if the area is missing, given twice, too small or too large, or does not apply."""
+    """Raise StudyError if the area is missing, given twice, too small or too large, or does not apply."""
     area, free = mission.area, mission.free
     if free.robots is not None and free.robots[1] > MOST_ROBOTS:
-        raise ValueError(f"free.robots = {free.robots[1]}: a plan has at most {MOST_ROBOTS:,} robots")
+        raise StudyError.at("free.robots", free.robots[1], f"a plan has at most {MOST_ROBOTS:,} robots")
     if free.minutes is not None and free.minutes[1] > YEAR:
-        raise ValueError(f"free.minutes = {free.minutes[1]:g}: a plan is for at most a year, {YEAR:,} min")
+        raise StudyError.at("free.minutes", f"{free.minutes[1]:g}", f"a plan is for at most a year, {YEAR:,} min")
     moving, fixed = (any(topology.moves == moves for topology in free.topology) for moves in (True, False))
     sized = area.side is not None or area.area is not None
     if area.side is not None and area.area is not None:
-        raise ValueError("area.side and area.area both say how large the area is: give one of them")
+        raise _twice("area.side", "area.area")
     if not moving:
-        for key, value in (("area.side", area.side), ("area.area", area.area), ("area.floor", area.floor)):
+        moving_only = ("area.side", area.side), ("area.area", area.area), ("area.floor", area.floor)
+        for key, value in (*moving_only, ("free.density", free.density)):
             if value is not None:
-                raise ValueError(f'{key} is of robots that move: it goes with topology = "moving"')
-        if free.density is not None:
-            raise ValueError('free.density is of robots that move: it goes with topology = "moving"')
+                raise StudyError(f'{key} is of robots that move: it goes with topology = "moving"', key=key)
         if mission.wanted.truth == "floor":
-            raise ValueError(
-                'wanted.truth = "floor" is of robots that move: on fixed networks each reading is of another tile'
-            )
+            where = "robots that move: on fixed networks each reading is of another tile"
+            raise StudyError(f'wanted.truth = "floor" is of {where}', key="wanted.truth", value="floor")
     elif sized and free.density is not None:
-        raise ValueError(
-            f"free.density and area.{'side' if area.side is not None else 'area'} both say how large the area is: "
-            "give one of them"
-        )
+        raise _twice("free.density", f"area.{'side' if area.side is not None else 'area'}")
     elif not sized and free.density is None:
-        raise ValueError(
-            "area: should have a side in metres, or an area in square metres, or leave it to a swarm density "
-            "(free.density)"
-        )
+        sizes = "a side in metres, or an area in square metres, or leave it to a swarm density (free.density)"
+        raise StudyError(f"area: should have {sizes}", key="area")
     if area.floor is not None and len(area.floor) > 1:
-        raise ValueError("area.floor: should be one kind of floor")
+        raise StudyError("area.floor: should be one kind of floor", key="area.floor")
     for key in ("observations_per_round", "round_seconds"):
         if not fixed and getattr(free, key) is not None:
-            raise ValueError(f"free.{key} is of fixed networks: robots that move observe once a tick at most")
+            once = "robots that move observe once a tick at most"
+            raise StudyError(f"free.{key} is of fixed networks: {once}", key=f"free.{key}")
     for world in mission.worlds:
         if world.moves:
             _check_area(world)
         else:
             check_networks(world)
         if free.minutes is not None and world.rounds(free.minutes[0]) < 1:
-            raise ValueError(
-                f"free.minutes = {free.minutes[0]:g}: that is less than one round of {60 * world.round_minutes:g} s"
-            )
+            less = f"that is less than one round of {60 * world.round_minutes:g} s"
+            raise StudyError.at("free.minutes", f"{free.minutes[0]:g}", less)
+
+
+def _twice(first: str, second: str) -> StudyError:
+    return StudyError(f"{first} and {second} both say how large the area is: give one of them", key=second)
 
 
 def _check_area(world: Any) -> None:
@@ -68,23 +66,20 @@ def _check_area(world: Any) -> None:
     if density is None:
         most = capacity(world)
         if robots is not None and robots[1] > most:
-            raise ValueError(
-                f"free.robots = {robots[1]}: a square of {world.side:g} m holds {counted(most, 'robot')} at the most"
-            )
+            holds = f"a square of {world.side:g} m holds {counted(most, 'robot')} at the most"
+            raise StudyError.at("free.robots", robots[1], holds)
         if most < 1:
-            raise ValueError(f"a square of {world.side:g} m cannot hold a robot")
+            raise StudyError(f"a square of {world.side:g} m cannot hold a robot", key="area")
     else:
         most_dense = arena.COVERED * (world.body.radio_range / world.body.radius) ** 2
         if density > most_dense:
-            raise ValueError(f"free.density = {density:g}: bodies have room to move up to {most_dense:.4g}")
+            raise StudyError.at("free.density", f"{density:g}", f"bodies have room to move up to {most_dense:.4g}")
         if robots is not None and robots[0] < fewest(world):
-            raise ValueError(
-                f"free.robots = {robots[0]}: at a density of {density:g} fewer than {fewest(world):,} robots have no "
-                "room to move"
-            )
+            few = f"at a density of {density:g} fewer than {fewest(world):,} robots have no room to move"
+            raise StudyError.at("free.robots", robots[0], few)
     across = world.sized(robots[1] if robots else 1000).side / world.body.tile
     if across > MOST_TILES:
-        raise ValueError(f"the area is {across:.2g} tiles wide: {MOST_TILES:,} is the most")
+        raise StudyError(f"the area is {across:.2g} tiles wide: {MOST_TILES:,} is the most", key="area")
 
 
 def capacity(world: Any) -> int:
@@ -95,7 +90,7 @@ def capacity(world: Any) -> int:
 
 
 def fewest(world: Any) -> int:
-    """The fewest robots whose area, which follows from their density, is large enough to move in."""
+    """The fewest robots with an area, which follows from their density, that is large enough to move in."""
     alone = arena.largest_density(1, world.body)
     return max(1, math.ceil(float(world.density) / alone - 1e-9))
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Adversary, lying_brain
 from swarmcensus.support.bins import right_bin
+from swarmcensus.support.errors import StudyError
 from swarmcensus.worlds import Accuracy
 
 POINTS = 51  # fill ratios of the range that are examined
@@ -55,8 +56,8 @@ class Goal:
         if self.bins is None:
             return np.unique(fill_ratios)
         edges = np.arange(1, self.bins) / self.bins
-        beside = np.concatenate([edges - self.margin, edges + self.margin])
-        fill_ratios = np.unique(np.concatenate([fill_ratios, beside[(beside >= low) & (beside <= high)]]))
+        near = np.concatenate([edges - self.margin, edges + self.margin])
+        fill_ratios = np.unique(np.concatenate([fill_ratios, near[(near >= low) & (near <= high)]]))
         distance = np.abs(fill_ratios[:, np.newaxis] - edges).min(axis=1)
         return np.asarray(fill_ratios[distance >= self.margin - 1e-12])
 
@@ -69,21 +70,22 @@ class Goal:
 
 
 def check_consistency(mission: Any) -> None:
-    """Raise ValueError if keys contradict one another, or the goal can never be reached."""
+    """Raise StudyError if keys contradict one another, or the goal can never be reached."""
     wanted, known, free = mission.wanted, mission.known, mission.free
     if (wanted.half_width is None) == (wanted.right is None):
-        raise ValueError(
-            'wanted: should have a half_width, such as 0.02, or right, such as "majority" or 10 bins'
-            + (", and not both" if wanted.right is not None else "")
-        )
+        either = 'wanted: should have a half_width, such as 0.02, or right, such as "majority" or 10 bins'
+        raise StudyError(either + (", and not both" if wanted.right is not None else ""), key="wanted")
+    margin = f"{wanted.margin:g}"
     if wanted.margin and wanted.right is None:
-        raise ValueError(f"wanted.margin = {wanted.margin:g}: it goes with right, because a half_width has no edges")
+        raise StudyError.at("wanted.margin", margin, "it goes with right, because a half_width has no edges")
     if free.robots is None and free.minutes is None:
-        raise ValueError("free: should have robots, or minutes, or both: a number or a range, such as [10, 100]")
+        either = "should have robots, or minutes, or both: a number or a range, such as [10, 100]"
+        raise StudyError(f"free: {either}", key="free")
     _check_accuracies(known.accuracy)
     for brain in mission.brains if wanted.half_width is not None else ():
         if brain.is_opinion:
-            raise ValueError(f"free.brain = {brain.name!r}: its robots have opinions of 0 or 1, so it needs right")
+            opinions = "its robots have opinions of 0 or 1, so it needs right"
+            raise StudyError.at("free.brain", repr(brain.name), opinions)
     for key, values in (
         ("known.accuracy", known.accuracy),
         ("known.lie", [lie.label for lie in known.lie or ()]),
@@ -94,59 +96,58 @@ def check_consistency(mission: Any) -> None:
         texts = [str(value) for value in values]
         for text in texts:
             if texts.count(text) > 1:
-                raise ValueError(f"{key}: {text} is there twice")
+                raise StudyError(f"{key}: {text} is there twice", key=key, value=text)
     low, high = known.fill_ratio
     if not mission.goal.candidates(low, high).size:
-        raise ValueError(
-            f"wanted.margin = {wanted.margin:g} leaves no fill ratio from {low:g} to {high:g} for {wanted.right!r}"
-        )
+        none = f"wanted.margin = {margin} leaves no fill ratio from {low:g} to {high:g} for {wanted.right!r}"
+        raise StudyError(none, key="wanted.margin", value=wanted.margin)
     if wanted.right is not None and wanted.margin == 0.0:
         edges = np.arange(1, mission.goal.bins) / mission.goal.bins
         on_edges = edges[(edges >= low) & (edges <= high)]
         if on_edges.size:
-            raise ValueError(
+            raise StudyError(
                 f"the goal cannot be reached, because f may be {on_edges[0]:g}, on the edge between two bins: "
-                "say how far off it is (wanted.margin), or narrow known.fill_ratio"
+                "say how far off it is (wanted.margin), or narrow known.fill_ratio",
+                key="wanted.margin",
             )
 
 
 def _check_accuracies(accuracies: Sequence[Accuracy]) -> None:
-    """Raise ValueError if sensors tell nothing, may tell nothing, or drift."""
+    """Raise StudyError if readings carry no information, may carry none, or if sensors drift."""
     for accuracy in accuracies:
         if accuracy.drift is not None:
-            raise ValueError("known.accuracy: a plan is for sensors that do not drift")
+            raise StudyError("known.accuracy: a plan is for sensors that do not drift", key="known.accuracy")
         if accuracy.is_blind:
-            raise ValueError(
-                f"the goal cannot be reached, because an accuracy of {accuracy} says the same of black and white"
-            )
+            why = f"an accuracy of {accuracy} says the same of black and white"
+            raise StudyError(f"the goal cannot be reached, because {why}", key="known.accuracy", value=accuracy)
     numbers = [
         accuracy.black.numbers[0] for accuracy in accuracies if accuracy.white is None and accuracy.black.is_number
     ]
     if numbers and min(numbers) < 0.5 < max(numbers):
-        raise ValueError(
-            f"known.accuracy: between {min(numbers):g} and {max(numbers):g} lies 0.5, "
-            "at which a sensor says the same of black and white"
-        )
+        ends = f"between {min(numbers):g} and {max(numbers):g} lies 0.5"
+        same = "at which a sensor says the same of black and white"
+        raise StudyError(f"known.accuracy: {ends}, {same}", key="known.accuracy")
 
 
 def check_liars(mission: Any) -> None:
-    """Raise ValueError if nobody can lie, if no honest robot works, or if an adversary does not fit a brain."""
+    """Raise StudyError if nobody can lie, if no honest robot works, or if an adversary does not fit a brain."""
     known, free = mission.known, mission.free
     if known.lie is not None and not known.lying:
-        raise ValueError("known.lie: no robot lies: give the share of robots that may lie as known.lying")
+        share = "no robot lies: give the share of robots that may lie as known.lying"
+        raise StudyError(f"known.lie: {share}", key="known.lie")
     for entry in known.lie or ():
         if not isinstance(entry, Adversary):
-            raise ValueError(f"known.lie = {entry.name!r}: that is a brain, and not an adversary, such as shouter")
+            a_brain = "that is a brain, and not an adversary, such as shouter"
+            raise StudyError.at("known.lie", repr(entry.name), a_brain)
     if known.lying + known.failing >= 1.0:
-        raise ValueError(
-            f"known.lying = {known.lying:g} and known.failing = {known.failing:g} leave no robot that works and is "
-            "honest: together they should be less than 1"
-        )
+        both = f"known.lying = {known.lying:g} and known.failing = {known.failing:g}"
+        less = "leave no robot that works and is honest: together they should be less than 1"
+        raise StudyError(f"{both} {less}", key="known.lying", value=known.lying)
     if known.lying and free.robots is not None and free.robots[1] == 1:
-        raise ValueError(f"known.lying = {known.lying:g}: a swarm of one robot has no liars")
+        raise StudyError.at("known.lying", f"{known.lying:g}", "a swarm of one robot has no liars")
     for brain in mission.brains if known.lying else ():
         for lie in mission.lies if not brain.is_oracle else ():
             try:
                 lying_brain(lie, brain)
             except ValueError as error:
-                raise ValueError(f"known.lie = {lie.label!r}: {error}") from None
+                raise StudyError.at("known.lie", repr(lie.label), error) from None

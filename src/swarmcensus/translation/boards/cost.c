@@ -30,7 +30,7 @@ static void cost_put_number(uint32_t x) {
 }
 
 static void __attribute__((noinline)) cost_live(uint16_t tick) {
-        ${luck}
+        ${draws}
         cost_floor_seen = (uint8_t)((tick * 5 % 8) < 3);
         observe(&cost_me, cost_floor_seen, 1);
 ${talk}

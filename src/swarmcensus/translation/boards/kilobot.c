@@ -137,7 +137,7 @@ static void robot_hear(void) {
 }
 
 static void robot_show(number x) {
-    if (!(x >= 0 && x <= 1)) {  // a forged message, or a fault: it begins anew
+    if (!(x >= 0 && x <= 1)) {  // a forged message, or a fault: it starts blank
         robot_begin();
         x = (number)0.5;
     }

@@ -40,12 +40,12 @@ def main():
     """Run for ever; a line every hundred ticks tells how the robot is."""
     robot = made()
     # dog = machine.WDT(timeout=8000)  # restarts the board if a sensor or a radio never returns
-    told = robot.ticks
+    reported = robot.ticks
     while True:
         time.sleep(robot.poll() / 1000)
         # dog.feed()
-        if robot.ticks >= told + 100:
-            told = robot.ticks
+        if robot.ticks >= reported + 100:
+            reported = robot.ticks
             print(robot.status() + (f" log_faults {robot.log.faults}" if robot.log else ""))
 
 

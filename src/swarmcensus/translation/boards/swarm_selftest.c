@@ -51,9 +51,9 @@ static uint32_t test_draw(void) {
 
 static uint16_t test_draw_below(uint16_t n) { return (uint16_t)((test_draw() >> 16) % n); }
 
-static void test_give_luck(struct brain *me) {
-    const number luck = (number)((test_draw() >> 9) * 2 + 1) * ${unit_of_luck};
-${luck}
+static void test_give_draw(struct brain *me) {
+    const number luck = (number)((test_draw() >> 9) * 2 + 1) * ${unit_of_draw};
+${draws}
 }
 
 static void test_put_text(const char *text) {
@@ -130,7 +130,7 @@ static void test_look(struct brain *me) {
     for (uint8_t k = 0; k < looks; k++) {
         blacks = (uint8_t)(blacks + (test_draw_below(100) < ${share}));
     }
-    test_give_luck(me);
+    test_give_draw(me);
     if (looks > 0${done}) {
         observe(me, blacks, looks);
     }
@@ -144,7 +144,7 @@ static void test_listen(uint8_t i) {
         }
         const bool is_far = test_draw_below(${far}) != 0 && apart != 1 && apart != ROBOTS - 1;
         if (!is_far && test_draw_below(${lost}) != 0 && test_speaks[j]) {
-            test_give_luck(&test_swarm[i]);
+            test_give_draw(&test_swarm[i]);
             brain_hear(&test_swarm[i], test_messages[j]);
         }
     }
@@ -167,7 +167,7 @@ int main(void) {
             test_listen(i);
         }
         for (uint8_t i = 0; i < ROBOTS; i++) {
-            test_give_luck(&test_swarm[i]);
+            test_give_draw(&test_swarm[i]);
             fuse(&test_swarm[i]);
             test_put_place(round, i);
             test_put_answers(&test_swarm[i]);

@@ -32,7 +32,7 @@ def moments(mean: float, sd: float) -> tuple[float, float]:
 
 def draw(key: np.ndarray, first_trial: int, out: np.ndarray, mean: float, sd: float) -> None:
     """Accuracies, by rejection."""
-    compile_world().spread_normal(key, first_trial, mean, sd, out)
+    compile_world().draw_normal(key, first_trial, mean, sd, out)
 
 
 def error(u: np.ndarray, mean: float, sd: float) -> np.ndarray:

@@ -27,4 +27,4 @@ def moments(lo: float, hi: float) -> tuple[float, float]:
 
 def draw(key: np.ndarray, first_trial: int, out: np.ndarray, lo: float, hi: float) -> None:
     """Draw quantiles of uniform numbers, bit for bit as `quantile` gives them, but faster."""
-    compile_world().spread_uniform(key, first_trial, lo, hi, out)
+    compile_world().draw_uniform(key, first_trial, lo, hi, out)

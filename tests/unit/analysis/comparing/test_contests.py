@@ -51,21 +51,6 @@ def test_a_world_is_all_else_that_settings_are():
     assert cautions == []
 
 
-def test_who_never_moved_is_told_beside_k():
-    data = made_up()
-    data["convergence_round"].values[[3, 7]] = 0  # voter
-    said = "voter: in worlds 0, 1 at least half of the robots have K = 0: their estimates never moved by delta"
-    assert any(one.startswith(said) for one in sc.compare(data, ["convergence_round"]).cautions)
-    assert not any("K = 0" in one for one in sc.compare(data, ["final_error"]).cautions)
-    assert not any("K = 0" in one for one in sc.compare(made_up(), ["convergence_round"]).cautions)
-
-
-def test_results_without_parameters_have_none():
-    data = made_up(brains=2).drop_vars("prior")
-    del data.attrs["parameters"]
-    assert grid_of(data, data)[0].contenders == ["minimalistic", "bayes-bots"]
-
-
 def test_what_does_not_pair_is_told():
     data = made_up()
     lacking = sc.compare(data.isel(setting=[0, 1, 2, 3, 4, 5]))
@@ -90,21 +75,9 @@ def test_where_nothing_can_be_compared_it_is_said(settings, said):
         sc.compare(made_up().isel(setting=settings))
 
 
-def test_damaged_parameters_are_named():
-    data = made_up()
-    for text, said in (
-        ("{", "should name brains' parameters"),
-        ('{"bayes-bots": ["zeal"]}', "no coordinate zeal, the parameter of"),
-    ):
-        data.attrs["parameters"] = text
-        with pytest.raises(sc.InputError, match=said):
-            sc.compare(data)
-
-
 # ---- the number of a trial
 
 
-@pytest.mark.long
 def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
     data = made_up(robots=6).assign(honest=("setting", [6, 6, 4, 5, 6, 6, 1, 6]))
     data["decision"][0, 0, 0] = np.nan
@@ -132,19 +105,6 @@ def test_errors_against_the_floor():
     data["true_fill_ratio"][:] = 0.5
     off = np.median(data["final_estimate"].values - 0.5, axis=2)
     assert measures.numbers(data, "final_error") == pytest.approx(off)
-
-
-def test_right_is_at_the_last_checkpoint():
-    data = made_up(brains=2)
-    wide = data.drop_vars("correct").drop_dims("checkpoint").assign_coords(checkpoint=[100, 500])
-    right = np.random.default_rng(1).uniform(size=(4, 2, 20))
-    wide["correct"] = (("setting", "checkpoint", "trial"), right)
-    wide["rounds"] = ("setting", [500, 100, 99, 600])
-    found = measures.numbers(wide, "correct")
-    assert (found[0] == right[0, 1]).all()
-    assert (found[1] == right[1, 0]).all()
-    assert np.isnan(found[2]).all()
-    assert (found[3] == right[3, 1]).all()
 
 
 METRIC = """UNIT = "1"
@@ -255,19 +215,6 @@ def test_means_have_the_intervals_of_a_figure(name):
         assert rows.loc[setting, [name, f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([*expected])
 
 
-def test_what_is_missing_is_no_number():
-    data = made_up(brains=2, trials=9, robots=4)
-    steps = np.full(data["convergence_round"].shape, 70, np.int32)
-    steps[0] = -1  # a merged study may lack local estimates
-    data["local_convergence_step"] = data["convergence_round"].dims, steps
-    names = [f"local_convergence_step{end}" for end in ("", "_low", "_high")]
-    shown = sc.summary(data).set_index("setting")[names]
-    assert shown.iloc[0].isna().all()
-    assert shown.iloc[1].notna().all()
-    compared = sc.compare(data, "local_convergence_step").table.set_index("setting")
-    assert compared.loc[shown.index[0], names].isna().all()
-
-
 def test_a_share_of_all_has_a_lower_end_only():
     data = made_up(brains=2, trials=9, robots=4)
     data["correct"][:] = 1.0
@@ -308,48 +255,23 @@ def test_difference_without_distinct_pairs_is_reported():
     data = made_up(gap=0.6, trials=6)
     found = sc.compare(data, "final_error")
     assert not found.duels["told_apart"].any()
-    assert found.verdict[1].endswith(
-        "; they differ (Friedman's test: p < 0.001), but with 6 trials no two can be told apart, corrected for 6 tests"
-    )
+    said = "; they differ (Friedman's test: p < 0.001), but "
+    assert found.verdict[1].endswith(f"{said}with 6 trials no two can be told apart, corrected for 6 tests")
     [panel] = sc.plot.ranks(data, metric="final_error").axes
-    assert "they differ (Friedman's test: p < 0.001), but no two are told apart" in " ".join(
-        panel.get_title("left").split()
-    )
-    [panel] = sc.plot.ranks(made_up(gap=0.6), metric="final_error").axes
-    assert "differ" not in panel.get_title("left")
-
-
-def test_friedman_s_tests_are_corrected_for_one_another_alone():
-    found = sc.compare(made_up(trials=6, gap=0.6), ["final_error", "consensus_round", "correct"])
-    ranks = found.ranks.drop_duplicates("measure")
-    once, corrected = ranks["friedman_p"].to_numpy(), ranks["friedman_p_corrected"].to_numpy()
-    assert corrected == pytest.approx(holm(once))
-    assert corrected[0] == pytest.approx(3 * once[0])
-    assert [contest.differ for contest in found.contests] == (corrected <= 0.05).tolist()
+    assert f"{said}no two are told apart"[2:] in " ".join(panel.get_title("left").split())
 
 
 def test_the_cost_is_said_beside():
-    found = sc.compare(made_up(brains=2))
-    sent = measures.numbers(made_up(brains=2), "bytes_sent").mean(axis=1)
-    ends = [sorted({f"{min(one):,.0f}", f"{max(one):,.0f}"}) for one in (sent[::2], sent[1::2])]
-    said = [" to ".join(one) for one in ends]
+    found = sc.compare(made_up(brains=2, worlds=("ring",)))
+    one, other = measures.numbers(made_up(brains=2, worlds=("ring",)), "bytes_sent").mean(axis=1)
     assert found.verdict[-1] == (
-        f"cost of a robot in a trial: minimalistic sends {said[0]} bytes and remembers 48 bytes; "
-        f"bayes-bots sends {said[1]} bytes and remembers 60 bytes"
+        f"cost of a robot in a trial: minimalistic sends {one:,.0f} bytes and remembers 48 bytes; "
+        f"bayes-bots sends {other:,.0f} bytes and remembers 60 bytes"
     )
-    assert {"messages_sent", "bytes_sent", "memory_bytes"} <= {*found.table.columns}
     bare = sc.compare(made_up(brains=2).drop_vars(["messages_sent", "message_bytes", "memory_bytes"]))
     assert any("do not say what brains cost: they have no messages_sent, no message_bytes" in c for c in bare.cautions)
     part = sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"]))
     assert "minimalistic sends 502 messages;" in part.verdict[-1]
-
-
-def test_a_brain_that_uses_names_is_marked():
-    data = made_up()
-    data["anonymous"] = data["anonymous"].where(data["brain"] != "voter", 0)
-    assert "voter is not anonymous: it uses its robot's name" in sc.compare(data).cautions
-    data["anonymous"] = data["anonymous"].where(data["brain"] != "minimalistic", 0)
-    assert "minimalistic, voter are not anonymous: they use their robots' names" in sc.compare(data).cautions
 
 
 def test_events_that_never_happen_rank_last():
@@ -370,14 +292,6 @@ def test_who_agrees_on_a_lie_is_not_the_faster_one():
     data["consensus_right"][:] = [[0.0] * 10, [1.0] * 10]
     [row] = sc.compare(data, "consensus_round").pairs.to_dict("records")
     assert (row["one_value"], row["other_value"], row["effect"]) == (math.inf, 100.0, -1)
-
-
-def test_who_alone_has_numbers_is_neither_first_nor_behind():
-    data = made_up(brains=2, worlds=("ring",), trials=10)
-    data["consensus_round"][1], data["consensus_right"][1] = np.nan, np.nan
-    found = sc.compare(data, ["final_error", "consensus_round"])
-    assert found.table["consensus_round_standing"].tolist() == ["", ""]
-    assert "right consensus: no two contenders have numbers of it in the same world" in found.verdict
 
 
 def test_a_constant_difference_has_a_p_and_no_interval():
@@ -420,45 +334,7 @@ def test_too_few_trials_are_said_to_be():
     assert np.isnan(sc.compare(made_up(trials=5), "final_error").table["final_error_low"]).all()
 
 
-def test_results_of_which_nothing_has_run_are_named():
-    data = made_up(trials=3)
-    for setting in range(8):
-        data = without(data, setting, [0, 1, 2])
-    with pytest.raises(sc.InputError, match="no trial of these settings has been run"):
-        sc.compare(data, "final_error")
-
-
-@pytest.mark.long
-def test_equal_brains_are_told_apart_in_few_results():
-    """From the dataset on: of 200, more than 20 would be by chance in less than one case of 1,000, if 5 % were."""
-    alarms = 0
-    for seed in range(200):
-        found = sc.compare(
-            made_up(brains=3, trials=10, robots=2, seed=seed), ["final_error", "correct", "consensus_round"]
-        )
-        alarms += any(one.apart.any() or one.duels_apart.any() for one in found.contests)
-    assert alarms <= stats.binom.ppf(0.999, 200, 0.05)
-
-
 # ---- intervals
-
-
-def test_intervals_of_medians_by_brute_force():
-    random = np.random.default_rng(3)
-    values = random.normal(size=(1, 15))
-    drawn = np.median(random.choice(values[0], (20_000, 15)), axis=1)
-    low, high = intervals(values, "median")
-    tail = stats.norm.cdf(-math.sqrt(15 / 14) * stats.t.ppf(0.975, 14))
-    assert (drawn < low[0]).mean() <= tail + 0.005 <= (drawn <= low[0]).mean() + 0.01
-    assert (drawn > high[0]).mean() <= tail + 0.005 <= (drawn >= high[0]).mean() + 0.01
-
-
-def test_intervals_of_means_are_stretched_to_students():
-    random = np.random.default_rng(4)
-    values = random.normal(size=(1, 200))
-    low, high = intervals(values, "mean")
-    error = values.std(ddof=1) / math.sqrt(200)
-    assert [low[0], high[0]] == pytest.approx(values.mean() + np.array([-1, 1]) * 1.972 * error, abs=0.1 * error)
 
 
 def test_medians_with_infinite_and_missing_values():
@@ -477,12 +353,9 @@ def test_a_comparison_is_shown_as_its_table_and_its_verdict(monkeypatch):
     comparison = sc.compare(made_up(brains=2, gap=3.0, worlds=("ring", "full <b>")), metric=["final_error", "correct"])
     text, html = repr(comparison), comparison._repr_html_()
     lines = text.splitlines()
-    assert lines[0] == comparison.title
-    assert lines[1] == "all with robots 5, fill_ratio 0.55, accuracy 0.7, rounds 500"
-    assert lines[2].split()[:6] == ["world", "topology", "contender", "final", "error", "[95"]
+    assert lines[:2] == [comparison.title, "all with robots 5, fill_ratio 0.55, accuracy 0.7, rounds 500"]
     assert lines[3].split()[:4] == ["0", "ring", "minimalistic", "*"]
     assert lines[4].split()[:2] == ["bayes-bots", f"{comparison.table['final_error'][1]:.3f}"]
-    assert " ".join(text.split()).count(" ".join(comparison.verdict[0].split())) == 1
     assert html.count("<tr") == 1 + 4
     assert "full &lt;b&gt;" in html
     assert all(f"<li>{escape(sentence)}</li>" in html for sentence in comparison.verdict)
@@ -505,13 +378,6 @@ def test_latex_escapes_names_and_marks_the_best():
     assert escaped("\n line ") == "line"
 
 
-def test_where_nothing_is_right_no_consensus_is_early():
-    data = made_up(brains=2, worlds=("ring",), trials=10)
-    data["consensus_right"][:] = np.nan
-    found = sc.compare(data)
-    assert "consensus_round" not in [one.name for one in found.measures]
-
-
 def test_contenders_that_are_the_same_are_told():
     data = made_up(brains=3, worlds=("ring", "full"), trials=10)
     data["final_estimate"][1::3] = data["final_estimate"][2::3].values
@@ -520,9 +386,7 @@ def test_contenders_that_are_the_same_are_told():
     assert said == f"final error: {first} and {second} are the same in every trial that both have"
 
 
-@pytest.mark.long(but_every=4)
-@pytest.mark.parametrize("mark", NAMES)
-@pytest.mark.parametrize("metric", ["final_error", "correct"])
+@pytest.mark.parametrize(("metric", "mark"), zip(("final_error", "correct"), NAMES[1:3], strict=True))
 def test_comparison_against_one_contender(mark, metric):
     """Pair by pair the tests are the same; Holm's correction is for those with that contender alone."""
     data = made_up(trials=20, gap=0.5)
@@ -550,49 +414,14 @@ def test_comparison_against_one_contender(mark, metric):
 
 def test_the_verdict_against_one_is_of_each_other():
     said = sc.compare(made_up(brains=2, trials=30, gap=3.0), "final_error", against="bayes-bots").verdict
-    assert said[0].startswith("final error: of 2 worlds, against bayes-bots")
     assert said[0].endswith(": minimalistic is better in all 2")
     assert said[1].startswith("final error, over all worlds: minimalistic is better (better in 100%, worse in 0% of")
     said = sc.compare(made_up(brains=2, trials=6), "final_error", against="bayes-bots").verdict
     assert said[0].endswith(": minimalistic is not told apart in any of 2")
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("minimal", "against='minimal': did you mean 'minimalistic'? there are minimalistic, bayes-bots prior=1"),
-        ("bayes-bots", "against='bayes-bots': these are several, bayes-bots prior=1, bayes-bots prior=10: name one"),
-    ],
-)
-def test_whom_to_hold_them_against_is_named_once(name, said):
-    with pytest.raises(InputError) as caught:
-        sc.compare(made_up(), against=name)
-    assert str(caught.value).startswith(said)
-
-
-def test_over_all_worlds_nobody_is_better_against_the_mean():
-    """In most trials better in one world of ten, and in few worse in all: ranks say one thing and the mean another."""
-    worlds = tuple(f"w{k}" for k in range(10))
-    data = made_up(brains=2, worlds=worlds, trials=34)
-    error = np.zeros((20, 34, 5))
-    error[0::2] = 0.1
-    error[1::2] = 0.1
-    error[1, :30] = 0.05
-    error[1::2, 30:] = 0.2
-    data["final_estimate"] = data["final_estimate"] * 0 + data["fill_ratio"].values[0] + error
-    for against in (None, "minimalistic"):
-        found = sc.compare(data, "final_error", against=against)
-        [row] = found.duels.to_dict("records")
-        assert row["p_holm"] < 0.05
-        assert not row["told_apart"]
-    assert "is not told apart (better in 9%, worse in 12% of trials, p = " in found.verdict[1]
-
-
-def test_whom_nobody_met_is_told():
-    data = made_up(brains=3, worlds=("ring", "full"), trials=20).isel(setting=[0, 1, 4, 5])
-    said = sc.compare(data, "final_error", against="minimalistic").verdict[0]
-    assert said.startswith("final error: of 2 worlds, against minimalistic: bayes-bots prior=1 is ")
-    assert said.endswith(" in 1; bayes-bots prior=10 is in no world with it")
-    data["final_estimate"][0] = np.nan
-    said = sc.compare(data, "final_error", against="minimalistic").verdict[0]
-    assert said == "final error: no other contender has numbers of it in the worlds of minimalistic"
+def test_one_contender_is_named_to_compare_against():
+    with pytest.raises(InputError, match="against='minimal': did you mean 'minimalistic'"):
+        sc.compare(made_up(), against="minimal")
+    with pytest.raises(InputError, match="these are several, bayes-bots prior=1, bayes-bots prior=10"):
+        sc.compare(made_up(), against="bayes-bots")

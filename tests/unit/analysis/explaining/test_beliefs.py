@@ -4,13 +4,10 @@ import re
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from scipy.optimize import minimize_scalar
 
 import swarmcensus as sc
 from swarmcensus.analysis.explaining.wrong_beliefs import EQ_4, asymptote, costs
-from swarmcensus.cli.commands import main
-from swarmcensus.figures.plot import beliefs
 from swarmcensus.support.errors import InputError
 
 STUDY = """
@@ -33,22 +30,6 @@ ticks = 2000
 @pytest.fixture(scope="module")
 def results():
     return sc.run(sc.Study.parse(STUDY), jobs=2)
-
-
-@pytest.fixture(scope="module")
-def file(results, tmp_path_factory):
-    path = tmp_path_factory.mktemp("beliefs") / "b.nc"
-    sc.save(results, path)
-    return path
-
-
-def texts(figure: Figure) -> str:
-    figure.draw_without_rendering()
-    return "\n".join(t.get_text() for t in figure.findobj(lambda a: hasattr(a, "get_text")))
-
-
-def drawn(axes, label):
-    return np.concatenate([line.get_xydata() for line in axes.lines if line.get_label() == label])
 
 
 # ---- the closed form
@@ -124,14 +105,6 @@ def test_medians_are_the_predicted_bias(results):
         assert abs(cost.median - cost.predicted) < 2 * (cost.high - cost.low)
 
 
-def test_costs_are_medians_over_robots_and_trials(results):
-    for k, cost in enumerate(costs(results)):
-        off = np.abs(results["final_estimate"].values[k] - cost.fill_ratio)
-        assert cost.median == pytest.approx(np.median(off), abs=1e-15)
-        assert cost.low <= cost.median <= cost.high
-        assert (cost.error is None) == cost.belief.startswith("error=N") == np.isnan(cost.predicted)
-
-
 def test_assumed_accuracies_are_clipped_to_0_and_1():
     text = STUDY.replace('"moving"', '"full"').replace("density = 10", "").replace("trials = 12", "trials = 1")
     text = text.replace("ticks = 2000\n", "")
@@ -156,86 +129,3 @@ def test_assumed_accuracies_are_clipped_to_0_and_1():
 
 
 # ---- the figure
-
-
-@pytest.mark.long
-def test_each_panel_shows_each_setting_once_and_its_prediction(results):
-    figure = beliefs(results, title="mine")
-    assert len(figure.axes) == 4
-    said = texts(figure)
-    for word in (
-        "mine",
-        "(a) ring, f = 0.55",
-        "(d) moving, D = 10, f = 0.95",
-        "N(0, 0.05)",
-        "b = 0.9, w = 0.7",
-        "predicted",
-    ):
-        assert word in said
-    for ax, (topology, f) in zip(
-        figure.axes, [("ring", 0.55), ("ring", 0.95), ("moving", 0.55), ("moving", 0.95)], strict=True
-    ):
-        mine = (results.topology == topology) & (results.fill_ratio == f)
-        found = costs(results.isel(setting=mine.values))
-        for accuracy, name in (("0.675", "0.675"), ("black=0.9 white=0.7", "b = 0.9, w = 0.7")):
-            here = [c for c in found if c.accuracy == accuracy]
-            points = drawn(ax, f"median {name}")
-            np.testing.assert_allclose(points[:3], [(c.error, c.median) for c in here[:3]])
-            assert points[3, 0] > 0.05
-            assert points[3, 1] == here[3].median
-            x, y = drawn(ax, f"predicted {accuracy}").T
-            np.testing.assert_allclose(np.interp([-0.05, 0, 0.05], x, y), [c.predicted for c in here[:3]], atol=1e-9)
-        assert ax.get_ylim() == figure.axes[0].get_ylim()
-        assert all(ax.get_xlim()[0] < x < ax.get_xlim()[1] for x, _ in points)
-
-
-def test_predictions_that_lie_on_each_other_take_turns():
-    study = sc.Study(
-        trials=1,
-        swarm={"robots": 2, "accuracy": [0.6, 0.7, 0.9], "assumed_accuracy": [{"error": -0.05}, {"error": 0}]},
-        world={"topology": "ring", "fill_ratio": [0.3, 0.5]},
-        schedule={"rounds": 2},
-    )
-    figure = beliefs(sc.run(study))
-    apart, upon = figure.axes
-    lines = [[line for line in ax.lines if str(line.get_label()).startswith("predicted")] for ax in (apart, upon)]
-    assert [len(each) for each in lines] == [3, 3]
-    assert len({line._unscaled_dash_pattern for line in lines[0]}) == 1
-    inked = []
-    for line in lines[1]:
-        offset, (on, off) = line._unscaled_dash_pattern
-        inked.append({(place - offset) % (on + off) for place in range(on)})
-    assert sum(map(len, inked)) == len(set.union(*inked)) == 12  # no dash upon another's
-    figure.draw_without_rendering()
-    (zero,) = (tick.get_text() for tick in upon.get_yticklabels() if tick.get_position()[1] == 0)
-    assert zero == "0"  # with a longer one the axis to its left reads as a minus
-
-
-@pytest.mark.long
-def test_settings_without_trials_and_unknown_brains(results):
-    part = results.copy(deep=True)
-    ring = (part.topology == "ring").values & (part.fill_ratio == 0.55).values
-    part["final_estimate"][ring] = np.nan
-    part["final_estimate"][~ring, 4:] = np.nan
-    figure = beliefs(part)
-    assert "no trial has been run" in texts(figure)
-    assert "95 %" not in texts(figure)  # of four trials there is none
-    own = results.assign_coords(brain=("setting", ["mine.py"] * results.sizes["setting"]))
-    assert "predicted" not in texts(beliefs(own))
-    only = results.isel(setting=(results.assumed_accuracy == "error=N(0.0,0.05)").values)
-    assert len(beliefs(only).axes) == 4
-    part["final_estimate"][:] = np.nan
-    with pytest.raises(InputError, match="no trial of these settings has been run"):
-        beliefs(part)
-
-
-@pytest.mark.long
-def test_beliefs_from_the_command_line(file, small_file, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert main(["plot", str(file), "--kind", "beliefs"]) == 0
-    assert capsys.readouterr().out.split() == [str(file.with_name(f"b-beliefs.{ending}")) for ending in ("png", "svg")]
-    assert file.with_name("b-beliefs.png").stat().st_size > 10_000
-    assert main(["plot", str(small_file), "--kind", "beliefs"]) == 2
-    error = capsys.readouterr().err
-    assert "all robots of these results know their sensors: set assumed_accuracy under [swarm]" in error
-    assert error.count("\n") == 1

@@ -15,14 +15,13 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus.evaluation.paper import report, rival_explanations, rival_measures
+from swarmcensus.evaluation.paper import report, rival_measures
 from swarmcensus.evaluation.paper.evaluations import RIVALS
 from swarmcensus.evaluation.paper.evidence import (
     FAILS,
     HOLDS,
     NO,
     OPEN,
-    UNMEASURED,
     YES,
     Detail,
     Evidence,
@@ -146,12 +145,6 @@ def test_who_loses_less_to_malfunction_is_the_more_robust(three, boolean, said, 
     assert outcome(alone(KNOWN["three-robust"]), blank()).verdict == said
 
 
-def test_open_and_unmeasured_claims(monkeypatch):
-    claim = alone(KNOWN["direct-sooner"])
-    assert outcome(claim, blank()).verdict == UNMEASURED
-    assert judged(claim, monkeypatch, 0.9, 0.9) == f"not decided by {TRIALS} trials"
-
-
 # Statistics, by hand
 
 
@@ -201,12 +194,6 @@ def test_statistics_are_what_they_are_by_hand(name, value):
     assert np.nanstd(found[1:]) > 0
 
 
-def test_errors_against_the_nominal_fill_ratio():
-    data = made_up()
-    data.attrs["truth"] = "nominal"
-    assert by_hand("final_error", data)[0] == pytest.approx((0.05 + 0.4 + 0.4) / 3)
-
-
 def test_trials_that_were_never_run_are_missing():
     for name in ("decision", "consensus", "consensus_round"):
         data = made_up()
@@ -214,34 +201,6 @@ def test_trials_that_were_never_run_are_missing():
         statistic = {"decision": "quorums", "consensus": "none_agreed", "consensus_round": "consensus_time"}[name]
         with pytest.raises(Missing):
             by_hand(statistic, data)
-
-
-def test_missing_parameters_and_settings():
-    with pytest.raises(Missing):
-        Evidence({"made-up": made_up()}).setting("made-up", every=10.0)
-    with pytest.raises(Missing):
-        Evidence({"made-up": made_up()}).setting("made-up", fill_ratio=0.7)
-
-
-def test_all_trials_of_each_study_count():
-    few, many = made_up().isel(trial=[0]), made_up()
-    claim = next(iter(RIVALS.claims))
-    seen = []
-
-    def measure(evidence, right):
-        seen.append(evidence.trials)
-        yield Detail("", 0.0, None, YES)
-
-    asked = [replace(claim, studies=(name,), measure=measure) for name in ("few", "many")]
-    assert [one.verdict for one in check({"few": few, "many": many}, asked)] == [HOLDS, HOLDS]
-    assert seen == [1, 3]
-
-
-def test_settings_are_named_by_what_contenders_do_not_share():
-    one, other = ("bots", {"brain": "a", "every": 10.0}), ("bots", {"brain": "a", "every": 200.0})
-    assert rival_measures.label_of(one, other) == "every = 10"
-    assert rival_measures.label_of(("bots", {}), other) == "bots"
-    assert rival_measures.world_label({"fill_ratio": 0.5, "topology": "full", "liars": 1}) == "f = 0.5, full, 1 liar"
 
 
 # The page
@@ -310,9 +269,3 @@ def test_the_engine_still_gives_the_stored_numbers(tmp_path):
         for mine, stored in zip(one.details, FOUND[one.claim.id]["settings"], strict=True):
             assert (mine.setting, mine.verdict) == (stored["setting"], stored["verdict"])
             assert (mine.value, *mine.interval) == pytest.approx((stored["value"], *stored["interval"]), **close)
-
-
-def test_reasons_are_given_only_where_data_are_there():
-    for name in ("quality_helps", "wrong_messages", "soon_settled"):
-        with pytest.raises(Missing):
-            getattr(rival_explanations, name)(blank(), ())

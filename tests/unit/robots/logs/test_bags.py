@@ -1,7 +1,5 @@
 """Bags of ROS 2: `infer` of a bag is, to the bit, `infer` of the same data as CSV files."""
 
-import contextlib
-import sqlite3
 import sys
 
 import numpy as np
@@ -90,9 +88,8 @@ def inferred(*arguments):
         ("MCAP", "Int32", "String", "FILE"),
     ],
 )
-def test_a_bag_infers_what_its_csv_files_do(data, tmp_path, monkeypatch, storage, kind, heard, compressed):
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path / "bag", events_of(data, kind, heard, jitter=PERIOD // 3), storage, compressed)
+def test_a_bag_infers_what_its_csv_files_do(data, here, storage, kind, heard, compressed):
+    write(here / "bag", events_of(data, kind, heard, jitter=PERIOD // 3), storage, compressed)
     write_rows("o.csv", [f"robot {k}" for k in range(ROBOTS)], data[0])
     write_rows("l.csv", ["step", "sender", "receiver"], data[1])
     from_csv = inferred("o.csv", "--links", "l.csv")
@@ -101,9 +98,8 @@ def test_a_bag_infers_what_its_csv_files_do(data, tmp_path, monkeypatch, storage
     assert from_csv["estimate"].values[-1].std() > 0
 
 
-def test_links_of_a_file_go_with_readings_of_a_bag(data, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    write(tmp_path / "bag", events_of(data))
+def test_links_of_a_file_go_with_readings_of_a_bag(data, here):
+    write(here / "bag", events_of(data))
     write_rows("o.csv", [f"robot {k}" for k in range(ROBOTS)], data[0])
     write_rows("l.csv", ["i", "j"], np.array([[0, 1], [1, 2], [2, 3]]))
     from_bag = inferred("bag", *TOPICS[:2], *TOPICS[4:], "--links", "l.csv")
@@ -132,12 +128,6 @@ def test_the_last_reading_of_a_step_counts_and_it_is_told(tmp_path):
     assert "3 of 5 are left out" in recorded.notes[0]
     assert "1 message that a robot heard from itself" in recorded.notes[1]
     assert recorded.messages.shape == (0, 3)
-
-
-def test_no_reading_is_nan(tmp_path):
-    write(tmp_path / "bag", [(START + k * PERIOD, "/r0/f", "Float32", v) for k, v in enumerate([1.0, np.nan, 0.0])])
-    readings = read_bag(tmp_path / "bag", "/r{robot}/f", None, 0.1).readings
-    np.testing.assert_array_equal(readings, [[1], [np.nan], [0]])
 
 
 def long_bag(path, storage):
@@ -171,18 +161,6 @@ def test_of_a_damaged_bag_is_read_what_is_readable(tmp_path, storage, damage):
     assert "messages could be read" in recorded.notes[0]
 
 
-def test_rows_of_other_types_are_left_out(tmp_path):
-    """As damage leaves them."""
-    file, _ = long_bag(tmp_path / "bag", "SQLITE3")
-    with contextlib.closing(sqlite3.connect(file)) as base, base:
-        base.execute("UPDATE messages SET timestamp = x'00' WHERE id = 3")
-        base.execute("UPDATE messages SET data = 5 WHERE id = 4")
-        base.execute("UPDATE messages SET data = x'00' WHERE id = 5")
-    recorded = read_bag(tmp_path / "bag", "/robot_{robot}/floor", None, 0.1)
-    assert recorded.notes == [f"{tmp_path / 'bag'}: 3 messages could not be decoded"]
-    assert np.isnan(recorded.readings).sum() == 3
-
-
 def test_one_file_of_a_bag_is_enough(tmp_path):
     file, seen = long_bag(tmp_path / "bag", "MCAP")
     recorded = read_bag(file, "/robot_{robot}/floor", None, 0.1)
@@ -201,56 +179,34 @@ FLOOR = "/robot_{robot}/floor"
         (["bag", "--readings", "/robot_0/floor", "--period", "1"], "should name a robot once as {robot}"),
         (
             ["bag", "--readings", "/r{robot}/x", "--period", "1"],
-            "there are /picture_0 (std_msgs/msg/Header), /robot_0/",
+            "there are /picture_0 (std_msgs/msg/String), /robot_0/",
         ),
-        (["bag", "--readings", FLOOR, "--period", "0"], "--period 0"),
         (["bag", "--readings", FLOOR, "--period", "nan"], "--period nan"),
         (["bag", "--readings", FLOOR, "--period", "1e-8"], "steps of --period 1e-08: 10,000,000 at most"),
         (
             ["bag", "--readings", "/picture_{robot}", "--period", "1"],
-            "/picture_0 is of std_msgs/msg/Header: --readings",
+            "/picture_0 is of std_msgs/msg/String: --readings",
         ),
         (["bag", "--readings", "/robot_{robot}/grey", "--period", "1"], "/robot_0/grey: a reading of 7: should be 0"),
         (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", "/robot_{robot}/far"], "/robot_0/far names 9, of which"),
         (["bag", *TOPICS[:2], *TOPICS[4:], "--messages", FLOOR], "/robot_0/floor is of std_msgs/msg/Bool: --messages"),
         (["bag", *TOPICS, "--links", "l.csv"], "--links l.csv and --messages /robot_{robot}/heard: one of them"),
         (["empty", *TOPICS], "empty: no bag of rosbag2"),
-        (["nowhere.db3", *TOPICS], "nowhere.db3: there is no such bag"),
         (["text.db3", *TOPICS], "text.db3"),
         (["text.mcap", *TOPICS], "text.mcap"),
         (["o.csv", "--period", "1"], "--period"),
     ],
 )
-def test_wrong_input_is_one_sentence(tmp_path, monkeypatch, capsys, arguments, told):
-    from rosbags.rosbag2 import Writer
-    from rosbags.typesys import Stores, get_typestore
-
-    monkeypatch.chdir(tmp_path)
-    store = get_typestore(Stores.ROS2_HUMBLE)
+def test_wrong_input_is_one_sentence(tmp_path, refused, arguments, told):
     events = [(START + k * 10**9, "/robot_0/floor", "Bool", True) for k in range(2)]
     events += [(START, "/robot_0/grey", "UInt8", 7), (START, "/robot_0/far", "Int32MultiArray", [9])]
-    events += [(START, "/robot_0/heard", "Int32", 0)]
-    write(tmp_path / "other", events)
-    with Writer(tmp_path / "bag", version=9) as writer:
-        header = "std_msgs/msg/Header"
-        writer.add_connection("/picture_0", header, typestore=store)
-        for time, topic, kind, value in events:
-            name = f"std_msgs/msg/{kind}"
-            types = store.types
-            layout = types["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
-            given = {"layout": layout, "data": np.array(value, np.int32)} if "Multi" in kind else {"data": value}
-            known = {c.topic: c for c in writer.connections}
-            connection = known.get(topic) or writer.add_connection(topic, name, typestore=store)
-            writer.write(connection, time, store.serialize_cdr(types[name](**given), name))
+    events += [(START, "/robot_0/heard", "Int32", 0), (START, "/picture_0", "String", "a cat")]
+    write(tmp_path / "bag", events)
     (tmp_path / "empty").mkdir()
     for name in ("text.db3", "text.mcap"):
         (tmp_path / name).write_text("hello")
     (tmp_path / "o.csv").write_text("1\n")
-    assert main(["infer", *arguments, "--accuracy", "0.8"]) == 2
-    printed = capsys.readouterr().err
-    assert told in printed
-    assert printed.count("\n") == 1
-    assert not list(tmp_path.glob("*-trace*"))
+    assert told in refused("infer", *arguments, "--accuracy", "0.8")
 
 
 def test_a_missing_library_says_what_to_install(tmp_path, monkeypatch):

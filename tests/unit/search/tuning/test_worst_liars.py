@@ -1,6 +1,5 @@
 """A search for the worst liar: it finds what is known to harm most, speaks of harm, and says what it cannot do."""
 
-import json
 import re
 import tomllib
 from pathlib import Path
@@ -109,16 +108,10 @@ def test_worst_lie_is_found_and_written(here, capsys):
     assert main(command) == 0
     out, err = capsys.readouterr()
     assert "searching bump.py" in err
-    [first, full, line, beside, note, wrote] = out.splitlines()
-    assert first.startswith("final error: bump.py at=0.")
-    assert (
-        " idle=1 is worse for the swarm than bump.py at=0.2 idle=1 over all 2 worlds: better in 0%, worse in " in first
-    )
+    [first, full, _, beside, note, wrote] = out.splitlines()
+    assert " idle=1 is worse for the swarm than bump.py at=0.2 idle=1 over all 2 worlds: better in 0%, w" in first
     assert "worse in 100% of 8 trials" in full
-    assert "topology line" in line
-    assert re.search(
-        r"in a world: .* with bump.py at=0\.[56].* with bump.py at=0.2 idle=1, .* with always-white$", beside
-    )
+    assert beside.endswith(" with always-white")
     assert note == "idle changes nothing in final_error, and stays at 1"
     assert wrote.startswith("bump-worst.toml: ")
     text = Path("bump-worst.toml").read_text()
@@ -127,16 +120,7 @@ def test_worst_lie_is_found_and_written(here, capsys):
     assert table == {"robots": [0, 1], "honest": False}
     assert liar.pop("at") == pytest.approx(0.6, abs=0.05)
     assert liar == {"file": "bump.py", "idle": 1.0}
-    told = text.replace("\n#  ", "")
-    for said in (
-        "with the values found to harm heard.py most in the study 'harmed'",
-        "searched for the most harm: at=0:1",
-        "(the adversary as it was)",
-        "the adversary's source has SHA-256",
-        "its table is for one's members",
-    ):
-        assert said in told
-    assert not re.search(r"brain as it was|no evidence|\[swarm\]", told)
+    assert "with the values found to harm heard.py most in the study 'harmed'" in text.replace("\n#  ", "")
     data = sc.load("bump-worst.nc")
     assert set(data["brain"].values) == {"heard.py", "alone"}
     assert len(set(data["adversary"].values)) == 4  # before, found, the other, nobody
@@ -145,22 +129,9 @@ def test_worst_lie_is_found_and_written(here, capsys):
     assert "found " in capsys.readouterr().err
     assert {path: path.read_bytes() for path in before} == before
     assert main(["tune", "s.toml", "--parameter", "share=0:1", "--budget", "13", "--out", "bump-worst.toml"]) == 2
-    assert "is of another search: brain is 'heard.py' there and 'heard.py' here" not in (e := capsys.readouterr().err)
-    assert "bump-worst.csv is of another search" in e
+    assert "bump-worst.csv is of another search" in capsys.readouterr().err
     pasted = STUDY.replace(re.search(r"\[\[members\]\]\n(.*\n)+?honest = false\n", STUDY)[0], text.partition("\n\n")[2])
     assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
-
-
-def test_python_and_json_hold_the_liar(here, capsys):
-    found = sc.tune("s.toml", ["at=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
-    assert (found.brain.name, found.adversary.name, found.before.label) == ("heard.py", "bump.py", "bump.py at=0.2")
-    assert found.adversary.parameters == found.parameters == {"at": found.values["at"], "idle": 1.0}
-    assert found.verdict == "worse"
-    assert main([*TUNE, *AT, "--budget", "13", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert (told["brain"], told["adversary"], told["verdict"]) == ("heard.py", "bump.py", "worse")
-    assert told["values"] == found.values
-    assert told["worlds"] == [{"topology": "full"}, {"topology": "line"}]
 
 
 def test_a_liar_that_does_no_more_harm_is_told(here):
@@ -174,14 +145,6 @@ def test_a_liar_that_does_no_more_harm_is_told(here):
     assert flat.adversary == flat.before
 
 
-def test_several_values_of_the_brain_are_several_worlds(here):
-    Path("s.toml").write_text(STUDY.replace('"heard.py"', '{file = "heard.py", share = [0.5, 1]}'))
-    found = sc.tune("s.toml", ["at=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
-    assert [(w["topology"], w["share"]) for w in found.evidence.comparison.grid.worlds] == [
-        ("full", 0.5), ("line", 0.5), ("full", 1.0), ("line", 1.0)
-    ]  # fmt: skip
-
-
 MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
 
 
@@ -190,31 +153,19 @@ MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
     [
         ("", "", ["--adversary", "bum.py"], "--adversary bum.py"),
         ("", "", ["--adversary", "always-white"], "--adversary always-white"),
-        ("", "", ["--brain", "steadfast"], "--brain steadfast"),
         ("", "", ["--parameter", "share=0:1"], "the adversary 'bump.py' has no parameter 'share': it has at, idle"),
         ("", "", ["--budget", "5"], "--budget 5"),
-        ("", "", ["--metric", "worst"], "--metric worst: "),
         ('"alone"', '"oracle"', ["--brain", "oracle"], "--brain oracle"),
         ("[[members]]\nrobots   = 1\naccuracy = 0.8", MEMBERS, [], "members[0] and members[1] have it, and a search"),
         ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
-        (
-            'brain  = [{file = "bump.py", at = 0.2}, "always-white"]\n', "", [],
-            "--adversary bump.py",
-        ),
     ],
 )  # fmt: skip
-def test_what_cannot_be_is_said_in_one_sentence(old, new, changed, said, here, capsys):
+def test_what_cannot_be_is_one_sentence(old, new, changed, said, here, refused):
     Path("s.toml").write_text(STUDY.replace(old, new) if old else STUDY)
-    assert main([*TUNE, *AT, *changed]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert not Path("bump-worst.toml").exists()
+    assert said in refused(*TUNE, *AT, *changed)
 
 
-def test_of_several_brains_one_is_named(here, capsys):
-    command = [word for word in TUNE if word not in ("--brain", "heard.py")]
-    assert main([*command, *AT]) == 2
-    assert "--brain" in capsys.readouterr().err
+def test_of_several_brains_one_is_named(here, refused):
+    assert "--brain" in refused(*(word for word in TUNE if word not in ("--brain", "heard.py")), *AT)
     with pytest.raises(InputError, match=r"^adversary='bmp\.py': did you mean 'bump\.py'"):
         sc.tune("s.toml", ["at=0:1"], adversary="bmp.py")

@@ -1,4 +1,4 @@
-"""A folder of robots' logs as what a page may show: the day as it was, and the same day under another brain."""
+"""A folder of robots' logs as a page shows it: the recording, and the same with another brain."""
 
 import threading
 from dataclasses import replace
@@ -13,13 +13,13 @@ from swarmcensus.robots import (
     MOST_VALUES,
     OWN,
     Clock,
-    Day,
-    GrowingDay,
-    OtherDay,
+    GrowingRecording,
+    Recording,
+    Relived,
     as_logged,
     format_of,
     may_grow,
-    read_day,
+    read_recording,
     relive_all,
     under,
 )
@@ -29,37 +29,37 @@ from swarmcensus.support.errors import InputError
 
 NEXT = 0.1  # seconds from one look at growing logs to the next
 LATER = 1.0  # the same while no robot is at work
-LAST = 3  # rounds of a day: who has a tick in them was at work at its end, where swarm.json does not say it
+LAST = 3  # the last rounds of a recording: robots with a tick in them were at work at its end
 
 
-class LoggedDay:
-    """A day, the study and the setting that it was of, and its minds, which were lived again; logs may still grow."""
+class LoggedRecording:
+    """A recording, its study and setting, and the states of its robots, computed again; logs may still grow."""
 
     def __init__(self, folder: Path, given: tuple[Path, ...] = ()) -> None:
         """Read a folder; `given` are other brains. Raises InputError."""
-        self._growing = GrowingDay(folder) if may_grow(folder) else None
+        self._growing = GrowingRecording(folder) if may_grow(folder) else None
         while self._growing is not None and self._growing.is_behind:
             self._growing.go_on()
         known = self._growing
-        self.day = known.day if known else read_day(folder)
-        self.clock = known.clock if known else Clock(self.day.members)
-        self.study = study_of(self.day)
-        self.setting = setting_of(self.day, self.study)
+        self.recording = known.recording if known else read_recording(folder)
+        self.clock = known.clock if known else Clock(self.recording.members)
+        self.study = study_of(self.recording)
+        self.setting = setting_of(self.recording, self.study)
         self._check()
         self.brains = {brain.label: brain for brain in (self._other(path) for path in given)}
-        self.lives = known.lives if known else relive_all(self.day, keep=True)
-        self._lived = {self.setting.brain: known.lived if known else as_logged(self.day, self.lives)}
+        self.lives = known.lives if known else relive_all(self.recording, keep=True)
+        self._lived = {self.setting.brain: known.lived if known else as_logged(self.recording, self.lives)}
         self._shown: dict[Brain, Logged] = {}
-        self._lock = threading.RLock()  # two pages wait for one life of the day, and do not live it twice
+        self._lock = threading.RLock()  # so that two pages do not compute the same brain twice
 
     @property
     def rounds(self) -> int:
-        """How many rounds robots have lived, by the logs."""
+        """The number of rounds in the logs."""
         return max(self.clock.rounds, 1)
 
     @property
     def grows(self) -> bool:
-        """Whether the swarm runs that writes the logs."""
+        """Whether the swarm that writes the logs still runs."""
         return self.may_grow and bool(self._at_work())
 
     @property
@@ -68,26 +68,27 @@ class LoggedDay:
         return self._growing is not None
 
     def life(self, setting: Setting, seed: int, trial: int) -> Logged:
-        """The day under the brain of a setting. Raises InputError if that brain cannot live it."""
+        """The recording under the brain of a setting. Raises InputError if the brain does not fit the logs."""
         with self._lock:
             lived = self.under(setting.brain)
             if setting.brain not in self._shown:
                 given = inputs_of(setting, seed, trial)
-                shown = Logged(setting, given, self.day, lived, self.clock, self._at_work())
+                shown = Logged(setting, given, self.recording, lived, self.clock, self._at_work())
                 self._shown[setting.brain] = shown
             return self._shown[setting.brain]
 
-    def under(self, brain: Brain) -> OtherDay:
-        """What robots believed, remembered and said under a brain. Raises InputError if it cannot live the day."""
+    def under(self, brain: Brain) -> Relived:
+        """What robots believe, remember and send with a brain. Raises InputError if it does not fit the logs."""
         with self._lock:
             if brain not in self._lived:
                 if self.grows:
-                    raise InputError("beside: this swarm still runs: another brain can be compared when it has ended")
-                self._lived[brain] = under(self.day, brain, clock=self.clock, keep=True)
+                    still = "this swarm still runs: another brain can be compared when it has ended"
+                    raise InputError(f"beside: {still}", key="beside")
+                self._lived[brain] = under(self.recording, brain, clock=self.clock, keep=True)
             return self._lived[brain]
 
     def news(self, since: int) -> dict[str, Any]:
-        """Follow the logs; returns what a page needs that knows the day as of the version `since`.
+        """Follow the logs; returns what is new for a page that has the version `since`.
 
         That is the version, the first round that has `changed`, how many `rounds` there are, and seconds to `wait`
         until the page should ask again; None: nothing more comes. Raises InputError.
@@ -106,29 +107,29 @@ class LoggedDay:
         return NEXT if self.grows else LATER
 
     def _follow(self) -> None:
-        """Go on with what was appended to the logs of a swarm that runs."""
+        """Read what a running swarm has appended to its logs."""
         growing, own = self._growing, self.setting.brain
         if growing is None:
             return
         new = growing.go_on()
-        self.day, self.lives = growing.day, growing.lives
+        self.recording, self.lives = growing.recording, growing.lives
         self._check()
-        if new or growing.has_ended:  # the day under other brains is another one now
+        if new or growing.has_ended:  # what other brains do with it has changed too
             self._lived, self._shown = {own: growing.lived}, {own: self._shown[own]}
         if growing.has_ended:
             self._growing = None
-        self._shown[own].grow(self.day, new, growing.moved, self._at_work())
+        self._shown[own].grow(self.recording, new, growing.moved, self._at_work())
 
     def _at_work(self) -> frozenset[int]:
         """The robots at work now, or at the end: they believe what their last ticks led to."""
-        return self._growing.at_work() if self._growing is not None else at_the_end(self.day, self.clock)
+        return self._growing.at_work() if self._growing is not None else at_the_end(self.recording, self.clock)
 
     def _check(self) -> None:
         """Raise InputError if logs do not fit their study."""
-        folder, robots = self.day.folder, self.setting.robots
+        folder, robots = self.recording.folder, self.setting.robots
         if self.rounds * robots > MOST_VALUES:
             raise InputError.of(folder, f"its logs span {self.rounds:,} ticks, too many to keep: is one damaged?")
-        strangers = [member.number for member in self.day.members if member.number >= robots]
+        strangers = [member.number for member in self.recording.members if member.number >= robots]
         if strangers:
             raise InputError.of(
                 folder, f"a log is of robot {strangers[0]}, and the {robots} robots of its study are numbered from 0"
@@ -136,48 +137,48 @@ class LoggedDay:
 
     def _other(self, path: Path) -> Brain:
         brain = brains.load(path)
-        if brain.name == self.day.brain.name and brain.sha256 != self.day.brain.sha256:
+        if brain.name == self.recording.brain.name and brain.sha256 != self.recording.brain.sha256:
             brain = replace(brain, name=f"{brain.name} (--brain)")
         return brain
 
 
-def at_the_end(day: Day, clock: Clock) -> frozenset[int]:
-    """The robots that were at work when a day ended: by swarm.json, or else those with a tick in its last rounds."""
-    result = day.about.get("result")
+def at_the_end(recording: Recording, clock: Clock) -> frozenset[int]:
+    """The robots at work when a recording ended: by swarm.json, or else those with a tick in its last rounds."""
+    result = recording.about.get("result")
     estimates = result.get("estimates") if isinstance(result, dict) else None
     if isinstance(estimates, list):
         return frozenset(number for number, estimate in enumerate(estimates) if estimate is not None)
-    return frozenset(m.number for m in day.members if clock.last(m.number) > clock.rounds - LAST)
+    return frozenset(m.number for m in recording.members if clock.last(m.number) > clock.rounds - LAST)
 
 
-def study_of(day: Day) -> Study:
-    """The study that a day was of, with the brain as its folder has it. Raises InputError."""
-    text = day.about.get("study")
+def study_of(recording: Recording) -> Study:
+    """The study that a recording was of, with the brain as its folder has it. Raises InputError."""
+    text = recording.about.get("study")
     if not isinstance(text, str):
         raise InputError.of(
-            day.folder,
-            f"watch needs {ABOUT} with the study of the day, as swarmcensus swarm writes it; "
+            recording.folder,
+            f"watch needs {ABOUT} with the study of the recording, as swarmcensus swarm writes it; "
             f"`swarmcensus relive` needs only logs",
         )
-    own = day.brain.as_written
-    named = day.about.get("brain", {}).get("file", OWN)
+    own = recording.brain.as_written
+    named = recording.about.get("brain", {}).get("file", OWN)
     known = {own.name: own, str(named): own}
-    where = f"{day.folder / ABOUT}: study"
+    where = f"{recording.folder / ABOUT}: study"
     return Study.parse(text, where=where, context={"base": None, "brains": known, "kept": True})
 
 
-def setting_of(day: Day, study: Study) -> Setting:
-    """The setting of the day, with the number formats of its logs. Raises InputError."""
-    number, settings = day.about.get("setting", 0), study.settings()
+def setting_of(recording: Recording, study: Study) -> Setting:
+    """The setting of the recording, with the number formats of its logs. Raises InputError."""
+    number, settings = recording.about.get("setting", 0), study.settings()
     if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(settings):
         raise InputError.of(
-            day.folder / ABOUT,
+            recording.folder / ABOUT,
             f"setting = {number!r}: should be from 0 to {len(settings) - 1}",
             key="setting",
             value=number,
         )
-    setting, first = settings[number], day.members[0].log.states[0]
+    setting, first = settings[number], recording.members[0].log.states[0]
     if setting.body is not None:
-        raise InputError.of(day.folder / ABOUT, "study: its robots move, and logs do not say where they were")
-    numbers = Numbers("single" if first.single else "double", format_of(day.brain, first), first.feedback)
+        raise InputError.of(recording.folder / ABOUT, "study: its robots move, and logs do not say where they were")
+    numbers = Numbers("single" if first.single else "double", format_of(recording.brain, first), first.feedback)
     return replace(setting, brain=setting.brain.with_numbers(numbers))

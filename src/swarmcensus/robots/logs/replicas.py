@@ -1,4 +1,4 @@
-"""A mind outside its robot: the very runtime of robots, fed with the readings, messages and luck of a log."""
+"""A replica of a robot: the runtime of robots, fed with the readings, messages and random numbers of a log."""
 
 import functools
 import struct
@@ -18,19 +18,19 @@ class Unfit(Exception):
     """A brain cannot have written a log: its memory, parameters or messages are of other sizes."""
 
 
-class Mind(Robot):  # type: ignore[misc]
+class Replica(Robot):  # type: ignore[misc]
     """A robot's runtime without sensor, radio and clock."""
 
     def __init__(self, brain: Brain, b: float, w: float, number: int, parameters: dict[str, Any], period: int) -> None:
-        """A blank mind."""
+        """A blank state."""
         self.seen = 0.0, 0.0  # readings that say black, and all
-        self.lots: list[float] = []  # luck for the next calls
+        self.lots: list[float] = []  # random numbers for the next calls
         self.lacked = 0  # calls for which there was none
         self.said: bytes | None = None
         self.is_single = brain.numbers.precision == "single"
-        luck = self.lot if brain.uses.luck else None
+        draws = self.lot if brain.uses.luck else None
         super().__init__(
-            brain.functions, messages_of(brain), None, self, lambda: 0, b, w, number, period, 1, parameters, luck
+            brain.functions, messages_of(brain), None, self, lambda: 0, b, w, number, period, 1, parameters, draws
         )
         self.lacked = 0
 
@@ -42,7 +42,7 @@ class Mind(Robot):  # type: ignore[misc]
         self.said = datagram[HEADER:]
 
     def lot(self) -> float:
-        """The luck of the next call."""
+        """The random number of the next call."""
         if self.lots:
             return self.lots.pop(0)
         self.lacked += 1
@@ -84,7 +84,7 @@ def checksum_of(numbers: Sequence[float]) -> int:
 
 
 def format_of(brain: Brain, state: State) -> Format:
-    """The message format of a log; where it is not told, the first one in which messages have their size."""
+    """The message format of a log; where it is not known, the first one in which messages have their size."""
     if 0 < state.form < len(FORMATS):
         return FORMATS[state.form]
     sizes = {one: bytes_of(parts(brain.message, brain.roles, one)) for one in FORMATS[1:]}
@@ -103,23 +103,25 @@ def logged_brain(brain: Brain, state: State, single: bool | None = None) -> Brai
     return in_numbers(brain.as_written, precision, format_of(brain, state), state.feedback)
 
 
-def mind_of(brain: Brain, state: State, single: bool | None = None) -> Mind:
-    """The mind of a robot as it is in a state of its log. Raises Unfit."""
+def replica_of(brain: Brain, state: State, single: bool | None = None) -> Replica:
+    """The state of a robot as it is in a state of its log. Raises Unfit."""
     brain = logged_brain(brain, state, single)
-    mind = Mind(brain, state.b, state.w, state.number, _parameters(brain, state), state.period)
-    if mind.messages.body != state.code_bytes:
-        raise Unfit(f"its messages have {counted(mind.messages.body, 'byte')}, and those of the log {state.code_bytes}")
-    if len(mind.numbers()) != len(state.numbers) or len(mind.messages.owed) != len(state.owed):
+    replica = Replica(brain, state.b, state.w, state.number, _parameters(brain, state), state.period)
+    if replica.messages.body != state.code_bytes:
         raise Unfit(
-            f"its memory has {counted(len(mind.numbers()), 'number')}, and that of the log {len(state.numbers)}"
+            f"its messages have {counted(replica.messages.body, 'byte')}, and those of the log {state.code_bytes}"
         )
-    mind.become((*state.numbers, *state.owed), state.tick)
-    return mind
+    if len(replica.numbers()) != len(state.numbers) or len(replica.messages.owed) != len(state.owed):
+        raise Unfit(
+            f"its memory has {counted(len(replica.numbers()), 'number')}, and that of the log {len(state.numbers)}"
+        )
+    replica.become((*state.numbers, *state.owed), state.tick)
+    return replica
 
 
-def other_mind(brain: Brain, state: State) -> Mind:
-    """A blank mind of another brain, in its number formats, with the sensor of a robot."""
-    return Mind(brain, state.b, state.w, state.number, _rounded(brain), state.period)
+def other_replica(brain: Brain, state: State) -> Replica:
+    """A blank state of another brain, in its number formats, with the sensor of a robot."""
+    return Replica(brain, state.b, state.w, state.number, _rounded(brain), state.period)
 
 
 def _rounded(brain: Brain) -> dict[str, Any]:

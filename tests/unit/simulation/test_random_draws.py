@@ -8,7 +8,7 @@ from swarmcensus.engine.random import chance
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
-from tests.support.second import LUCKY, brain, changed, fixed
+from tests.support.second import RANDOM, brain, changed, fixed
 from tests.support.small import FAULTS, SEED
 
 
@@ -30,12 +30,12 @@ def test_each_message_has_its_own_random_draw():
     source = changed(
         ("me.heard = me.luck", "me.heard += me.luck"),
         ("    me.fused = me.luck", "    me.fused = me.heard\n    me.heard = 0.0"),
-        source=LUCKY,
+        source=RANDOM,
     )
     every = lives(source, robots=3, topology="full")["fused"]
     one = {"name": "one", "edges": [[1, 0]], "directed": True}
     (setting,) = fixed(brain(source), robots=3, topology="full")
-    key = addresses.luck_keys(setting, SEED)[2:]
+    key = addresses.draw_keys(setting, SEED)[2:]
     for k in range(1, 9):
         words = [[reference.threefry(reference.key_of(key), (0, k), (i, j))[0] for j in range(3)] for i in range(3)]
         for i in range(3):

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from swarmcensus.engine import compile_world
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.forms import Form, Number, Share, any_of
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.plugins import Plugins, error_message
@@ -21,11 +21,11 @@ PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
 ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # where quantiles are tried: the least, a middle and the largest u
 
-MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm whose quantiles give a mean
+MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm: their quantiles give a mean
 
 
 @dataclass(frozen=True)
-class Spread:
+class Distribution:
     """A distribution of accuracies or errors: its kind, empty for a single number, and its numbers."""
 
     kind: str
@@ -64,7 +64,7 @@ class Spread:
         if hasattr(module, "draw") and not self.edition:
             module.draw(key, first_trial, out, *self.numbers)
             return out
-        compile_world().spread_uniform(key, first_trial, 0.0, 1.0, out)
+        compile_world().draw_uniform(key, first_trial, 0.0, 1.0, out)
         return self._quantile(out, 0.0)
 
     def errors(self, key: Callable[[int], np.ndarray], first_trial: int, trials: int, robots: int) -> np.ndarray:
@@ -74,14 +74,14 @@ class Spread:
         uniform = np.empty((2, trials, robots))
         error = None if self.edition else getattr(PLUGINS.module(self.kind), "error", None)
         for part in (0,) if error is None else (0, 1):
-            compile_world().spread_uniform(key(part), first_trial, 0.0, 1.0, uniform[part])
+            compile_world().draw_uniform(key(part), first_trial, 0.0, 1.0, uniform[part])
         return self._quantile(uniform[0], -1.0) if error is None else error(uniform, *self.numbers)
 
     def check(self, least: float) -> None:
         """Raise ValueError if its numbers make no distribution, or if values are below `least` or above 1."""
         module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
-            self._called(f"{_head(self.kind)}: ", lambda: module.check(*self.numbers))
+            self._called(lambda: module.check(*self.numbers), _head(self.kind))
         if hasattr(module, "centre") and not self.edition:
             self._bounded(np.array([module.centre(*self.numbers)]), least)
         else:
@@ -111,24 +111,27 @@ class Spread:
         if not self.edition:
             return quantile(uniform, *self.numbers)  # type: ignore[no-any-return]
         above = np.maximum(uniform, ENDS[0])
-        values: np.ndarray = self._called(f"{self}: ", lambda: np.array(quantile(above, *self.numbers), np.float64))
+        values: np.ndarray = self._called(lambda: np.array(quantile(above, *self.numbers), np.float64))
         if values.shape != uniform.shape:
-            raise InputError(f"{self}: for numbers {uniform.shape} it should give as many, not {values.shape}")
+            raise self._error(f"for numbers {uniform.shape} it should give as many, not {values.shape}")
         self._bounded(values, least)
         if uniform is ENDS and (values != np.array(quantile(above, *self.numbers))).any():
-            raise InputError(f"{self}: its quantiles should be the same at each call: randomness comes from u alone")
+            raise self._error("its quantiles should be the same at each call: randomness comes from u alone")
         return values
 
     def _bounded(self, values: np.ndarray, least: float) -> None:
         outside = values[~((values >= least) & (values <= 1.0))]
         if outside.size:
-            raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}")
+            raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}", key="spread", value=self)
 
-    def _called(self, head: str, call: Callable[[], Any]) -> Any:
+    def _error(self, what: str, head: str = "") -> BrainError:
+        return BrainError(f"{head or self}: {what}", key="spread", value=self)
+
+    def _called(self, call: Callable[[], Any], head: str = "") -> Any:
         try:
             return call()
         except Exception as error:
-            raise InputError(f"{head}{error_message(error, PLUGINS.path(self.kind))}") from error
+            raise self._error(error_message(error, PLUGINS.path(self.kind)), head) from error
 
 
 def bounds(least: float) -> str:
@@ -140,8 +143,8 @@ def forms() -> str:
     """The forms that an accuracy may have, for messages."""
     # other packages' spreads are not imported for a message
     heads = [*map(_head, PLUGINS.shipped), *(f"{name}(...)" for name in PLUGINS.outside)]
-    spreads = ", ".join(f'"{head}"' for head in heads)
-    return f"a sensor accuracy is a number in [0, 1], {spreads} or {{black = ..., white = ...}}"
+    distributions = ", ".join(f'"{head}"' for head in heads)
+    return f"a sensor accuracy is a number in [0, 1], {distributions} or {{black = ..., white = ...}}"
 
 
 def pattern(sign: str) -> str:
@@ -155,16 +158,16 @@ def pattern(sign: str) -> str:
     return rf"^\s*({'|'.join([*shipped, *outside, up_to_one])})\s*$"
 
 
-def parse_spread(value: object, accuracy: bool = True) -> Spread:
+def parse_distribution(value: object, accuracy: bool = True) -> Distribution:
     """Read a number or such as "U(lo, hi)", within [0, 1] where it is an accuracy. Raises ValueError."""
-    if isinstance(value, Spread):
+    if isinstance(value, Distribution):
         return value
     least = 0.0 if accuracy else -1.0
     match = FORM.fullmatch(value) if isinstance(value, str) else None
     if match is not None:
-        spread = _named(match[1], match[2])
-        spread.check(least)
-        return spread
+        distribution = _named(match[1], match[2])
+        distribution.check(least)
+        return distribution
     try:
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise ValueError
@@ -173,22 +176,24 @@ def parse_spread(value: object, accuracy: bool = True) -> Spread:
         raise ValueError(forms()) from None
     if not least <= number <= 1.0:
         raise ValueError(bounds(least))
-    return Spread("", (number,))
+    return Distribution("", (number,))
 
 
-SpreadText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern(r"\+?")})]
+DistributionText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern(r"\+?")})]
 ErrorText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("[+-]?")})]
 ABOUT = Field(description='a number for every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"')
-AccuracySpread = Annotated[Spread, BeforeValidator(parse_spread), any_of(Share, SpreadText), ABOUT]
-ErrorSpread = Annotated[
-    Spread,
-    BeforeValidator(functools.partial(parse_spread, accuracy=False)),
+AccuracyDistribution = Annotated[
+    Distribution, BeforeValidator(parse_distribution), any_of(Share, DistributionText), ABOUT
+]
+ErrorDistribution = Annotated[
+    Distribution,
+    BeforeValidator(functools.partial(parse_distribution, accuracy=False)),
     any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText),
     ABOUT,
 ]
 
 
-def _named(name: str, inside: str) -> Spread:
+def _named(name: str, inside: str) -> Distribution:
     letters = {_letter(kind): kind for kind in PLUGINS.shipped}
     kind = letters.get(name, name)
     if kind not in PLUGINS:
@@ -203,7 +208,7 @@ def _named(name: str, inside: str) -> Spread:
     least = sum(one.default is one.empty for one in wanted)
     if not least <= len(numbers) <= len(wanted):
         raise ValueError(f"{_head(kind)} needs {least} numbers, not {len(numbers)}")
-    return Spread(kind, numbers)
+    return Distribution(kind, numbers)
 
 
 @functools.cache
@@ -221,5 +226,5 @@ def _parameters(kind: str) -> list[inspect.Parameter]:
     if hasattr(module, "quantile"):
         return list(inspect.signature(module.quantile).parameters.values())[1:]
     if kind not in PLUGINS.shipped:
-        raise InputError(f"spread {kind!r}, {PLUGINS.outside[kind].value}: it has no function quantile")
+        raise PLUGINS.error(kind, "it has no function quantile")
     return list(inspect.signature(module.centre).parameters.values())

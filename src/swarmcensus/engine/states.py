@@ -1,4 +1,4 @@
-"""What minds do in every world: they start blank, fail in parts, lose messages, decide, and converge."""
+"""What robots do in every world: they start blank, fail in parts, lose messages, decide, and converge."""
 
 import numpy as np
 
@@ -42,8 +42,8 @@ sensors_of = loop(inline="always")(Sensors.of_trial)
 
 
 @loop()
-def blank_minds(swarm, memory, b, w):
-    """Blank minds that assume the accuracies b and w (robot or 1)."""
+def blank_states(swarm, memory, b, w):
+    """Blank states that assume the accuracies b and w (robot or 1)."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         call(
@@ -54,7 +54,7 @@ def blank_minds(swarm, memory, b, w):
 
 @loop()
 def believe_all(swarm, memory, rows, start):
-    """Write the current estimates of all minds from rows.flat[start] on."""
+    """Write the current estimates of all states from rows.flat[start] on."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         call(swarm.functions[group, BELIEVE], place(memory, swarm.bases[group]), rows, start, first, last)
@@ -113,11 +113,11 @@ def drowned(signals, said, senders, first, last, stops, tick):
 
 
 @loop()
-def draw_message_luck(swarm, trial, tick, receivers, senders, first, last, luck):
+def draw_for_messages(swarm, trial, tick, receivers, senders, first, last, draws):
     """Draw a word for each of the messages first ... last - 1, addressed by receiver and sender."""
-    k0, k1 = swarm.luck[2], swarm.luck[3]
+    k0, k1 = swarm.draws[2], swarm.draws[3]
     for link in range(first, last):
-        luck[link - first] = word_of(k0, k1, trial, tick, receivers[link], senders[link])
+        draws[link - first] = word_of(k0, k1, trial, tick, receivers[link], senders[link])
 
 
 @loop()
@@ -157,7 +157,7 @@ def count_said(signals, said, bounds, senders, links, counts):
 
 @loop()
 def count_clipped(swarm, memory, counts):
-    """Count each robot's messages with a number that the format cannot hold: its mind has counted them."""
+    """Count each robot's messages with a number that the format cannot hold: its state has counted them."""
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         if swarm.clipped[group] >= 0 and counts.shape[1] > 0:
@@ -211,7 +211,7 @@ def forget_verdicts(verdicts, agreed):
 
 @loop()
 def judge_blank(swarm, memory, start, verdicts):
-    """Note who is done before the first round; minds have the estimates `start`."""
+    """Note who is done before the first round; robots have the estimates `start`."""
     for block in range(np.uint64(swarm.of_block.size - 1)):
         judge(swarm, block, memory, start, ZERO, verdicts, 0)
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.engine.constants import LUCK_ALONE, LUCK_ALONE_FUSE, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
-from swarmcensus.simulation.oracle import own_luck
+from swarmcensus.engine.constants import DRAW_ALONE, DRAW_ALONE_FUSE, DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
+from swarmcensus.simulation.oracle import own_draws
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
-from tests.support.second import LUCKY, OURS, brain, changed, fixed
+from tests.support.second import OURS, RANDOM, brain, changed, fixed
 from tests.support.small import SEED
 
 ROUNDS, ROBOTS = 1000, 6
@@ -35,7 +35,7 @@ def together(one, other, cells=8):
 def trials():
     """Two robots a link: on a line of six whose ends hear one message a round; the first rounds of two trials."""
     pairs = {"name": "pairs", "edges": [[0, 1], [2, 3], [4, 5]]}
-    (setting,) = fixed(brain(LUCKY), robots=ROBOTS, rounds=ROUNDS, topology=pairs)
+    (setting,) = fixed(brain(RANDOM), robots=ROBOTS, rounds=ROUNDS, topology=pairs)
     found = [record_trial(setting, SEED, trial) for trial in (0, 1)]
     return [({name: fields[name][1:] for name in OURS}, blacks[1:]) for fields, _, blacks in found]
 
@@ -76,18 +76,18 @@ def test_rounds_are_independent(trials, lag):
 
 def test_all_purposes_are_independent():
     """Observing, fusing, steering and the two of a robot alone, and robots side by side: 21 grids, 0.21 %."""
-    (setting,) = fixed(brain(LUCKY))
-    keys = addresses.luck_keys(setting, SEED)
-    purposes = (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE)
-    words = {p: np.array([own_luck(keys, 0, tick, p, 8) for tick in range(1, 1001)]) for p in purposes}
+    (setting,) = fixed(brain(RANDOM))
+    keys = addresses.draw_keys(setting, SEED)
+    purposes = (DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER, DRAW_ALONE, DRAW_ALONE_FUSE)
+    words = {p: np.array([own_draws(keys, 0, tick, p, 8) for tick in range(1, 1001)]) for p in purposes}
     values = {p: (found >> np.uint64(12)) / 2.0**52 for p, found in words.items()}
     for p in purposes:
         assert uniform(values[p]) > P
         assert together(values[p][:, :-1], values[p][:, 1:]) > P
     for one, other in combinations(purposes, 2):
         assert together(values[one], values[other]) > P
-    keyed = np.array([own_luck(addresses.luck_keys(setting, SEED + 1), 0, t, LUCK_FUSE, 8) for t in range(1, 1001)])
-    assert together(values[LUCK_FUSE], (keyed >> np.uint64(12)) / 2.0**52) > P
+    keyed = np.array([own_draws(addresses.draw_keys(setting, SEED + 1), 0, t, DRAW_FUSE, 8) for t in range(1, 1001)])
+    assert together(values[DRAW_FUSE], (keyed >> np.uint64(12)) / 2.0**52) > P
 
 
 def test_a_lot_by_luck_is_fair():

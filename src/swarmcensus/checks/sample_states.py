@@ -1,4 +1,4 @@
-"""Minds and messages on which a brain is checked, from short and long histories; and calls that check each result."""
+"""States and messages on which a brain is checked, from short and long histories; and calls that check each result."""
 
 import functools
 import math
@@ -20,7 +20,7 @@ SEED = 20
 LONG = ((0.9, 0.75), (0.3, 0.6), (0.75, 0.6), (1.0, 1.0), (0.5, 0.5), (0.0, 0.75))  # accuracies in long histories
 SHARE = 0.43  # share of black readings in them
 ROUNDS = 300
-STOPS = (1, 2, 3, 5, 9, 17, 33, 65, 129, 200, ROUNDS)  # the rounds after which minds are checked
+STOPS = (1, 2, 3, 5, 9, 17, 33, 65, 129, 200, ROUNDS)  # the rounds after which states are checked
 LOOKS = (1, 10, 0, 3, 1, 2, 0)  # readings per round, in turn; and in some rounds many:
 MANY_LOOKS = {100: 1000, ROUNDS: 20000}
 HEARD = (0, 1, 2, 3, 0, 6, 1, 9, 0, 17, 2)  # messages per round, in turn; and in some rounds many:
@@ -29,10 +29,10 @@ LISTEN_ROUNDS = 40  # rounds in which a brain that may be silent is listened to
 CLOSE = 1e-9  # allowed rounding: relative, and absolute for numbers below 1
 
 
-Luck = np.random.Generator | None
+Draws = np.random.Generator | None
 
 
-class Fault(Exception):
+class Violation(Exception):
     """What is wrong with a brain, in a sentence."""
 
 
@@ -50,24 +50,24 @@ def line_of(brain: Brain, name: str) -> str:
     return f"{name} (line {getattr(brain.functions, name).__code__.co_firstlineno})"
 
 
-def call(brain: Brain, where: str, name: str, me: Any, *given: Any, luck: Luck = None) -> Any:
-    """Call a function of the brain, and check `me` afterwards. Raises Fault."""
-    return calls(brain, where, name, me, [given], luck)
+def call(brain: Brain, where: str, name: str, me: Any, *given: Any, draws: Draws = None) -> Any:
+    """Call a function of the brain, and check `me` afterwards. Raises Violation."""
+    return calls(brain, where, name, me, [given], draws)
 
 
-def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[Any, ...]], luck: Luck = None) -> Any:
-    """Call a function of the brain several times, and check `me` at the end. Raises Fault.
+def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[Any, ...]], draws: Draws = None) -> Any:
+    """Call a function of the brain several times, and check `me` at the end. Raises Violation.
 
     A brain that uses luck has a fresh random number in each call. Returns the result of the last call.
     """
     beliefs = me.b, me.w
     function = getattr(brain.functions, name)
     result = None
-    lucky = brain.uses.luck and luck is not None
+    is_random = brain.uses.luck and draws is not None
     try:
         for each in given:
-            if lucky:
-                me.luck = luck.random()  # type: ignore[union-attr]
+            if is_random:
+                me.luck = draws.random()  # type: ignore[union-attr]
             result = function(me, *each)
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt):
@@ -75,9 +75,9 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
         frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(brain.path)]
         line = f"line {frames[-1].lineno} ({frames[-1].line})" if frames else "its first line"
         hint = "; MEMORY names all that a robot remembers" if "'Robot' object has no attribute" in str(error) else ""
-        raise Fault(f"{name} fails at {line}: {in_a_line(error)}{hint} ({where})") from error
+        raise Violation(f"{name} fails at {line}: {in_a_line(error)}{hint} ({where})") from error
     if (me.b, me.w) != beliefs:
-        raise Fault(
+        raise Violation(
             f"{line_of(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
             f"and a belief that changes is a field of MEMORY ({where})"
         )
@@ -87,15 +87,15 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
         if type(value) is float and value == value:
             continue
         if not isinstance(value, int | float) or isinstance(value, bool):
-            raise Fault(f"{line_of(brain, name)} makes me.{field} {value!r}, not a number ({where})")
+            raise Violation(f"{line_of(brain, name)} makes me.{field} {value!r}, not a number ({where})")
         if value != value or (isinstance(value, int) and value.bit_length() > 1023):
             what = "NaN" if value != value else "a whole number too large for 8 bytes"
-            raise Fault(f"{line_of(brain, name)} makes me.{field} {what} ({where})")
+            raise Violation(f"{line_of(brain, name)} makes me.{field} {what} ({where})")
     return result
 
 
 def _are_floats(brain: Brain, me: Any) -> bool:
-    """Whether a mind surely has only floats and no NaN in memory; False means that a closer check is needed."""
+    """Whether a state surely has only floats and no NaN in memory; False means that a closer check is needed."""
     for name, long in brain.lengths.items():
         value = getattr(me, name)
         if long:
@@ -108,7 +108,7 @@ def _are_floats(brain: Brain, me: Any) -> bool:
 
 
 def numbers_in(brain: Brain, me: Any) -> Iterator[tuple[str, Any]]:
-    """The numbers in a mind's memory by name: "t", or "belief[3]" for an item of a vector."""
+    """The numbers in a state's memory by name: "t", or "belief[3]" for an item of a vector."""
     for name, long in brain.lengths.items():
         value = getattr(me, name)
         if long:
@@ -118,18 +118,18 @@ def numbers_in(brain: Brain, me: Any) -> Iterator[tuple[str, Any]]:
 
 
 def number_at(me: Any, place: str) -> Any:
-    """The number of this name, "t" or "belief[3]", in a mind's memory."""
+    """The number of this name, "t" or "belief[3]", in a state's memory."""
     name, _, item = place.partition("[")
     return getattr(me, name)[int(item.rstrip("]"))] if item else getattr(me, name)
 
 
-def hear(brain: Brain, where: str, me: Any, heard: list[Any], luck: Luck = None) -> None:
-    """Receive messages one after the other. Raises Fault."""
-    calls(brain, where, "receive", me, [(message,) for message in heard], luck)
+def hear(brain: Brain, where: str, me: Any, heard: list[Any], draws: Draws = None) -> None:
+    """Receive messages one after the other. Raises Violation."""
+    calls(brain, where, "receive", me, [(message,) for message in heard], draws)
 
 
 def copy_of(brain: Brain, me: Any) -> Any:
-    """A mind with the same fields and beliefs."""
+    """A state with the same fields and beliefs."""
     copy = brain.robot(me.b, me.w)
     for name, long in brain.lengths.items():
         setattr(copy, name, Vector(getattr(me, name)) if long else getattr(me, name))
@@ -140,7 +140,7 @@ def copy_of(brain: Brain, me: Any) -> Any:
 
 
 def difference(brain: Brain, first: Any, second: Any, close: float = CLOSE, absolute: float = 0.0) -> str | None:
-    """The first number in which two minds differ by more than rounding, relative or absolute; None if there is none."""
+    """The first number in which two states differ by more than rounding, relative or absolute; None if they agree."""
     if all(getattr(first, name) == getattr(second, name) for name in brain.lengths):
         return None
     for (name, x), (_, y) in zip(numbers_in(brain, first), numbers_in(brain, second), strict=True):
@@ -155,14 +155,14 @@ def is_done(brain: Brain, me: Any) -> bool:
 
 
 def lives(brain: Brain) -> Iterator[tuple[str, Any]]:
-    """Minds of short histories, then of long ones, each with a description of its history."""
+    """States of short histories, then of long ones, each with a description of its history."""
     yield from short_lives(brain)
     yield from long_lives(brain)
 
 
 def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
     """Histories of four rounds: all accuracies; black, white and mixed floors, or no readings; talk or none."""
-    random, luck = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
+    random, draws = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
     floors = (("all black", 1.0), ("all white", 0.0), ("mixed", 0.5), ("none", math.nan))
     for b, w in product(ACCURACIES, ACCURACIES):
         for floor, share in floors:
@@ -174,21 +174,23 @@ def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
                     if floor != "none":
                         blacks = float(random.binomial(int(looks), share))
                         if not is_done(brain, me):
-                            call(brain, where, "observe", me, blacks, looks, luck=luck)
-                    call(brain, where, "observe", neighbour, float(random.binomial(int(looks), 0.5)), looks, luck=luck)
+                            call(brain, where, "observe", me, blacks, looks, draws=draws)
+                    call(
+                        brain, where, "observe", neighbour, float(random.binomial(int(looks), 0.5)), looks, draws=draws
+                    )
                     if talk:
                         blank = brain.robot(b, w, 2.0)  # has no readings yet
                         for sender in (neighbour, blank):
                             message = call(brain, where, "broadcast", sender)
                             if message is not None or not brain.uses.silence:
-                                call(brain, where, "receive", me, fixed(message), luck=luck)
-                    call(brain, where, "fuse", me, luck=luck)
+                                call(brain, where, "receive", me, fixed(message), draws=draws)
+                    call(brain, where, "fuse", me, draws=draws)
                     yield where, me
 
 
 def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
     """Histories of 300 rounds, in which a robot has no, few or very many readings and messages."""
-    random, luck = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
+    random, draws = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
     spoken = [message for _, message in messages(brain)]
     for b, w in LONG:
         me = brain.robot(b, w)
@@ -198,9 +200,9 @@ def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
             if looks:
                 blacks = float(random.binomial(looks, SHARE))
                 if not is_done(brain, me):
-                    call(brain, where, "observe", me, blacks, float(looks), luck=luck)
-            hear(brain, where, me, sample(random, spoken, MANY_HEARD.get(k, heard)), luck)
-            call(brain, where, "fuse", me, luck=luck)
+                    call(brain, where, "observe", me, blacks, float(looks), draws=draws)
+            hear(brain, where, me, sample(random, spoken, MANY_HEARD.get(k, heard)), draws)
+            call(brain, where, "fuse", me, draws=draws)
             if k in STOPS:
                 yield where, me
 
@@ -221,7 +223,7 @@ def messages(brain: Brain, extreme: bool = True) -> tuple[tuple[str, Any], ...]:
 
 
 def _messages(brain: Brain, extreme: bool) -> Iterator[tuple[str, Any]]:
-    luck = np.random.default_rng(SEED + 2)
+    draws = np.random.default_rng(SEED + 2)
     pairs = (*product(ACCURACIES, ACCURACIES), *EXTREME) if extreme else product(PLAIN, PLAIN)
     readings = ((0, 0), (1, 1), (0, 1), (5, 13), (0, 1000), (1000, 1000), (43210, 100000))
     for b, w in pairs:
@@ -230,9 +232,9 @@ def _messages(brain: Brain, extreme: bool) -> Iterator[tuple[str, Any]]:
             where = f"b = {b}, w = {w}, {blacks} of {looks} readings black"
             for _ in range(LISTEN_ROUNDS if brain.uses.silence else 1):
                 if looks and not is_done(brain, speaker):
-                    call(brain, where, "observe", speaker, float(blacks), float(looks), luck=luck)
+                    call(brain, where, "observe", speaker, float(blacks), float(looks), draws=draws)
                 if looks:
-                    call(brain, where, "fuse", speaker, luck=luck)
+                    call(brain, where, "fuse", speaker, draws=draws)
                 message = call(brain, where, "broadcast", speaker)
                 if is_message(brain, message):
                     yield where, fixed(message)

@@ -13,13 +13,13 @@ from swarmcensus.engine.codegen import record_fields
 def median_error(brain, precision, ticks, loss, robots=20, b=0.8, f=0.55, seed=1):
     """The median error of a swarm after so many ticks of one reading each; a share `loss` of the messages is lost."""
     brain = brain.with_numbers(Numbers(precision))
-    minds = np.zeros(robots, record_fields(brain))
+    states = np.zeros(robots, record_fields(brain))
     for name, value in {**brain.memory, **brain.parameters}.items():
-        minds[name] = value
-    minds["b"] = minds["w"] = rounded_to_single(b) if precision == "single" else b
+        states[name] = value
+    states["b"] = states["w"] = rounded_to_single(b) if precision == "single" else b
     if brain.uses.name:
-        minds["name"] = np.arange(robots)
-    return float(np.median(np.abs(_compiled(brain)(minds, ticks, f, b, loss, np.random.default_rng(seed)) - f)))
+        states["name"] = np.arange(robots)
+    return float(np.median(np.abs(_compiled(brain)(states, ticks, f, b, loss, np.random.default_rng(seed)) - f)))
 
 
 def _compiled(brain):
@@ -33,22 +33,22 @@ def _compiled(brain):
     )
 
     @numba.njit
-    def day(minds, ticks, f, b, loss, chance):
-        robots = minds.size
-        said = [broadcast(minds[0]) for _ in range(robots)]
+    def recording(states, ticks, f, b, loss, chance):
+        robots = states.size
+        said = [broadcast(states[0]) for _ in range(robots)]
         for _ in range(ticks):
             for i in range(robots):
                 right = chance.random() < b
                 black = chance.random() < f
-                observe(minds[i], 1.0 if black == right else 0.0, 1.0)
+                observe(states[i], 1.0 if black == right else 0.0, 1.0)
             for i in range(robots):
-                said[i] = broadcast(minds[i])
+                said[i] = broadcast(states[i])
             for i in range(robots):
                 for j in (i - 2, i - 1, i + 1, i + 2):
                     if chance.random() >= loss:
-                        receive(minds[i], said[j % robots])
+                        receive(states[i], said[j % robots])
             for i in range(robots):
-                fuse(minds[i])
-        return np.array([estimate(minds[i]) for i in range(robots)])
+                fuse(states[i])
+        return np.array([estimate(states[i]) for i in range(robots)])
 
-    return day
+    return recording
