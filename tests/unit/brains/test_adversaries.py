@@ -6,7 +6,6 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.brains import adversary
 from swarmcensus.brains.adversary_source import HELPERS
-from swarmcensus.checks.machine_code import agrees
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import sampling
@@ -161,26 +160,6 @@ def test_lies_stay_in_range_and_confidence_above_0():
 # ---- one source of two
 
 
-@pytest.mark.long
-def test_names_and_imports_of_both_do_not_clash():
-    lies = adversary_of(
-        '"""Names of all kinds."""\nfrom math import *\nimport math as m\n\nroot = 2.0\nOPTIONS_ = root * 2.0\n'
-        'MEMORY = {"t": 1.0, "belief": (0.0, 1.0), "said": 0.0}\nPARAMETERS = {"n": 2.0}\n\n\n'
-        "def seen(it, e):\n    return sqrt(e) + 0.0 * m.pi * it.belief[0]\n\n\n"
-        "def lie(it, x):\n    pi = it.n / OPTIONS_\n    return pi * seen(it, x) + it.said + floor(0.5)\n\n\n"
-        "def plot(it):\n    it.t += 1.0\n    it.belief[0] = it.t\n    it.said = tau - tau\n"
-    )
-    used = brains.lying_brain(lies, brain(RICH.replace("me.", "me.") + "\n\n# liar_ honest_\n"))
-    assert {"t", "liar__t", "liar__belief", "belief"} <= used.memory.keys()
-    assert used.parameters == {"liar__n": 2.0}
-    me = robot(used, 4, 4)
-    me.luck = 0.25
-    used.functions.fuse(me)
-    assert used.functions.broadcast(me)[1] == pytest.approx(0.5)
-    assert (me.t, me.liar__t, list(me.liar__belief)) == (4.0, 2.0, [2.0, 1.0])
-    agrees(used)
-
-
 def test_the_source_can_be_read_and_is_what_runs():
     used = wrapped("noisy-mirror")
     again = brain(used.source, "again.py")
@@ -285,27 +264,6 @@ def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
         one.functions.fuse(state)
     assert used.functions.broadcast(me) == (told,)
     assert (me.own, type(me.own)) == (other.own, type(other.own))
-
-
-BOUND = """
-    if (K := me.t) > 0.0:
-        me.own = K + 10.0 * J + 100.0 * len(SUMS) + 1000.0 * kept()
-
-
-def kept():
-    return K
-"""
-
-
-def test_constants_and_locals_are_as_they_were():
-    """A name bound twice, one that `:=` binds in a function, and SUMS, which become empty."""
-    constants = 'SUMS = ("seen",)\nK = 3.0\nJ = K\nK = 5.0\nMEMORY = {"seen": 0.0, "own": 0.0, '
-    source = changed(("MEMORY = {", constants), ("def fuse(me):\n    pass", "def fuse(me):" + BOUND))
-    used = brains.lying_brain(adversary.load("always-black"), brain(source))
-    me = robot(used, 3, 4)
-    used.functions.fuse(me)
-    assert me.own == 4.0 + 30.0 + 100.0 + 5000.0
-    assert used.sums == ()
 
 
 SILENT = {  # the end of a `broadcast` that is silent unless it has seen more than one black

@@ -81,40 +81,6 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
 
 
 @pytest.mark.interpreted
-@pytest.mark.long(but=["used2-3-2-1.0"])
-@pytest.mark.parametrize("fill_ratio", [0.0, 1.0])
-@pytest.mark.parametrize(("used", "lying", "outvoted"), [(LINEAR, 1, 0), (LINEAR, 3, 0), (WMSR, 3, 2), (WMSR, 2, 2)])
-def test_constant_liars_in_closed_form(used, lying, outvoted, fill_ratio):
-    """Perfect sensors on a floor of one colour: in closed form, to 1e-9.
-
-    Of N robots L lie and F of them are dropped: the mean is over N - F values, of which L - F are the liars' and one
-    is the share. From the fourth phase on, with c = (L - F + 1) / (N - F) for liars who say v and a floor f,
-    x_k = x* + (f - x*) prod_{j=4}^{k} (1 - c / j), x* = f + (v - f) (L - F) / (L - F + 1). Before, only liars speak.
-    """
-    robots, phases, v = 10, 60, 1.0 - fill_ratio
-    x, _, honest = lived(
-        used.with_parameters({"phase": 2}),
-        robots=robots,
-        rounds=2 * phases,
-        accuracy=1.0,
-        fill_ratio=fill_ratio,
-        topology="full",
-        members=liars(lying, v),
-    )
-    left = lying - outvoted
-    first = fill_ratio + (v - fill_ratio) * left / (left + 1)  # the first phase forgets what was before it
-    second = first + (fill_ratio - first + (v - fill_ratio) * left / (left + 1)) / 2
-    third = second + (fill_ratio - second + (v - fill_ratio) * left / (left + 1)) / 3
-    rate = (left + 1) / (robots - outvoted)
-    rest = math.exp(math.lgamma(phases + 1 - rate) - math.lgamma(4 - rate) - math.lgamma(phases + 1) + math.lgamma(4))
-    end = fill_ratio + (v - fill_ratio) * left / (left + 1)
-    assert x[2, honest] == pytest.approx(first, abs=1e-12)
-    assert x[4, honest] == pytest.approx(second, abs=1e-12)
-    assert x[6, honest] == pytest.approx(third, abs=1e-12)
-    assert x[-1, honest] == pytest.approx(end + (third - end) * rest, abs=1e-9)
-
-
-@pytest.mark.interpreted
 @pytest.mark.parametrize("used", [LINEAR, WMSR], ids=["linear-consensus", "w-msr"])
 @pytest.mark.parametrize("silent", [0, 2, 3])
 def test_a_robot_speaks_after_its_silent_phases(used, silent):

@@ -87,21 +87,3 @@ def test_after_a_change_it_is_right_within_few_rounds():
     assert np.isinf(recovery[0]).all()
     assert np.quantile(recovery[1], 0.9) < 40
     assert np.median(abs(results["final_estimate"].values[1] - 0.25)) < 0.01
-
-
-def test_mistaken_restart_is_undone():
-    states = [robot() for _ in range(10)]
-    for me in states:
-        me.s, me.v, me.long_s, me.long_v = 60.0, 100.0, 600.0, 1000.0
-    lost = states[4]
-    lost.s, lost.v, lost.long_s, lost.long_v = 0.9, 1.0, 0.9, 1.0
-    for _ in range(5):
-        said = [RUN.broadcast(me) for me in states]
-        for k, me in enumerate(states):
-            RUN.receive(me, said[k - 1])
-            RUN.receive(me, said[(k + 1) % 10])
-        for me in states:
-            RUN.fuse(me)
-    assert RUN.estimate(lost) == pytest.approx(0.6, abs=1e-3)
-    assert lost.long_v > 600.0
-    assert min(me.long_v for me in states) > 600.0

@@ -100,13 +100,6 @@ def test_blindness():
     assert not sensors.parse_accuracy("U(0.5,0.5)").is_blind
 
 
-def test_draws_do_not_depend_on_the_batch():
-    accuracy = sensors.parse_accuracy("N(0.7,0.2)")
-    whole, _ = accuracy.draw(1, "accuracy", 0, 6, 9)
-    part, _ = accuracy.draw(1, "accuracy", 2, 3, 9)
-    assert (whole[2:5] == part).all()
-
-
 @pytest.mark.parametrize(("mean", "sd"), [(0.75, 0.1), (0.9, 0.3), (0.0, 0.02), (0.5, 40.0)])
 def test_truncated_normal(mean, sd):
     """Kolmogorov-Smirnov against the exact truncated law, 0.1 % level, fixed seed."""

@@ -191,22 +191,6 @@ def test_resumed_run_keeps_its_metrics(fixed, tmp_path, monkeypatch, capsys):
     assert (sc.load("a.nc")["mine"] < 0).any()
 
 
-@pytest.mark.long
-def test_merging_studies_of_different_metrics(fixed):
-    merged = sc.merge([sc.run(study(), share=(k, 2)) for k in (1, 2)])
-    for name in ("first_right", "swarm_right"):
-        xr.testing.assert_identical(merged[name], fixed[name])
-    some, others = sc.run(study(names=["time-right"])), sc.run(study(names=["swarm-right"]).with_(trials=3))
-    both = sc.merge([some, others])
-    np.testing.assert_array_equal(both["time_right"], fixed["time_right"])
-    np.testing.assert_array_equal(both["swarm_right"].values[:, :3], fixed["swarm_right"].values[:, :3])
-    assert both["swarm_right"].isel(trial=slice(3, None)).isnull().all()
-    assert sc.summary(both)["time_right_low"].equals(sc.summary(some)["time_right_low"])
-    assert sc.summary(both)["swarm_right"].equals(sc.summary(others)["swarm_right"])
-    assert sc.verify(both, 1.0).differences == []
-    assert sc.verify(both, 1.0).labels == []
-
-
 def test_what_was_changed_in_a_file_is_found(fixed):
     false = fixed.copy(deep=True)
     false["swarm_right"].values[0, 0] += 1.0
@@ -382,19 +366,6 @@ def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
     late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")
     Path("late.py").write_text(late.replace("return my.last", "return 1.0 / my.last"))
     assert (sc.run(small(["late.py"]))["late"] == 0.5).all()
-
-
-@pytest.mark.long
-def test_rounding_is_no_fault_of_a_metric(tmp_path, monkeypatch):
-    """Python and machine code may differ in the last bit of a power, and by more where like numbers are taken away."""
-    monkeypatch.chdir(tmp_path)
-    skew = MINE.replace("my.last = 0.0", "my.last = 0.0\n    my.cubes = 0.0")
-    skew = skew.replace(
-        "my.last = estimate", "my.cubes += (estimate - truth) ** 3.0\n    my.last = my.cubes - estimate**3"
-    )
-    for power in ("** 3.0", "** 2.5 * 1e-6"):
-        Path("skew.py").write_text(skew.replace("** 3.0", power).replace("(estimate - truth)", "abs(estimate - truth)"))
-        sc.run(small(["skew.py"]))
 
 
 @pytest.mark.interpreted
