@@ -89,7 +89,7 @@ def test_wrong_stops_use_the_done_estimate(here):
 
 
 @pytest.mark.long(only=["ring"])
-@pytest.mark.parametrize("world", [{"rounds": 3}, {"ticks": 3}], ids=["ring", "moving"])
+@pytest.mark.parametrize("world", [{"rounds": 3}, {"ticks": 3, "density": 1}], ids=["ring", "moving"])
 def test_interval_that_fails_in_a_replay_is_reported(world, here, capsys):
     """A replay asks before the first observation too, where no run does."""
     timid = "def interval(me):\n    half = 0.1 / me.t\n    return max(0.0, 0.5 - half), min(1.0, 0.5 + half)\n"
