@@ -106,19 +106,6 @@ def test_power_is_near_that_of_the_paired_t_test(off, trials):
     assert power(off, trials) == pytest.approx(expected, abs=0.03)
 
 
-def test_pairing_is_what_tells_contenders_apart():
-    """Trials differ far more than contenders: if they were not paired by trial, nothing would be seen."""
-    random, paired, shuffled = np.random.default_rng(10), 0, 0
-    for _ in range(200):
-        numbers = 5 * random.normal(size=(1, 1, 1, 20)) + random.normal(scale=math.sqrt(0.5), size=(1, 1, 2, 20))
-        numbers[:, :, 0] += 1
-        paired += told_apart(judged(numbers))
-        numbers[:, :, 1] = random.permutation(numbers[:, :, 1], axis=-1)
-        shuffled += told_apart(judged(numbers))
-    assert paired > 190
-    assert shuffled < 30
-
-
 DRAWN = {
     "normal": lambda random, shape: random.normal(size=shape),
     "skewed": lambda random, shape: random.exponential(size=shape),

@@ -15,7 +15,7 @@ from swarmcensus.support.errors import InputError
 from tests.reference import walks as reference_walks
 from tests.support.lives import MEASURE, lived
 from tests.support.lying import RICH, adversary_of, liars, robot, wrapped
-from tests.support.second import MEANS, brain, changed, fixed, moving
+from tests.support.second import brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED, failing
 
 NAMES = adversary.PLUGINS.shipped
@@ -184,20 +184,6 @@ def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
     mine = draws * 2.0**20 % 1.0
     assert ((mine > 0.0) & (mine < 1.0)).all()
     assert abs(np.corrcoef(draws, mine)[0, 1]) < 3.3 / np.sqrt(draws.size)  # error rate 0.1 %
-
-
-@pytest.mark.parametrize(
-    ("lies", "source", "said"),
-    [
-        ("always-black", MEANS.replace('("x",)', '("words",)'), "none is known to be one of estimate, opinion"),
-        ("always-black", MEANS.replace('("x",)', '("alpha",)'), "name a role in ROLES"),
-        ("random", MEANS.replace('"t": 0.0', '"t": 0.0, "luck": 0.0'), "me.luck"),
-    ],
-)
-def test_what_does_not_go_together_is_told(lies, source, said):
-    with pytest.raises(ValueError, match=r"the adversary '.*' cannot") as error:
-        wrapped(lies, by=brain(source))
-    assert said in str(error.value)
 
 
 @pytest.mark.parametrize(

@@ -89,20 +89,6 @@ class TestBayesBots:
             functions.receive(me, message)
         assert (me.black, me.white, me.heard) == (3.0, 0.0, 3.0)  # 133 shares the place of 5, which is held
 
-    def test_positive_feedback_tells_decisions(self):
-        me, functions = robot(BAYES, feedback=1.0, every=1.0)
-        functions.observe(me, 0.0, 1.0)
-        assert functions.broadcast(me)[0] == 0.0
-        me.black = 30.0
-        functions.fuse(me)
-        assert functions.decide(me) == 1.0
-        functions.observe(me, 0.0, 1.0)
-        assert functions.broadcast(me)[0] == 1.0
-        off, _ = robot(BAYES, every=1.0)
-        off.decision = 1.0
-        functions.observe(off, 0.0, 1.0)
-        assert functions.broadcast(off)[0] == 0.0
-
     def test_decisions_are_never_revoked(self):
         me, functions = robot(BAYES, every=1.0)
         functions.observe(me, 0.0, 30.0)

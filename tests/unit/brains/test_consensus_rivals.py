@@ -1,7 +1,5 @@
 """Linear consensus, W-MSR and the gated mean: against their equations in NumPy, against liars, and in fixed memory."""
 
-import math
-
 import networkx as nx
 import numpy as np
 import pytest
@@ -178,17 +176,3 @@ def test_receiver_samples_twenty_senders(used):
     assert len(last) > 40
     assert me.senders == 20
     assert list(zip(me.key, me.said, strict=True)) == kept
-
-
-@pytest.mark.interpreted
-def test_no_two_names_have_one_place():
-    """A shift and a cube lose nothing: PRIME is prime, and PRIME - 1 no multiple of 3."""
-    functions = LINEAR.functions
-    prime = functions.PRIME
-    assert all(prime % d for d in range(2, math.isqrt(prime) + 1))
-    assert (prime - 1) % 3
-    assert prime**2 < 2**53
-    for salt in (0.0, 1.0, prime - 1.0):
-        assert len({functions.place(float(name), salt) for name in range(20_000)}) == 20_000
-    assert all(0 <= functions.place(name, 7.0) < prime for name in (-3.0, 0.5, 1e300, -1e300))
-    assert {used.functions.place(12.0, 34.0) for used in ALL} == {functions.place(12.0, 34.0)}

@@ -106,17 +106,6 @@ def test_own_readings_bound_the_estimate(open_to_all):
     assert moved > 0.1  # the bound is there to be met
 
 
-@pytest.mark.parametrize(("far", "opens"), [(5, False), (10, False), (12, True)])
-def test_fewer_than_half_of_the_voices_open_no_gate(far, opens):
-    """Of 20 voices so many say 0.9, the others what the robot holds: the typical distance falls, or lets them in."""
-    me = state(sure=math.inf, lean=0.0, typical=0.01)
-    STEADFAST.observe(me, 46.0, 100.0)
-    s, v = me.s, me.v
-    told(me, *[(0.9 * v, v)] * far, *[(s, v)] * (20 - far), rounds=200)
-    assert (me.typical > 0.01) is opens
-    assert (me.s / me.v == pytest.approx(s / v)) is not opens
-
-
 @pytest.mark.interpreted
 @pytest.mark.parametrize("name", ["opposite", "shouter", "noisy-mirror", "jammer"])
 def test_swarms_with_liars_live_as_by_brute_force(name):

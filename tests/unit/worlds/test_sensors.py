@@ -29,14 +29,6 @@ def test_forms(value, text):
     assert sensors.parse_accuracy(accuracy.form) == accuracy
 
 
-@pytest.mark.parametrize(("value", "form"), [(0.7, 0.7), ("U(0.5, 1)", "U(0.5,1.0)")])
-def test_forms_in_a_study_file_are_as_plain_as_can_be(value, form):
-    accuracy = sensors.parse_accuracy(value)
-    assert accuracy.form == form
-    assert type(accuracy.form) is type(form)
-    assert sensors.parse_accuracy({"black": value, "white": value}).form == {"black": form, "white": form}
-
-
 @pytest.mark.parametrize(("value", "text"), [(0.1, "error=0.1"), ("U(-1, 1)", "error=U(-1.0,1.0)"), (-1, "error=-1.0")])
 def test_forms_of_errors(value, text):
     assumed = sensors.parse_assumed({"error": value})
