@@ -97,12 +97,8 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
     if name in brains.shipped or not exists(name, base):
         return
     if ((base or Path()) / name).is_file() or name not in brains:
-        raise BrainError(
-            f"brain {name!r}: that is an adversary, which wraps the brain of its swarm: name it under [[members]], "
-            "with honest = false",
-            key="brain",
-            value=name,
-        )
+        wraps = "that is an adversary, which wraps the brain of its swarm"
+        raise BrainError.named("brain", name, f"{wraps}: name it under [[members]], with honest = false")
 
 
 def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:

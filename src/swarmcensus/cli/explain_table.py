@@ -74,7 +74,7 @@ def verdict_of(agreement: "Agreement") -> str:
 
 
 def _columns(shown: "list[SettingAgreement]", reasons: list[str], exact: bool) -> list[Column]:
-    """The columns beside the coordinates, without those that say nothing; `exact` is whether any has a verdict."""
+    """The columns next to the coordinates, without empty ones; `exact` is whether any has a verdict."""
     columns = [
         Column("measured", [_number(row.measured) for row in shown]),
         Column("theory", [_number(row.expected) for row in shown], spare=NUMBER + 1),

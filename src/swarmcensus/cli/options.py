@@ -60,11 +60,11 @@ class Parser(argparse.ArgumentParser):
     """A parser whose errors are one sentence, and suggest what was probably meant."""
 
     def __init__(self, *arguments: Any, **more: Any) -> None:
-        """Options are written out: a shortened one could mean another when a command gets more of them."""
+        """Refuse shortened options: a later option could change their meaning."""
         super().__init__(*arguments, **{"allow_abbrev": False, **more})
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """Refuse unknown arguments here, where the options of this command are known and one can be suggested."""
+        """Refuse unknown arguments here, because this command's options are known and one can be suggested."""
         self.given = [argument for argument in args or [] if argument.startswith("--")]
         parsed, rest = super().parse_known_args(args, namespace)
         if rest:
@@ -100,7 +100,7 @@ class Parser(argparse.ArgumentParser):
         return f"'{self.prog} --help' shows what there is"
 
     def _get_value(self, action: argparse.Action, text: str) -> Any:
-        """Name the value in the error of one that has the wrong type."""
+        """Name a value of a wrong type in its error."""
         try:
             return super()._get_value(action, text)  # type: ignore[misc]
         except argparse.ArgumentError as error:
@@ -109,7 +109,7 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, f"{_shown(text)}: {what}") from None
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """Say which choices there are, and which was probably meant."""
+        """List the choices, and suggest the one that was probably meant."""
         if action.choices is not None and value not in action.choices:
             choices = [str(choice) for choice in action.choices]
             right = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
@@ -118,8 +118,8 @@ class Parser(argparse.ArgumentParser):
 
 
 MISSING = "is missing"
-OPTION = re.compile(r"--([a-z-]+)(?: (\S+):)?")  # how a message begins that is of an option, with its value or without
-WORDS = (  # what argparse says, and what is said here
+OPTION = re.compile(r"--([a-z-]+)(?: (\S+):)?")  # the beginning of a message about an option, with or without its value
+WORDS = (  # argparse's wording, and ours
     (r"(?s)^argument ([^:]*/)?([^:]+): not allowed with argument ([^:]*/)?(.+)$", r"\2 does not go with \4"),
     (r"(?s)^argument ([^:]*/)?([^:]+): ignored explicit argument (.*)$", r"\2 takes no value, but has \3"),
     (r"(?s)^argument ([^:]*/)?([^:]+): expected (at least )?one argument$", r"\2: a value is missing after it"),
@@ -130,7 +130,7 @@ WORDS = (  # what argparse says, and what is said here
 
 
 def _shown(text: object) -> str:
-    """A value as it would be typed, cut where it is long."""
+    """A value as it would be typed; a long one is cut."""
     return shlex.quote(str(text)[:40])
 
 

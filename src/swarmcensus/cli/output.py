@@ -1,7 +1,7 @@
 """What a command prints: answers and names of files on stdout, messages on stderr, as --quiet and --verbose ask.
 
 A table is laid out for people on a terminal. In a file or a pipe it is tab-separated columns: a line of names, then a
-line for each row, with all digits; what people are told beside the table is then on stderr, as are names of files.
+line for each row, with all digits; other messages and names of files are then on stderr.
 
 All packages log to the logger `swarmcensus` and below: INFO is printed by default, DEBUG only with --verbose.
 """
@@ -33,7 +33,7 @@ class _Voice(logging.Handler):
         """`data` is whether programs read stdout, so that nothing but the answer is printed there."""
         super().__init__()
         self.data = data
-        self.seen: set[str] = set()  # what matplotlib warned of: it repeats itself with each text that it draws
+        self.seen: set[str] = set()  # warnings of matplotlib, which repeats them with each text that it draws
 
     def emit(self, record: logging.LogRecord) -> None:
         line, to_files = record.getMessage(), record.name == WROTE.name and not self.data
@@ -42,7 +42,7 @@ class _Voice(logging.Handler):
             if line in self.seen:
                 return
             self.seen.add(line)
-        # a progress bar would take escape sequences for its own
+        # a progress bar would interpret escape sequences as its own
         print(printable(line), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
 
 
@@ -72,7 +72,7 @@ def say(line: str) -> None:
 
 
 def wrote(line: object) -> None:
-    """Print the name of a written file on stdout; not with --quiet, and on stderr where stdout is for programs."""
+    """Print the name of a written file on stdout; not with --quiet, and on stderr if programs read stdout."""
     WROTE.info("%s", line)
 
 
@@ -100,7 +100,7 @@ def present(
 ) -> None:
     """Print an answer: the document `about` with --json, `show` on a terminal, and elsewhere `rows` as a table.
 
-    `notes` are sentences that `show` prints too; beside `rows` they are messages.
+    `notes` are sentences that `show` prints too; with `rows` they are messages.
     """
     if options.json:
         answer(kind, about())

@@ -1,7 +1,7 @@
 """The program that a shell starts, tuned to start and end quickly.
 
-Of a command of half a second, garbage collection during imports took an eighth, and taking modules apart at the end,
-which the end of the process makes needless, a quarter.
+In a command of half a second, garbage collection during imports took an eighth of the time, and deallocating modules at
+the end a quarter, which is needless because the process ends.
 """
 
 import atexit
@@ -24,7 +24,7 @@ def program() -> NoReturn:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # a shell closed it
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - as long as the process
-    os.environ["MPLBACKEND"] = "agg"  # figures become files, and matplotlib refuses to load with an unknown one
+    os.environ["MPLBACKEND"] = "agg"  # figures are files, and matplotlib refuses to load with an unknown backend
     _write_in_any_encoding()
     try:
         from swarmcensus.cli.commands import main

@@ -34,7 +34,7 @@ def add_source_options(
 def add_results(
     sub: argparse.ArgumentParser, metavar: str = "RESULTS.nc", text: str = RESULTS_HELP, **more: Any
 ) -> None:
-    """Add the results files that a command reads; `execute` looks whether they exist."""
+    """Add the results files that a command reads; `execute` checks that they exist."""
     sub.add_argument("results", type=Path, metavar=metavar, help=text, **more)
     sub.set_defaults(reads_results=True)
 

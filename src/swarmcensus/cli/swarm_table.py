@@ -14,7 +14,7 @@ from swarmcensus.support.formatting import counted
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from swarmcensus.robots import Known, Outcome, Plan, Swarm
+    from swarmcensus.robots import Known, Outcome, RunningSwarm, SwarmPlan
 
 LINES = 10  # of a run in a pipe
 EVENTS = 3  # that are shown in a terminal
@@ -25,7 +25,7 @@ GIVEN_UP = ("undone", "stale", "missed", "refused", "decision", "lost", "heard",
 
 
 @contextlib.contextmanager
-def showing(plan: "Plan", options: argparse.Namespace) -> "Iterator[Callable[[Swarm], None]]":
+def showing(plan: "SwarmPlan", options: argparse.Namespace) -> "Iterator[Callable[[RunningSwarm], None]]":
     """A callback that shows a swarm: a live table in a terminal, else a line now and then; with --quiet nothing."""
     if options.quiet:
         yield lambda _: None
@@ -43,22 +43,22 @@ def showing(plan: "Plan", options: argparse.Namespace) -> "Iterator[Callable[[Sw
 
 
 class _Lines:
-    """Says what happens, and how the swarm is, a few times in a run."""
+    """Prints events, and a few times in a run the state of the swarm."""
 
     def __init__(self, every: float) -> None:
-        self.every, self.next, self.told = every, every, 0
+        self.every, self.next, self.printed = every, every, 0
 
-    def show(self, swarm: "Swarm") -> None:
-        for event in swarm.happened[self.told :]:
+    def show(self, swarm: "RunningSwarm") -> None:
+        for event in swarm.happened[self.printed :]:
             say(event)
-        self.told = len(swarm.happened)
+        self.printed = len(swarm.happened)
         if swarm.seconds >= self.next:
             self.next += self.every
             say(f"{swarm.seconds:.1f} s: {', '.join(_parts(swarm))}")
 
 
-def _parts(swarm: "Swarm") -> list[str]:
-    """How the swarm is."""
+def _parts(swarm: "RunningSwarm") -> list[str]:
+    """The state of the swarm, in parts of a line."""
     from swarmcensus.robots import share_heard
 
     now = [number for number, known in enumerate(swarm.robots) if known.state == "runs" and known.last]
@@ -67,14 +67,14 @@ def _parts(swarm: "Swarm") -> list[str]:
     counts = [known.last.estimate for n in now if (known := swarm.robots[n]).last and members[n].honest]
     if counts:
         low, middle, high = np.quantile(counts, [0.05, 0.5, 0.95])
-        whose = "estimates" if all(member.honest for member in members) else "honest estimates"
-        parts.append(f"{whose} {middle:.3f}, 90 % from {low:.3f} to {high:.3f}")
+        what = "estimates" if all(member.honest for member in members) else "honest estimates"
+        parts.append(f"{what} {middle:.3f}, 90 % from {low:.3f} to {high:.3f}")
     heard = share_heard(swarm.robots)
     return parts if np.isnan(heard) else [*parts, f"{100 * heard:.1f} % heard"]
 
 
-def screen(swarm: "Swarm", width: int, height: int) -> "Table":
-    """How the swarm is, in at most so many columns and lines less one, which the cursor needs."""
+def screen(swarm: "RunningSwarm", width: int, height: int) -> "Table":
+    """The state of the swarm for a terminal of this size; the cursor needs one line."""
     from rich.table import Table
     from rich.text import Text
 
@@ -105,7 +105,7 @@ def _filled(parts: list[str], width: int) -> list[str]:
     return lines
 
 
-def _robots(swarm: "Swarm", shown: int, width: int) -> "Table":
+def _robots(swarm: "RunningSwarm", shown: int, width: int) -> "Table":
     """A row for each of the first robots, with the columns for which there is room."""
     from swarmcensus.support.printed_tables import Column
     from swarmcensus.support.terminal import console, fitted
@@ -113,7 +113,7 @@ def _robots(swarm: "Swarm", shown: int, width: int) -> "Table":
     rows = [_row(number, known) for number, known in enumerate(swarm.robots[:shown])]
     columns = []
     for name, *cells in zip(COLUMNS, *rows, strict=True):
-        idle = not set(cells) - {"", "0"}  # columns in which nothing has happened are left out first
+        idle = not set(cells) - {"", "0"}  # columns without events are left out first
         late = GIVEN_UP[::-1].index(name) + 1 + len(GIVEN_UP) * idle if name in GIVEN_UP else 0
         columns.append(Column(name, cells, name != "", late))
     return fitted(columns, console(width=width))[0]
@@ -129,7 +129,7 @@ def _row(number: int, known: "Known") -> list[str]:
     return [str(number), state, f"{last.ticks:,}", f"{last.estimate:.3f}", decision, *(f"{n:,}" for n in counts)]
 
 
-def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
+def summary(plan: "SwarmPlan", outcome: "Outcome") -> list[str]:
     """The end of a run, as lines."""
     from swarmcensus.robots import datagram_bytes
 
@@ -150,8 +150,8 @@ def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     return lines + [f"robot {number} died by itself, {why}" for number, why in outcome.died.items()]
 
 
-def _errors(plan: "Plan", outcome: "Outcome") -> dict[str, str]:
-    """How wrong robots are, and which robots that counts."""
+def _errors(plan: "SwarmPlan", outcome: "Outcome") -> dict[str, str]:
+    """The errors of robots, and which robots are counted."""
     honest = "" if all(member.honest for member in plan.members) else "honest "
     pairs = zip(plan.members, outcome.estimates, strict=True)
     number = sum(member.honest and bool(np.isfinite(estimate)) for member, estimate in pairs)

@@ -45,7 +45,7 @@ def settings(
 
 
 def as_rows(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:
-    """The same settings for programs: the columns of `summary`, with brains called as people see them."""
+    """The same settings for programs: the columns of `summary`, with brains' labels."""
     labels = labels_in(data)
     return [row | {"brain": labels.get(row["brain"], row["brain"])} for row in records(data, checkpoint)]
 
@@ -72,9 +72,9 @@ def rounds(trace: xr.Dataset, options: argparse.Namespace) -> None:
     ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
     names = ("round", "lowest", "median", "highest")
     rows = [dict(zip(names, values, strict=True)) for values in ends]
-    whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
+    owners = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
     texts = [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]
-    shown = Table.of_rows(dict.fromkeys(names, True), texts, title=f"{trace.attrs['title']}: {whose} estimates")
+    shown = Table.of_rows(dict.fromkeys(names, True), texts, title=f"{trace.attrs['title']}: {owners} estimates")
     present(
         options,
         "trace",

@@ -35,20 +35,20 @@ COLUMN = 1.25  # inches: a column of the key under an arena
 
 KEY_UNDER = 1.0  # inches: scale and key under an arena, if the key is there
 NARROWEST = 1.2  # inches: the smallest arena
-TIGHT = 1.25  # inches: the colour bar beside an arena whose key is under it
+TIGHT = 1.25  # inches: the colour bar next to an arena with its key under it
 OVER = 0.85  # inches: the titles over an arena
 
 
 class ArenaSize(NamedTuple):
     """The side of an arena in inches, and whether its key is under it: in the caller's axes and on narrow pages.
 
-    `beside` are the inches to its right that titles and key may take. On low pages the key is `apart`, right of the
+    `aside` are the inches to its right that titles and key may take. On low pages the key is `apart`, right of the
     colour bar and not under it.
     """
 
     side: float = ARENA
     own: bool = False
-    beside: float = 0.0
+    aside: float = 0.0
     apart: bool = False
 
 
@@ -58,10 +58,10 @@ def arena_on_page() -> tuple[tuple[float, float], tuple[float, float], ArenaSize
     Raises InputError for a page that is too narrow or too low.
     """
     times, (width, height, *_) = scale(), page()
-    beside, around = (SIZE[0] - LEFT - ARENA) * times, SIZE[1] - ARENA
+    aside, around = (SIZE[0] - LEFT - ARENA) * times, SIZE[1] - ARENA
     if width is None:
-        width = SIZE[0] * times if height is None else height - around * times + LEFT * times + beside
-    side = width - LEFT * times - beside
+        width = SIZE[0] * times if height is None else height - around * times + LEFT * times + aside
+    side = width - LEFT * times - aside
     own, apart = side < WIDE_ENOUGH * times, False
     if height is not None and not own:
         side = min(side, height - around * times)
@@ -140,7 +140,7 @@ def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple
     """Write the title over the arena, in at most two lines. Returns the two texts of the headline that change."""
     large = title_letters() if size.side > WIDE_ENOUGH * scale() else letters()
     times = scale()
-    lines = wrapped(title, 72 * (size.side + size.beside), letters(), LINES)
+    lines = wrapped(title, 72 * (size.side + size.aside), letters(), LINES)
     y = times * (0.19 + 0.13 * len(lines))
     over = y if size.apart or size.side > NARROW * times else y + 0.15 * times  # the headline takes two lines
 
@@ -174,7 +174,7 @@ def draw_scale(axes: Axes, size: ArenaSize, half: float, note: str) -> None:
 def draw_key(
     arena: Axes, size: ArenaSize, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool
 ) -> None:
-    """Draw the key. `robot` is the robot whose radio range is drawn, and `stops` are the parts that fail."""
+    """Draw the key. The radio range of `robot` is drawn, and `stops` are the parts that fail."""
     disc = Line2D([], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor="black")
     entries: dict[str, Any] = {
         "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
@@ -201,7 +201,7 @@ def draw_key(
             "bbox_to_anchor": (0.0, 0.0),
             "bbox_transform": _moved(arena, 0.0, -0.25 * scale()),
         }
-        place |= {"ncols": max(1, int((size.side + size.beside) / COLUMN / scale())), "columnspacing": 1.0}
+        place |= {"ncols": max(1, int((size.side + size.aside) / COLUMN / scale())), "columnspacing": 1.0}
     arena.legend(
         list(entries.values()),
         list(entries),

@@ -69,7 +69,7 @@ def names_of(looks: dict[str, Look], width: float, left: float = np.inf) -> Lett
 def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Lettering, aside: float) -> None:
     """Give `axes` an x axis for these values, with as many labelled ticks as fit.
 
-    `aside` is how many points beside its position a value may be drawn.
+    `aside` is how many points from its position a value may be drawn.
     """
     places, numbers = places_of(looks)
     x = np.array(list(places.values()))

@@ -39,11 +39,11 @@ def _kept(text: str, letters: int) -> str:
 
 
 def shortened_apart(texts: Sequence[str], width: float, size: float) -> list[str]:
-    """Different texts, each `shortened`, and still different: where two would be alike, both are numbered."""
+    """Different texts, each `shortened`: where two would become the same, both are numbered."""
     short = [shortened(text, width, size) for text in texts]
-    alike = {text for text in short if short.count(text) > 1}
-    numbers = {text: itertools.count(1) for text in alike}
-    return [f"{shortened(text, 0.8 * width, size)} {next(numbers[s])}" if s in alike else s
+    repeated = {text for text in short if short.count(text) > 1}
+    numbers = {text: itertools.count(1) for text in repeated}
+    return [f"{shortened(text, 0.8 * width, size)} {next(numbers[s])}" if s in repeated else s
             for text, s in zip(texts, short, strict=True)]  # fmt: skip
 
 

@@ -58,7 +58,7 @@ def say_left_out(axes: Sequence[Axes], captions: Sequence[str], kept: Sequence[i
 
 
 def say_at_foot(axes: Sequence[Axes], note: str, kind: str, ha: Literal["left", "right"] = "left") -> None:
-    """Write a note at the foot of the figure, in a free place beside or under earlier notes."""
+    """Write a note at the foot of the figure, in a free place next to or under earlier notes."""
     figure: Any = axes[0].figure.canvas.figure
     width, row = 72 * figure.get_figwidth() - 12, 10 / 72 * scale()
     lines = wrapped(note, width, letters(), 4)

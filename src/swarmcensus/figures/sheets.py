@@ -197,12 +197,12 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
     `y` is written in the leftmost column only. Names of axes that panels share are written once.
     """
     place = axes.get_subplotspec()
-    beside = place and not place.is_first_col() and axes.get_shared_y_axes().get_siblings(axes)[1:]
+    shares_axis = place and not place.is_first_col() and axes.get_shared_y_axes().get_siblings(axes)[1:]
     above = place and not place.is_last_row() and axes.get_shared_x_axes().get_siblings(axes)[1:]
     if not above:
         wide = axes.bbox.width / axes.figure.dpi
         axes.set_xlabel(name_in_lines(x, wide) if figure_is_ours(axes) else x, fontsize=letters() + 1)
-    if axes.get_label() != INNER and not beside:
+    if axes.get_label() != INNER and not shares_axis:
         axes.set_ylabel(y, fontsize=letters() + 1)
     axes.tick_params(labelsize=letters())
     axes.spines[["top", "right"]].set_visible(False)

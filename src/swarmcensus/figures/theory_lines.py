@@ -41,10 +41,10 @@ def curves_of(results: xr.Dataset, color: str, times: Sequence[int] | None, name
             expected.append(expect(results, number, times or [rounds], names))
         first = expected[0].lines
         reasons += [each.absent[name] for each in expected for name in names if name in each.absent]
-        alike = {name: all(_alike(first[name], each.lines.get(name)) for each in expected) for name in first}
-        reasons += [DIFFERENT] * (not all(alike.values()))
-        if any(alike.values()):
-            curves[text] = {name: line for name, line in first.items() if alike[name]}
+        agreed = {name: all(_same_line(first[name], each.lines.get(name)) for each in expected) for name in first}
+        reasons += [DIFFERENT] * (not all(agreed.values()))
+        if any(agreed.values()):
+            curves[text] = {name: line for name, line in first.items() if agreed[name]}
     return curves, "" if curves or not reasons else reasons[0]
 
 
@@ -52,7 +52,9 @@ def shared(curves: Curves) -> dict[str, Line]:
     """Lines that are equal for all values of the colour, such as brains. They are drawn once, in grey."""
     first = next(iter(curves.values()), {}) if len(curves) > 1 else {}
     return {
-        name: line for name, line in first.items() if all(_alike(line, lines.get(name)) for lines in curves.values())
+        name: line
+        for name, line in first.items()
+        if all(_same_line(line, lines.get(name)) for lines in curves.values())
     }
 
 
@@ -77,7 +79,7 @@ def sample(name: str) -> Line2D:
     return Line2D([], [], color=GREY, linewidth=THIN, linestyle=STYLES[name])
 
 
-def _alike(first: Line, second: Line | None) -> bool:
+def _same_line(first: Line, second: Line | None) -> bool:
     if second is None:
         return False
     return all(np.allclose(a, b, rtol=0.02, atol=1e-6) for a, b in zip(first, second, strict=True))

@@ -1,4 +1,4 @@
-"""A recording of robots as a life that is watched: what their logs have of each tick, in place of a simulation."""
+"""A recording in place of a simulation: what robots' logs have of each tick."""
 
 import threading
 from collections.abc import Iterator, Mapping, Sequence, Set
@@ -14,13 +14,13 @@ from swarmcensus.studies import Setting
 from swarmcensus.support.documents import json_value
 from swarmcensus.translation import messages_of
 
-MOST_LENGTH = 50  # rounds of a stretch: the last one is made again whenever logs have grown
+MOST_LENGTH = 50  # rounds of a stretch: the last one is recomputed when logs have grown
 MOST_MADE = 16  # stretches that are kept
 UNKNOWN = -1  # in place of a block: a robot was away, or its log lacks the tick
 
 
 class Logged:
-    """A recording, as it was or under another brain, with the attributes of a simulated life.
+    """A recording, as it was or with another brain, with the attributes of a simulated trial.
 
     Logs may grow: `grow` takes what is new. A robot at work, or at work at the end, that has no tick in the last rounds
     is shown in them as after its last tick.
@@ -109,7 +109,7 @@ class Logged:
         for at in range(first, len(blocks)):
             time = self.clock.time(number, at)
             estimate = estimates.get(at)
-            # a start counts only where no tick is: it comes after the tick
+            # a start counts only in a round without a tick, because it comes after the tick
             if estimate is not None and (isinstance(blocks[at], Tick) or self.blocks[time, number] == UNKNOWN):
                 self.blocks[time, number], self.estimates[time, number] = at, estimate
                 begins = min(begins, time)
@@ -203,7 +203,7 @@ class Logged:
         )  # fmt: skip
 
     def _states(self, blocks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """States as the engine has them (round, robot, byte), and whose are known; others are as at the start."""
+        """States as the engine has them (round, robot, byte), and which are known; others are as at the start."""
         history = np.repeat(self.blank[np.newaxis], len(blocks), axis=0)
         known = np.zeros(blocks.shape, np.bool_)
         flat, group = history.reshape(len(blocks), -1), self.given.group

@@ -45,8 +45,8 @@ KEYS = (
     "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
     "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
-ON_A_RECORDING = ("beside", "of")  # those of a logged recording that may differ from what it was
-BESIDE = "beside."  # before the name of a parameter: of the brain beside
+ON_A_RECORDING = ("beside", "of")  # keys that may be chosen for a recording in logs
+BESIDE = "beside."  # before the name of a parameter of the second brain
 PLAYED = (
     "tick",
     "robot",
@@ -76,13 +76,13 @@ class Offer:
     brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
     adversaries: dict[str, Adversary]
     live: "Callable[[Setting, int, int], Simulated | Logged]" = Simulated  # a setting's trial, by seed and number
-    logged: "LoggedRecording | None" = None  # where robots lived the trial: only a brain beside it can be chosen
+    logged: "LoggedRecording | None" = None  # where robots lived the trial: only a second brain can be chosen
     files: BrainFiles = field(default_factory=BrainFiles)  # the brains that are read again when they are saved
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """One trial to be watched, and optionally another setting in the same world beside it."""
+    """One trial to be watched, and optionally a second setting in the same world."""
 
     study: Study
     settings: tuple[Setting, ...]
@@ -182,11 +182,11 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     settings = [changed]
     theirs = {key: value for key, value in request.items() if key.startswith(BESIDE)}
     if request.get("beside"):
-        beside = _brain(offer, "beside", request["beside"])
-        chosen.append(beside.label)
-        lost |= {key for key in theirs if offer.files.has_lost(beside, key.removeprefix(BESIDE))}
-        beside = _with_parameters(beside, {key: theirs[key] for key in theirs if key not in lost}, BESIDE)
-        settings.append(replace(changed, brain=beside.with_numbers(changed.brain.numbers)))
+        second = _brain(offer, "beside", request["beside"])
+        chosen.append(second.label)
+        lost |= {key for key in theirs if offer.files.has_lost(second, key.removeprefix(BESIDE))}
+        second = _with_parameters(second, {key: theirs[key] for key in theirs if key not in lost}, BESIDE)
+        settings.append(replace(changed, brain=second.with_numbers(changed.brain.numbers)))
         _check(settings[1], study, rounds)
     elif theirs:
         key = next(iter(theirs))[:40]

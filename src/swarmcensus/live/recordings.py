@@ -1,4 +1,4 @@
-"""A folder of robots' logs as a page shows it: the recording as it was, and the same under another brain."""
+"""A folder of robots' logs as a page shows it: the recording, and the same with another brain."""
 
 import threading
 from dataclasses import replace
@@ -29,7 +29,7 @@ from swarmcensus.support.errors import InputError
 
 NEXT = 0.1  # seconds from one look at growing logs to the next
 LATER = 1.0  # the same while no robot is at work
-LAST = 3  # rounds of a recording: who has a tick in them was at work at its end, where swarm.json does not say it
+LAST = 3  # the last rounds of a recording: robots with a tick in them were at work at its end
 
 
 class LoggedRecording:
@@ -50,16 +50,16 @@ class LoggedRecording:
         self.lives = known.lives if known else relive_all(self.recording, keep=True)
         self._lived = {self.setting.brain: known.lived if known else as_logged(self.recording, self.lives)}
         self._shown: dict[Brain, Logged] = {}
-        self._lock = threading.RLock()  # two pages wait for one life of the recording, and do not live it twice
+        self._lock = threading.RLock()  # so that two pages do not compute the same brain twice
 
     @property
     def rounds(self) -> int:
-        """How many rounds robots have lived, by the logs."""
+        """The number of rounds in the logs."""
         return max(self.clock.rounds, 1)
 
     @property
     def grows(self) -> bool:
-        """Whether the swarm runs that writes the logs."""
+        """Whether the swarm that writes the logs still runs."""
         return self.may_grow and bool(self._at_work())
 
     @property
@@ -68,7 +68,7 @@ class LoggedRecording:
         return self._growing is not None
 
     def life(self, setting: Setting, seed: int, trial: int) -> Logged:
-        """The recording under the brain of a setting. Raises InputError if that brain cannot live it."""
+        """The recording under the brain of a setting. Raises InputError if the brain does not fit the logs."""
         with self._lock:
             lived = self.under(setting.brain)
             if setting.brain not in self._shown:
@@ -78,7 +78,7 @@ class LoggedRecording:
             return self._shown[setting.brain]
 
     def under(self, brain: Brain) -> Relived:
-        """What robots believed, remembered and said under a brain. Raises InputError if it does not fit the logs."""
+        """What robots believe, remember and send with a brain. Raises InputError if it does not fit the logs."""
         with self._lock:
             if brain not in self._lived:
                 if self.grows:
@@ -88,7 +88,7 @@ class LoggedRecording:
             return self._lived[brain]
 
     def news(self, since: int) -> dict[str, Any]:
-        """Follow the logs; returns what a page needs that knows the recording as of the version `since`.
+        """Follow the logs; returns what is new for a page that has the version `since`.
 
         That is the version, the first round that has `changed`, how many `rounds` there are, and seconds to `wait`
         until the page should ask again; None: nothing more comes. Raises InputError.
@@ -107,14 +107,14 @@ class LoggedRecording:
         return NEXT if self.grows else LATER
 
     def _follow(self) -> None:
-        """Go on with what was appended to the logs of a swarm that runs."""
+        """Read what a running swarm has appended to its logs."""
         growing, own = self._growing, self.setting.brain
         if growing is None:
             return
         new = growing.go_on()
         self.recording, self.lives = growing.recording, growing.lives
         self._check()
-        if new or growing.has_ended:  # the recording under other brains is another one now
+        if new or growing.has_ended:  # what other brains do with it has changed too
             self._lived, self._shown = {own: growing.lived}, {own: self._shown[own]}
         if growing.has_ended:
             self._growing = None

@@ -82,7 +82,7 @@ def _columns(robots: int) -> int:
 
 
 def _room(places: np.ndarray) -> float:
-    """The median distance between nearest neighbours; 1 for a crowd in rows, which does not need it."""
+    """The median distance between nearest neighbours; 1 for robots in rows, which do not need it."""
     if not 2 <= len(places) <= MOST_LAID_OUT:
         return 1.0
     distances = np.linalg.norm(places[:, np.newaxis] - places, axis=2)

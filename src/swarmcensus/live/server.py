@@ -83,7 +83,7 @@ def bound(host: str, port: int) -> socket.socket:
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         made.bind((host, port))
-        made.listen()  # so that a browser that is early waits, and is not refused
+        made.listen()  # so that an early browser waits and is not refused
     except (OSError, OverflowError) as error:
         made.close()
         hint = "; without --port any free one is taken" if getattr(error, "errno", None) == errno.EADDRINUSE else ""
@@ -122,7 +122,7 @@ def app_of(served: Served) -> Any:
         return reply(200, *parts[name])
 
     async def saved(request: Request) -> Response:
-        """The page with one trial, as a file to keep; what is wrong is told as text."""
+        """The page with one trial, as a file to keep; an error is sent as text."""
         if not _is_meant(served, request.headers.get("host", "")) or not _knows(served, request.url.query):
             return reply(403, "This address lacks the token.\n")
         ask = {key: value for key, value in request.query_params.items() if key != "token"}
@@ -157,13 +157,13 @@ def app_of(served: Served) -> Any:
             requests.close()
 
     async def listen(page: WebSocket, into: Any, talking: Any) -> None:
-        """Receive requests while others are answered: an unread one would hide the signs of life behind it."""
+        """Receive requests while others are answered: an unread one would block the pings behind it."""
         while (message := await page.receive())["type"] != "websocket.disconnect":
             await into.send(message["text"] if message.get("text") is not None else message["bytes"])
         talking.cancel()  # its last requests need no answer
 
     async def answered(page: WebSocket, session: Session, text: str | bytes) -> list[Spoken]:
-        """The answers of a session to a request; until then the page is told what is compiled."""
+        """The answers of a session to a request; until then the page shows what is compiled."""
         async with anyio.create_task_group() as meanwhile:
             meanwhile.start_soon(notice, page)
             answers = await anyio.to_thread.run_sync(lambda: spoken(session.answer(text)), limiter=limiter)
@@ -258,7 +258,7 @@ def serve(served: Served) -> None:
 def serving(served: Served) -> Iterator[threading.Thread]:
     """Serve in a thread while a block runs; computations that run when the block ends are abandoned."""
     server = server_of(served)
-    run = contextvars.copy_context().run  # messages name options as where the server was started
+    run = contextvars.copy_context().run  # messages name options as the command or function that started the server
     thread = threading.Thread(target=run, args=(server.run, [served.socket]), daemon=True)  # so are threads it starts
     thread.start()
     while not server.started and thread.is_alive():

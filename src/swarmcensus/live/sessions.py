@@ -21,9 +21,9 @@ from swarmcensus.support.hints import did_you_mean
 
 MOST_FRAMES = 600  # in one answer
 MOST_BYTES = 3_000_000
-PATIENCE = 0.2  # seconds of computation before a page is told that it takes longer
+PATIENCE = 0.2  # seconds of computation before a page learns that it takes longer
 TRIED = 3.0  # the most seconds for which a new trial is tried before it is shown
-ASIDE = 0.05  # the same for what a page does not wait for
+ASIDE = 0.05  # the same for requests that a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
 Answer = bytes | dict[str, Any]
@@ -131,7 +131,7 @@ class Session:
             return [{"told": robot_of(show, tick, robot), "side": side}]
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
-        """What is new of a recording whose logs grow, since the version that the page knows."""
+        """What is new in growing logs since the version that the page knows."""
         recording = self.offer.logged
         if recording is None or len(self.shows) != 1:
             raise InputError.at("do", "'news'", "only of a recording in logs, without another brain beside it")
@@ -142,7 +142,7 @@ class Session:
         """K of each side, or a note that it takes longer."""
         self._last()
         assert self.trial is not None
-        if self.settling is None:  # trials of their own: what is shown is not wound to and fro
+        if self.settling is None:  # separate trials, so that the shown ones stay at their rounds
             delta = self.trial.study.measure.delta
             self.settling = tuple(Settling(show, delta) for show in self._shows(self.trial))
         began = time.monotonic()

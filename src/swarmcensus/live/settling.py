@@ -5,12 +5,12 @@ import numpy as np
 from swarmcensus.live.shows import Show
 from swarmcensus.simulation import convergence
 
-MOST_VALUES = 20_000_000  # estimates of a trial; K of a larger one is not told
+MOST_VALUES = 20_000_000  # estimates of a trial; K of a larger one is not shown
 AT_ONCE = 100  # robots
 
 
 class Settling:
-    """A trial on its way to its end, in pieces."""
+    """A trial that is computed to its end in pieces."""
 
     def __init__(self, show: Show, delta: float) -> None:
         """Begin at round 0; robots settle when their estimates stay within `delta`."""

@@ -32,7 +32,7 @@ LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper f
 SCALE = 65_535
 NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
 MOST_LINKS = 20_000  # in a frame
-KEPT = 4  # stretches whose frames are kept
+KEPT = 4  # stretches with kept frames
 Encoded = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -99,7 +99,7 @@ class Show:
 
     @property
     def layers(self) -> int:
-        """The layers of a frame beside estimates: positions if robots move, intervals, decisions."""
+        """The layers of a frame besides estimates: positions if robots move, intervals, decisions."""
         brains = self.setting.brains
         intervals = HAS_INTERVALS * any(brain.has_interval for brain in brains)
         return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in brains) + MOVES * self.moves
@@ -136,7 +136,7 @@ class Show:
         flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
         flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
         honest = self.honest
-        read = rounds > 0  # before any reading nobody is right: an estimate is only the brain's first value
+        read = rounds > 0  # before any reading no robot is right: its estimate is only the brain's first value
         own, there = x[:, honest], ~np.isnan(x[:, honest])
         values = {
             "truth": truths,

@@ -1,4 +1,4 @@
-"""A trial that is simulated while it is watched: a life, and what each robot reads and hears in it."""
+"""A trial that is simulated while it is watched, and what each robot reads and hears in it."""
 
 import functools
 from typing import Any
@@ -8,13 +8,13 @@ import numpy as np
 from swarmcensus.brains import slots
 from swarmcensus.engine import compiler, works
 from swarmcensus.engine.constants import LISTED, NOISE, SAID, TALKING
-from swarmcensus.simulation import Life, Stretch
+from swarmcensus.simulation import LiveTrial, Stretch
 from swarmcensus.support.documents import json_value
 
 MOST_READINGS = 4_000_000  # readings of a fixed network that are shown
 
 
-class Simulated(Life):
+class Simulated(LiveTrial):
     """One trial of a setting."""
 
     @property

@@ -1,4 +1,4 @@
-"""Warnings about settings whose results are easily misread."""
+"""Warnings about settings with results that are easily misread."""
 
 from __future__ import annotations
 

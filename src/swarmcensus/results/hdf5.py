@@ -1,4 +1,4 @@
-"""HDF5 files despite two faults of its library: some damaged files it reads for ever, and a full disk crashes it."""
+"""HDF5 files despite two faults of its library: it reads some damaged files for ever, and a full disk crashes it."""
 
 import io
 import os
@@ -26,7 +26,7 @@ class Remembering(h5py.File):  # type: ignore[misc]
         """The object of this name."""
         if not isinstance(name, str):  # a reference
             return super().__getitem__(name)
-        # the link changes when an object is made anew
+        # the link changes when an object is replaced
         link = self.changes and name != "/" and self.id.links.get_info(name.encode()).u
         if name not in self.seen or self.seen[name][0] != link:
             self.seen[name] = link, super().__getitem__(name)
@@ -92,7 +92,7 @@ def broken_texts(path: Path) -> int | None:
 
 
 def read_indices(file: h5py.File) -> None:
-    """Read the indices by order of creation, which whoever reads by names does not. Raises RuntimeError for damage."""
+    """Read the indices by order of creation, which reading by names leaves out. Raises RuntimeError for damage."""
     by_creation, as_it_is = h5py.h5.INDEX_CRT_ORDER, h5py.h5.ITER_NATIVE
     file.id.links.iterate(lambda _: None, idx_type=by_creation, order=as_it_is)
     for one in (file, *file.values()):

@@ -1,4 +1,4 @@
-"""What brains are called in tables and figures: by labels of their study or of the user, else by their own names."""
+"""Names of brains in tables and figures: labels of their study or of the user, else their own names."""
 
 import json
 import tomllib
@@ -21,8 +21,8 @@ def labels_in(results: xr.Dataset) -> dict[str, str]:
     Merged studies may give one label to two brains, which then keep their own names.
     """
     labels, known = _given(results), _brains_in(results)
-    while (alike := namesakes(known, labels)) and labels.keys() & alike[:2]:
-        labels = {name: label for name, label in labels.items() if name not in alike[:2]}
+    while (same := namesakes(known, labels)) and labels.keys() & same[:2]:
+        labels = {name: label for name, label in labels.items() if name not in same[:2]}
     return labels
 
 
@@ -40,7 +40,7 @@ def _given(results: xr.Dataset) -> dict[str, str]:
 
 
 def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
-    """Results whose brains are called so. Raises InputError for an unknown brain, and for one name of two brains."""
+    """Results with these names of brains. Raises InputError for an unknown brain, and for one name of two brains."""
     known = _brains_in(results)
     for name, label in labels.items():
         what = f"--label {name}={label}" if in_shell() else f"labels={{{name!r}: {label!r}}}"
@@ -57,7 +57,7 @@ def with_labels(results: xr.Dataset, labels: Mapping[str, str]) -> xr.Dataset:
 
 
 def titles_in(*results: xr.Dataset) -> dict[str, str]:
-    """What figures call brains: their labels in these results, or the titles of shipped brains."""
+    """Names of brains in figures: their labels in these results, or the titles of shipped brains."""
     titles = dict(TITLES)
     for each in results:
         titles |= labels_in(each)
@@ -65,7 +65,7 @@ def titles_in(*results: xr.Dataset) -> dict[str, str]:
 
 
 def titles_of_contenders(*results: xr.Dataset) -> dict[str, str]:
-    """What figures call brains by the names that contenders have, in which labels already stand for brains."""
+    """Names in figures by the names of contenders, in which labels already stand for brains."""
     labels = {name: label for each in results for name, label in labels_in(each).items()}
     titles = {name: title for name, title in TITLES.items() if name not in labels}
     return titles | {label: label for label in labels.values()}

@@ -149,7 +149,7 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
         at_checkpoints = data[name].transpose("setting", "checkpoint", "trial").values
         values = at_checkpoints[np.arange(len(last)), last]
         return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
-    if name == "consensus_round" and "consensus_right" in data:  # agreeing on a wrong option does not count as fast
+    if name == "consensus_round" and "consensus_right" in data:  # agreement on a wrong option does not count as fast
         sound = data["consensus_right"].transpose("setting", "trial").values  # NaN if no option is right
         when = _known(data[name].transpose("setting", "trial").values)
         return np.where(np.isnan(sound), np.nan, np.where(sound == 1, when, np.inf))
@@ -172,7 +172,7 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
 
 
 def derivable(data: xr.Dataset) -> list[str]:
-    """The names of quantities that are not stored, but can be worked out from what is."""
+    """The names of quantities that are not stored, but can be computed from stored ones."""
     return [name for name, one in QUANTITIES.items() if name not in data and one.inputs and not lacks(data, name)]
 
 

@@ -69,8 +69,8 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
     with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
         if not fresh and listed(parts.folder):
-            anew = option("fresh", True)
-            cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {anew}"
+            fresh_run = option("fresh", True)
+            cut_off = f"{parts.folder} holds the work of a run that was cut off: end that run first, or {fresh_run}"
             raise ResultsError(cut_off, file=out)
         if not fresh and out.exists():
             _check_kept(out, data)

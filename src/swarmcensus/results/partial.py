@@ -1,7 +1,7 @@
-"""Partial results: what a run has finished so far, read from the shards beside its output.
+"""Partial results: what a run has finished so far, read from the shards next to its output.
 
 After its first second, a run also writes the dataset of its study without trials. Reading takes no lock and changes
-nothing, so it works while the run goes on and after it was killed.
+nothing, so it works during the run and after it was killed.
 """
 
 import logging

@@ -1,4 +1,4 @@
-"""Results as Python reads them: a time that is missing is NaN, and accuracies are numbers, too.
+"""Results as Python reads them: missing times are NaN, and accuracies are numbers, too.
 
 Files, and runs while they are at work, keep such times as whole numbers, in which -1 means missing, and accuracies as
 texts alone.

@@ -1,4 +1,4 @@
-"""Days of robots as results: each brain is a setting of one trial, measured as a simulated one."""
+"""Recordings as results: each brain is a setting of one trial, measured as a simulated one."""
 
 from collections.abc import Sequence
 
@@ -56,7 +56,7 @@ def _columns(
 
 
 def _study(recording: Recording, brains: Sequence[Brain], clock: Clock, message: Format | None) -> Study:
-    """A study whose settings describe the recording: its links are those on which anything was heard."""
+    """A study with settings that describe the recording: its links are those on which anything was heard."""
     states = [member.log.states[0] for member in recording.members]
     column = {member.number: k for k, member in enumerate(recording.members)}
     heard = {

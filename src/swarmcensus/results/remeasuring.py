@@ -95,7 +95,7 @@ def _check(changed: dict[str, float]) -> None:
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
-    """Fill ratios at the checkpoints, by the index of each setting whose fill ratio changes.
+    """Fill ratios at the checkpoints, by the index of each setting with a changing fill ratio.
 
     Raises InputError for `bins` with `truth = "floor"`: the true fill ratio at earlier checkpoints is not stored.
     """

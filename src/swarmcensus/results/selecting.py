@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.support.errors import InputError, OptionError
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
 
@@ -64,7 +64,7 @@ def check_held(data: xr.Dataset, **numbers: int) -> None:
 
 
 def places_with(data: xr.Dataset, values: Mapping[str, object]) -> NDArray[np.intp]:
-    """The places of the settings whose coordinates have these values."""
+    """The places of the settings with these values of coordinates."""
     return np.flatnonzero(np.logical_and.reduce([data[name].values == value for name, value in values.items()]))
 
 
@@ -81,11 +81,8 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
         holds = _evaluate(tree, known)
     except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         what = error.msg if isinstance(error, SyntaxError) else error
-        raise OptionError(
-            f'{option("where", expression)}: {what}; write for example: topology == "ring" and accuracy == 0.675',
-            key="where",
-            value=expression,
-        ) from None
+        example = 'write for example: topology == "ring" and accuracy == 0.675'
+        raise wrong_option("where", expression, f"{what}; {example}") from None
     chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
     if not chosen.sizes["setting"]:
         raise wrong_option("where", expression, f"no setting is so{_known_values(tree, known)}")

@@ -243,7 +243,7 @@ class Parts:
 
     @property
     def replaces(self) -> bool:
-        """Whether the shards belong to a run that began anew and will replace the output."""
+        """Whether the shards belong to a run with `fresh`, which will replace the output."""
         return (self.folder / "fresh").exists()
 
     def begin_anew(self) -> None:
@@ -253,7 +253,7 @@ class Parts:
 
     def clear(self) -> None:
         """Remove the shards, once their trials are in the output or not wanted."""
-        # the mark goes first: while it exists, trials of the output are not taken over
+        # the mark is removed first: while it exists, trials of the output are not taken over
         for path in (self.folder / "fresh", *listed(self.folder), self.folder / "run.json", self.folder / SKETCH):
             path.unlink(missing_ok=True)
 

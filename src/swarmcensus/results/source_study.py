@@ -24,7 +24,7 @@ from swarmcensus.support.safe_source import digest, read_source
 from swarmcensus.support.times import Time, in_ticks
 from swarmcensus.worlds import MOVING
 
-RELIVED = "relived"  # the attribute of results that robots made, and no simulation
+RELIVED = "relived"  # the attribute of results that are of robots, not of a simulation
 CHANGED = "its source has changed since these results were made"
 Brains = str | Path | Sequence[str | Path] | None  # brain files, given for those that results name
 
@@ -153,7 +153,7 @@ def _unread(kind: str, name: str) -> BrainError:
 
 
 def metrics_may_run(study: Study, given: Brains = ()) -> None:
-    """Raise InputError for a metric whose source in the results is neither shipped, nor given, nor found."""
+    """Raise InputError for a metric with a source that is neither shipped, nor given, nor found."""
     paths = [given] if isinstance(given, str | Path) else given or ()
     known = {digest(read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
     for metric in study.measure.metrics:

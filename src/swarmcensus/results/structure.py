@@ -78,7 +78,7 @@ def unmask(data: xr.Dataset) -> str | None:
 
 
 def wrong(data: xr.Dataset) -> str | None:
-    """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing is."""
+    """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
     if wrong := wrong_format(data):
         return wrong
     lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
@@ -276,7 +276,7 @@ def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple
 
 
 def selected(data: xr.Dataset) -> dict[str, Any]:
-    """The attributes of a selection of a dataset, with trials counted anew."""
+    """The attributes of a selection of a dataset, with its own number of trials."""
     left = [
         failure
         for failure in failed_in(data)

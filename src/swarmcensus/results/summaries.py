@@ -71,7 +71,7 @@ def table_of(data: xr.Dataset, checkpoint: int | None = None) -> "pd.DataFrame":
 
 
 def medians_in(data: xr.Dataset) -> list[str]:
-    """The names of quantities and metric files whose median a summary has."""
+    """The names of quantities and metric files of which a summary has the median."""
     return [name for name in (*MEDIANS, *metrics_in(data)) if name in data]
 
 
@@ -159,7 +159,7 @@ def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def records(data: xr.Dataset, checkpoint: int | None = None) -> list[dict[str, Any]]:
-    """The summary of these settings as a flat record for each, whose names are always in this order. Raises InputError.
+    """The summary of these settings as a flat record for each, with names always in this order. Raises InputError.
 
     They are the columns of `summary`.
     """

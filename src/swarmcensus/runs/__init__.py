@@ -1,4 +1,4 @@
-"""Runs studies: cuts them into tasks, hands these to threads or a cluster, resumes, reports progress and verifies.
+"""Runs studies: cuts them into tasks, runs these in threads or on a cluster, resumes, reports progress and verifies.
 
 In: a Study and where its results go.
 Out: a dataset; finished work is never lost.

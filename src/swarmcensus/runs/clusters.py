@@ -35,7 +35,7 @@ from swarmcensus.support.version import __version__
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
 BUNDLES_PER_WORKER = 4  # at least, so that all workers finish at about the same time
 SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle; longer if there are very many workers
-BUNDLES_PER_SECOND = 200.0  # at most: Dask takes a few milliseconds to hand one out
+BUNDLES_PER_SECOND = 200.0  # at most: Dask takes a few milliseconds to submit one
 WAITING_PER_WORKER = 3  # bundles submitted per worker
 CONNECT = "10s"  # for a scheduler to answer
 COUNT_SECONDS = 2.0  # between two counts of the workers
@@ -74,7 +74,7 @@ class Workers:
 
     @property
     def note(self) -> str:
-        """What to tell a person who waits, or an empty text."""
+        """A note for a person who waits, or an empty text."""
         return "" if self._worker_count else ": ".join(filter(None, ("waiting for workers", self._reason)))
 
     def bundle_seconds(self, work: float) -> float:

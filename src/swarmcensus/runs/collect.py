@@ -1,4 +1,4 @@
-"""Hands bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
+"""Submits bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
 
 import logging
 import time
@@ -31,11 +31,11 @@ class Progress:
     work_total: float
     note: str = ""  # what happens while no trials run, such as compiling
     stage: str = ""  # which of several parts this is
-    part: str = ""  # what the totals are of, in words, if work that nobody can foretell may follow
+    part: str = ""  # what the totals are of, if an unknown amount of work may follow
     steps: tuple[int, int] = (0, 0)  # steps of the note: how many are done, of how many
 
 
-Report = Callable[[Progress], None]  # what an argument `progress` may be, beside True and False
+Report = Callable[[Progress], None]  # what an argument `progress` may be, besides True and False
 
 
 @dataclass
@@ -89,7 +89,7 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
 
 
 def _ended(begun: dict[Future[Outcome], Bundle]) -> set[Future[Outcome]]:
-    """Which of some bundles have ended soon; those whose brain never returns are not waited for."""
+    """Which of some bundles have ended soon; brains that never return are not waited for."""
     wall, cpu, ended = time.monotonic(), time.process_time(), set[Future[Outcome]]()
     while len(ended) < len(begun):
         ended = wait(begun, WAIT_SECONDS).done

@@ -17,7 +17,7 @@ from swarmcensus.support.errors import InputError
 
 LONG = 300.0  # seconds: a run that takes longer is announced
 VERY_LONG = 86_400.0  # seconds: longer runs are warned of, as they may be a mistake
-SLOWEST = 30.0  # no shipped brain takes more than so many times the prediction
+SLOWEST = 30.0  # no shipped brain takes more than this many times the prediction
 PROBE_SECONDS = 0.05  # predicted seconds of the trials by which a brain's speed is measured
 MOST_PROBE_SECONDS = 1.0  # if a probe would take longer, the prediction is used unmeasured
 UNITS = ((365.25 * 86_400.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes"))
@@ -95,7 +95,7 @@ def _slowdown(study: Study, settings: Sequence[Setting], task: Task) -> float:
         )
         per_round = max(long_seconds - short_seconds, 0.0) / (longer - short)
         return (short_seconds + per_round * (rounds - short)) / cost
-    except InputError:  # the run itself says what is wrong
+    except InputError:  # the run itself reports it
         return 1.0
 
 

@@ -20,8 +20,8 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
 from swarmcensus.worlds import Topology
 
-BUNDLE_SECONDS = 0.1  # long compared with the cost of handing out a bundle, short for a person who waits
-MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and more than cores do not help
+BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
+MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
 LOG = logging.getLogger(__name__)
 
@@ -35,7 +35,7 @@ class Pool(Protocol):
 
     @property
     def note(self) -> str:
-        """What to tell a person who waits, or an empty text."""
+        """A note for a person who waits, or an empty text."""
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should take, if `work` seconds of work remain."""

@@ -52,7 +52,9 @@ def bar_or_lines(label: str) -> Iterator[Report]:
                 description=escape(progress.note or progress.stage or label),  # one of them, to fit into 80 columns
                 total=total,
                 completed=done,
-                count="" if several or not total else f"{done:,} of {counted(total, 'trial')}",  # a note has its own
+                count=""
+                if several or not total
+                else f"{done:,} of {counted(total, 'trial')}",  # a note has its own count
                 rate=rate,
                 left=left,
             )
@@ -142,7 +144,7 @@ def _plain_lines(label: str) -> Report:
 class _Pace:
     """The rate of a run's trials and the time left, measured since its first trial or that of its present part.
 
-    What was found on disk took no time, and what it takes to compile says nothing about trials.
+    Trials found on disk took no time, and compiling says nothing about the speed of trials.
     """
 
     def __init__(self) -> None:

@@ -19,7 +19,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.options import wrong_option
 
-GRACE_SECONDS = 30.0  # a job whose worker is gone for longer has ended; a refused job is submitted again after as long
+GRACE_SECONDS = 30.0  # a job without a worker for longer has ended; a refused job is submitted again after as long
 ASK_SECONDS = 20.0  # between two queries to Slurm about why no worker starts
 NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # without the address, Dask takes port 8787
 Whole = Annotated[int, Field(strict=True, ge=1)]

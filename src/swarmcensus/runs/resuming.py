@@ -115,7 +115,7 @@ class HeldOutput:
         """Write the whole output, if there is anything new, and remove the shards."""
         old = self.old_attributes
         if not data.attrs["trials_done"] and self.out.exists():
-            return  # begun anew and stopped before the first trial: the old output stays
+            return  # a fresh run was stopped before its first trial: the old output stays
         nothing = old is not None and not self.parts.added and not listed(self.parts.folder)
         if nothing and all(old.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
             return
@@ -183,7 +183,7 @@ class HeldOutput:
             return taken
         rounds, done = np.array([self.settings[number].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
         names = [name for name in taken if name == "correct" or name in ESTIMATES | INTERVALS]
-        needed = {name: done & (name not in INTERVALS) for name in names}  # which a setting's brain may not have
+        needed = {name: done & (name not in INTERVALS) for name in names}  # a setting's brain may have none
         return taken | {
             name: self._select_checkpoints(taken[name][np.newaxis], np.array(checkpoints), rounds, needed[name], path)[
                 0

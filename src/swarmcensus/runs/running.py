@@ -46,12 +46,12 @@ def run(
 
     `jobs` is the number of threads, by default one per core; the numbers do not depend on it. On a terminal and in a
     notebook a bar shows the progress, unless `progress` is False. If `progress` is a function, it is called instead,
-    from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept beside
-    it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
+    from this thread, about ten times a second. With `out`, the dataset is written there. Finished work is kept next
+    to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
-    Unless `cautions` is False, warnings name settings whose results are easily misread, such as a fill ratio on the
+    Unless `cautions` is False, warnings name settings with results that are easily misread, such as a fill ratio on the
     edge between two bins. A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C
     raises Interrupted, which carries the dataset of the finished trials. Raises InputError if nothing could be run.
     """

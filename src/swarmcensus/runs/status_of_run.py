@@ -1,4 +1,4 @@
-"""The progress of a study, from its output and the shards beside it, while it runs or after it was cut off."""
+"""The progress of a study, from its output and the shards next to it, while it runs or after it was cut off."""
 
 import json
 import time

@@ -44,8 +44,8 @@ EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one mor
 class Task:
     """Some trials of one setting, or of several at once.
 
-    A "batch" is of one setting. A "local" task computes local estimates for all settings whose robots observe the
-    same. A "ride" is one trial of all settings that share its trajectories.
+    A "batch" is of one setting. A "local" task computes local estimates for all settings with equal
+    observations. A "ride" is one trial of all settings that share its trajectories.
     """
 
     kind: Literal["batch", "local", "ride"]
@@ -90,13 +90,13 @@ def plan_tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None
     """The tasks for all trials that are `wanted`, each of at most about `seconds`.
 
     Some trials of every setting come first, so that a run that is cut off covers the whole study. `local` marks the
-    trials whose local estimates are wanted.
+    trials of which local estimates are wanted.
     """
     return sorted(_tasks_by_kind(settings, wanted, local, seconds), key=lambda task: task.first)
 
 
 def _tasks_by_kind(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:
-    # nearly always all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
+    # usually all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
     every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
         if setting.body is None:

@@ -44,7 +44,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.version import __version__
 
-RUN_ATTRIBUTES = (  # attributes that tell of the run, and not of the study
+RUN_ATTRIBUTES = (  # attributes of the run, not of the study
     "additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
     "cpu_seconds",
 )  # fmt: skip

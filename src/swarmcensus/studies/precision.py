@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from swarmcensus.support import intervals
-from swarmcensus.support.forms import Form, Table
+from swarmcensus.support.forms import Form, TomlTable
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.quantities import PER_TRIAL, QUANTITIES, stored
 
@@ -29,7 +29,7 @@ Fewest = Annotated[int, Field(strict=True, ge=intervals.FEWEST, lt=2**31)]
 def look_level(trials: int) -> float:
     """The level of an interval after `trials` trials, such that 95 % of the intervals that end a run hold.
 
-    A run is more likely to stop at an interval whose spread is underestimated. This matters with few trials only, as
+    A run is more likely to stop at an interval with an underestimated spread. This matters with few trials only, as
     the spread of many is well known (Chow and Robbins, 1965). So early looks use a higher level. `EARLY` comes from
     benchmarks/intervals.py.
     """
@@ -39,7 +39,7 @@ def look_level(trials: int) -> float:
 PATTERN = f"^{re.sub('[?]P<[a-z]+>', '', RULE.pattern)}$"  # for the JSON schema, where groups have no names
 
 
-class Until(Table):
+class Until(TomlTable):
     """A rule: run trials until the half-width of the 95 % interval over trials is small enough.
 
     The interval is looked at after `at_least` trials, and again each time a quarter has been added. The level allows

@@ -137,7 +137,7 @@ class ScheduleTable(TypedDict, total=False):
 
 
 class CaseTable(TypedDict, total=False):
-    """Values in place of some of the tables' above: another grid, beside the full one."""
+    """Values in place of some of the tables' above: another grid, in addition to the full one."""
 
     brain: Several[str | Mapping[str, Any] | Path | Brain]
     """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
@@ -244,7 +244,7 @@ class StudyTables(TypedDict, total=False):
     faults: Sequence[FaultTable]
     """Robots that fail."""
     case: Sequence[CaseTable]
-    """Values that go together, beside the full grid."""
+    """Values that go together, in addition to the full grid."""
     members: Sequence[MembersTable]
     """Robots that differ from the others."""
     labels: Mapping[str, str]

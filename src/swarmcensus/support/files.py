@@ -44,7 +44,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
 
 
 def acquire(lock: "FileLock") -> None:
-    """Take a lock whose file is removed by whoever holds it last. Raises Timeout and OSError."""
+    """Take a lock; whoever holds it last removes its file. Raises Timeout and OSError."""
     file = Path(lock.lock_file)
     while True:
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -54,7 +54,7 @@ def did_you_mean_any(names: Iterable[object], known: Collection[str]) -> str:
 
 
 def did_you_mean_file(path: str | Path) -> str:
-    """Such as "did you mean 'first.nc'? " for a missing file, if one beside it has its suffix and a similar name."""
+    """Such as "did you mean 'first.nc'? " for a missing file, if one next to it has its suffix and a similar name."""
     path = Path(path)
     try:
         stems = [file.stem for file in path.parent.iterdir() if file.suffix == path.suffix and file.is_file()]

@@ -52,7 +52,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table for people. Where not all `groups` of columns fit beside the first `columns`, each has its own table.
+    """A table for people. If not all `groups` of columns fit next to the first `columns`, each has its own table.
 
     `above` are lines between title and table. `notes` gives the lines below it, from the names of columns that were
     left out. `more` says where the rows are that are left out. A new block of rows begins at each row of `blocks`.
@@ -70,7 +70,7 @@ class Table:
 
     @classmethod
     def of_rows(cls, heads: Mapping[str, bool], rows: Iterable[Sequence[str]], **more: Any) -> "Table":
-        """A table of rows, whose lines may be folded; `heads` says of each column whether it holds numbers."""
+        """A table of rows with lines that may be folded; `heads` says of each column whether it holds numbers."""
         cells = list(map(list, zip(*rows, strict=True))) or [[] for _ in heads]
         return cls(
             [Column(head, each, heads[head]) for head, each in zip(heads, cells, strict=True)], folds=True, **more

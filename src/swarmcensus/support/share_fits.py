@@ -17,7 +17,7 @@ NORMAL = NormalDist()
 STEPS = 50  # of Fisher scoring
 FARTHEST = 0.5  # largest change of log u in a step
 PRECISION = 1e-10
-LEAST, MOST = 1e-3, 6.0  # the normal deviates u that are told apart: shares from 0.0008 to 1 - 2e-9
+LEAST, MOST = 1e-3, 6.0  # the normal deviates u that are distinguished: shares from 0.0008 to 1 - 2e-9
 
 
 @dataclass(frozen=True)

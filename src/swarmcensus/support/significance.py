@@ -53,7 +53,7 @@ Counts = NDArray[np.int64]
 class SignedRanks(NamedTuple):
     """Results of the signed-rank test; each array has the shape of the differences without their last axis.
 
-    `below`, `equal` and `above` count the trials whose difference is negative, zero and positive. `balance` is the
+    `below`, `equal` and `above` count the trials with negative, zero and positive differences. `balance` is the
     matched rank-biserial correlation in [-1, 1]: positive if differences mostly are, 0 if there are none. `p` is
     two-sided.
     """
@@ -95,9 +95,9 @@ def signed_ranks(off: Floats) -> SignedRanks:
     """The two-sided test that differences `off` (..., trial) are symmetric about 0; NaN is ignored.
 
     The null hypothesis is that the sign of each difference is random, as it is if two contenders are exchangeable in
-    every trial. The p-value is the share of sign patterns whose rank sums are at least as far apart as the observed
-    ones. Zeros are ranked and then dropped (Pratt). For more than 64 non-zero differences, the p-value is that of the
-    normal approximation with continuity correction. Without any difference it is 1.
+    every trial. The p-value is the share of sign patterns with rank sums at least as far apart as the observed ones.
+    Zeros are ranked and then dropped (Pratt). For more than 64 non-zero differences, the p-value is that of the normal
+    approximation with continuity correction. Without any difference it is 1.
     """
     flat = off.reshape(math.prod(off.shape[:-1]), off.shape[-1])
     mantissa, exponent = np.frexp(np.abs(flat))

@@ -1,4 +1,4 @@
-"""HTML and Markdown from Jinja templates: files that lie beside the module that fills them."""
+"""HTML and Markdown from Jinja templates: files next to the module that fills them."""
 
 import functools
 from pathlib import Path

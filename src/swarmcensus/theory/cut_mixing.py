@@ -18,7 +18,7 @@ from swarmcensus.theory.matrices import checked, product_with
 from swarmcensus.theory.mixing import SETTLED, mixed_sums
 
 OUTSIDE = np.log(2e14)  # of a probability of 1e-14 on both sides
-FEW, MANY = 128, 4096  # terms of the series: for sums of many weights, and of few, whose law has distinct steps
+FEW, MANY = 128, 4096  # terms of the series: for sums of many weights, and of few, which have a law with distinct steps
 SMOOTH = 4.0  # standard deviations in the largest step of a sum of many weights
 
 
@@ -34,7 +34,7 @@ def cut_squared_error(
     """The mean of (x - f)^2 of each robot's estimate after round t, cut to [0, 1], (robot,).
 
     A prior moves estimates by the share `pull` of their distance to 1/2 before they are cut. Messages arrive in the
-    same round. In a network in which all robots are alike, one is computed. Raises InputError.
+    same round. If all robots of a network are equivalent, one is computed. Raises InputError.
     """
     found, t = checked(matrix), count("rounds", rounds, 1)
     looks, f = count("observations_per_round", observations_per_round, 1), one_share("fill_ratio", fill_ratio)
@@ -42,8 +42,8 @@ def cut_squared_error(
     robots = np.arange(len(found))
     black, white = sensors(b, w)
     black, white, share, _ = fitting(b=black, w=white, pull=shares("pull", pull), robots=np.zeros(len(found)))
-    alike = all(np.ptp(one) == 0.0 for one in (black, white, share)) and all_alike(found)
-    if alike:
+    equal = all(np.ptp(one) == 0.0 for one in (black, white, share)) and all_equivalent(found)
+    if equal:
         robots = robots[:1]
     slope = black + white - 1.0
     q = slope * f + 1.0 - white
@@ -67,17 +67,17 @@ def cut_squared_error(
         at_left = np.exp(log + 1j * frequency * half[k]).real
         at_left[0] *= 0.5
         out[k] = at_left @ _coefficients(f, float(share[k]), float(half[k]), frequency)
-    return np.maximum(np.full(len(found), out[0]) if alike else out, 0.0)
+    return np.maximum(np.full(len(found), out[0]) if equal else out, 0.0)
 
 
-def all_alike(matrix: Floats) -> bool:
+def all_equivalent(matrix: Floats) -> bool:
     """Whether each row is the one before, shifted by one, as in rings and full networks."""
     return bool((np.roll(matrix, (1, 1), (0, 1)) == matrix).all())
 
 
 def terms_for(matrix: Floats, rounds: int) -> float:
     """About how many complex numbers `cut_squared_error` computes, for equal sensors."""
-    return (1 if all_alike(matrix) else len(matrix)) * float(len(matrix)) * rounds * FEW
+    return (1 if all_equivalent(matrix) else len(matrix)) * float(len(matrix)) * rounds * FEW
 
 
 def _powers(matrix: Floats, robots: np.ndarray, rounds: int) -> list[tuple[Floats, int]]:

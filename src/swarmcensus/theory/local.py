@@ -169,7 +169,7 @@ def normal_right_share(variance: ArrayLike, fill_ratio: float, bins: int = 10, b
 
 
 def normal_median_error(variances: ArrayLike, fill_ratio: float) -> Floats:
-    """The median of |x - f| over robots whose estimates are normal about f, with `variances` (..., robot).
+    """The median of |x - f| over robots with estimates that are normal about f, with `variances` (..., robot).
 
     Estimates are cut to [0, 1]. Returns (...), by bisection: the share of robots within e of f grows with e. Raises
     InputError.

@@ -12,7 +12,7 @@ from swarmcensus.theory.checks import Floats, misshapen, numbers
 from swarmcensus.worlds import network
 
 MOST = 4096  # robots of a matrix: 128 MB
-SMALL = 100  # robots of the largest matrix whose decomposition is cached: 512 of them take 80 MB
+SMALL = 100  # robots of the largest matrix with a cached decomposition: 512 of them take 80 MB
 
 
 def mixing_matrix(graph: Any, robots: int | None = None, *, directed: bool = False) -> Floats:

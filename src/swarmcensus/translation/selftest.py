@@ -25,12 +25,9 @@ def expected(brain: Brain) -> str:
         return lived(brain, brain.functions, states)
     except Exception as error:
         what = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
-        raise BrainError(
-            f"brain {brain.name!r} fails in the self-test: {what}; "
-            f"{command('swarmcensus', 'brains', '--check', brain.name)} shows where",
-            key="brain",
-            value=brain.name,
-        ) from error
+        fails = f"brain {brain.name!r} fails in the self-test: {what}"
+        check = command("swarmcensus", "brains", "--check", brain.name)
+        raise BrainError(f"{fails}; {check} shows where", key="brain", value=brain.name) from error
 
 
 def lived(brain: Brain, functions: Any, states: Sequence[Any], codec: Any = None) -> str:
@@ -48,7 +45,7 @@ def owed_places(brain: Brain) -> list[int]:
     return [place for part in owing(brain) for place in part.places]
 
 
-class Difference(NamedTuple):
+class BitDifference(NamedTuple):
     """How the output of a self-test differs from what is expected."""
 
     line: int  # the first line that differs, counted from 1; 0 if none does
@@ -71,14 +68,14 @@ def is_exact(brain: Brain) -> bool:
     return called <= EXACT and not exponents
 
 
-def compare(wanted: str, found: str) -> Difference:
+def compare(wanted: str, found: str) -> BitDifference:
     """Compare the output of a self-test with the expected one."""
     rows = list(zip(wanted.splitlines(), found.splitlines(), strict=False))
     first = next((k for k, (one, other) in enumerate(rows, 1) if one != other), 0)
     if len(wanted.splitlines()) != len(found.splitlines()):
-        return Difference(first or len(rows) + 1, float("inf"))
+        return BitDifference(first or len(rows) + 1, float("inf"))
     largest = max((_distance(one, other) for one, other in rows if one != other), default=0.0)
-    return Difference(first, largest)
+    return BitDifference(first, largest)
 
 
 def _distance(one: str, other: str) -> float:

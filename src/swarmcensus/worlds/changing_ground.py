@@ -1,4 +1,4 @@
-"""The floor of a trial whose fill ratio changes: no more tiles change colour than necessary."""
+"""The floor of a trial with a changing fill ratio: no more tiles change colour than necessary."""
 
 import math
 from collections.abc import Iterator

@@ -21,7 +21,7 @@ PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
 ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # where quantiles are tried: the least, a middle and the largest u
 
-MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm whose quantiles give a mean
+MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm: their quantiles give a mean
 
 
 @dataclass(frozen=True)

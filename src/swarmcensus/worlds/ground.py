@@ -68,7 +68,7 @@ class Ground:
 
 @functools.lru_cache(maxsize=2)
 def reachable(half: float, radius: float, arm: float, tile: float, most: int = MOST_COUNTED) -> Tiles:
-    """Return the tiles (1, tile, 2) whose centre a ground sensor can reach; lengths in metres.
+    """Return the tiles (1, tile, 2) with a centre that a ground sensor can reach; lengths in metres.
 
     A robot's centre keeps `radius` from the walls at +-`half`, and its sensor is `arm` from the centre. If the arena
     has more than `most` tiles, only every k-th tile of every k-th row is taken, with the smallest k that suffices.

@@ -41,7 +41,7 @@ class Drift:
 
     @property
     def form(self) -> dict[str, float]:
-        """As in a study file, beside `start`."""
+        """As in a study file, next to `start`."""
         return {"drift": self.slope, "least" if self.slope < 0.0 else "most": self.bound}
 
     @property

@@ -84,11 +84,9 @@ def _called(name: str, keys: Keys, robots: int, call: Callable[..., Any], argume
         return call(argument)
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
-        raise BrainError(
-            f"topology {name!r} of {counted(robots, 'robot')}{own}: {error_message(error, PLUGINS.path(name))}",
-            key="topology",
-            value=name,
-        ) from error
+        where = f"topology {name!r} of {counted(robots, 'robot')}{own}"
+        what = error_message(error, PLUGINS.path(name))
+        raise BrainError(f"{where}: {what}", key="topology", value=name) from error
 
 
 def pairs_of(given: Any, robots: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Which brain is better in which world, by how much and at what cost, and what should be kept in mind: `sc.compare`."""
+"""Which brain is better in which world, by how much and at what cost, and with which cautions: `sc.compare`."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -59,7 +59,7 @@ class Comparison(Standings):
 
     @property
     def verdict(self) -> list[str]:
-        """Who is best in how many worlds, who is not told apart from the best, and the costs: one sentence each."""
+        """Who is best in how many worlds, who does not differ from the best, and the costs: one sentence each."""
         return verdict(self)
 
     @property
@@ -67,8 +67,8 @@ class Comparison(Standings):
         """A pandas table with a row for each world and contender.
 
         Each measure has its value, the ends of its 95 % interval (`_low`, `_high`), its `_rank` in the world and its
-        `_standing`. "best" is told apart from all others, "level" is first or not told apart from the first, "behind"
-        is told apart from the first. With `against`, standings are "better", "level" or "worse". Costs and sizes
+        `_standing`. "best" differs from all others, "level" is first or does not differ from the first, "behind"
+        differs from the first. With `against`, standings are "better", "level" or "worse". Costs and sizes
         follow.
         """
         return tables.table(self)
@@ -223,8 +223,8 @@ def _cautions(
         f"{measure.label}: {first} and {second} are the same in every trial that both have"
         for measure, contest in zip(measured, all_contests, strict=True)
         if measure.unit == "1" and not measure.share  # counts and shares may be equal by chance
-        for (first, second), alike in zip(pairs, contest.alike, strict=True)
-        if alike
+        for (first, second), level in zip(pairs, contest.level, strict=True)
+        if level
     ]
     absent = dict.fromkeys(lacked for name in COSTS if name not in costs for lacked in measures.lacks(data, name))
     absent |= dict.fromkeys(name for name in SIZES if name not in data)

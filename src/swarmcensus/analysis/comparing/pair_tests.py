@@ -75,12 +75,12 @@ class Contest:
 
     @property
     def apart(self) -> NDArray[np.bool_]:
-        """Which pairs are told apart in which worlds, (world, pair): difference and test must have the same sign."""
+        """Which pairs differ in which worlds, (world, pair): difference and test must have the same sign."""
         agree = np.sign(self.difference) * np.sign(self.tests.balance) >= 0
         return np.asarray((self.corrected <= ALPHA) & agree)
 
     @property
-    def alike(self) -> NDArray[np.bool_]:
+    def level(self) -> NDArray[np.bool_]:
         """Which pairs have the same number in every trial of every world that both have met, (pair,)."""
         differ = (self.tests.below + self.tests.above).sum(axis=0)
         return np.asarray((differ == 0) & (self.tests.equal.sum(axis=0) > 0))
@@ -94,7 +94,7 @@ class Contest:
 
     @property
     def duels_apart(self) -> NDArray[np.bool_]:
-        """Which pairs are told apart over all worlds, (pair,): `ahead` and the test must have the same sign."""
+        """Which pairs differ over all worlds, (pair,): `ahead` and the test must have the same sign."""
         agree = np.sign(self.ahead) * np.sign(self.duels.balance) >= 0
         return np.asarray((self.duels_corrected <= ALPHA) & agree)
 
@@ -148,8 +148,8 @@ def contests(measures: list[ContestInput], with_intervals: bool = True, against:
     """The contest of each measure. Without intervals, they and Friedman's test, which take most of the time, are NaN.
 
     With `against` only pairs with that contender are tested. The pair tests in single worlds, of all measures, are one
-    family: if no contenders differ, any pair is told apart in at most 5 % of comparisons. So are the pair tests over
-    all worlds, and Friedman's tests, one for each measure, which find whether any contenders differ, but not which.
+    family: the probability of any false positive is at most 5 %. The pair tests over all worlds are another. So are
+    Friedman's tests, one for each measure, which find whether any contenders differ, but not which.
     """
     untested = [_contest(contest, with_intervals, against) for contest in measures]
     for family in ([contest.corrected for contest in untested], [contest.duels_corrected for contest in untested]):
@@ -184,7 +184,7 @@ def _contest(contest_input: ContestInput, with_intervals: bool, against: int | N
     duels = signed_ranks(ahead.T)
     tested_overall = (
         (duels.below + duels.equal + duels.above > 0) & (met.sum() > 1) & tested
-    )  # in one, the world's own tests say it all
+    )  # in one world, its own tests are enough
     return Contest(
         low=low,
         values=centres(numbers, statistic),

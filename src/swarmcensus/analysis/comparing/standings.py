@@ -1,4 +1,4 @@
-"""Each contender's standing in each world: best, level with the first, or behind; and who is told apart from whom."""
+"""Each contender's standing in each world: best, level with the first, or behind; and which pairs differ."""
 
 from dataclasses import dataclass
 
@@ -67,7 +67,7 @@ class Standings:
         return out
 
     def apart(self, contest: Contest) -> NDArray[np.bool_]:
-        """Which contenders are told apart in each world, (world, contender, contender): values and test must agree."""
+        """Which contenders differ in each world, (world, contender, contender): values and test must agree."""
         count = len(self.contenders)
         out = np.zeros((len(contest.values), count, count), np.bool_)
         for k, (first, second) in enumerate(pairs_of(count)):
@@ -77,7 +77,7 @@ class Standings:
         return out
 
     def apart_overall(self, contest: Contest) -> NDArray[np.bool_]:
-        """Which contenders are told apart over the worlds that all have met, (contender, contender)."""
+        """Which contenders differ over the worlds that all have met, (contender, contender)."""
         if contest.met.sum() == 1:
             return np.asarray(self.apart(contest)[contest.met][0])
         count = len(self.contenders)

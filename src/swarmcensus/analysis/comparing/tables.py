@@ -39,7 +39,7 @@ def pairs(standings: Standings) -> "pd.DataFrame":
     `difference` is the median of the trials' differences, or their mean, in the measure's `unit`, with the ends of its
     95 % interval. `superiority` is the share of trials in which `one` is better, where equal trials count one half.
     `effect` is the matched rank-biserial correlation, above 0 if `one` is better. `p` is the p-value of the signed-rank
-    test, `p_holm` the corrected one, and `told_apart` whether the pair is told apart.
+    test, `p_holm` the corrected one, and `told_apart` whether the pair differs.
     """
     import pandas as pd
 
@@ -67,7 +67,7 @@ def ranks(standings: Standings) -> "pd.DataFrame":
     """See `Comparison.ranks`.
 
     `average_rank` is the mean over the trials and worlds that all have met. `best` counts the worlds in which a
-    contender is first and told apart from all others, `level` the other worlds in which it is first or not told apart
+    contender is first and differs from all others, `level` the other worlds in which it is first or does not differ
     from the first, and `behind` the rest. With `against`, `better`, `level` and `worse` count worlds. `friedman` and
     `friedman_p` are the statistic and p-value of Friedman's test of the measure, and `friedman_p_corrected` is
     corrected for all measures.

@@ -1,4 +1,4 @@
-"""A comparison in sentences: who is best in how many worlds, who is not told apart from the best, and the costs."""
+"""A comparison in sentences: who is best in how many worlds, who does not differ from the best, and the costs."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +75,7 @@ def _by_world(standings: Standings, contest: Contest) -> str:
 
 
 def _overall(standings: Standings, contest: Contest) -> str:
-    """Average ranks, best first, and the groups of contenders that are not told apart."""
+    """Average ranks, best first, and the groups of contenders that do not differ."""
     if standings.against is not None:
         return _against_overall(standings, contest)
     average, apart = contest.average_ranks, standings.apart_overall(contest)

@@ -23,9 +23,9 @@ from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 
-MISSES = 1000  # one in so many settings differs by chance
+MISSES = 1000  # one in this many settings differs by chance
 FEWEST = 50  # trials for a verdict: with fewer, intervals of this level miss the truth too often
-GRAPHS = 20  # graphs whose mixing is computed to find the largest part of the error
+GRAPHS = 20  # graphs of which the mixing is computed, to find the largest part of the error
 AGREES, DIFFERS, UNKNOWN = "agrees", "differs", "unknown"
 
 

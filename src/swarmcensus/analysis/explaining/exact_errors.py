@@ -1,4 +1,4 @@
-"""The expected squared error of a setting's estimates, trial by trial, for brains whose theory is exact.
+"""The expected squared error of a setting's estimates, trial by trial, for brains with exact theory.
 
 It is known for `alone`, for `commons`, which mixes running sums, and for `minimalistic` if nobody is heard. For commons
 it includes the prior, and that estimates are cut to [0, 1]: by a binomial law if all sensors are equal and all robots
@@ -85,10 +85,10 @@ def _pooled_readings(setting: Setting, b: Floats, w: Floats, robots_pooled: int,
 
 def _mixed(setting: Setting, graphs: list[Floats], b: Floats, w: Floats) -> ExactErrors:
     """Squared errors of sums that are mixed on these graphs, one for each trial or one for all."""
-    alike = len(graphs) == 1 and (b == b[0]).all() and (w == w[0]).all()
+    same = len(graphs) == 1 and (b == b[0]).all() and (w == w[0]).all()
     rounds, looks, f = setting.rounds, setting.observations_per_round, setting.fill_ratio
     squared, pulls, cut = [], [], 0.0
-    used = [graphs[min(k, len(graphs) - 1)] for k in range(1 if alike else len(b))]
+    used = [graphs[min(k, len(graphs) - 1)] for k in range(1 if same else len(b))]
     for k, graph in enumerate(used):
         sums = theory.mixed_sums(graph, rounds, looks, f, b[k], w[k], setting.message_delay)
         if not np.isfinite(sums.variance).all():

@@ -23,7 +23,7 @@ from swarmcensus.worlds import Floor, reachable
 Floats = NDArray[np.float64]
 Origin = tuple[Study, Setting]
 ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
-MOST_ROBOTS = 1000  # size of a network whose mixing is computed
+MOST_ROBOTS = 1000  # of the largest network of which the mixing is computed
 MOST_WORK = 1e9  # operations of decompositions: the number of graphs times the cube of the number of robots
 MOST_SAMPLED = 100  # sensors, or variances, that represent all of a study
 
@@ -167,8 +167,8 @@ def normal_line(variance: Floats, f: float, bins: int) -> Line:
 
 def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
     pairs = np.stack([b.ravel(), w.ravel()], axis=1)
-    alike = (pairs == pairs[0]).all()
-    pairs = pairs[:1] if alike else pairs[np.lexsort(pairs.T[::-1])][_evenly_spaced(len(pairs))]  # in proportion
+    same = (pairs == pairs[0]).all()
+    pairs = pairs[:1] if same else pairs[np.lexsort(pairs.T[::-1])][_evenly_spaced(len(pairs))]  # in proportion
     rows = []
     for t in readings.astype(int).tolist():
         law = theory.mixed_law([theory.local_law(t, f, *pair) for pair in pairs.tolist()])

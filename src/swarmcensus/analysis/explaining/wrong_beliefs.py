@@ -13,7 +13,11 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
 from swarmcensus.worlds import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
-EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4, as `asymptote` assumes
+EQ_4 = {
+    "minimalistic",
+    "leaver",
+    "legacy",
+}  # brains with the local estimate of the paper's Eq. 4, as `asymptote` assumes
 
 
 def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
@@ -124,6 +128,6 @@ def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, beli
 
 
 def goes_to(true: Accuracy, error: float | Floats, f: float) -> Floats:
-    """The `asymptote` of robots whose belief is the truth plus `error`, for black and for white."""
+    """The `asymptote` of robots that believe the truth plus `error`, for black and for white."""
     b, w = _sides(true)
     return asymptote(b, w, np.clip(b + error, 0.0, 1.0), np.clip(w + error, 0.0, 1.0), f)

@@ -26,7 +26,7 @@ from swarmcensus.support.version import __version__
 
 @functools.cache
 def commands() -> dict[str, Command]:
-    """All commands by name, group by group and in the order of the alphabet."""
+    """All commands by name, group by group and alphabetically."""
     modules = (importlib.import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__))
     found = sorted(command for module in modules for command in module.COMMANDS)
     return {command.name: command for group in Group for command in found if command.group is group}
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = error.strerror or str(error)
         _complain(f"{error.filename}: {what}" if error.filename else what)
         return 2
-    except UnicodeEncodeError as error:  # of bytes that are no text in the encoding of this system's file names
+    except UnicodeEncodeError as error:  # of bytes that are not text in the encoding of this system's file names
         said = ascii(error.object[max(0, error.start - 20) : error.end + 20])
         _complain(f"{said} is no text in this system's encoding: use other names, or set PYTHONUTF8=1")
         return 2

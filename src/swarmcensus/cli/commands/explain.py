@@ -1,4 +1,4 @@
-"""The command `explain`: measurements beside theory. Imports wait until the command needs them."""
+"""The command `explain`: measurements next to theory. Imports wait until the command needs them."""
 
 import argparse
 import math
@@ -20,7 +20,7 @@ NAMES = {
     "neighbourhood": "its neighbourhood",
     "mixed": "mixed sums",
     "swarm": "the whole swarm",
-}  # lines of theory, in the order that they are shown
+}  # lines of theory, in the order of the table
 MEANS = {
     "alone": "exact, for a robot that hears nobody",
     "neighbourhood": "the smallest error of any unbiased estimate from the readings of a robot and its neighbours",
@@ -135,7 +135,7 @@ def records(explanation: "Explanation") -> "list[dict[str, Any]]":
 
 
 def _columns(explanation: "Explanation") -> "list[Column]":
-    """The columns of the table; on a narrow terminal the checkpoints between the first and the last go first."""
+    """The columns of the table; a narrow terminal has fewer checkpoints between the first and the last."""
     from swarmcensus.support.printed_tables import Column
 
     last = len(explanation.checkpoints) - 1

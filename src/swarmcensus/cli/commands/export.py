@@ -18,7 +18,7 @@ OF_RESULTS = ("where", "bins", "delta")  # options that select and measure resul
 def add_export_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `export`."""
     add_source_options(sub, "RESULTS.nc|FOLDER", f"{RESULTS_HELP}; or a folder of robots' logs")
-    sub.set_defaults(reads_results=False)  # logs neither
+    sub.set_defaults(reads_results=False)  # the source may be logs
     sub.add_argument(
         "--format", choices=FORMATS, help="format (default: by the ending of --out, else csv; of robots' logs mcap)"
     )

@@ -93,7 +93,7 @@ def brains(options: argparse.Namespace) -> int:
 
 
 def single_note(lived: dict[str, int | None]) -> str:
-    """A sentence on a day in single precision."""
+    """A sentence on a day of readings in single precision."""
     apart = {how: at for how, at in lived.items() if at is not None}
     if not apart:
         return "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
@@ -269,7 +269,9 @@ def _show_choices(kinds: Collection[str]) -> None:
 
     for k, kind in enumerate(kinds):
         rows = list(_rows(kind))
-        plugins = {row[-1] for row in rows} != {"swarmcensus"}  # else the last column would say the same in every row
+        plugins = {row[-1] for row in rows} != {
+            "swarmcensus"
+        }  # otherwise the last column would be the same in every row
         heads = dict.fromkeys((kind, "keys", "what it is", *["from"] * plugins), False)
         if k:
             print()

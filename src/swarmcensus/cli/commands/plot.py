@@ -111,8 +111,7 @@ def plot(options: argparse.Namespace) -> int:
     stored, data = read(options)
     say_partial(stored, options.results)
     if options.setting in stored["setting"].values and options.setting not in data["setting"].values:
-        unselected = f"setting {options.setting} is not one of those that --where {options.where!r} selects"
-        raise OptionError(unselected, key="setting", value=options.setting)
+        raise misplaced("setting", options.setting, f"is not one of those that --where {options.where!r} selects")
     page = {name: getattr(options, name) for name in ("width", "height", "font_size")}
     if "out" in given and options.dpi is not None:
         given["dpi"] = options.dpi

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from swarmcensus.runs import Verification
 
 SHOW_OPTIONS = ("checkpoint", "sort", "reverse", "label")  # options of `show` in addition to the source options
-DIFFER = 1  # exit code of `verify` where results differ
+DIFFER = 1  # exit code of `verify` if results differ
 
 
 def add_show_options(sub: argparse.ArgumentParser) -> None:
@@ -100,7 +100,7 @@ def add_verify_options(sub: argparse.ArgumentParser) -> None:
 
 
 def verify(options: argparse.Namespace) -> int:
-    """Run trials again and compare them with the file; the exit code is 1 where they differ."""
+    """Run trials again and compare them with the file; the exit code is 1 if they differ."""
     import secrets
 
     from swarmcensus.runs import verifying

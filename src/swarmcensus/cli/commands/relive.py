@@ -1,4 +1,4 @@
-"""The command `relive`: lives robots' states again from their logs, under their brain or others."""
+"""The command `relive`: computes robots' states again from their logs, with their brain or others."""
 
 import argparse
 from collections.abc import Sequence
@@ -13,9 +13,9 @@ from swarmcensus.support.options import misplaced, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
-    from swarmcensus.robots import Life, Recording, Relived
+    from swarmcensus.robots import Recording, Relived, RobotReplay
 
-DIFFER = 1  # exit code where a state was not lived again to the bit, as of `verify`
+DIFFER = 1  # exit code if a state differs in any bit, as of `verify`
 SHOWN = 8  # lines of a list
 
 
@@ -43,7 +43,7 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
 
 
 def relive(options: argparse.Namespace) -> int:
-    """Live the states of a folder again."""
+    """Compute the states of a folder again."""
     from swarmcensus.robots import Clock, read_recording, relive_all, traces, under
 
     _check(options)
@@ -71,7 +71,7 @@ def relive(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Raise InputError for options that do not go together, before anything is lived."""
+    """Raise InputError for options that do not go together, before anything is computed."""
     from swarmcensus.cli.commands.plot import figure_files
     from swarmcensus.support.files import check_output
 
@@ -124,7 +124,7 @@ def _write_trace(options: argparse.Namespace, trace: Any) -> None:
         save_figure(plot.curves(trace), options.plot, ("png",))
 
 
-def _as_dict(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Relived"]) -> dict[str, Any]:
+def _as_dict(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"]) -> dict[str, Any]:
     robots = [
         {
             "number": life.number, "ticks": life.ticks, "relived": life.relived, "to_the_bit": life.to_the_bit,
@@ -164,7 +164,7 @@ def _ends(recording: "Recording", lived: "Relived") -> dict[str, float | None]:
     }
 
 
-def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Relived"]) -> None:
+def _show(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"]) -> None:
     from swarmcensus.robots import TOLD, UNKNOWN, summary_of
     from swarmcensus.support.formatting import counted
     from swarmcensus.support.printed_tables import Table
@@ -173,8 +173,8 @@ def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Reli
     exact = sum(life.to_the_bit for life in lives)
     ticks, relived = sum(life.ticks for life in lives), sum(life.relived for life in lives)
     truth = "" if recording.fill_ratio is None else f", fill ratio {recording.fill_ratio:g}"
-    whose = "its log" if len(lives) == 1 else "their logs"
-    print(f"{recording.title}: {summary_of(recording)}, {counted(ticks, 'tick')} in {whose}{truth}")
+    logs = "its log" if len(lives) == 1 else "their logs"
+    print(f"{recording.title}: {summary_of(recording)}, {counted(ticks, 'tick')} in {logs}{truth}")
     print(
         f"{exact:,} of {counted(len(lives), 'robot')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     )
@@ -205,8 +205,8 @@ def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Reli
                 print(title.format(one.brain.label), *lines, sep="\n")
 
 
-def _break_lines(lives: Sequence["Life"]) -> list[str]:
-    """A line for each difference; robots that ran another brain are together in one."""
+def _break_lines(lives: Sequence["RobotReplay"]) -> list[str]:
+    """A line for each difference, and one for all robots that ran another brain."""
     from swarmcensus.robots import ANOTHER
 
     together: dict[str, list[int]] = {}

@@ -139,7 +139,7 @@ def infer(options: argparse.Namespace) -> int:
         with log_compilation(Path(options.brain).name, "recorded data"):
             caution([brains.load(options.brain)])
             trace = inferring.infer(readings, links, accuracy, options.observations_per_round, options.brain)
-    except InputError as error:  # name the file or option that the message is about
+    except InputError as error:  # the message should name the file or option
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
         if source is None:
             raise

@@ -16,10 +16,10 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, misplaced, option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.robots import Air, Outcome, Plan, Swarm
+    from swarmcensus.robots import Air, Outcome, RunningSwarm, SwarmPlan
     from swarmcensus.studies import Study
 
-OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults if a study's are others
+OF_STUDIES: dict[str, Any] = {  # keys of a study file, with their defaults if they differ from a study's
     "robots": 20, "topology": "ring", "link_success": None, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
     "message": "float32", "precision": None,
 }  # fmt: skip
@@ -89,7 +89,7 @@ def swarm(options: argparse.Namespace) -> int:
         try:
             with showing(plan, options) as show:
 
-                def tell(swarm: "Swarm") -> None:
+                def tell(swarm: "RunningSwarm") -> None:
                     show(swarm)
                     page.show(swarm)
 
@@ -97,7 +97,7 @@ def swarm(options: argparse.Namespace) -> int:
         except Stopped as after:
             outcome = after.outcome
             stopped = f"swarmcensus: stopped after {after.rounds:,} of {counted(plan.setting.rounds, 'round')}"
-        _tell(options, plan, folder, outcome)
+        _report(options, plan, folder, outcome)
         if stopped:
             print(stopped, file=sys.stderr)
             return STOPPED
@@ -105,8 +105,8 @@ def swarm(options: argparse.Namespace) -> int:
     return int(bool(outcome.died) or not outcome.at_work)
 
 
-def _tell(options: argparse.Namespace, plan: "Plan", folder: Path, outcome: "Outcome") -> None:
-    """Print what came of a run."""
+def _report(options: argparse.Namespace, plan: "SwarmPlan", folder: Path, outcome: "Outcome") -> None:
+    """Print the outcome of a run."""
     from swarmcensus.cli.swarm_table import summary
 
     if options.json:
@@ -118,7 +118,7 @@ def _tell(options: argparse.Namespace, plan: "Plan", folder: Path, outcome: "Out
 
 
 def _study(options: argparse.Namespace) -> "Study":
-    """The study that is given, or the one that options describe."""
+    """The given study, or the one that options describe."""
     from swarmcensus.studies import KEYS, Study
 
     given = {name: getattr(options, name) for name in OF_STUDIES if getattr(options, name) is not None}
@@ -158,7 +158,7 @@ def _air(options: argparse.Namespace) -> "Air":
 
 
 def _free(name: str) -> Path:
-    """A folder of this name that is not there yet, or with a number behind it."""
+    """A new folder of this name, with a number behind it if the name is taken."""
     names = itertools.chain([name], (f"{name}-{k}" for k in itertools.count(2)))
     return next(path for path in map(Path, names) if not path.exists())
 
@@ -192,8 +192,8 @@ class Page:
 
             self._socket = self._stack.enter_context(bound(HOST, options.port or 0))
 
-    def show(self, swarm: "Swarm") -> None:
-        """Begin to serve, once there is something to show."""
+    def show(self, swarm: "RunningSwarm") -> None:
+        """Start to serve when there is something to show."""
         if not self._waits or not any(known.last and known.last.ticks for known in swarm.robots):
             return
         from swarmcensus.cli.commands.watch import open_browser
@@ -209,7 +209,7 @@ class Page:
             open_browser(served.address())
 
     def stay(self) -> None:
-        """Serve on after the swarm's end, until Ctrl-C."""
+        """Continue to serve after the swarm's end, until Ctrl-C."""
         if self._serves:
             say("The live page goes on showing the recording. Press Ctrl-C to stop.")
             with contextlib.suppress(KeyboardInterrupt):

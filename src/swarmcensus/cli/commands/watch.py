@@ -82,7 +82,7 @@ def watch(options: argparse.Namespace) -> int:
 
 
 def _warn_of_gaps(logged: "LoggedRecording") -> None:
-    """Say what of a recording is not known."""
+    """Say what is unknown of a recording."""
     if logged.grows:
         say("This swarm still runs: the page follows it.")
     for what in logged.recording.absent:
@@ -99,7 +99,7 @@ def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], p
     from swarmcensus.live import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port or 0)
-    with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, and no failure
+    with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, not a failure
         warm(served, query)
         address = served.address(urlencode(query | play))
         print(address, flush=True)

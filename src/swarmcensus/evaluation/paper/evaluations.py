@@ -1,6 +1,6 @@
 """The evaluations that `reproduce` runs: the paper's own, and published results on rivals.
 
-Each is a file beside this one, `paper.toml` and `rivals.toml`. There a claim names the function that measures it, and
+Each is a file next to this one, `paper.toml` and `rivals.toml`. There a claim names the function that measures it, and
 perhaps one that explains why it does not hold and one that writes a note, as a text, or as a table with its arguments.
 """
 

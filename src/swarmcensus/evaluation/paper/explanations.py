@@ -34,7 +34,7 @@ def mixed(_: Evidence, details: Sequence[Detail], fill: float) -> str:
 
 
 def worth(accuracies: Floats, fill: float) -> float:
-    """The b = w whose readings carry as much Fisher information on f as those of the `accuracies`, b = w, on average.
+    """The b = w of readings with as much Fisher information on f as those of the `accuracies`, b = w, on average.
 
     With s = 2b - 1 a reading is black with probability p = 1/2 + s (f - 1/2) and carries s² / (p (1 - p)).
     """

@@ -1,4 +1,4 @@
-"""The page that `reproduce` writes: one HTML file that needs no other, with links to the files beside it."""
+"""The page that `reproduce` writes: one HTML file that needs no other, with links to the files next to it."""
 
 from __future__ import annotations
 

@@ -106,7 +106,7 @@ def settling_time(evidence: Evidence, study: str, **where: object) -> Floats:
 
 
 def consensus_right(evidence: Evidence, study: str, **where: object) -> Floats:
-    """The share of trials whose first consensus is right, among those that have a right option."""
+    """The share of trials with a right first consensus, among those that have a right option."""
     consensus, option = _whole(evidence, study, "consensus", where), evidence.column(study, "right_option", **where)
     return evidence.share(consensus == option, ~np.isnan(option))
 

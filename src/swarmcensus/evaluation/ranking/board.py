@@ -46,7 +46,7 @@ class Board:
     def table(self) -> "pd.DataFrame":
         """A pandas table with a row for each contender, best first, and columns for each kind of world.
 
-        `place` is missing for bounds, and for brains whose estimate is an opinion. Errors are |x - f| after the last
+        `place` is missing for bounds, and for brains with opinions as estimates. Errors are |x - f| after the last
         round, and `right_side` is a share of robots.
         """
         import pandas as pd

@@ -52,7 +52,7 @@ def print_board(
     error, right = (score.by_world.mean(axis=0) for score in (scores.error, scores.side))
     placed = list(_placed(scores))
     order = [k for _, k in placed]
-    kinds = [(names[c].replace(" liars", "\nliars"), scores.error.values[:, c]) for c in shown]  # to fit beside names
+    kinds = [(names[c].replace(" liars", "\nliars"), scores.error.values[:, c]) for c in shown]  # to fit next to names
     columns = [
         Column("", ["" if place is None else f"{place}" for place, _ in placed]),
         Column("brain", [scores.contenders[k] for k in order], number=False),

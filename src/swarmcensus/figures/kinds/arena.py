@@ -63,10 +63,10 @@ def arena(
 
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.
-    - `setting`, `trial`: the trial to replay; by default the first trial of the first setting whose robots move.
+    - `setting`, `trial`: the trial to replay; by default the first trial of the first setting with robots that move.
     - `brain_file`: the files of brains, adversaries and metrics of your own to replay with: one, or several.
     - `tick`: a tick, or a time such as "5 min"; by default the last tick.
-    - `robot`: the robot whose radio range is drawn.
+    - `robot`: the radio range of this robot is drawn.
     - `title`: the title of the figure; by default `trace.attrs["title"]`.
     - `ax`: axes of your own. They become square, and the key stands under them.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
@@ -242,7 +242,7 @@ class Arena:
         self.links = LineCollection([], colors=LINK, linewidths=float(np.clip(0.25 * dots, 0.5, 1.3)), zorder=2)
         self.range = Circle((0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle=":", linewidth=1.6, zorder=3)
         edges = np.where(self.honest, "black", LIES).tolist()
-        if self.honest[self.robot]:  # a liar keeps its own edge; the circle already shows whose range it is
+        if self.honest[self.robot]:  # a liar keeps its own edge; the circle marks it
             edges[self.robot] = RANGE
         widths = np.where(self.honest, thin, 2.5 * thin)
         widths[self.robot] = 2.0 * thin

@@ -68,11 +68,11 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         if not group:
             say_empty(place)
             continue
-        alike = _alike(group, 0.002 * top)
+        same_line = _coinciding(group, 0.002 * top)
         for k, (text, look) in enumerate(looks.items()):
             same = [cost for cost in group if cost.accuracy == text]
             size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # so that none hides another
-            _draw_fixed(place, sorted((c.error, c) for c in same if c.error is not None), look, size, alike)
+            _draw_fixed(place, sorted((c.error, c) for c in same if c.error is not None), look, size, same_line)
             aside = (k - (len(looks) - 1) / 2) * 0.5 * BESIDE * span / len(looks)
             in_columns = [c for c in same if c.error is None]
             _draw_points(place, [places[c.belief] + aside for c in in_columns], in_columns, look, size)
@@ -105,20 +105,20 @@ def _column_name(belief: str) -> str:
     return f"{text}\nrandom error" if belief.startswith("error=") else f"all believe\n{text}"
 
 
-def _alike(group: list[Cost], near: float) -> list[str]:
-    """The accuracies of a panel whose predicted lines coincide with the first one; none if no other does."""
+def _coinciding(group: list[Cost], near: float) -> list[str]:
+    """The accuracies of a panel with predicted lines that coincide with the first one; none if no other does."""
     lines: dict[str, dict[float | None, float]] = {}
     for cost in (cost for cost in group if np.isfinite(cost.predicted)):
         lines.setdefault(cost.accuracy, {})[cost.error] = cost.predicted
     first: dict[float | None, float] = next(iter(lines.values()), {})
-    alike = [t for t, line in lines.items() if all(abs(first.get(x, np.inf) - y) < near for x, y in line.items())]
-    return alike if len(alike) > 1 else []
+    same = [t for t, line in lines.items() if all(abs(first.get(x, np.inf) - y) < near for x, y in line.items())]
+    return same if len(same) > 1 else []
 
 
-def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: float, alike: Sequence[str]) -> None:
-    """Draw the beliefs of one accuracy whose error is the same for all robots, and the predicted line.
+def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: float, same: Sequence[str]) -> None:
+    """Draw the beliefs of one accuracy that are off by the same error in all robots, and the predicted line.
 
-    Lines of the accuracies `alike` coincide: each has its dashes in the gaps of the others.
+    Lines of the accuracies `same` coincide: each has its dashes in the gaps of the others.
     """
     if not points:
         return
@@ -130,8 +130,8 @@ def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: 
         fine = np.linspace(x[0], x[-1], FINE)
         off = np.abs(goes_to(true, fine, first.fill_ratio) - first.fill_ratio)
         dashes = DASHED
-        if first.accuracy in alike:
-            turn = (-6 * alike.index(first.accuracy), (4, 6 * len(alike) - 4))
+        if first.accuracy in same:
+            turn = (-6 * same.index(first.accuracy), (4, 6 * len(same) - 4))
             dashes = DASHED | {"linestyle": turn}
         axes.plot(fine, off, **dashes, color=look.colour, label=f"predicted {first.accuracy}", zorder=2)
     else:

@@ -107,7 +107,7 @@ def draw_effects(
     texts = [_row_name(world, count, len(standings.grid.worlds)) for world, count in rows]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
-    if single:  # contenders are the rows, and all look alike
+    if single:  # contenders are the rows, and all have one look
         texts, looks = [renamed(name, titles) for name in names], [Look("", "", palette(11)[3], "o")]
     width = page().width
     room = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)

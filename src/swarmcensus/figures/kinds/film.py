@@ -179,7 +179,7 @@ def _drawn(
     arena: Arena, ticks: range, dpi: int, progress: Callable[[int, int], None] | None
 ) -> Generator[Frame, None, None]:
     """Draw the ticks one by one; the still parts are drawn once and then copied."""
-    canvas: Any = arena.figure.canvas  # an Agg canvas, some of whose functions have no types
+    canvas: Any = arena.figure.canvas  # an Agg canvas: some of its functions have no types
     arena.figure.set_dpi(dpi)
     for artist in arena.moving:
         artist.set_animated(True)  # `canvas.draw` leaves them out

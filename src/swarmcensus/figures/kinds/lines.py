@@ -144,8 +144,8 @@ def lines(
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
         looks = looks_of((value for panel_series in series for value in panel_series), "o", color, titles_in(results))
-    beside = name_of(results, y, statistic, 72 * layout(len(parts)).high)
-    left = scale() * (LEFT + 0.17 * beside.count("\n"))
+    y_name = name_of(results, y, statistic, 72 * layout(len(parts)).high)
+    left = scale() * (LEFT + 0.17 * y_name.count("\n"))
     under = names_of(across, 72 * layout(len(parts), left=left).wide, 72 * left if ax is None else np.inf)
     axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
@@ -173,7 +173,7 @@ def lines(
                 min(2 * apart, room) * aside,
                 is_share(y),
             )
-        name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), beside)
+        name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), y_name)
     heading = ""
     entries: dict[str, Artist] = {}
     if color:
@@ -223,7 +223,7 @@ def _finite(value: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
-    """A function that says whether a piece of a line hides a second line that is drawn `aside` points beside it."""
+    """A function that says whether a piece of a line hides a second line that is drawn `aside` points from it."""
 
     def hides(piece: Piece) -> bool:
         (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))

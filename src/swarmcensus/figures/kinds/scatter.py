@@ -133,8 +133,8 @@ def scatter_grid(
     expected: list[Curves] = [{} for _ in drawn]
     if theory:
         for k, panel in enumerate(drawn):
-            whose = (ALONE,) if panel.local else (ALONE, SWARM)
-            expected[k], why = curves_of(panel.results, color, None, whose)
+            kinds = (ALONE,) if panel.local else (ALONE, SWARM)
+            expected[k], why = curves_of(panel.results, color, None, kinds)
             drawn[k] = say_no_theory(panel, why)
     captions = [panel.caption for panel in drawn]
     above = max([LABELS, *((width_of(look.short, _name_letters()) + 5) / 72 for look in looks.values())])
@@ -148,10 +148,10 @@ def scatter_grid(
         if not cloud:
             say_empty(place)
             continue
-        alike = [i for i in range(len(units)) if units[i] == unit and clouds[i]]
-        low = min(when.min() for i in alike for when, _ in clouds[i].values())
-        early = float(np.quantile(np.concatenate([when for i in alike for when, _ in clouds[i].values()]), EARLY))
-        count_axis(place, low, max(_horizon(drawn[i]) for i in alike), scale, early)
+        same_unit = [i for i in range(len(units)) if units[i] == unit and clouds[i]]
+        low = min(when.min() for i in same_unit for when, _ in clouds[i].values())
+        early = float(np.quantile(np.concatenate([when for i in same_unit for when, _ in clouds[i].values()]), EARLY))
+        count_axis(place, low, max(_horizon(drawn[i]) for i in same_unit), scale, early)
         error_axis(place, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
         symbol = r"\hat{x}" if panel.local else "x"
         name_axes(place, name, rf"error $|{symbol}^K - f\,|$")

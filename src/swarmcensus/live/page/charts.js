@@ -181,7 +181,7 @@ class Charts {
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
       g.fillStyle = tone(SIDES[side]);
-      g.textAlign = x > left + width - 20 * unit ? "right" : "left"; // beside the line, within the chart
+      g.textAlign = x > left + width - 20 * unit ? "right" : "left"; // next to the line, within the chart
       g.fillText("K", x + (g.textAlign === "left" ? 4 : -4) * unit, top + (2 + 14 * side) * unit);
     });
     line(u.valToPos(this.tick, "x", true), "--ink", []);

@@ -1,5 +1,5 @@
 "use strict";
-// The panels beside the swarm: controls of the world, numbers of the moment, and one robot in full.
+// The panels next to the swarm: controls of the world, numbers of the moment, and one robot in full.
 
 const BRAINS = [["brain", "Brain"], ["beside", "Compare with"]];
 const WORLD = [

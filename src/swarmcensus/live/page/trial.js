@@ -143,7 +143,7 @@ async function watchFiles(run) {
   while (run === state.run) {
     await new Promise((soon) => setTimeout(soon, LOOK));
     if (run !== state.run) return;
-    const found = await state.source.saved().catch(() => null); // a connection that is lost is told elsewhere
+    const found = await state.source.saved().catch(() => null); // a lost connection is reported elsewhere
     if (run !== state.run) return;
     if (!found) continue;
     const { version, wrong } = found;

@@ -90,7 +90,7 @@ def capacity(world: Any) -> int:
 
 
 def fewest(world: Any) -> int:
-    """The fewest robots whose area, which follows from their density, is large enough to move in."""
+    """The fewest robots with an area, which follows from their density, that is large enough to move in."""
     alone = arena.largest_density(1, world.body)
     return max(1, math.ceil(float(world.density) / alone - 1e-9))
 

@@ -56,8 +56,8 @@ class Goal:
         if self.bins is None:
             return np.unique(fill_ratios)
         edges = np.arange(1, self.bins) / self.bins
-        beside = np.concatenate([edges - self.margin, edges + self.margin])
-        fill_ratios = np.unique(np.concatenate([fill_ratios, beside[(beside >= low) & (beside <= high)]]))
+        near = np.concatenate([edges - self.margin, edges + self.margin])
+        fill_ratios = np.unique(np.concatenate([fill_ratios, near[(near >= low) & (near <= high)]]))
         distance = np.abs(fill_ratios[:, np.newaxis] - edges).min(axis=1)
         return np.asarray(fill_ratios[distance >= self.margin - 1e-12])
 

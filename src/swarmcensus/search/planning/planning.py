@@ -30,11 +30,11 @@ def plan(
 ) -> Plan:
     """Find how long a mission takes, how many robots it needs, or the trade-off between both.
 
-    `mission` is a mission file, or its tables, whose files are searched in `base`. The question follows from what is
-    given: a number of robots asks for the shortest time, a number of minutes for the smallest swarm, a range of robots
-    for the trade-off, and a number of both for whether they are enough. Theory predicts the answer, and simulation
-    confirms it in the mission's number of `trials`, with the same seeds for all brains. `jobs` is the number of
-    threads, by default one per core; the numbers do not depend on it. `progress` is as for `run`. Raises InputError,
+    `mission` is a mission file, or its tables. The folder `base` has the files that tables name. The question follows
+    from what is given: a number of robots asks for the shortest time, a number of minutes for the smallest swarm, a
+    range of robots for the trade-off, and a number of both for whether they are enough. Theory predicts the answer, and
+    simulation confirms it in the mission's number of `trials`, with the same seeds for all brains. `jobs` is the number
+    of threads, by default one per core; the numbers do not depend on it. `progress` is as for `run`. Raises InputError,
     also if the goal cannot be reached.
     """
     if isinstance(mission, str | Path):

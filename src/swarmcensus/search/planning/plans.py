@@ -116,7 +116,7 @@ class Plan:
 
 
 def check_lines(mission: Mission) -> None:
-    """Raise InputError if a figure of the plan would have more lines than can be told apart."""
+    """Raise InputError if a figure of the plan would have more lines than a reader can distinguish."""
     lines = len(mission.brains) * len(mission.worlds)
     if lines > MOST_LINES:
         raise InputError(

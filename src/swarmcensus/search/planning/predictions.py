@@ -19,11 +19,11 @@ from swarmcensus.theory import from_links, spectrum_of, variance_factors
 from swarmcensus.worlds import Accuracy, Body, Floor
 
 SAMPLED_SENSORS = 1001  # sensors that represent a spread of accuracies
-MOST_MIXED = 400  # robots of a network whose mixing is computed, which takes a second
+MOST_MIXED = 400  # robots of the largest network of which the mixing is computed, which takes a second
 POINTS = 80  # times at which mixing is computed
 MOST_READINGS = 1e15
 INNER_STEP = 3  # every third candidate is an inner fill ratio
-REFERENCE = 100  # robots of the swarm whose area represents others, if the area follows from a density
+REFERENCE = 100  # robots of the swarm with the area that represents others, if it follows from a density
 
 
 class Prediction(NamedTuple):
@@ -119,7 +119,7 @@ def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
     floor = mission.area.floor[0] if mission.area.floor else Floor()
     if math.isinf(tiles):
         return of_reading / readings
-    ordered = floor != Floor()  # such floors have exactly so many black tiles
+    ordered = floor != Floor()  # such floors have an exact number of black tiles
     of_floor = theory.tiles_variance(
         theory.even_concentration(readings, round(tiles)),
         f,

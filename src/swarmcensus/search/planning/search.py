@@ -55,7 +55,7 @@ class Search:
     cases: list[Case] = field(init=False)
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
-    checked: set[int] = field(default_factory=set)  # sizes whose networks are connected
+    checked: set[int] = field(default_factory=set)  # sizes of swarms with connected networks
 
     def __post_init__(self) -> None:
         """Find the cases."""
@@ -131,7 +131,7 @@ class Search:
         what = "first look" if trials < mission.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
 
-        def show(progress: Progress) -> None:  # how many steps follow depends on what this one finds
+        def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))
 
         found_curves = curves(mission, study, self.jobs, show)

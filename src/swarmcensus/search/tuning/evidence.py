@@ -1,4 +1,4 @@
-"""The evidence for a search's result: it against the original, on trials that the search never saw."""
+"""The evidence for a search's result: a comparison with the original on trials that the search never saw."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -9,7 +9,7 @@ import xarray as xr
 from swarmcensus.analysis import NEVER, Comparison, compare_dataset, p_equals, range_text, win_shares
 from swarmcensus.brains import PLAIN, Adversary, Brain
 from swarmcensus.results import is_idle
-from swarmcensus.search.tuning.plans import Plan
+from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.studies import Member, Setting
 from swarmcensus.support.formatting import counted, decimals_for, grouped, rounded
 
@@ -34,7 +34,7 @@ class Evidence:
 
     @property
     def is_found(self) -> bool:
-        """Whether the search has found what it was for: a better brain, or a worse adversary."""
+        """Whether the search has found a better brain, or a worse adversary."""
         return self.verdict == (WORSE if self.harms else BETTER)
 
     @property
@@ -121,10 +121,10 @@ def _harm_of_each(comparison: Comparison) -> str:
     return f"{measure.full_label}, {measure.statistic} in a world: {', '.join(each)}"
 
 
-def evidence_of(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+def evidence_of(data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tuned: Brain | Adversary) -> Evidence:
     """Compare what was found with the original in the results of an evaluation with these settings, then with all.
 
-    Names of both contain all searched parameters, also those whose value did not change.
+    Names of both contain all searched parameters, also unchanged ones.
     """
     if plan.target.harms:
         return _evidence_of_harm(data, settings, plan, tuned)
@@ -138,7 +138,9 @@ def evidence_of(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Br
     return Evidence(*names, comparison, all_brains)
 
 
-def _evidence_of_harm(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+def _evidence_of_harm(
+    data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tuned: Brain | Adversary
+) -> Evidence:
     """The same of adversaries: they are the contenders, and the brain is a part of the world."""
     assert plan.target.table is not None
     table = {*plan.study.members[plan.target.table].every()}
@@ -159,7 +161,7 @@ def _evidence_of_harm(data: xr.Dataset, settings: list[Setting], plan: Plan, tun
             "; ".join(str(replace(m, brain=None) if m == liar else m) for m in s.members) for _, s, liar in liars
         ]
         adversaries = adversaries.assign_coords(members=("setting", members))
-    else:  # worlds differ in the number of liars alone
+    else:  # worlds differ only in the number of liars
         adversaries = adversaries.drop_vars(["members", "adversary"])
     both = [k for k, (_, _, liar) in enumerate(liars) if liar.brain in pair]
     comparison = compare_dataset(adversaries.isel(setting=both), plan.metric, None, None, {})

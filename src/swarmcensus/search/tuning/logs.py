@@ -23,7 +23,7 @@ from swarmcensus.support.options import option
 
 FORMAT = "# swarmcensus tune 2 "
 USUAL = "# usual "
-TO_DISK = 0.5  # seconds between waits for the disk: a power cut loses as much, a killed process nothing
+TO_DISK = 0.5  # seconds between waits for the disk: a power cut loses as much, a killed process loses nothing
 
 
 def hint() -> str:

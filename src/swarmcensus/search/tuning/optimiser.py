@@ -1,9 +1,9 @@
 """The optimiser: CMA-ES, by the library cma, over positions of values in their ranges.
 
-It proposes a generation of candidates and receives their losses, whose order alone counts. With the same seed and
+It proposes a generation of candidates and receives their losses, of which only the order counts. With the same seed and
 losses it proposes the same candidates.
 
-CMA-ES cannot learn from a generation whose candidates all have the same loss (a flat one), but the search goes on.
+CMA-ES cannot learn from a generation in which all losses are equal (a flat one), but the search goes on.
 While no generation has had candidates that differ in the metric, generations are also drawn from the whole ranges, and
 the search restarts around the best of such a generation if it is better than all before. Afterwards a flat generation
 widens the next.

@@ -15,7 +15,7 @@ from swarmcensus.runs import Report, pools, run, showing
 from swarmcensus.search.tuning.evidence import Evidence, evidence_of
 from swarmcensus.search.tuning.generations import SearchResult, new_search, reset_idle, run_search
 from swarmcensus.search.tuning.logs import Evaluation, Log
-from swarmcensus.search.tuning.plans import Plan, budget_of, plan_of
+from swarmcensus.search.tuning.plans import TuningPlan, budget_of, plan_of
 from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.studies import Study, read_toml
@@ -95,7 +95,7 @@ def tune(
     `parameters` are ranges, such as ["prior=1:100:log", "weights[0]=0:1"]. `brain` is needed if several of the study's
     brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
     `trials` trials in each world, with seeds that the study does not use. With `out`, a .toml file, a fragment of a
-    study file is written there; beside it are the log (.csv), from which the same call continues unless `fresh`, and
+    study file is written there; next to it are the log (.csv), from which the same call continues unless `fresh`, and
     the results of the evaluation (.nc), if there is one. `progress` and `say` are as for `run`. Raises InputError, and
     KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
     """
@@ -142,7 +142,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
 
 
 def _evidence(
-    plan: Plan,
+    plan: TuningPlan,
     tuned: Brain | Adversary,
     result: SearchResult,
     out: Path | None,
@@ -159,7 +159,7 @@ def _evidence(
     return evidence_of(data, study.settings(), plan, tuned)
 
 
-def evaluation_of(plan: Plan, tuned: Brain | Adversary) -> Study:
+def evaluation_of(plan: TuningPlan, tuned: Brain | Adversary) -> Study:
     """The study with what was found added wherever the original appears, and with the largest number of trials.
 
     Its label becomes part of the study's name.
@@ -219,7 +219,7 @@ def _is_of_another(out: Path, study: Study) -> bool:
 
 
 def _titles(out: Path) -> list[str]:
-    """The names of the study whose results `out` holds, and of the study of an unfinished run, as far as they exist."""
+    """The names of the study with results in `out`, and of the study of an unfinished run, as far as they exist."""
     titles = []
     if out.exists():
         titles.append(str(store.load(out).attrs.get("title", "")))

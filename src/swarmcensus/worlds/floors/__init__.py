@@ -11,7 +11,7 @@ needed:
 
 - `check(arena, *, ...)` raises ValueError for arenas that the floor does not fit;
 - `paint(arena, chance, share, *, ...)` instead of `score` returns a function that tells which tiles are black;
-- `level(arena, chance, *, ...)` beside `paint`, for floors that change, returns a function that gives tiles' levels: a
+- `level(arena, chance, *, ...)` next to `paint`, for floors that change, returns a function that gives tiles' levels: a
   tile is black if its level is below the share, so a larger share only adds black tiles;
 - `most_counted(arena, *, ...)` returns the largest number of tiles among which black ones are counted.
 
