@@ -20,7 +20,6 @@ from swarmcensus.live.simulated import Simulated
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.logs.others import under
 from swarmcensus.robots.logs.traces import as_logged, estimates_of
 from tests.support.relived import SEED, logged, setting_of, told
 from tests.support.watching import parsed
@@ -103,8 +102,6 @@ def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
     assert set(gone["fields"].values()) == {None}
     assert "looks" not in gone
     json.dumps(gone, allow_nan=False)
-
-
 
 
 def test_fixed_controls_and_frames(recording):
