@@ -121,29 +121,6 @@ def test_changes_accumulate_and_refusals_do_not(page, served):
 
 
 @pytest.mark.long
-def test_old_curves_and_swarms_are_let_go(page, served):
-    """Each change makes new ones."""
-    session = page.context.new_cdp_session(page)
-    session.send("Performance.enable")
-
-    def listeners():
-        session.send("HeapProfiler.collectGarbage")
-        told = session.send("Performance.getMetrics")["metrics"]
-        return next(one["value"] for one in told if one["name"] == "JSEventListeners")
-
-    def change(trials):
-        for trial in trials:
-            page.evaluate(f"change('trial', '{trial}')")
-            until(page, "[state.preparing, state.form.now.trial, state.drawn]", [False, str(trial), 0])
-            page.keyboard.press("l")
-        return listeners()
-
-    come(page, served.address("setting=1"), 0)
-    before = change(range(1, 5))  # a set has 30 or more, and the last few sets may be there for a while
-    assert change(range(5, 21)) < before + 8 * 30
-
-
-@pytest.mark.long
 def test_a_brain_that_fails_is_asked_once(page, folder):
     text = sc.brains.load("minimalistic").source
     mine = folder / "fails.py"
