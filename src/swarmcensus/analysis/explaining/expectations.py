@@ -126,7 +126,11 @@ def reasons(setting: Setting, knows: bool) -> dict[str, str]:
         (NEAR, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
         (MIXED, "robots that move hear others all the time", moves),
         (MIXED, "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),
-        (MIXED, "messages are late, in too large a network", delay and not moves and not fits(setting.robots, delay)),
+        (
+            MIXED,
+            "messages are late, in too large a network",
+            delay > 0 and not moves and not fits(setting.robots, delay),
+        ),
         (MIXED, "robots are wrong about their sensors", not knows),
         (MIXED, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
     ):
