@@ -26,90 +26,53 @@ from queue import SimpleQueue
 
 from mutants import EQUIVALENT, ROOT, SOURCE, Mutant, read, sampled
 
+NETS, WALKS, DRAWS = "reference/test_networks", "reference/test_walks", "unit/engine/test_draws"
+BATCHES, FAULTS, TRACES = "unit/engine/test_batches", "unit/worlds/test_faults", "unit/simulation/test_traces"
+MOVING, STEERING, FLOORS = "unit/simulation/test_moving", "unit/simulation/test_steering", "unit/worlds/test_floors"
+SENSORS, WIRING = "unit/worlds/test_sensors", "unit/worlds/test_networks"
 FOLLOW = " ".join(
-    f"unit/simulation/test_traces::test_{name}"
+    f"{TRACES}::test_{name}"
     for name in (
         "edges_exchange_at_the_end_of_each_round",
         "messages_are_heard_at_their_step",
         "steps_left_over_end_without_an_exchange",
     )
 )
-SENSORS = "unit/worlds/test_sensors --deselect=tests/unit/worlds/test_sensors.py::test_truncated_normal"
+BELIEFS = "unit/analysis/explaining/test_beliefs"
+QUICK_SENSORS = f"{SENSORS} --deselect=tests/{SENSORS}.py::test_truncated_normal {DRAWS}"
+METRICS = "unit/brains/metrics/test_files"
+WATCHED = f"{METRICS}::test_cpython_finds_what_machine_code_finds"
 # The tests that know a module: first those that are quick in CPython, then those that are run compiled. Below tests/.
 TESTS: dict[str, tuple[str, str]] = {
-    "simulation/metrics": ("unit/simulation/test_metrics reference/test_networks", "unit/engine/test_batches"),
+    "simulation/metrics": (f"unit/simulation/test_metrics {NETS}", BATCHES),
     "support/intervals": ("unit/support/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
-    "worlds/sensors": (
-        f"{SENSORS} unit/engine/test_draws",
-        "unit/worlds/test_sensors unit/analysis/explaining/test_beliefs statistical/test_theory",
-    ),
-    "worlds/distributions": (
-        f"{SENSORS} unit/engine/test_draws",
-        "unit/worlds/test_sensors unit/analysis/explaining/test_beliefs statistical/test_theory",
-    ),
-    "worlds/networks": (
-        "unit/worlds/test_networks reference/test_networks unit/engine/test_draws",
-        "cli/test_bad_inputs unit/engine/test_batches",
-    ),
-    "worlds/wiring": (
-        "unit/worlds/test_networks reference/test_networks unit/engine/test_draws",
-        "unit/support/test_plugins unit/engine/test_batches",
-    ),
-    "worlds/faults": ("unit/engine/test_draws reference/test_networks", "unit/worlds/test_faults"),
-    "engine/random": (
-        "unit/engine/test_draws unit/engine/test_random reference/test_networks",
-        "unit/engine/test_batches",
-    ),
-    "engine/draws": (
-        "unit/engine/test_draws unit/engine/test_random reference/test_networks",
-        "unit/engine/test_batches statistical/test_theory",
-    ),
-    "engine/world": ("unit/engine/test_draws reference/test_networks reference/test_walks", "unit/worlds/test_floors"),
-    "engine/scores": ("unit/engine/test_draws", "unit/worlds/test_floors"),
-    "engine/kernel": (
-        f"reference/test_networks {FOLLOW}",
-        "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_traces",
-    ),
-    "engine/rounds": (
-        f"reference/test_networks {FOLLOW}",
-        "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_traces unit/simulation/test_delays",
-    ),
-    "engine/watching": (
-        "unit/brains/metrics/test_files::test_cpython_finds_what_machine_code_finds",
-        "unit/brains/metrics/test_files",
-    ),
-    "simulation/watches": (
-        "unit/brains/metrics/test_files::test_cpython_finds_what_machine_code_finds",
-        "unit/brains/metrics/test_files",
-    ),
-    "engine/failures": ("unit/worlds/test_faults", "reference/test_networks reference/test_walks"),
-    "engine/states": (
-        "reference/test_networks reference/test_walks unit/simulation/test_decisions",
-        "unit/engine/test_batches unit/worlds/test_faults unit/simulation/test_moving",
-    ),
-    "simulation/trials": (
-        "reference/test_networks reference/test_walks",
-        "unit/engine/test_batches cli/test_bad_inputs unit/results/test_remeasuring",
-    ),
-    "engine/riding": (
-        "reference/test_walks",
-        "unit/simulation/test_moving unit/worlds/test_faults unit/simulation/test_steering",
-    ),
-    "simulation/inputs": (
-        "reference/test_networks reference/test_walks",
-        "unit/engine/test_batches unit/simulation/test_moving",
-    ),
-    "simulation/rides": (
-        "reference/test_walks",
-        "unit/simulation/test_moving unit/worlds/test_floors unit/simulation/test_steering",
-    ),
-    "engine/walk": ("reference/test_walks", "unit/simulation/test_moving statistical/test_fidelity"),
-    "simulation/walking": ("reference/test_walks", "unit/simulation/test_moving unit/simulation/test_steering"),
-    "engine/motion": ("reference/test_walks", "unit/simulation/test_moving statistical/test_fidelity"),
-    "engine/neighbours": ("reference/test_walks", "unit/simulation/test_moving"),
-    "engine/steering": ("reference/test_walks", "unit/simulation/test_steering"),
-    "engine/return_values": ("reference/test_walks", "unit/simulation/test_steering"),
+    "worlds/sensors": (QUICK_SENSORS, f"{SENSORS} {BELIEFS} statistical/test_theory"),
+    "worlds/distributions": (QUICK_SENSORS, f"{SENSORS} {BELIEFS} statistical/test_theory"),
+    "worlds/networks": (f"{WIRING} {NETS} {DRAWS}", f"cli/test_bad_inputs {BATCHES}"),
+    "worlds/wiring": (f"{WIRING} {NETS} {DRAWS}", f"unit/support/test_plugins {BATCHES}"),
+    "worlds/faults": (f"{DRAWS} {NETS}", FAULTS),
+    "engine/random": (f"{DRAWS} unit/engine/test_random {NETS}", BATCHES),
+    "engine/draws": (f"{DRAWS} unit/engine/test_random {NETS}", f"{BATCHES} statistical/test_theory"),
+    "engine/world": (f"{DRAWS} {NETS} {WALKS}", FLOORS),
+    "engine/scores": (DRAWS, FLOORS),
+    "engine/kernel": (f"{NETS} {FOLLOW}", f"{BATCHES} {FAULTS} {TRACES}"),
+    "engine/rounds": (f"{NETS} {FOLLOW}", f"{BATCHES} {FAULTS} {TRACES} unit/simulation/test_delays"),
+    "engine/watching": (WATCHED, METRICS),
+    "simulation/watches": (WATCHED, METRICS),
+    "engine/failures": (FAULTS, f"{NETS} {WALKS}"),
+    "engine/states": (f"{NETS} {WALKS} unit/simulation/test_decisions", f"{BATCHES} {FAULTS} {MOVING}"),
+    "simulation/trials": (f"{NETS} {WALKS}", f"{BATCHES} cli/test_bad_inputs unit/results/test_remeasuring"),
+    "engine/riding": (WALKS, f"{MOVING} {FAULTS} {STEERING}"),
+    "simulation/inputs": (f"{NETS} {WALKS}", f"{BATCHES} {MOVING}"),
+    "simulation/rides": (WALKS, f"{MOVING} {FLOORS} {STEERING}"),
+    "engine/walk": (WALKS, f"{MOVING} statistical/test_fidelity"),
+    "simulation/walking": (WALKS, f"{MOVING} {STEERING}"),
+    "engine/motion": (WALKS, f"{MOVING} statistical/test_fidelity"),
+    "engine/neighbours": (WALKS, MOVING),
+    "engine/steering": (WALKS, STEERING),
+    "engine/return_values": (WALKS, STEERING),
 }
+OPTIONS = ["-x", "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0", "-m", "not long"]
 SECONDS = 240, 900  # after which tests have noticed: the fault goes on for ever
 PRELOADED = ["numba", "numpy", "scipy.stats", "xarray", "h5netcdf", "pydantic", "networkx", "pytest", "hypothesis",
              "rich.console"]  # fmt: skip
@@ -135,18 +98,8 @@ def in_cpython(folder: str, tests: list[str], log: str) -> None:
     sys.path[:0] = [str(Path(folder) / "src"), folder]
     os.environ |= {"SWARMCENSUS_CACHE": str(Path(folder) / "cache"), "PYTHONPATH": str(Path(folder) / "src")}
     np.seterr(over="ignore")  # uint64 arithmetic is meant to wrap
-    options = [
-        "-x",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "-W",
-        "ignore::pytest.PytestAssertRewriteWarning",
-        "--hypothesis-seed=0",
-        "-m",
-        "not long",
-    ]
-    os._exit(int(pytest.main([*options, *tests])))
+    ignored = ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
+    os._exit(int(pytest.main([*OPTIONS, *ignored, *tests])))
 
 
 def passes_in_cpython(folder: Path, tests: list[str]) -> bool:
@@ -165,8 +118,7 @@ def passes_compiled(folder: Path, tests: list[str]) -> bool:
     """Whether all of these pass in time, compiled."""
     environment = {**os.environ, "NUMBA_OPT": "1", "PYTHONPATH": str(folder / "src")}
     environment |= {"NUMBA_DISABLE_JIT": "0", "SWARMCENSUS_CACHE": str(folder / "cache")}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0"]
-    command += ["-m", "not long", *tests]
+    command = [sys.executable, "-m", "pytest", *OPTIONS, *tests]
     try:
         with (folder / "log").open("w") as log:
             run = subprocess.run(command, cwd=folder, env=environment, stdout=log, stderr=log, timeout=SECONDS[1])

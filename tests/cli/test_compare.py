@@ -6,7 +6,6 @@ from itertools import takewhile
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus.analysis.comparing.showing import as_text
@@ -127,26 +126,6 @@ def test_number_of_worlds_is_printed(two, capsys):
     assert {*findings(sc.compare(two, against="legacy"))} < {*lines}
 
 
-def test_an_axis_that_is_given_twice_is_counted_once(two, capsys):
-    assert main(["compare", str(two), "--by", "topology"]) == 0
-    once = capsys.readouterr().out
-    assert main(["compare", str(two), "--by", "topology", "--by", "topology"]) == 0
-    assert capsys.readouterr().out == once
-
-
-def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch):
-    monkeypatch.setenv(AS_TERMINAL, "60")
-    assert main(["compare", str(two)]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert sum(line.startswith("world ") for line in lines) == 3  # measures
-    assert sum(line.strip().startswith("legacy  ") for line in lines) == 3 * 4 + 1  # a line a world, and one for costs
-    monkeypatch.setenv(AS_TERMINAL, "80")
-    assert main(["compare", str(two)]) == 0
-    out = capsys.readouterr().out
-    assert "left out, as they do not fit into 80 columns: intervals; --json has all" in out
-    assert sum(line.startswith("world") for line in out.splitlines()) == 1
-
-
 @pytest.mark.parametrize("width", [60, 80, 200])
 def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, monkeypatch):
     monkeypatch.setenv(AS_TERMINAL, str(width))
@@ -165,27 +144,20 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--metric", "corect"], "--metric corect"),
-        (["--csv", "a.txt"], "--csv a.txt"),
-        (["--latex", "a.csv"], "--latex a.csv"),
-        (["--plot", "a.gif"], "a-ranks.gif: figures are written as .png, .svg or .pdf"),
-        (["--csv", "no/file/../"], "it is written as .csv"),
-        (["--where", "brain == 'legacy'"], "there is nothing to compare: all settings are of legacy"),
-        (["--where", "brain == 'lgacy'"], "no setting is so"),
-        (["--by", "topolgy"], "--by topolgy"),
-        (["--by", "robots"], "--by robots"),
-        (["--by", "topology", "--pairs"], "--by counts worlds, --pairs shows single worlds: give one of them"),
-        (["--plot", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
+        ("--metric corect", "--metric corect"),
+        ("--latex a.csv", "--latex a.csv"),
+        ("--csv a.txt", "--csv a.txt: it is written as .csv"),
+        ("--plot a.gif", "a-ranks.gif: figures are written as .png, .svg or .pdf"),
+        ("--plot /dev/null/a.png", "cannot write /dev/null/a-ranks.png"),
+        ("--where brain=='legacy'", "there is nothing to compare: all settings are of legacy"),
+        ("--by topolgy", "--by topolgy"),
+        ("--by robots", "--by robots"),
+        ("--by topology --pairs", "--by counts worlds, --pairs shows single worlds: give one of them"),
     ],
 )
-def test_refusals_write_nothing(two, words, said, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(["compare", str(two), *words]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert len(told.err.splitlines()) == 1
-    assert said in told.err
-    assert not list(tmp_path.iterdir())
+def test_refusals_write_nothing(two, words, said, refused, capsys):
+    assert said in refused("compare", two, *words.split())
+    assert capsys.readouterr().out == ""
 
 
 def test_latex_and_figures_are_written(two, tmp_path, capsys):
@@ -195,21 +167,6 @@ def test_latex_and_figures_are_written(two, tmp_path, capsys):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["c-pareto.png", "c-ranks.png", "c.tex"]
     assert tex.read_text().count(r"\\") == 9
     assert "is not drawn" not in told.err
-
-
-def test_results_without_costs_have_no_front(two):
-    bare = sc.load(two).drop_vars(["messages_sent", "message_bytes", "memory_bytes", "anonymous"])
-    with pytest.raises(sc.InputError, match="cost 'bytes_sent': these results have no such cost"):
-        sc.plot.pareto(bare)
-
-
-@pytest.mark.long
-def test_figures_are_kinds_too_of_the_same_bytes(two, tmp_path, capsys):
-    assert main(["compare", str(two), "--plot", str(tmp_path / "a.svg")]) == 0
-    assert main(["plot", str(two), "--kind", "ranks", "--out", str(tmp_path / "b.svg")]) == 0
-    assert (tmp_path / "a-ranks.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
-    assert main(["plot", str(two), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 0
-    assert (tmp_path / "a-pareto.svg").read_bytes() == (tmp_path / "c.svg").read_bytes()
 
 
 # ---- what is drawn
@@ -302,11 +259,3 @@ def test_comparison_in_one_world(capsys):
     assert out.splitlines()[2].startswith("contender ")
     assert "final error: minimalistic is best; bayes-bots prior=1 is behind; " in out
     assert "over all worlds" not in out
-
-
-def test_axes_of_ones_own_hold_one_measure():
-    mine = Figure(figsize=(7, 3)).subplots()
-    assert sc.plot.ranks(made_up(), metric="correct", title="mine", ax=mine) is mine.figure
-    assert mine.get_title(loc="left") == "mine"
-    with pytest.raises(sc.InputError, match="ax holds one panel, not 5: name one metric"):
-        sc.plot.ranks(made_up(), ax=mine)

@@ -6,10 +6,8 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.support.options import option, shell_options
 from tests.support.contending import made_up
-from tests.support.small import SMALL
 
 PACKAGE = Path(sc.__file__).parent
 OF_A_SHELL = {"checks", "cli", "evaluation", "live", "robots", "translation"}  # packages that a shell leads to
@@ -46,17 +44,6 @@ def test_python_reads_of_its_arguments(ask, said):
         ask(made_up())
     assert str(caught.value).startswith(said)
     assert "--" not in str(caught.value)
-
-
-def test_a_shell_reads_of_its_options(small_results, tmp_path, capsys):
-    sc.save(small_results, tmp_path / "r.nc")
-    (tmp_path / "s.toml").write_text(SMALL)
-    for words, said in (
-        (["plot", "r.nc", "--where", "x == 3"], "--where 'x == 3': "),
-        (["tune", "s.toml", "--parameter", "x=0:1"], "--brain: "),
-    ):
-        code = main([str(tmp_path / word) if word.endswith((".nc", ".toml")) else word for word in words])
-        assert (code, said in capsys.readouterr().err) == (2, True), words
 
 
 def test_no_message_that_python_may_read_has_a_shells_option():

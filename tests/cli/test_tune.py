@@ -12,7 +12,6 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from filelock import FileLock
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
@@ -21,30 +20,16 @@ from tests.support.tunable import SOURCE, text_of
 TUNE = ["tune", "s.toml", "--parameter", "a=0:1", "--parameter", "idle=1:9:log", "--trials", "2"]
 
 
-@pytest.fixture
-def here(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(autouse=True)
+def study(here):
     Path("tunable.py").write_text(SOURCE)
     Path("s.toml").write_text(text_of("a = 0.1, noise = 0.1", others=', "minimalistic"', accuracy=0.8))
-    return tmp_path
 
 
 def lines_of(path):
     """The lines of a log, without the seconds."""
     with open(path, newline="") as file:
         return [row if row[0].startswith("#") else row[:-1] for row in csv.reader(file)]
-
-
-@pytest.mark.long
-def test_candidates_run_in_the_number_formats_of_their_worlds(here, capsys):
-    text = Path("s.toml").read_text()
-    world = '[world]\nmessage = ["double", "float32"]\n'
-    Path("s.toml").write_text(text.replace("[swarm]\n", '[swarm]\nprecision = "single"\n').replace("[world]\n", world))
-    assert main([*TUNE, "--budget", "20"]) == 0
-    assert "tunable.py a=" in capsys.readouterr().out
-    data = sc.load("tunable-tuned.nc")
-    assert {*data["precision"].values} == {"single"}
-    assert {*data["message"].values} == {"double", "float32"}
 
 
 @pytest.mark.long
@@ -85,97 +70,66 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        (
-            ["--parameter", "b=0:1"],
-            "--parameter b=0",
-        ),
-        (["--parameter", "idl=0:1"], "did you mean 'idle'?"),
-        (["--parameter", "a=1:0"], "--parameter a=1"),
-        (["--parameter", "a=1"], "--parameter a=1"),
-        (["--parameter", "a=0:1:log"], "both ends should be above 0"),
-        (["--parameter", "many=0:1.5:whole"], "both ends should be whole"),
-        (["--parameter", "a=0:inf"], "inf should be at most 1e+100 in size"),
-        (["--parameter", "a=0:1:lg"], "did you mean 'log'?"),
-        (["--parameter", "a=0:1", "--parameter", "a=0:2"], "a is given twice"),
-        (["--parameter", "pair=0:1", "--parameter", "pair[1]=0:2"], "pair[1] is given twice"),
-        (["--parameter", "pair[2]=0:1"], "its items are pair[0] to pair[1]"),
-        (["--parameter", "a[0]=0:1"], "a is a number, and has no items"),
-        (["--brain", "minimalistic"], "--brain minimalistic"),
-        (["--brain", "tunable"], "--brain tunable"),
-        (["--metric", "finalerror"], "--metric finalerror"),
-        (["--metric", "consensus_round"], "no variable consensus_round"),
-        (["--metric", "correct:low"], "of correct, high is better"),
-        (["--budget", "5"], "--budget 5"),
-        (["--budget", "soon"], "--budget soon"),
-        (["--budget", "0 s"], "--budget '0 s': should be"),
-        (["--trials", "1000000"], "--trials 1000000"),
-        (["--out", "a.nc"], "--out a.nc"),
-        (["--out", "s.toml"], "cannot write s.toml: it is an input"),
+        ("--parameter b=0:1", "--parameter b=0"),
+        ("--parameter idl=0:1", "did you mean 'idle'?"),
+        ("--parameter a=1:0", "--parameter a=1"),
+        ("--parameter a=0:1:log", "both ends should be above 0"),
+        ("--parameter many=0:1.5:whole", "both ends should be whole"),
+        ("--parameter a=0:inf", "inf should be at most 1e+100 in size"),
+        ("--parameter a=0:1 --parameter a=0:2", "a is given twice"),
+        ("--parameter pair=0:1 --parameter pair[1]=0:2", "pair[1] is given twice"),
+        ("--parameter pair[2]=0:1", "its items are pair[0] to pair[1]"),
+        ("--parameter a[0]=0:1", "a is a number, and has no items"),
+        ("--brain minimalistic", "--brain minimalistic"),
+        ("--metric finalerror", "--metric finalerror"),
+        ("--metric consensus_round", "no variable consensus_round"),
+        ("--metric correct:low", "of correct, high is better"),
+        ("--budget 5", "--budget 5"),
+        ("--budget soon", "--budget soon"),
+        ("--trials 1000000", "--trials 1000000"),
+        ("--out a.nc", "--out a.nc"),
+        ("--out s.toml", "cannot write s.toml: it is an input"),
     ],
 )
-def test_what_cannot_be_is_said_in_one_sentence(changed, said, here, capsys):
-    assert main([*TUNE, *changed]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert not Path("tunable-tuned.toml").exists()
-    assert Path("s.toml").read_text() == text_of("a = 0.1, noise = 0.1", others=', "minimalistic"', accuracy=0.8)
+def test_what_cannot_be_is_said_in_one_sentence(changed, said, refused):
+    assert said in refused(*TUNE, *changed.split())
 
 
-def test_a_study_without_parameters_and_one_with_several(here, capsys):
-    Path("s.toml").write_text(Path("s.toml").read_text().replace('{file = "tunable.py", a = 0.1, noise = 0.1}, ', ""))
-    assert main(TUNE) == 2
-    assert "no brain of the study (minimalistic) has PARAMETERS" in capsys.readouterr().err
+def test_a_study_without_parameters_and_one_with_several(refused):
+    text = Path("s.toml").read_text()
+    Path("s.toml").write_text(text.replace('{file = "tunable.py", a = 0.1, noise = 0.1}, ', ""))
+    assert "no brain of the study (minimalistic) has PARAMETERS" in refused(*TUNE)
     Path("other.py").write_text(SOURCE)
-    Path("s.toml").write_text(Path("s.toml").read_text().replace('"minimalistic"', '"tunable.py", "other.py"'))
-    assert main(TUNE) == 2
-    assert "several brains have parameters, tunable.py, other.py: name one" in capsys.readouterr().err
+    Path("s.toml").write_text(text.replace('"minimalistic"', '"tunable.py", "other.py"'))
+    assert "several brains have parameters" in refused(*TUNE)
 
 
-@pytest.mark.long(but=["change3-seed is 1 there and 9 here"])
+@pytest.mark.long(but=["seed"])
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (["--trials", "3"], "trials is 2 there and 3 here"),
-        (
-            ["--parameter", "a=0:2", "--parameter", "idle=1:9:log"],
-            "parameters is 'a=0:1 idle=1:9:log' there and 'a=0:2 idle",
-        ),
-        (["--metric", "convergence_error"], "metric is 'final_error' there and 'convergence_error' here"),
-        (["--seed", "9"], "seed is 1 there and 9 here"),
-        ([], "worlds is "),
-        ([None], "source is "),
+        pytest.param("--parameter a=0:2", "parameters is 'a=0:1 idle=1:9:log' there and 'a=0:2", id="parameters"),
+        pytest.param("--metric convergence_error", "metric is 'final_error' there and 'convergence_er", id="metric"),
+        pytest.param("--seed 9", "seed is 1 there and 9 here", id="seed"),
+        pytest.param("", "worlds is ", id="worlds"),
+        pytest.param("", "source is ", id="source"),
+        pytest.param("", "version is ", id="version"),
     ],
 )
-def test_a_log_of_another_search_is_refused(change, said, here, capsys):
+def test_a_log_of_another_search_is_refused(change, said, monkeypatch, refused):
     assert main([*TUNE, "--budget", "13"]) == 0
-    before = {path: path.read_bytes() for path in here.iterdir() if path.stem == "tunable-tuned"}
-    if not change:
+    if "worlds" in said:
         Path("s.toml").write_text(Path("s.toml").read_text().replace("fill_ratio = 0.5", "fill_ratio = 0.6"))
-    if change == [None]:
+    if "source" in said:
         Path("tunable.py").write_text(SOURCE + "\n# another\n")
-        change = []
-    capsys.readouterr()
-    again = TUNE if "--parameter" not in change else TUNE[:2] + TUNE[-2:]
-    assert main([*again, "--budget", "13", *change]) == 2
-    error = capsys.readouterr().err
+    if "version" in said:
+        monkeypatch.setattr("swarmcensus.search.tuning.plans.__version__", "9.9")
+    again = [*(TUNE if "--parameter" not in change else TUNE[:2]), "--budget", "13", "--trials", "2", *change.split()]
+    error = refused(*again)
     assert "tunable-tuned.csv is of another search: " in error
     assert said in error
     assert "--fresh" in error
-    assert error.count("\n") == 1
-    assert {path: path.read_bytes() for path in before} == before
-    assert main([*again, "--budget", "13", *change, "--fresh"]) == 0
-
-
-@pytest.mark.long
-def test_log_of_another_version_is_refused(here, capsys, monkeypatch):
-    assert main([*TUNE, "--budget", "13"]) == 0
-    monkeypatch.setattr("swarmcensus.search.tuning.plans.__version__", "9.9")
-    assert main([*TUNE, "--budget", "13"]) == 2
-    assert "version is " in capsys.readouterr().err
-    with FileLock(".tunable-tuned.csv.lock"):
-        assert main([*TUNE, "--budget", "13"]) == 2
-    assert "tunable-tuned.csv: another search is writing it" in capsys.readouterr().err
+    assert main([*again, "--fresh"]) == 0
 
 
 def begun(*arguments):

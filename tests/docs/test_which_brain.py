@@ -82,16 +82,6 @@ def test_what_it_advises_is_what_the_leaderboard_orders(board):
     assert order("memory", max)[0].startswith("changing-floor")
 
 
-def test_advised_brains_lead_the_boards():
-    """By errors, of the brains that a robot can run: honest robots, liars, a floor that changes."""
-    errors = BOARD.partition("## Errors of estimates\n")[2].partition("\n## ")[0]
-    leaders = [[row[1] for row in body if row[0]][:4] for _, body in rows(errors)]
-    honest, liars, change = leaders
-    assert {"commons", "swift"} <= set(honest)
-    assert liars[0] == "steadfast"
-    assert change[0] == "tracking"
-
-
 def test_numbers_in_the_text_are_in_the_tables():
     words = re.sub(r"^```text\n(?s:.*?)^```|(?:^\|.*\n)+|\]\([^)]*\)", "", PAGE, flags=re.MULTILINE)
     study = tomllib.loads((DOCS.parent / "studies" / "leaderboard.toml").read_text(encoding="utf-8"))
@@ -129,6 +119,7 @@ def test_the_page_of_ones_own_brain_shows_the_same_board(board):
         assert float(value) == min(others)
 
 
+@pytest.mark.long
 def test_own_brain_on_networks():
     page = (DOCS / "your-brain-on-the-leaderboard.md").read_text(encoding="utf-8")
     tables = tomllib.loads((DOCS.parent / "studies" / "leaderboard.toml").read_text(encoding="utf-8"))

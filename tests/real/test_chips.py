@@ -103,18 +103,16 @@ def test_a_shell_measures_brains(capsys, monkeypatch):
 
 
 @AVR
-def test_a_brain_that_no_chip_has_room_for_is_named(tmp_path, capsys):
+def test_a_brain_that_no_chip_has_room_for_is_named(tmp_path, refused):
     own = (EXAMPLE / "my_brain.py").read_text(encoding="utf-8")
     file = tmp_path / "large.py"
     for numbers in (4096, 4060):  # more than the chip has, and as much as would leave no room for a stack
         large = own.replace("MEMORY = {", f'MEMORY = {{"large": (0.0,) * {numbers}, ', 1)
         file.write_text(large, encoding="utf-8")
-        assert main(["brains", "--cost", str(file), "--quiet"]) == 2
-        why = "an atmega1284p, with 128 KB of flash and 16 KB of RAM, is too small"
-        assert capsys.readouterr() == ("", f"swarmcensus: brain {file}: {why}\n")
+        assert "with 128 KB of flash and 16 KB of RAM, is too small" in refused("brains", "--cost", file)
 
 
-def test_costs_without_a_simulator_are_one_sentence(tmp_path, capsys, monkeypatch):
+def test_costs_without_a_simulator_are_one_sentence(tmp_path, refused, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert main(["brains", "--cost", "commons"]) == 2
-    assert "--cost: avr-gcc, avr-size and simavr are not installed: Debian's packages" in capsys.readouterr().err
+    error = refused("brains", "--cost", "commons")
+    assert "--cost: avr-gcc, avr-size and simavr are not installed: Debian's packages" in error

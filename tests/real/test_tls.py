@@ -12,7 +12,6 @@ import dask
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters
 from tests.real.one_node import until
 from tests.support.clusters import LONG, study
@@ -84,8 +83,7 @@ def ended(process):
 
 
 @pytest.mark.long
-def test_scheduler_with_certificates(scheduler, right, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_scheduler_with_certificates(scheduler, right, here):
     Path("short.toml").write_text(SHORT)
     assert scheduler.startswith("tls://")
     done = subprocess.run(
@@ -118,24 +116,22 @@ REFUSED = "no Dask scheduler answers at {}: "
     ("known", "protocol", "said"),
     [(certificates, "tls", REFUSED + "TLS certificate does not match"), (None, "tcp", REFUSED)],
 )
-def test_refused_certificate_is_one_clear_error(scheduler, tmp_path, monkeypatch, capsys, known, protocol, said):
-    assert_told(tmp_path, monkeypatch, capsys, known, scheduler.replace("tls", protocol), said)
+def test_refused_certificate_is_one_clear_error(scheduler, here, monkeypatch, refused, known, protocol, said):
+    address = scheduler.replace("tls", protocol)
+    assert error_of(here, monkeypatch, refused, known, address).startswith(said.format(address))
 
 
 @pytest.mark.parametrize(
     ("known", "said"), [(lost, REFUSED + "[Errno 2] No such file or directory"), (half, NEEDS), (None, NEEDS)]
 )
-def test_missing_certificate_is_found_first(tmp_path, monkeypatch, capsys, known, said):
-    assert_told(tmp_path, monkeypatch, capsys, known, "tls://127.0.0.1:1", said)
+def test_missing_certificate_is_found_first(here, monkeypatch, refused, known, said):
+    address = "tls://127.0.0.1:1"
+    assert error_of(here, monkeypatch, refused, known, address).startswith(said.format(address))
 
 
-def assert_told(tmp_path, monkeypatch, capsys, known, address, said):
-    monkeypatch.chdir(tmp_path)
+def error_of(here, monkeypatch, refused, known, address):
     monkeypatch.setattr(clusters, "CONNECT", "3s")
     Path("short.toml").write_text(SHORT)
-    settings = known(tmp_path / "other") if known else {}
+    settings = known(here / "other") if known else {}
     with dask.config.set(dask.config.merge(dask.config.config, settings)):
-        assert main(["run", "short.toml", "--scheduler", address]) == 2
-    [line] = capsys.readouterr().err.splitlines()
-    assert line.startswith("swarmcensus: " + said.format(address))
-    assert not Path("short.nc").exists()
+        return refused("run", "short.toml", "--scheduler", address).removeprefix("swarmcensus: ")

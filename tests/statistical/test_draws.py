@@ -63,15 +63,6 @@ def test_calls_of_a_round_are_independent(trials):
         assert together(trials[0][0][one], trials[0][0][other]) > P
 
 
-def test_robots_are_independent(trials):
-    """All 15 pairs of robots, of each call, as one grid each: 0.03 %; and neighbours across calls, 0.03 %."""
-    for name in OURS:
-        values = trials[0][0][name]
-        pairs = [(values[:, i], values[:, j]) for i, j in combinations(range(ROBOTS), 2)]
-        assert together(*map(np.concatenate, zip(*pairs[::5], strict=True))) > P
-        assert together(values[:, 0::2], trials[0][0]["fused" if name != "fused" else "seen"][:, 1::2]) > P
-
-
 @pytest.mark.parametrize("lag", [1, 2, 7])
 def test_rounds_are_independent(trials, lag):
     """Serially, and across calls: 0.09 % over all lags, by grids; correlations within 4 standard errors, 0.06 %."""
@@ -81,12 +72,6 @@ def test_rounds_are_independent(trials, lag):
         r = np.corrcoef(values[:-lag].ravel(), values[lag:].ravel())[0, 1]
         assert abs(r) < 4 / np.sqrt(values[lag:].size)
     assert together(trials[0][0]["fused"][:-lag], trials[0][0]["seen"][lag:]) > P
-
-
-def test_trials_are_independent(trials):
-    """0.03 %."""
-    for name in OURS:
-        assert together(trials[0][0][name], trials[1][0][name]) > P
 
 
 def test_all_purposes_are_independent():

@@ -27,11 +27,6 @@ def run(brain, trials, robots=10, rounds=400, looks=1, fill_ratio=0.55, topology
     return sc.run(study, jobs=2).isel(setting=0)
 
 
-def mean_of(time):
-    """Of ceil(Exp(time)), which is geometric."""
-    return -1.0 / np.expm1(-1.0 / time)
-
-
 @pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("names", [range(9), (0, 1, 2, 10, 20, 30, 100, 10_000, 1_000_000)])
 @pytest.mark.parametrize("brain", ["voter", "majority", "direct-comparison"])
@@ -76,19 +71,6 @@ def test_times_are_exponential_and_rounded_up(brain, least, told):
         assert stats.chisquare(found[1:], expected[1:]).pvalue > P
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("senders", [3, 4])
-def test_the_majority_amplifies_the_first_share(senders):
-    """6 of 10 begin with black, and it wins in more than 60 % of trials, the voter's share; of 5 in a half: 0.1 %."""
-    trials = 600
-    last = run("majority", trials, black_first=0.6, senders=senders, **UNWEIGHTED)["decision"].values
-    black = int((last.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, trials, 0.6, alternative="greater").pvalue < 1e-6
-    even = run("majority", trials, senders=senders, **UNWEIGHTED)["decision"].values
-    black = int((even.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, trials, 0.5).pvalue > P
-
-
 def test_qualities_decide_among_voters():
     """Perfect sensors and 7 of 10 tiles black: black is told for longer, and wins more often than the half that begins
     with it. That a rule without weights would pass has a chance of 10^-9.
@@ -98,37 +80,6 @@ def test_qualities_decide_among_voters():
     last = run("voter", trials, fill_ratio=0.7, looks=20, **given)["decision"].values
     black = int((last.mean(axis=1) > 0.5).sum())
     assert stats.binomtest(black, trials, 0.5, alternative="greater").pvalue < 1e-9
-
-
-def fixed_point(wrong, quiet):
-    """Cross-inhibition at f = 0.5 in the mean field: the majority's share of opinions, and the share that has none.
-
-    With r robots of the majority for one of the minority, and p = ((1 - wrong) r + wrong) / (1 + r) of what is heard
-    saying the majority's, opinions are lost and won at equal rates where r = (p / (1 - p))^2, so that s^2 = r with
-    wrong s^2 - (1 - 2 wrong) s + wrong = 0. `quiet` is how long robots have none for, in times of having one.
-    """
-    s = (1.0 - 2.0 * wrong + np.sqrt(1.0 - 4.0 * wrong)) / (2.0 * wrong)
-    p = s / (1.0 + s)
-    majority = s * s / (1.0 + s * s)
-    lost = (majority * (1.0 - p) + (1.0 - majority) * p) * quiet
-    return majority, lost / (1.0 + lost)
-
-
-@pytest.mark.long
-def test_cross_inhibition_with_wrong_messages():
-    """15 of 100 messages are of the other opinion: within 4 standard errors and what a finite swarm loses, 0.02 %."""
-    quiet = 2.0
-    given = TIMES | {"miscommunication": 0.15, "weighted": 0.0, "disseminate": 4.0, "explore": 4.0}
-    opinions = run("cross-inhibition", 40, 200, 600, 1, 0.5, uncommitted=quiet, **given)["decision"].values
-    majority, none = fixed_point(0.15, mean_of(quiet) / mean_of(4.0))
-    assert majority == pytest.approx(0.9518, abs=1e-4)
-    has = (opinions >= 0).sum(axis=1)
-    black = (opinions == 1).sum(axis=1)
-    for found, expected in ((np.maximum(black, has - black) / has, majority), (1.0 - has / 200, none)):
-        assert abs(found.mean() - expected) < 4.0 * found.std(ddof=1) / np.sqrt(len(found)) + 1.0 / 200
-    switched = run("direct-switching", 40, 200, 600, 1, 0.5, **given)["decision"].values.mean(axis=1)
-    assert abs(switched.mean() - 0.5) < 4.0 * switched.std(ddof=1) / np.sqrt(40)
-    assert np.maximum(switched, 1.0 - switched).max() < 0.75
 
 
 def test_the_weighted_voter_copies_dancers_by_their_number():

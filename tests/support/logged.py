@@ -8,8 +8,6 @@ from swarmcensus.runtime.log import Log
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.translation.messages import messages_of
 
-SECOND = 1000
-
 
 class Air:
     """A sensor and a radio: readings by chance, datagrams put in by hand."""

@@ -8,7 +8,7 @@ import numpy as np
 from swarmcensus.brains import INTERVAL, Brain
 from swarmcensus.checks.message_checks import any_order, sums_add
 from swarmcensus.checks.reading_checks import readings_add_up
-from swarmcensus.checks.sample_states import Fault, NotUsed, call, copy_of, difference, line_of, lives, number_at
+from swarmcensus.checks.sample_states import NotUsed, Violation, call, copy_of, difference, line_of, lives, number_at
 from swarmcensus.simulation import fixed
 
 
@@ -20,19 +20,19 @@ def _fixed_memory(brain: Brain) -> None:
 def _finite(brain: Brain, where: str, me: Any) -> None:
     x = call(brain, where, "estimate", me)
     if not (isinstance(x, int | float) and 0.0 <= x <= 1.0):
-        raise Fault(f"{line_of(brain, 'estimate')} gives {x!r}, not a number in [0, 1] ({where})")
+        raise Violation(f"{line_of(brain, 'estimate')} gives {x!r}, not a number in [0, 1] ({where})")
     message = call(brain, where, "broadcast", me)
     result = line_of(brain, "broadcast")
     if message is None and brain.uses.silence:
         return
     if not isinstance(message, tuple) or len(message) != len(brain.message):
-        raise Fault(f"{result} gives {message!r}, not a tuple of {len(brain.message)} as MESSAGE says ({where})")
+        raise Violation(f"{result} gives {message!r}, not a tuple of {len(brain.message)} as MESSAGE says ({where})")
     for (name, long), value in zip(brain.message.items(), message, strict=True):
         if long and not (isinstance(value, list | tuple) and len(value) == long):
-            raise Fault(f"{result} gives {name} = {value!r}, not a vector of {long} ({where})")
+            raise Violation(f"{result} gives {name} = {value!r}, not a vector of {long} ({where})")
         for number in value if long else (value,):
             if not (isinstance(number, int | float) and abs(number) <= np.finfo(float).max):
-                raise Fault(f"{result} gives {name} = {number!r}, not a finite number ({where})")
+                raise Violation(f"{result} gives {name} = {number!r}, not a finite number ({where})")
 
 
 def _decides(brain: Brain, where: str, me: Any) -> None:
@@ -43,13 +43,13 @@ def _decides(brain: Brain, where: str, me: Any) -> None:
         choice = call(brain, where, "decide", me)
         if not isinstance(choice, int | float) or choice not in range(-1, brain.options):
             most = brain.options - 1
-            raise Fault(
+            raise Violation(
                 f"{line_of(brain, 'decide')} gives {choice!r}, neither -1 (undecided) nor an option from 0 to "
                 f"{most} ({where})"
             )
     for name in {"done", "jam"} & brain.contents.functions:
         if not isinstance(result := call(brain, where, name, me), bool | int | float):
-            raise Fault(f"{line_of(brain, name)} gives {result!r}, neither True nor False ({where})")
+            raise Violation(f"{line_of(brain, name)} gives {result!r}, neither True nor False ({where})")
 
 
 def _bounds(brain: Brain, where: str, me: Any) -> None:
@@ -57,7 +57,7 @@ def _bounds(brain: Brain, where: str, me: Any) -> None:
         raise NotUsed
     result = call(brain, where, "interval", me)
     if not is_interval(result):
-        raise Fault(f"{line_of(brain, 'interval')} gives {result!r}: {INTERVAL} ({where})")
+        raise Violation(f"{line_of(brain, 'interval')} gives {result!r}: {INTERVAL} ({where})")
 
 
 def is_interval(result: object) -> bool:
@@ -73,7 +73,7 @@ def _steers(brain: Brain, where: str, me: Any) -> None:
     command = call(brain, where, "steer", me)
     if not is_command(command):
         what = "neither two finite numbers, a speed and a turn, nor None"
-        raise Fault(f"{line_of(brain, 'steer')} gives {command!r}, {what} ({where})")
+        raise Violation(f"{line_of(brain, 'steer')} gives {command!r}, {what} ({where})")
 
 
 def is_command(command: object) -> bool:
@@ -92,7 +92,9 @@ def _reads_only(brain: Brain, where: str, me: Any) -> None:
         changed = difference(brain, before, me, close=0.0)
         if changed:
             x, y = number_at(before, changed), number_at(me, changed)
-            raise Fault(f"{line_of(brain, name)} changes me.{changed} from {x!r} to {y!r}: it may only read ({where})")
+            raise Violation(
+                f"{line_of(brain, name)} changes me.{changed} from {x!r} to {y!r}: it may only read ({where})"
+            )
 
 
 def query_functions(brain: Brain) -> tuple[str, ...]:
@@ -110,7 +112,7 @@ def _same_again(brain: Brain) -> None:
         changed = difference(brain, first_state, second_state, close=0.0)
         if changed:
             x, y = number_at(first_state, changed), number_at(second_state, changed)
-            raise Fault(
+            raise Violation(
                 f"the same history gives me.{changed} = {x!r} and then {y!r}: something is kept outside of me, by "
                 f"{line_of(brain, 'observe')}, {line_of(brain, 'receive')} or {line_of(brain, 'fuse')} ({where})"
             )
@@ -122,7 +124,7 @@ def _same_again(brain: Brain) -> None:
         for name, answer, *again in zip(names, *answers, strict=True):
             if any(value != answer for value in again):
                 changed_answer = next(value for value in again if value != answer)
-                raise Fault(
+                raise Violation(
                     f"{line_of(brain, name)} gives {answer!r} and then {changed_answer!r} of the same state: something "
                     f"is kept outside of me ({where})"
                 )

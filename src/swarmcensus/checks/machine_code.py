@@ -12,7 +12,7 @@ import xarray as xr
 
 from swarmcensus.brains import FUNCTIONS, Brain, Vector
 from swarmcensus.checks.contract_checks import is_command
-from swarmcensus.checks.sample_states import ACCURACIES, SEED, Fault
+from swarmcensus.checks.sample_states import ACCURACIES, SEED, Violation
 from swarmcensus.engine import INSIDE, codegen, compiler, interruptible
 from swarmcensus.engine.constants import DRAW_STEER
 from swarmcensus.simulation import infer, oracle, swarm
@@ -25,7 +25,7 @@ KEYS = np.arange(1, 5, dtype=np.uint64)  # two keys
 
 
 def compiles(brain: Brain) -> None:
-    """Compile all that `agrees` runs, without running it. Raises Fault."""
+    """Compile all that `agrees` runs, without running it. Raises Violation."""
     uses = ("recorded", "moving") if brain.steers else ("recorded",)
     try:
         try:
@@ -41,7 +41,7 @@ def compiles(brain: Brain) -> None:
         message_lines = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
         where = [line for line in lines if line.startswith("File") and "brain.py" in line]
         line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""
-        raise Fault(f"Numba cannot compile it{line}: {' '.join(message_lines[:2]) or error}") from error
+        raise Violation(f"Numba cannot compile it{line}: {' '.join(message_lines[:2]) or error}") from error
 
 
 def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -55,7 +55,7 @@ def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def agrees(brain: Brain) -> None:
-    """Run a random history in CPython and in machine code; both must agree. Raises Fault."""
+    """Run a random history in CPython and in machine code; both must agree. Raises Violation."""
     b, w, readings, ring = history()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind on purpose
@@ -67,7 +67,7 @@ def agrees(brain: Brain) -> None:
         if far.any():
             k, i, *item = np.argwhere(far)[0]
             place = "".join(f"[{index}]" for index in item)
-            raise Fault(
+            raise Violation(
                 f"compiled, {name}{place} is {x[k, i, *item]!r} and in CPython {y[k, i, *item]!r} "
                 f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
             )
@@ -91,7 +91,7 @@ def commands_of(brain: Brain, states: np.ndarray) -> np.ndarray:
 
 
 def commands_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
-    """Compare how the states of a trace (round, robot) steer in CPython and in machine code. Raises Fault."""
+    """Compare how the states of a trace (round, robot) steer in CPython and in machine code. Raises Violation."""
     draws = oracle.own_draws(KEYS, 0, 1, DRAW_STEER, len(b))
     for k in range(trace.sizes["round"]):
         states = np.zeros(len(b), compiler.array_layout(brain).record)
@@ -112,7 +112,7 @@ def commands_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray
             slow = (0.0, 0.0, 0.0) if command is None else (1.0, *command)
             if not np.allclose(fast[i], slow, rtol=CLOSE, atol=CLOSE):
                 compiled = tuple(fast[i, 1:].tolist()) if fast[i, 0] else None
-                raise Fault(
+                raise Violation(
                     f"compiled, steer gives {compiled} and in CPython {command} "
                     f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
                 )

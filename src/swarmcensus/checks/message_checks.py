@@ -10,8 +10,8 @@ from swarmcensus.checks import random_checks
 from swarmcensus.checks.sample_states import (
     CLOSE,
     SEED,
-    Fault,
     NotUsed,
+    Violation,
     call,
     copy_of,
     difference,
@@ -70,7 +70,7 @@ def _check_orders(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
         field = difference(brain, states[0], state, absolute=close)
         if field:
             x, y = number_at(states[0], field), number_at(state, field)
-            raise Fault(
+            raise Violation(
                 f"{line_of(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages "
                 f"{_shown(heard)} and {y!r} of {_shown(order)}: the order of messages should not matter ({where})"
             )
@@ -86,7 +86,7 @@ def sums_add(brain: Brain) -> None:
     """In any state a message adds to SUMS what it adds in a blank state, and changes nothing else."""
     for name in brain.sums:
         if any(numbers({name: brain.memory[name]})):
-            raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
+            raise Violation(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
     if not brain.sums:
         raise NotUsed
     pools = [
@@ -119,12 +119,12 @@ def _additions(brain: Brain, where: str, message: Any) -> dict[str, float]:
 
 
 def _check_sums(brain: Brain, where: str, state: Any, heard: list[tuple[Any, dict[str, float]]]) -> None:
-    """Check that messages in a row add to SUMS what each of them adds in a blank state. Raises Fault."""
+    """Check that messages in a row add to SUMS what each of them adds in a blank state. Raises Violation."""
     before = copy_of(brain, state)
     try:
         hear(brain, where, state, [message for message, _ in heard])
-    except Fault as fault:
-        raise Fault(
+    except Violation as fault:
+        raise Violation(
             f"{fault}, in a state {_fields(before)}: with SUMS, what it adds depends on the message alone"
         ) from None
     for name, was in numbers_in(brain, before):
@@ -134,7 +134,7 @@ def _check_sums(brain: Brain, where: str, state: Any, heard: list[tuple[Any, dic
         rounding = 1e-12 * (max(1.0, abs(was)) + sum(map(abs, parts)))
         if not math.isclose(grown, expected, rel_tol=CLOSE, abs_tol=rounding):
             what = f"of {counted(len(heard), 'message')} in a row " if len(heard) > 1 else ""
-            raise Fault(
+            raise Violation(
                 f"{line_of(brain, 'receive')} adds {grown!r} to me.{name} {what}in a state {_fields(before)}, and "
                 f"{expected!r} in a blank one that assumes b = 0.8, w = 0.7: with SUMS it may only add to "
                 f"{', '.join(brain.sums)}, and what it adds depends on the message alone ({where})"

@@ -51,7 +51,7 @@ def quick_fault(brain: Brain) -> str:
     import numpy as np
 
     from swarmcensus.checks.contract_checks import IN_EACH_STATE
-    from swarmcensus.checks.sample_states import Fault, NotUsed, in_a_line, short_lives
+    from swarmcensus.checks.sample_states import NotUsed, Violation, in_a_line, short_lives
     from swarmcensus.checks.suite import gist
 
     checks = {*IN_EACH_STATE.values()}
@@ -65,7 +65,7 @@ def quick_fault(brain: Brain) -> str:
                         checks.remove(check)
                 if lines.run > MOST_LINES:
                     break
-    except Fault as fault:
+    except Violation as fault:
         return gist(str(fault))
     except Exception as error:
         return in_a_line(error)

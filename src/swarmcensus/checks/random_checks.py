@@ -11,7 +11,7 @@ import numpy as np
 from swarmcensus.brains import Brain
 from swarmcensus.checks.sample_states import (
     SEED,
-    Fault,
+    Violation,
     call,
     calls,
     copy_of,
@@ -35,7 +35,7 @@ Numbers = dict[str, np.ndarray]
 
 
 def any_order(brain: Brain) -> None:
-    """The same messages in two orders, then `fuse`: each number in memory has the same distribution. Raises Fault."""
+    """The same messages in two orders, then `fuse`: each number has the same distribution. Raises Violation."""
     random = np.random.default_rng(SEED)
     spoken = [message for _, message in messages(brain, extreme=False)]
     if not spoken:
@@ -45,7 +45,7 @@ def any_order(brain: Brain) -> None:
         laws = [_law(brain, partial(_after_messages, brain, where, me, order)) for order in (heard, heard[::-1])]
         name = _first_difference(*laws)
         if name:
-            raise Fault(
+            raise Violation(
                 f"{line_of(brain, 'receive')}, with fuse after it, gives me.{name} another distribution, "
                 f"{_law_text(laws[0][name])}, from the messages {heard} than from the same in reverse order, "
                 f"{_law_text(laws[1][name])}: the order of messages should not matter ({where})"
@@ -53,7 +53,7 @@ def any_order(brain: Brain) -> None:
 
 
 def readings_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[int, int], ...]]]) -> None:
-    """Readings of one colour at once and in parts: each number in memory has the same distribution. Raises Fault."""
+    """Readings of one colour at once and in parts: each number has the same distribution. Raises Violation."""
     for where, start, _ in islice(starts, 0, 8 * STATES, 8):
         for black, looks in product((1.0, 0.0), LOOKS):
             once = _law(brain, partial(_after_readings, brain, where, start, [(looks * black, float(looks))]))
@@ -65,7 +65,7 @@ def readings_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[i
                 field = _first_difference(*laws)
                 if not field:
                     continue
-                raise Fault(
+                raise Violation(
                     f"{line_of(brain, 'observe')} gives me.{field} another distribution, {_law_text(laws[0][field])}, "
                     f"from {looks} readings at once than from the same {how}, {_law_text(laws[1][field])} ({where})"
                 )

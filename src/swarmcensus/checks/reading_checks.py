@@ -12,7 +12,7 @@ from swarmcensus.checks.sample_states import (
     CLOSE,
     PLAIN,
     SEED,
-    Fault,
+    Violation,
     call,
     calls,
     copy_of,
@@ -54,7 +54,7 @@ def readings_add_up(brain: Brain) -> None:
                 field = difference(brain, once, state, CLOSE * max(1.0, looks / 1000.0))  # as rounding adds up
                 if field:
                     at_once, in_parts = number_at(once, field), number_at(state, field)
-                    raise Fault(
+                    raise Violation(
                         f"{line_of(brain, 'observe')} makes me.{field} {at_once!r} of {looks} readings at once, "
                         f"{blacks} of them black, and {in_parts!r} of the same {how} ({where})"
                     )

@@ -32,7 +32,7 @@ CLOSE = 1e-9  # allowed rounding: relative, and absolute for numbers below 1
 Draws = np.random.Generator | None
 
 
-class Fault(Exception):
+class Violation(Exception):
     """What is wrong with a brain, in a sentence."""
 
 
@@ -51,12 +51,12 @@ def line_of(brain: Brain, name: str) -> str:
 
 
 def call(brain: Brain, where: str, name: str, me: Any, *given: Any, draws: Draws = None) -> Any:
-    """Call a function of the brain, and check `me` afterwards. Raises Fault."""
+    """Call a function of the brain, and check `me` afterwards. Raises Violation."""
     return calls(brain, where, name, me, [given], draws)
 
 
 def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[Any, ...]], draws: Draws = None) -> Any:
-    """Call a function of the brain several times, and check `me` at the end. Raises Fault.
+    """Call a function of the brain several times, and check `me` at the end. Raises Violation.
 
     A brain that uses luck has a fresh random number in each call. Returns the result of the last call.
     """
@@ -75,9 +75,9 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
         frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(brain.path)]
         line = f"line {frames[-1].lineno} ({frames[-1].line})" if frames else "its first line"
         hint = "; MEMORY names all that a robot remembers" if "'Robot' object has no attribute" in str(error) else ""
-        raise Fault(f"{name} fails at {line}: {in_a_line(error)}{hint} ({where})") from error
+        raise Violation(f"{name} fails at {line}: {in_a_line(error)}{hint} ({where})") from error
     if (me.b, me.w) != beliefs:
-        raise Fault(
+        raise Violation(
             f"{line_of(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
             f"and a belief that changes is a field of MEMORY ({where})"
         )
@@ -87,10 +87,10 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
         if type(value) is float and value == value:
             continue
         if not isinstance(value, int | float) or isinstance(value, bool):
-            raise Fault(f"{line_of(brain, name)} makes me.{field} {value!r}, not a number ({where})")
+            raise Violation(f"{line_of(brain, name)} makes me.{field} {value!r}, not a number ({where})")
         if value != value or (isinstance(value, int) and value.bit_length() > 1023):
             what = "NaN" if value != value else "a whole number too large for 8 bytes"
-            raise Fault(f"{line_of(brain, name)} makes me.{field} {what} ({where})")
+            raise Violation(f"{line_of(brain, name)} makes me.{field} {what} ({where})")
     return result
 
 
@@ -124,7 +124,7 @@ def number_at(me: Any, place: str) -> Any:
 
 
 def hear(brain: Brain, where: str, me: Any, heard: list[Any], draws: Draws = None) -> None:
-    """Receive messages one after the other. Raises Fault."""
+    """Receive messages one after the other. Raises Violation."""
     calls(brain, where, "receive", me, [(message,) for message in heard], draws)
 
 

@@ -25,7 +25,7 @@ FURTHER = 1 << 19  # ticks lived from there
 GOLDEN, PLASTIC = 0.6180339887498949, 0.7548776662466927  # multiples of these modulo 1 are evenly spread
 
 
-class Life(NamedTuple):
+class Departure(NamedTuple):
     """The reading at which single and double precision part; None if they stay together."""
 
     alone: int | None
@@ -37,7 +37,7 @@ class Life(NamedTuple):
         return min((at for at in self if at is not None), default=None)
 
 
-def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Life:
+def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Departure:
     """Live a brain for so many readings, and `beyond` that also from 2^20, 2^21, ..., 2^26 readings on.
 
     Takes seconds, in which the brain is compiled. Raises what the brain raises, and Numba's errors.
@@ -56,7 +56,7 @@ def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Life:
                 return begin + int(apart[0])
         return None
 
-    return Life(parting(False), parting(True))
+    return Departure(parting(False), parting(True))
 
 
 def _blank(brain: Brain) -> np.ndarray:

@@ -42,17 +42,17 @@ class Check:
 
 
 def checks() -> dict[str, Test]:
-    """All checks by name, in order; each raises Fault."""
+    """All checks by name, in order; each raises Violation."""
     from swarmcensus.checks.contract_checks import PROMISES
 
     def compiles(brain: brains.Brain) -> None:  # imports Numba only when it is needed
         from swarmcensus.checks import machine_code
-        from swarmcensus.checks.sample_states import Fault
+        from swarmcensus.checks.sample_states import Violation
 
         try:
             machine_code.compiles(brain)
         except MemoryError:
-            raise Fault(f"Numba did not compile it within {COMPILE_MEMORY_BYTES >> 30} GiB of memory") from None
+            raise Violation(f"Numba did not compile it within {COMPILE_MEMORY_BYTES >> 30} GiB of memory") from None
 
     def agrees(brain: brains.Brain) -> None:
         from swarmcensus.checks import machine_code
@@ -165,13 +165,13 @@ def fault_of(test: Test, brain: brains.Brain) -> str | None:
 
 def _outcome(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
     """What a check finds wrong, or None, and whether the brain has the part that it checks."""
-    from swarmcensus.checks.sample_states import Fault, NotUsed, in_a_line
+    from swarmcensus.checks.sample_states import NotUsed, Violation, in_a_line
 
     try:
         test(brain)
     except NotUsed:
         return None, False
-    except Fault as fault:
+    except Violation as fault:
         return str(fault), True
     except Exception as error:
         return in_a_line(error), True
@@ -198,7 +198,7 @@ def report(path: str, patience: float, wrapping: str = "") -> None:
 
 
 def single_life(path: str | Path, wrapping: str = "") -> str | dict[str, int | None]:
-    """At which reading of a day single and double precision part, by `single_life.Life`'s names; or why it ended."""
+    """At which reading of a day single and double precision part, by the names of `Departure`; or why it ended."""
     brain = brain_to_check(path, wrapping)
     done = _child("live", path, COMPILE_PATIENCE, wrapping)
     if done.returncode:

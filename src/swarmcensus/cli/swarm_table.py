@@ -14,7 +14,7 @@ from swarmcensus.support.formatting import counted
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from swarmcensus.robots import Known, Outcome, Plan, Swarm
+    from swarmcensus.robots import Known, Outcome, RunningSwarm, SwarmPlan
 
 LINES = 10  # of a run in a pipe
 EVENTS = 3  # that are shown in a terminal
@@ -25,7 +25,7 @@ GIVEN_UP = ("undone", "stale", "missed", "refused", "decision", "lost", "heard",
 
 
 @contextlib.contextmanager
-def showing(plan: "Plan", options: argparse.Namespace) -> "Iterator[Callable[[Swarm], None]]":
+def showing(plan: "SwarmPlan", options: argparse.Namespace) -> "Iterator[Callable[[RunningSwarm], None]]":
     """A callback that shows a swarm: a live table in a terminal, else a line now and then; with --quiet nothing."""
     if options.quiet:
         yield lambda _: None
@@ -48,7 +48,7 @@ class _Lines:
     def __init__(self, every: float) -> None:
         self.every, self.next, self.printed = every, every, 0
 
-    def show(self, swarm: "Swarm") -> None:
+    def show(self, swarm: "RunningSwarm") -> None:
         for event in swarm.happened[self.printed :]:
             say(event)
         self.printed = len(swarm.happened)
@@ -57,7 +57,7 @@ class _Lines:
             say(f"{swarm.seconds:.1f} s: {', '.join(_parts(swarm))}")
 
 
-def _parts(swarm: "Swarm") -> list[str]:
+def _parts(swarm: "RunningSwarm") -> list[str]:
     """The state of the swarm, in parts of a line."""
     from swarmcensus.robots import share_heard
 
@@ -73,7 +73,7 @@ def _parts(swarm: "Swarm") -> list[str]:
     return parts if np.isnan(heard) else [*parts, f"{100 * heard:.1f} % heard"]
 
 
-def screen(swarm: "Swarm", width: int, height: int) -> "Table":
+def screen(swarm: "RunningSwarm", width: int, height: int) -> "Table":
     """The state of the swarm for a terminal of this size; the cursor needs one line."""
     from rich.table import Table
     from rich.text import Text
@@ -105,7 +105,7 @@ def _filled(parts: list[str], width: int) -> list[str]:
     return lines
 
 
-def _robots(swarm: "Swarm", shown: int, width: int) -> "Table":
+def _robots(swarm: "RunningSwarm", shown: int, width: int) -> "Table":
     """A row for each of the first robots, with the columns for which there is room."""
     from swarmcensus.support.printed_tables import Column
     from swarmcensus.support.terminal import console, fitted
@@ -129,7 +129,7 @@ def _row(number: int, known: "Known") -> list[str]:
     return [str(number), state, f"{last.ticks:,}", f"{last.estimate:.3f}", decision, *(f"{n:,}" for n in counts)]
 
 
-def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
+def summary(plan: "SwarmPlan", outcome: "Outcome") -> list[str]:
     """The end of a run, as lines."""
     from swarmcensus.robots import datagram_bytes
 
@@ -150,7 +150,7 @@ def summary(plan: "Plan", outcome: "Outcome") -> list[str]:
     return lines + [f"robot {number} died by itself, {why}" for number, why in outcome.died.items()]
 
 
-def _errors(plan: "Plan", outcome: "Outcome") -> dict[str, str]:
+def _errors(plan: "SwarmPlan", outcome: "Outcome") -> dict[str, str]:
     """The errors of robots, and which robots are counted."""
     honest = "" if all(member.honest for member in plan.members) else "honest "
     pairs = zip(plan.members, outcome.estimates, strict=True)

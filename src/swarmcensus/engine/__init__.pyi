@@ -21,7 +21,7 @@ from .layout import (
     Links as Links,
     Measures as Measures,
     Neighbours as Neighbours,
-    Radio as Radio,
+    Reception as Reception,
     Recorded as Recorded,
     Segments as Segments,
     Sensors as Sensors,

@@ -57,7 +57,7 @@ class Sensors(NamedTuple):
         return Sensors(self.b[k], self.w[k], self.drift[k], self.course, self.looks, self.key, self.order)
 
 
-class Radio(NamedTuple):
+class Reception(NamedTuple):
     """How messages travel."""
 
     key: np.ndarray  # of losses
@@ -84,7 +84,7 @@ class Inputs(NamedTuple):
     first: int
     sensors: Sensors
     beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
-    radio: Radio
+    radio: Reception
     links: Links  # who hears whom; NO_LINKS where robots move
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `failures.py`
     draws: np.ndarray  # two keys; empty where no brain uses luck

@@ -8,13 +8,13 @@ import numpy as np
 from swarmcensus.brains import slots
 from swarmcensus.engine import compiler, works
 from swarmcensus.engine.constants import LISTED, NOISE, SAID, TALKING
-from swarmcensus.simulation import Life, Stretch
+from swarmcensus.simulation import LiveTrial, Stretch
 from swarmcensus.support.documents import json_value
 
 MOST_READINGS = 4_000_000  # readings of a fixed network that are shown
 
 
-class Simulated(Life):
+class Simulated(LiveTrial):
     """One trial of a setting."""
 
     @property

@@ -10,7 +10,7 @@ import xarray as xr
 from swarmcensus.simulation import known, readings_of
 from swarmcensus.support.errors import InputError, ResultsError, TableError
 from swarmcensus.support.files import atomic_write
-from swarmcensus.support.tables import Table, plain, read_table
+from swarmcensus.support.tables import ReadTable, plain, read_table
 from swarmcensus.worlds import KNOWN, LINKS, links_of
 
 ACCURACIES = ("b", "w", "accuracy")  # names of columns
@@ -41,7 +41,7 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
-def _accuracies(table: Table) -> tuple[np.ndarray, np.ndarray]:
+def _accuracies(table: ReadTable) -> tuple[np.ndarray, np.ndarray]:
     if not table.rows:
         raise TableError.of(table.source, f"no accuracies: there should be {ACCURACY}, and a row for each robot")
     names = [plain(name) for name in table.names] if table.names else ["b", "w"][: table.width]

@@ -16,7 +16,7 @@ from .logs.folders import (
     without_logs as without_logs,
 )
 from .logs.growing import GrowingRecording as GrowingRecording, may_grow as may_grow
-from .logs.lives import Life as Life, relive_all as relive_all
+from .logs.lives import RobotReplay as RobotReplay, relive_all as relive_all
 from .logs.logs import Block as Block, Tick as Tick
 from .logs.mcap_files import logs_in as logs_in, write_mcap as write_mcap
 from .logs.others import TOLD as TOLD, UNKNOWN as UNKNOWN, Relived as Relived, under as under
@@ -33,7 +33,7 @@ from .logs.traces import (
 from .swarm.children import check_system as check_system
 from .swarm.faults import faults_of as faults_of
 from .swarm.outcomes import Outcome as Outcome
-from .swarm.plans import Air as Air, Plan as Plan, plan_of as plan_of
+from .swarm.plans import Air as Air, SwarmPlan as SwarmPlan, plan_of as plan_of
 from .swarm.reports import Known as Known, share_heard as share_heard
-from .swarm.running import Stopped as Stopped, Swarm as Swarm, run as run
+from .swarm.running import RunningSwarm as RunningSwarm, Stopped as Stopped, run as run
 from .target import datagram_bytes as datagram_bytes

@@ -25,7 +25,7 @@ FIRST, LAST = "selftest 1", "selftest ends"
 
 
 @dataclass(frozen=True)
-class Difference:
+class BoardDifference:
     """A number that a board has otherwise."""
 
     tick: int
@@ -45,7 +45,7 @@ class Comparison:
     equal: int  # of these, to the bit
     largest: float  # difference, relative above 1
     allowed: float
-    wrong: tuple[Difference, ...]  # beyond what is allowed
+    wrong: tuple[BoardDifference, ...]  # beyond what is allowed
     datagrams: int  # compared
     datagrams_equal: int
 
@@ -93,7 +93,7 @@ def compare(output: str, folder: Path) -> Comparison:
             apart = 0.0 if x == y else abs(x - y) / max(1.0, abs(y))
             largest = max(largest, apart) if not math.isnan(apart) else math.inf
             if not apart <= allowed:
-                wrong.append(Difference(tick, robot, field, x, y))
+                wrong.append(BoardDifference(tick, robot, field, x, y))
     return Comparison(name, bits, numbers, equal, largest, allowed, tuple(wrong), len(there), same)
 
 

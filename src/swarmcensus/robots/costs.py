@@ -58,7 +58,7 @@ class Cost(NamedTuple):
         return f"no: {', '.join(self.too_large)}" if self.too_large else "yes"
 
 
-class Column(NamedTuple):
+class CostColumn(NamedTuple):
     """A column of the table of costs."""
 
     name: str  # on a page, where the table has all columns
@@ -67,17 +67,17 @@ class Column(NamedTuple):
 
 
 COLUMNS = (
-    Column("brain", "brain", lambda one: one.name),
-    Column("flash", "", lambda one: f"{one.flash:,}"),
-    Column("cycles", "", lambda one: f"{one.cycles:,}"),
-    Column("flash with bytes", "flash", lambda one: f"{one.coded_flash:,}"),
-    Column("cycles with bytes", "cycles", lambda one: f"{one.coded_cycles:,}"),
-    Column("longest tick", "longest", lambda one: f"{one.longest:,}"),
-    Column("RAM", "RAM", lambda one: f"{one.ram:,}"),
-    Column("stack", "stack", lambda one: f"{one.stack:,}"),
-    Column("message", "message", lambda one: f"{one.message:,}"),
-    Column("ms a tick", "ms", lambda one: f"{one.milliseconds:.1f}"),
-    Column("Kilobot", "Kilobot", lambda one: one.kilobot),
+    CostColumn("brain", "brain", lambda one: one.name),
+    CostColumn("flash", "", lambda one: f"{one.flash:,}"),
+    CostColumn("cycles", "", lambda one: f"{one.cycles:,}"),
+    CostColumn("flash with bytes", "flash", lambda one: f"{one.coded_flash:,}"),
+    CostColumn("cycles with bytes", "cycles", lambda one: f"{one.coded_cycles:,}"),
+    CostColumn("longest tick", "longest", lambda one: f"{one.longest:,}"),
+    CostColumn("RAM", "RAM", lambda one: f"{one.ram:,}"),
+    CostColumn("stack", "stack", lambda one: f"{one.stack:,}"),
+    CostColumn("message", "message", lambda one: f"{one.message:,}"),
+    CostColumn("ms a tick", "ms", lambda one: f"{one.milliseconds:.1f}"),
+    CostColumn("Kilobot", "Kilobot", lambda one: one.kilobot),
 )
 
 

@@ -5,7 +5,7 @@ from .hanging import watched as watched
 from .inferring import infer as infer, trace_of as trace_of, warn_of_estimates as warn_of_estimates
 from .inputs import inputs_of as inputs_of
 from .intervals import ENDS as ENDS
-from .living import STRETCH_BYTES as STRETCH_BYTES, Life as Life, Stretch as Stretch
+from .living import STRETCH_BYTES as STRETCH_BYTES, LiveTrial as LiveTrial, Stretch as Stretch
 from .metrics import convergence as convergence, correct as correct, error_at as error_at
 from .oracle import fixed as fixed
 from .recorded import known as known, readings_of as readings_of

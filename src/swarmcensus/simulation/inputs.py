@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.engine import NO_LINKS, Inputs, Radio, Sensors
+from swarmcensus.engine import NO_LINKS, Inputs, Reception, Sensors
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import Setting, addresses
 from swarmcensus.support.errors import InputError
@@ -33,7 +33,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         first=first,
         sensors=sensors,
         beliefs=beliefs,
-        radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
+        radio=Reception(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
         links=links,
         stops=np.stack([sampling.stops(setting, seed, first + t) for t in range(trials)]),
         draws=addresses.draw_keys(setting, seed, alone=order),

@@ -1,7 +1,7 @@
 """One trial in stretches of rounds, in any order: for viewers, who also look back.
 
-A `Life` keeps copies of its state before some stretches, and goes on from the nearest copy. So any part of a trial can
-be run again, to the same bits, and memory does not grow with the length of the trial.
+A `LiveTrial` keeps copies of its state before some stretches, and goes on from the nearest copy. So any part of a trial
+can be run again, to the same bits, and memory does not grow with the length of the trial.
 """
 
 import mmap
@@ -62,7 +62,7 @@ class World(Protocol):
         """Run so many rounds; `first` is the next one."""
 
 
-class Life:
+class LiveTrial:
     """One trial of a setting: `at(k)` is its k-th stretch of `length` rounds."""
 
     @interruptible

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from swarmcensus.support.errors import TableError
-from swarmcensus.support.tables import Table, plain
+from swarmcensus.support.tables import ReadTable, plain
 from swarmcensus.worlds import from_one
 
 LONG = ("step", "robot")
@@ -23,7 +23,7 @@ def known(name: str) -> bool:
     return name in (*LONG, *READINGS, "time") or re.fullmatch("r(obot)?[0-9]+", name) is not None
 
 
-def readings_of(table: Table) -> np.ndarray:
+def readings_of(table: ReadTable) -> np.ndarray:
     """Observations (step, robot): 0 white, 1 black, NaN none. Raises InputError."""
     if table.names is None and table.rows:
         table = _unnamed(table)
@@ -52,7 +52,7 @@ def readings_of(table: Table) -> np.ndarray:
     return _values(table, np.argsort(numbers).tolist())
 
 
-def _unnamed(table: Table) -> Table:
+def _unnamed(table: ReadTable) -> ReadTable:
     """A table whose first row has numbers alone: those of the columns, if they cannot be readings."""
     cells = table.heading()
     if max(cells) > 1.0 and cells in (list(range(len(cells))), list(range(1, len(cells) + 1))):
@@ -63,7 +63,7 @@ def _unnamed(table: Table) -> Table:
     return table
 
 
-def _values(table: Table, columns: Sequence[int]) -> np.ndarray:
+def _values(table: ReadTable, columns: Sequence[int]) -> np.ndarray:
     readings = np.stack([table.column(k, READING) for k in columns], axis=1)
     wrong = ~(np.isnan(readings) | (readings == 0.0) | (readings == 1.0))
     if wrong.any():
@@ -72,7 +72,7 @@ def _values(table: Table, columns: Sequence[int]) -> np.ndarray:
     return readings
 
 
-def _long(table: Table, names: list[str]) -> np.ndarray:
+def _long(table: ReadTable, names: list[str]) -> np.ndarray:
     """Readings of a table with a row for each."""
     chosen = [name for name in READINGS if name in names]
     strange = [k for k, name in enumerate(names) if name not in (*LONG, *chosen[:1])]
@@ -97,7 +97,7 @@ def _long(table: Table, names: list[str]) -> np.ndarray:
     return readings
 
 
-def _check_numbered(table: Table, numbers: np.ndarray) -> None:
+def _check_numbered(table: ReadTable, numbers: np.ndarray) -> None:
     """Raise InputError for robots that are not numbered 0, 1, 2, ... without a gap."""
     lacking = np.setdiff1d(np.arange(len(numbers)), numbers)
     if lacking.size:

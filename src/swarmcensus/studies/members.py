@@ -11,7 +11,7 @@ from swarmcensus.brains import Adversary, Brain, lying_brain
 from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.forms import Robots, Several, Table
+from swarmcensus.support.forms import Robots, Several, TomlTable
 from swarmcensus.worlds import Accuracy, Least, Misjudgement
 
 
@@ -59,7 +59,7 @@ class Member:
         return self.robots, self.share, brain, *beliefs, self.speed, self.honest
 
 
-class Members(Table):
+class Members(TomlTable):
     """Robots that differ from the others: each key but `honest` may be a list, which spans the grid."""
 
     robots: Several[Robots]

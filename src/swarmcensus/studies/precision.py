@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from swarmcensus.support import intervals
-from swarmcensus.support.forms import Form, Table
+from swarmcensus.support.forms import Form, TomlTable
 from swarmcensus.support.hints import did_you_mean_any
 from swarmcensus.support.quantities import PER_TRIAL, QUANTITIES, stored
 
@@ -39,7 +39,7 @@ def look_level(trials: int) -> float:
 PATTERN = f"^{re.sub('[?]P<[a-z]+>', '', RULE.pattern)}$"  # for the JSON schema, where groups have no names
 
 
-class Until(Table):
+class Until(TomlTable):
     """A rule: run trials until the half-width of the 95 % interval over trials is small enough.
 
     The interval is looked at after `at_least` trials, and again each time a quarter has been added. The level allows

@@ -33,13 +33,13 @@ from swarmcensus.studies.fields import (
 from swarmcensus.studies.keys import Coordinate, Key, keys_of
 from swarmcensus.studies.members import Member
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.forms import Table
+from swarmcensus.support.forms import TomlTable
 from swarmcensus.worlds import Accuracy, Body, Change, Fault, Floor, Misjudgement, Topology, along, arena, steady
 
 HOW_LONG = "robots that move observe once a tick at most, and schedule.ticks says how long"
 
 
-class Swarm(Table):
+class Swarm(TomlTable):
     """The robots: their brains, their number, their sensors, and what they assume about these."""
 
     brain: Annotated[Brains, Key(
@@ -96,7 +96,7 @@ class Swarm(Table):
     """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
 
 
-class World(Table):
+class World(TomlTable):
     """The robots' world: who hears whom, the share of black, and how often and how late messages get through.
 
     `density` or `side`, `floor` and `body` are for robots that move (topology "moving"); `message_delay`, in rounds, is
@@ -214,7 +214,7 @@ class World(Table):
     """The body of robots that move."""
 
 
-class Schedule(Table):
+class Schedule(TomlTable):
     """How long: communication rounds (C), and observations in each (R); ticks for robots that move."""
 
     rounds: Annotated[Wholes, Key(

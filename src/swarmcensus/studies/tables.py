@@ -12,7 +12,7 @@ from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import KEYS, Schedule, Swarm, World
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.errors import StudyError, pydantic_message
-from swarmcensus.support.forms import Number, Table
+from swarmcensus.support.forms import Number, TomlTable
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.times import in_ticks
 from swarmcensus.worlds import Change, Fault
@@ -28,7 +28,7 @@ def _case() -> Any:
             if name in KEYS and KEYS[name].spans:
                 fields[name] = (kind | None, Field(default=None, description=KEYS[name].meaning))
     meaning = "Values in place of some of the tables' above: another grid, in addition to the full one."
-    return create_model("Case", __base__=Table, __doc__=meaning, **fields)
+    return create_model("Case", __base__=TomlTable, __doc__=meaning, **fields)
 
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ else:
     Case = _case()
 
 
-class Measure(Table):
+class Measure(TomlTable):
     """What is measured: convergence within delta, decisions among bins at checkpoints, estimates and metrics."""
 
     delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
@@ -56,7 +56,7 @@ class Measure(Table):
     """Further measures: shipped metrics or metric files."""
 
 
-class Tables(Table):
+class Tables(TomlTable):
     """The study file as a whole."""
 
     name: Name = UNNAMED

@@ -76,13 +76,13 @@ def says(message: str, *words: str) -> WrapValidator:
     return WrapValidator(check)
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """A table of a file: it has these keys and no others, each with a docstring that the schema shows."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, use_attribute_docstrings=True)
 
 
-class ValueTable(Table):
+class ValueTable(TomlTable):
     """A table in place of one value, as {from = 0.9, to = 0.1, at = 500}. Its validator is built on first use."""
 
     model_config = ConfigDict(use_attribute_docstrings=False, defer_build=True)

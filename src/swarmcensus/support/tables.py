@@ -43,7 +43,7 @@ FORMATS = {  # how files begin that are no tables
 AS_TABLE = "should be a table: save it as CSV in UTF-8 (a graph by networkx.write_edgelist(graph, path, data=False))"
 
 
-class Table(NamedTuple):
+class ReadTable(NamedTuple):
     """Columns of cells: texts of a file, or values of a data frame. All rows have the same length."""
 
     source: str  # the file or the argument, for messages
@@ -105,7 +105,7 @@ class Table(NamedTuple):
             return False
         return any(np.array_equal(values, np.arange(len(values)) + first) for first in starts)
 
-    def without(self, *columns: int) -> "Table":
+    def without(self, *columns: int) -> "ReadTable":
         """The table without some columns."""
         if not columns:
             return self
@@ -132,7 +132,7 @@ class Table(NamedTuple):
         cells = [number(cell, True) for cell in self.rows[0]]
         return cells[1:] if len(cells) > 1 and np.isnan(cells[0]) else cells
 
-    def named_by_first_row(self) -> "Table":
+    def named_by_first_row(self) -> "ReadTable":
         """The table with the first row as names."""
         return _without_row_numbers(self._replace(names=self.rows[0], rows=self.rows[1:], lines=self.lines[1:]))
 
@@ -176,14 +176,14 @@ def is_frame(value: Any) -> bool:
     return hasattr(value, "columns") and hasattr(value, "to_numpy")
 
 
-def frame_table(frame: Any, source: str) -> Table:
+def frame_table(frame: Any, source: str) -> ReadTable:
     """A data frame as a table, with its index if that has a name."""
     if any(name is not None for name in getattr(getattr(frame, "index", None), "names", ())):
         frame = frame.reset_index()
-    return _without_row_numbers(Table(source, [str(name) for name in frame.columns], frame.to_numpy().tolist()))
+    return _without_row_numbers(ReadTable(source, [str(name) for name in frame.columns], frame.to_numpy().tolist()))
 
 
-def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
+def read_table(path: str | Path, known: Callable[[str], bool]) -> ReadTable:
     """Read a table from a text file.
 
     Separators are tabs, semicolons, commas or spaces; numbers may have decimal commas, but not between commas. Lines
@@ -195,7 +195,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
     lines[0] = "" if SEPARATOR_LINE.fullmatch(lines[0]) else lines[0]
     numbers = [n for n, line in enumerate(lines, start=1) if line and not line.startswith(COMMENTS)]
     if not numbers:
-        return Table(str(path), None, [])
+        return ReadTable(str(path), None, [])
     texts = [_without_attributes(path, n, lines[n - 1]) for n in numbers]
     starts = (lines[0].lower(), texts[0].lower())
     if kind := next((kind for start, kind in FORMATS.items() if any(line.startswith(start) for line in starts)), ""):
@@ -216,7 +216,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> Table:
         raise TableError(f"{path}, line {numbers[odd]}: {wrong} where there were {len(rows[0])}", file=path)
     first, last = (numbers[0], numbers[-1]) if numbers else (0, 0)
     gap = next((n for n in range(first + 1, last) if not lines[n - 1]), 0)
-    table = Table(str(path), names, rows, numbers, separator, gap)
+    table = ReadTable(str(path), names, rows, numbers, separator, gap)
     return table if names is None else _without_row_numbers(_with_names_for_all(table))
 
 
@@ -270,7 +270,7 @@ def _is_number(cell: str) -> bool:
     return True
 
 
-def _with_names_for_all(table: Table) -> Table:
+def _with_names_for_all(table: ReadTable) -> ReadTable:
     """A table with as many names as columns: R names no row numbers, and a separator at the end makes a column."""
     names, rows = table.names or [], table.rows
     width = len(rows[0]) if rows else len(names)
@@ -286,7 +286,7 @@ def _with_names_for_all(table: Table) -> Table:
     return table._replace(names=names, rows=rows)
 
 
-def _without_row_numbers(table: Table) -> Table:
+def _without_row_numbers(table: ReadTable) -> ReadTable:
     """A table without a first column that counts rows from 0 or 1. Raises InputError for names that are not unique."""
     names = [plain(name) for name in table.names or ()]
     if names and names[0] in ROW_NUMBERS:

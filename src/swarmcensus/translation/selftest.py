@@ -45,7 +45,7 @@ def owed_places(brain: Brain) -> list[int]:
     return [place for part in owing(brain) for place in part.places]
 
 
-class Difference(NamedTuple):
+class BitDifference(NamedTuple):
     """How the output of a self-test differs from what is expected."""
 
     line: int  # the first line that differs, counted from 1; 0 if none does
@@ -68,14 +68,14 @@ def is_exact(brain: Brain) -> bool:
     return called <= EXACT and not exponents
 
 
-def compare(wanted: str, found: str) -> Difference:
+def compare(wanted: str, found: str) -> BitDifference:
     """Compare the output of a self-test with the expected one."""
     rows = list(zip(wanted.splitlines(), found.splitlines(), strict=False))
     first = next((k for k, (one, other) in enumerate(rows, 1) if one != other), 0)
     if len(wanted.splitlines()) != len(found.splitlines()):
-        return Difference(first or len(rows) + 1, float("inf"))
+        return BitDifference(first or len(rows) + 1, float("inf"))
     largest = max((_distance(one, other) for one, other in rows if one != other), default=0.0)
-    return Difference(first, largest)
+    return BitDifference(first, largest)
 
 
 def _distance(one: str, other: str) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationInfo
 
 from swarmcensus.engine import record_type
-from swarmcensus.support.forms import Number, Table, any_of
+from swarmcensus.support.forms import Number, TomlTable, any_of
 from swarmcensus.support.times import WrittenTime, parse_time
 
 # outside these bounds, squares and quotients of lengths and times would overflow
@@ -23,7 +23,7 @@ def _delay(value: object, info: ValidationInfo) -> object:
     return value
 
 
-class Body(Table):
+class Body(TomlTable):
     """Shape, motion, sensors and radio of a robot, in SI units; a disc with two wheels.
 
     Sources: the paper, Sec. IV-C; docs/moving-robots.md for what it leaves open.

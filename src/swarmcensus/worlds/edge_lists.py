@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
-from swarmcensus.support.tables import Table, plain, read_table
+from swarmcensus.support.tables import ReadTable, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
 
 DIRECTED = (("sender", "receiver"), ("source", "target"), ("from", "to"), ("src", "dst"), ("fromnodeid", "tonodeid"))
@@ -58,7 +58,7 @@ def read_edges(path: Path, directed: bool) -> list[tuple[int, int]]:
     return [(i, j) for i, j in links_of(table, "source,target", directed).tolist()]
 
 
-def links_of(table: Table, right: str, directed: bool = False, messages: bool = False) -> np.ndarray:
+def links_of(table: ReadTable, right: str, directed: bool = False, messages: bool = False) -> np.ndarray:
     """Edges (edge, 2) of a table, or with `messages` also messages (message, 3) of step, sender and receiver.
 
     `right` are the names of the columns that there should be, for messages. Raises InputError.
@@ -90,7 +90,7 @@ def links_of(table: Table, right: str, directed: bool = False, messages: bool = 
     return np.stack([table.whole(names.index(name)) for name in chosen], axis=1)
 
 
-def _check_types(table: Table, k: int, directed: bool, messages: bool) -> None:
+def _check_types(table: ReadTable, k: int, directed: bool, messages: bool) -> None:
     """Raise InputError for edges that are of another kind than they will be."""
     right = "directed" if directed else "undirected"
     for n, row in enumerate(table.rows):

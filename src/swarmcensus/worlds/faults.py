@@ -7,13 +7,13 @@ from pydantic import Field
 
 from swarmcensus.engine import address, compile_world
 from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
-from swarmcensus.support.forms import LISTED, ONE_OR_SEVERAL, Robots, Table
+from swarmcensus.support.forms import LISTED, ONE_OR_SEVERAL, Robots, TomlTable
 from swarmcensus.support.times import MOST, OR_TIME
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 
 
-class Fault(Table):
+class Fault(TomlTable):
     """Some robots stop moving, sensing or talking at round (or tick) `at`, and begin again at `until`, if given.
 
     A robot that stops talking still hears. One that stops moving is still heard, seen and bumped into.

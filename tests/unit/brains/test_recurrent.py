@@ -6,13 +6,11 @@ import tomllib
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from tests.support.places import ROOT
 
 NET = brains.load("recurrent")
 STUDIES = ROOT / "studies" / "rivals"
-RANGES = ["tau=1:50:log", "bias=-3:3", "inputs=-3:3", "weights=-4:4", "output=-6:6", "offset=-3:3"]
 
 
 def sigma(z):
@@ -76,39 +74,3 @@ def test_the_weights_are_those_that_the_search_found():
     unseen = tomllib.loads((STUDIES / "recurrent-unseen.toml").read_text(encoding="utf-8"))
     assert unseen["swarm"]["brain"][1] == line
     assert NET.parameters["debiased"] == 0.0
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("name", "losses"),
-    [
-        ("recurrent", (0.5, 0.426895641421138, 0.5933630576245719)),
-        ("recurrent-debiased", (0.5, 0.39385013124247337, 0.5946142688492598)),
-    ],
-)
-def test_the_search_begins_as_its_log_says(name, losses):
-    """The start's loss, the least and the mean of the first generation: the whole of it takes minutes."""
-    tuned = sc.tune(STUDIES / f"{name}.toml", RANGES, budget=33, trials=2, jobs=1)
-    [start, *first] = [one.loss for one in tuned.evaluations]
-    assert (start, min(first), float(np.mean(first))) == pytest.approx(losses, abs=1e-9)
-
-
-@pytest.mark.long
-def test_recurrent_net_generalises():
-    """Not told its sensors, it is level where they are good; told of them, with weights trained so, it is nearer."""
-    study = sc.Study.load(STUDIES / "recurrent-unseen.toml")
-    results = sc.run(study)
-    errors = abs(results["final_estimate"] - results["fill_ratio"]).median(["trial", "robot"])
-
-    def of(brain, accuracy, debiased=None):
-        mine = (results["brain"] == brain) & (results["accuracy"] == accuracy)
-        if debiased is not None:
-            mine &= results["debiased"] == debiased
-        return float(errors[mine.values].mean())
-
-    for accuracy in ("0.7", "U(0.6,0.9)"):
-        assert of("recurrent", accuracy, 0.0) < 0.9 * of("alone", accuracy)
-    assert of("recurrent", "0.9", 0.0) == pytest.approx(of("alone", "0.9"), rel=0.1)
-    for accuracy in ("0.7", "0.9", "U(0.6,0.9)"):
-        assert of("recurrent", accuracy, 1.0) < 0.75 * of("alone", accuracy)
-        assert of("oracle", accuracy) < of("minimalistic", accuracy) < of("recurrent", accuracy, 1.0)

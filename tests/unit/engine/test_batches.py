@@ -8,7 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results.replaying import recording
-from swarmcensus.simulation import metrics, trials as engine
+from swarmcensus.simulation import trials as engine
 from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.support.small import FAILS, beliefs_of, study_of
 
@@ -72,26 +72,6 @@ def test_run_equals_inference_from_its_observations(mixed, compiled, step):
                 assert trace[name].values == pytest.approx(again[name].values, rel=1e-12, abs=1e-12)
             else:
                 assert (trace[name].values == again[name].values).all()
-
-
-def test_local_estimate_is_a_lone_robots(mixed):
-    study, results = mixed
-    for k, setting in some(study, 11):
-        readings = engine.record_readings(setting, study.seed, 0)
-        curves = sc.infer(readings, None, beliefs_of(setting, study, 0), 1, setting.brain)["estimate"].values
-        index = metrics.convergence(curves)
-        n = setting.robots
-        assert (results["local_convergence_step"].values[k, 0, :n] == index).all()
-        error = metrics.error_at(curves, index, setting.fill_ratio)
-        assert (results["local_convergence_error"].values[k, 0, :n] == error).all()
-
-
-def test_rounds_are_made_of_their_single_readings(mixed):
-    study, results = mixed
-    for k, setting in some(study, 17):
-        readings = engine.record_readings(setting, study.seed, 1)
-        rounds = readings.reshape(setting.rounds, setting.observations_per_round, -1).sum(axis=1)
-        assert (sc.replay(results, k, 1)["blacks"].values[1:] == rounds).all()
 
 
 class TestDeterminism:

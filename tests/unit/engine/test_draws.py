@@ -197,15 +197,6 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
             assert blacks[tick, i] == sum(drawn)
 
 
-@pytest.mark.interpreted
-@pytest.mark.parametrize(
-    ("b", "w", "fill_ratio", "p"), [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)]
-)
-def test_sure_readings_are_sure(b, w, fill_ratio, p):
-    tables = tables_of(np.array([b]), np.array([w]), fill_ratio, 4)
-    assert shares_of(tables[0, 0])[round(4 * p)] == pytest.approx(1.0, abs=1e-14)
-
-
 # ---- what is drawn once a trial
 
 
@@ -245,14 +236,6 @@ def test_accuracies_differ_by_address():
     assert (accuracies()[0] is accuracies()[1]) or (accuracies()[0] == accuracies()[1]).all()
     # another text, another draw, and not the same one stretched
     assert not np.isclose(accuracies("U(0.5, 0.7)")[0], 0.5 + (accuracies()[0] - 0.5) / 2).any()
-
-
-def test_width_of_mixed_accuracies():
-    b, w = accuracies({"black": 0.8, "white": "U(0.5, 0.9)"})
-    assert b.shape == w.shape == (2, 6)
-    assert (b == 0.8).all()
-    assert np.unique(w).size == 12
-    assert [v.shape for v in accuracies({"black": 0.8, "white": 0.7})] == [(2, 1), (2, 1)]
 
 
 def test_errors_of_belief_are_drawn_where_the_docs_say():

@@ -56,12 +56,6 @@ def test_lines_against_liars_begin_at_zero_liars(data):
                 assert y == np.nanmedian(data["final_estimate"].values[rows.values])
 
 
-def test_a_panel_of_an_adversary_begins_where_nobody_lies_too(data):
-    panels = shown(sc.plot.lines(data, x="liars", color="brain"))
-    assert [axes.get_title(loc="left") for axes in panels] == ["(a) always-black", "(b) opposite"]
-    assert all([*line] == [0, 1, 2] for axes in panels for line in lines_in(axes).values())
-
-
 def test_those_of_a_world_without_liars_stay_as_they_are(data):
     some = data.isel(setting=((data["brain"] == "legacy") | (data["liars"] == 0)).values)
     joined = from_nobody(some)

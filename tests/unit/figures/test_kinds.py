@@ -12,7 +12,6 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.figures.kinds.lines import stretches
-from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
@@ -179,17 +178,6 @@ def test_a_figure_says_what_is_pooled_in_it(kind, options, said, small_results, 
     assert [one for one in caplog.messages if "pooled" in one] == told
 
 
-def test_intervals_end_where_a_variable_can_go_no_further():
-    results = study(["0.6"], trials=12)
-    below = results.assign(final_estimate=results["convergence_error"] - 1.0)
-    (ax,) = sc.plot.lines(below, y="final_estimate", x="accuracy", color="accuracy").axes
-    ((low, high),) = intervals(ax, "0.6")
-    assert -1.0 <= low < drawn(ax, "0.6")[0, 1] < high < 0.0
-    same = results.assign(convergence_error=0.0 * results["convergence_error"])
-    (ax,) = sc.plot.lines(same, x="accuracy", color="accuracy").axes
-    assert intervals(ax, "0.6")[0, 0] == 0.0
-
-
 def test_a_heatmap_has_any_two_coordinates():
     parts = [
         study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "a_long_name_of_a_network") for n in (4, 1200)
@@ -206,13 +194,6 @@ def test_a_heatmap_has_any_two_coordinates():
     np.testing.assert_array_equal(chosen.images[0].get_array(), shown.T)
     with pytest.raises(TooMuch, match=r"a heatmap shows accuracy and topology, but robots \(4, 1200\) varies too"):
         sc.plot.heatmap(results, x="topology", y="accuracy")
-
-
-def test_names_look_different_and_numbers_in_order():
-    looks = looks_of(["ring", "full", "x"], "o", "topology")
-    assert list(looks) == ["ring", "full", "x"]
-    assert len({look.colour for look in looks.values()}) == 3
-    assert [look.name for look in looks_of(["1000", "20", "none"], "o", "robots").values()] == ["20", "1,000", "none"]
 
 
 # ---- lines
@@ -305,16 +286,6 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert "the mean is infinite" in texts(sc.plot.lines(results, y="stop_round", statistic="mean"))
     never = results.assign(stop_round=results["stop_round"] * np.inf)
     assert_fits(sc.plot.lines(never, y="stop_round"))
-
-
-def test_the_interval_of_a_median_may_reach_to_never():
-    results = robots((10,))
-    when = np.tile(np.arange(1.0, 9.0), (1, 12, 1))
-    when[0, :5] = np.inf  # 5 of 12 trials: the median is finite, and might not be
-    results["stop_round"] = (("setting", "trial", "robot"), when)
-    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
-    ((low, high),) = intervals(ax, "")
-    assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]
 
 
 def test_trials_that_were_not_run_are_left_out_of_lines():

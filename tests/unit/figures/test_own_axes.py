@@ -49,28 +49,6 @@ def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
         getattr(sc.plot, kind)(two.isel(setting=[0]), ax=subplots(2))
 
 
-@pytest.mark.parametrize("sharing", [True, False])
-def test_shared_axes_go_on_to_show_what_was_drawn_first(two, sharing):
-    axes = subplots(2, sharex=sharing, sharey=sharing)
-    for k, ax in enumerate(axes):
-        sc.plot.scatter(two.isel(setting=[k]), ax=ax)
-    dots = drawn(axes[0], "dots 0.6")
-    (_, right), (low, high) = axes[1].get_xlim(), axes[1].get_ylim()
-    assert ((dots[:, 0] <= right).all() and (low <= dots[:, 1]).all() and (dots[:, 1] <= high).all()) == sharing
-
-
-def test_leader_lines_end_at_dots(two):
-    axes = subplots(2, sharex=True, sharey=True)
-    for k, ax in enumerate(axes):
-        sc.plot.scatter(two.isel(setting=[k]), ax=ax)
-    axes[0].figure.draw_without_rendering()
-    (median,) = drawn(axes[0], "median 0.6")
-    (leader,) = (c for c in axes[0].collections if hasattr(c, "dots"))
-    (end,) = (segment[1] for segment in leader.get_segments())
-    where = axes[0].transAxes.transform(end)
-    np.testing.assert_allclose(where, axes[0].transData.transform(median), atol=0.5)
-
-
 def test_a_heatmap_is_one_panel_or_two():
     results = xr.concat([study(["0.6"], topology=t, seed=k) for k, t in enumerate(("ring", "full"))], "setting")
     axes = subplots(2)

@@ -147,16 +147,6 @@ def test_pages_that_cannot_be_are_told_in_a_line(kind, options, said, draw):
         draw(kind, **options)
 
 
-def test_numbers_of_numpy_are_sizes(draw, tmp_path):
-    figure = draw("curves", width=np.int64(4), font_size=np.float32(8))
-    assert sc.plot.save(figure, tmp_path / "f.png", dpi=np.int64(50))
-    assert figure.get_figwidth() == 4.0
-    figure.set_size_inches(60, 60)
-    with pytest.raises(sc.InputError, match=r"dpi=600: these are 36,000 x 36,000 pixels, more than 400,000,000"):
-        sc.plot.save(figure, tmp_path / "large.png", dpi=600)
-    assert not (tmp_path / "large.png").exists()
-
-
 def test_figure_size_in_each_format(small_file, here, refused):
     plot = ["plot", str(small_file), "--kind", "lines", "--x", "robots", "--panels", "topology", "--color", "accuracy"]
     size = ["--width", "column", "--height", "8", "--dpi", "100", "--font-size", "6"]
@@ -190,13 +180,6 @@ def test_styles_are_respected(draw, small_file, here):
     assert picture.size == (200, 150)
     assert (238, 255, 238) in {colour for _, colour in picture.getcolors(100_000)}
     assert mpl.rcParams["axes.facecolor"] == "white"  # as before
-
-
-def test_on_dark_paper_no_line_is_black(draw):
-    with mpl.style.context("dark_background"):
-        lines = [line for kind in ("ranks", "curves") for line in draw(kind).axes[0].get_lines()]
-    assert lines
-    assert "black" not in {line.get_color() for line in lines}
 
 
 # ---- names of brains
@@ -292,18 +275,6 @@ def test_equal_labels_of_two_brains():
     assert sc.compare(merged).grid.contenders == ["minimalistic", "legacy"]
 
 
-def test_long_names_under_an_axis(small_results):
-    names = [f"brains/some_long_name_of_number_{k}.py" for k in range(small_results.sizes["setting"])]
-    data = small_results.assign_coords(brain=("setting", np.array(names)))
-    figure = sc.plot.lines(data, x="brain", panels=[], width=2.0, font_size=6)
-    figure.canvas.draw()
-    ticks = [tick for tick in figure.axes[0].get_xticklabels() if tick.get_text()]
-    assert 2 < len(ticks) < len(names)
-    assert min(tick.get_window_extent().x0 for tick in ticks) >= 0
-    ends = [tick.get_window_extent().x1 for tick in ticks]
-    assert min(np.diff(ends)) >= 6 / 72 * figure.dpi / np.sin(np.radians(40))  # lines of letters do not touch
-
-
 def test_a_study_without_a_name_is_called_by_its_file(here, capsys):
     study = sc.Study.parse(MOVING.replace('name   = "moving"', ""))
     sc.save(sc.run(study, jobs=1), "meadow.nc")
@@ -311,15 +282,6 @@ def test_a_study_without_a_name_is_called_by_its_file(here, capsys):
     assert capsys.readouterr().out.startswith("meadow.nc: meadow (seed 0")
     assert main(["plot", "meadow.nc", "--kind", "curves", "--label", "minimalistic=Ours", "--out", "c.svg"]) == 0
     assert ">meadow, setting 0, trial 0: Ours, moving, N = 6, D = 2, " in Path("c.svg").read_text()
-
-
-def test_films_have_the_size_and_dots_that_are_asked_for(here):
-    sc.save(sc.run(sc.Study.parse(MOVING), jobs=1), "m.nc")
-    film = ["plot", "m.nc", "--kind", "film", "--last", "2", "--out", "f.gif"]
-    assert main([*film, "--width", "4", "--height", "5", "--dpi", "50"]) == 0
-    with Image.open("f.gif") as picture:
-        assert picture.size == (200, 250)
-    assert main([*film, "--dpi", "5"]) == 2
 
 
 # ---- what figures say
@@ -333,14 +295,6 @@ def test_too_few_trials_are_said_as_compare_says_it(draw):
     assert said[1] in ranks
     assert said[0] in compared
     assert "cannot tell" not in " ".join(t for t, _ in shown(sc.plot.ranks(made_up(trials=20, gap=0.3))))
-
-
-def test_a_measure_without_numbers_is_left_out_with_a_sentence():
-    data = made_up(trials=8)
-    data["correct"][:] = np.nan
-    figure = sc.plot.compare(data, metric=["final_error", "correct"])
-    assert len(figure.axes) == 1
-    assert "left out, no pair of trials has numbers: right" in " ".join(t for t, _ in shown(figure))
 
 
 def test_one_sided_interval_is_dotted(small_file, small_results, capsys):

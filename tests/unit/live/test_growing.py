@@ -4,7 +4,6 @@ import itertools
 import json
 import random
 
-import numpy as np
 import pytest
 
 from swarmcensus.cli.commands import main
@@ -18,8 +17,7 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.growing import GrowingRecording
 from swarmcensus.robots.logs.logs import Gap, LogReader, read_log
 from swarmcensus.support.errors import InputError
-from tests.support.growing import ROUNDS, Recording
-from tests.support.relived import logged, told
+from tests.support.growing import Recording
 from tests.support.watching import parsed
 
 pytestmark = pytest.mark.interpreted
@@ -121,22 +119,6 @@ def test_clock_of_a_growing_recording(whole, tmp_path):
     assert grows.clock.time(3, 0) == 15  # it began late
 
 
-def test_late_start_is_shown(tmp_path):
-    folder = tmp_path / "day"
-    _, _, swarm = logged(folder, robots=3, rounds=ROUNDS)
-    swarm.kill(2)
-    (folder / "robot-2.log").unlink()
-    swarm.run(10)
-    swarm.start(2)
-    swarm.run(10)
-    swarm.close()
-    known = read_recording(folder)
-    clock = Clock(known.members)
-    assert not clock.restarted
-    assert [clock.time(robot, 0) for robot in range(3)] == [0, 0, 10]
-    assert {clock.last(robot) for robot in range(3)} == {20}
-
-
 def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkeypatch):
     recording = Recording(whole, tmp_path / "day")
     session = Session(offer_of(recording.folder))
@@ -184,26 +166,6 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert [scene["rounds"] for scene in begun["scenes"]] == [news["rounds"]] * 2
     _, refused = asked(session, do="news", since=0)
     assert refused["error"] == "do = 'news': only of a recording in logs, without another brain beside it"
-
-
-def test_last_rounds_of_a_recording(tmp_path):
-    """Robots that missed ticks have lived fewer rounds; one that was killed before the end is away."""
-    folder = tmp_path / "day"
-    study, _, swarm = logged(folder, robots=3, rounds=ROUNDS)
-    swarm.run(10)
-    swarm.kill(1)
-    swarm.kill(2)
-    swarm.run(10)
-    swarm.close()
-    told(folder, study, ended=1, result={"estimates": [0.5, 0.5, None]})
-    offer = offer_of(folder)
-    trial = wanted(offer, {})
-    show = Show(offer.live(trial.settings[0], trial.seed, trial.trial), trial.study.measure)
-    assert show.rounds == 20
-    estimates = [show.find(tick)[0].estimates[show.find(tick)[1]] for tick in (10, 20)]
-    assert estimates[0][1] == estimates[1][1]
-    assert np.isnan(estimates[1][2])
-    assert not np.isnan(estimates[0][2])
 
 
 @pytest.mark.parametrize("robot", [0, 2])

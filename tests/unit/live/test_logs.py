@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.live.offers import offer_of, wanted
@@ -23,7 +22,6 @@ from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
 from swarmcensus.robots.logs.others import under
 from swarmcensus.robots.logs.traces import as_logged, estimates_of
-from swarmcensus.support.errors import InputError
 from tests.support.relived import SEED, logged, setting_of, told
 from tests.support.watching import parsed
 
@@ -175,15 +173,6 @@ def test_what_cannot_be_watched_is_told_in_a_sentence(recording, here, refused, 
     else:
         (here / folder / "swarm.json").write_text(json.dumps(about | changes[folder]))
     assert says in refused("watch", folder, *options, "--out", "page.html")
-
-
-def test_python_takes_a_folder_too(recording):
-    page = sc.watch(recording, brain="voter", tick=3)
-    page.stop()
-    with pytest.raises(InputError, match="is a bound"):
-        sc.watch(recording, brain="oracle")
-    with pytest.raises(InputError, match="only beside can be chosen"):
-        sc.watch(recording, robots=3)
 
 
 @pytest.mark.parametrize("brain", ["commons", "minimalistic"])

@@ -137,23 +137,6 @@ def test_zoom_and_drag(page, served):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("way", ["End", "slider"])
-def test_jump_keeps_curves(page, served, way):
-    come(page, served.address("trial=1&rounds=2000&robot=2"), 0)
-    page.click("#play")
-    page.wait_for_timeout(1500)
-    page.click("#play")
-    if way == "End":
-        page.keyboard.press("End")
-        at(page, 2000)
-    else:
-        page.locator("#moment").fill("2000")
-        at(page, 2000)
-    until(page, "state.charts.histories[0].missing(2000)", None)
-    until(page, "state.stages[0].before.map(frame => frame.tick).sort((a, b) => a - b)", list(range(1701, 2001)))
-
-
-@pytest.mark.long
 def test_changes_accumulate_and_refusals_do_not(page, served):
     come(page, served.address(), 0)
     page.evaluate(f"{{ {PUT} put('robots', '20'); put('accuracy', '0.9'); put('trial', '2'); }}")

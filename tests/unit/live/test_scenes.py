@@ -77,19 +77,6 @@ def test_values_are_changed(offer, asked, line):
 
 
 @pytest.mark.parametrize(
-    "accuracy", [0.8, "U(0.6, 0.9)", {"black": 0.9, "white": 0.6}, {"start": 0.9, "drift": -0.001, "least": 0.6}]
-)
-def test_the_accuracy_that_a_page_shows_can_be_given_again(accuracy):
-    study = sc.Study(
-        trials=1, swarm={"robots": 5, "accuracy": accuracy}, world={"topology": "ring", "fill_ratio": 0.5}
-    )  # fmt: skip
-    offer = offer_of(study)
-    [begun] = Session(offer).answer('{"do": "begin", "ask": {}}')
-    shown = begun["form"]["now"]["accuracy"]
-    assert wanted(offer, {"accuracy": shown}).settings[0].accuracy == study.settings()[0].accuracy
-
-
-@pytest.mark.parametrize(
     ("asked", "said"),
     [
         ({"brian": "commons"}, "brian: did you mean 'brain'? known here: setting, trial"),

@@ -5,12 +5,10 @@ import contextlib
 import functools
 import http.client
 import json
-import os
 import random
 import signal
 import subprocess
 import sys
-import threading
 import time
 import types
 from urllib.parse import urlsplit
@@ -25,7 +23,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.live import server, sessions
 from swarmcensus.live.offers import offer_of
-from swarmcensus.live.server import MOST_PAGES, listen, serve, serving
+from swarmcensus.live.server import MOST_PAGES, listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import Show
 from swarmcensus.support.errors import InputError
@@ -234,14 +232,6 @@ def test_random_bytes_on_every_route(served, requests, pages):
     assert get(served, f"/?token={served.token}")[0] == 200
 
 
-def test_too_much_at_once_closes_one_page_alone(served):
-    with talk(served) as other:
-        with contextlib.suppress(ConnectionClosed), talk(served) as page:
-            page.send("x" * 1_000_000)
-            page.recv(timeout=10)
-        ask(other, id=1, do="begin", ask={})
-
-
 def test_who_comes_early_waits():
     made = listen(offer_of(None))
     connection = http.client.HTTPConnection("127.0.0.1", made.port, timeout=10)
@@ -294,36 +284,6 @@ def test_the_command_prints_the_address_and_serves(monkeypatch, capsys):
     assert address.startswith("http://127.0.0.1:")
     assert address.endswith("#robots=9&tick=70")
     assert opened == [address]
-
-
-@pytest.fixture
-def ended():
-    """What ends the process ends a test alone here."""
-
-    def end(*_):
-        raise SystemExit
-
-    before = signal.signal(signal.SIGTERM, end)
-    yield
-    signal.signal(signal.SIGTERM, before)
-
-
-def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, ended):
-    made, answers = listen(offer_of(None)), []
-
-    def stopped():
-        answers.append(get(made, f"/?token={made.token}")[0])
-        os.kill(os.getpid(), signal.SIGINT)
-        time.sleep(0.3)
-        answers.append(get(made, f"/?token={made.token}")[0])
-        os.kill(os.getpid(), signal.SIGTERM)
-
-    thread = threading.Thread(target=stopped)
-    thread.start()
-    with pytest.raises(SystemExit):
-        serve(made)
-    thread.join()
-    assert answers == [200, 200]
 
 
 @pytest.mark.long(only=["1"])

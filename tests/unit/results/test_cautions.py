@@ -61,10 +61,9 @@ def test_python_warns_of_what_the_shell_warns_of():
         sc.run(study, jobs=1, cautions=False)
 
 
-def test_truths_on_the_edge_of_a_bin_are_warned_of(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):
     text = STUDY.replace("[0.5, 0.7]", "[0.2, 0.55, 0.7, 1.0]") + "[measure]\nestimates = true\n"
-    (tmp_path / "s.toml").write_text(text)
+    (here / "s.toml").write_text(text)
     assert main(["run", "s.toml"]) == 0
     says = "warning: fill ratio 0.2, 0.7 lie on the edge between two of the 10 bins: about half of good estimates"
     assert capsys.readouterr().err.count(says) == 1

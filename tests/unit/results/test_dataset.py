@@ -48,12 +48,6 @@ def test_file_and_back(small_results, small_file):
         assert not {*NUMERIC} & {*plain.variables}
 
 
-def test_names_in_any_letters(small_results, tmp_path):
-    named = small_results.assign_coords(brain=("setting", np.full(small_results.sizes["setting"], "bräin.py", object)))
-    sc.save(named, tmp_path / "x.nc")
-    assert results.read(tmp_path / "x.nc")["brain"].values.tolist() == named["brain"].values.tolist()
-
-
 def test_missing_times_are_nan_in_python(small_results, small_file, tmp_path):
     times = small_results["convergence_round"]
     exists = xr.DataArray(np.arange(12), dims="robot") < small_results["robots"]
@@ -136,16 +130,6 @@ def test_a_disk_that_is_full_leaves_no_file_open(small_results, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_long_form(small_results):
-    frame = results.frame(small_results)
-    assert len(frame) == 4 * 16 * (5 + 12)
-    row = frame.iloc[777]
-    place = {"setting": row.setting, "trial": row.trial, "robot": row.robot}
-    for name in ("convergence_round", "convergence_error", "final_estimate"):
-        assert row[name] == small_results[name].sel(place)
-    assert (frame["topology"].values == small_results["topology"].values[frame["setting"].values]).all()
-
-
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_export(kind, small_results, tmp_path):
     path = tmp_path / f"table.{kind}"
@@ -158,16 +142,6 @@ def test_trials_that_were_not_run_are_left_out(small_results):
     part = small_results.copy(deep=True)
     part["final_estimate"][:, 2:] = np.nan
     assert len(results.frame(part)) == 544
-
-
-def test_a_partly_filled_checkpoint_grid():
-    study = sc.Study(
-        trials=2, swarm={"robots": 3, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.5},
-        schedule={"rounds": [10, 30]}, measure={"checkpoints": [5, 20, 30]},
-    )  # fmt: skip
-    correct = sc.run(study, jobs=1)["correct"].values
-    assert np.isnan(correct[0, 1:]).all()
-    assert not np.isnan(correct[1]).any()
 
 
 class TestSelecting:

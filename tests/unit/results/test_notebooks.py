@@ -3,12 +3,9 @@
 import sys
 import types
 
-import numpy as np
 import pytest
-import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus.figures.notebook import shown
 from swarmcensus.runs import progress
 from swarmcensus.runs.collect import Progress
 
@@ -49,26 +46,6 @@ def test_a_study_shows_the_keys_that_span_its_grid_first():
     assert keys[:3] == ["robots", "accuracy", "brain"]
     assert keys[-1] == "[[case]]"
     assert "2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, …" in text
-    moving = sc.Study(
-        trials=1, swarm={"robots": 4, "accuracy": 0.8}, schedule={"ticks": 10},
-        world={"topology": "moving", "density": [1, 2], "fill_ratio": 0.55},
-    )  # fmt: skip
-    assert "density" in moving._repr_html_()
-    assert "observations_per_round" not in moving._repr_html_()
-
-
-def test_results_show_the_numbers_of_their_summary(small_results):
-    text = shown(small_results)
-    row = sc.summary(small_results).iloc[0]
-    assert f"{row['convergence_error']:.3g}" in text
-    count = small_results.sizes["setting"]
-    assert text.count("<tr") == 1 + min(count, 20) + text.partition("<details>")[2].count("<tr")
-    assert small_results._repr_html_().partition(">")[2][:100] in text
-    assert "assumed_accuracy" not in text.partition("<details>")[0]
-    bare = xr.Dataset({"x": ("setting", [1])})
-    assert "<summary>the dataset" not in shown(bare)
-    broken = small_results.drop_vars("convergence_round")
-    assert "<summary>the dataset" not in shown(broken)
 
 
 # ---- the bar
@@ -79,20 +56,10 @@ def display(monkeypatch):
     """What a notebook's cell comes to show, as texts."""
     seen = []
 
-    class Handle:
-        def update(self, what, raw):
-            seen.append(what)
-
-    def display(what, raw, display_id):
-        seen.append(what)
-        return Handle()
-
-    module = types.ModuleType("IPython")
-    module.get_ipython = lambda: types.SimpleNamespace(kernel=1)
-    module.display = types.ModuleType("IPython.display")
-    module.display.display = display
-    monkeypatch.setitem(sys.modules, "IPython", module)
-    monkeypatch.setitem(sys.modules, "IPython.display", module.display)
+    handle, shell = types.SimpleNamespace(update=lambda what, raw: seen.append(what)), types.SimpleNamespace(kernel=1)
+    pages = types.SimpleNamespace(display=lambda what, raw, display_id: seen.append(what) or handle)
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", pages)
     return seen
 
 
@@ -112,12 +79,3 @@ def test_bar_in_a_notebook(display, monkeypatch):
     assert texts[3] == "<mine>: 2 of 4 trials in 0:00"
     assert '<progress max="1.0" value="0.25">' in display[1]["text/html"]
     assert "&lt;mine&gt;" in display[1]["text/html"]
-
-
-def test_a_program_s_own_function_is_called_in_place_of_a_bar(small_study, display, monkeypatch):
-    monkeypatch.setattr(progress, "NOTEBOOK_DELAY", 0.0)
-    told = []
-    sc.run(small_study.with_(trials=1), progress=told.append)
-    assert told
-    assert not display
-    assert np.all([isinstance(one, Progress) for one in told])

@@ -1,7 +1,6 @@
 """`swarmcensus deploy`: folders for boards whose programs run, talk, and prove that they compute what they should."""
 
 import json
-import os
 import re
 import shutil
 import socket
@@ -91,13 +90,9 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("oracle", "is a bound"),
     ],
 )
-def test_bad_input_is_one_sentence(tmp_path, capsys, options, says):
+def test_bad_input_is_one_sentence(refused, options, says):
     brain, *options = options.split()
-    assert main(["deploy", brain, str(tmp_path / "robot"), "--target", "udp", *NEEDED, *options]) == 2
-    error = capsys.readouterr().err
-    assert says in error
-    assert error.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
+    assert says in refused("deploy", brain, "robot", "--target", "udp", *NEEDED, *options)
 
 
 @pytest.mark.parametrize("radio", ["udp", "kilobot"])
@@ -128,9 +123,8 @@ def expected(tmp_path_factory):
 @pytest.mark.long(but=["commons-ratio16"])
 @pytest.mark.parametrize(
     ("name", "format_"),
-    [("commons", "ratio16"), ("sure", "ratio8"), ("minimalistic", "float16"), ("voter", "float32"),
-     ("bayes-cpf", "float32"), ("leaver", "ratio16")],
-)  # fmt: skip
+    [("commons", "ratio16"), ("sure", "ratio8"), ("bayes-cpf", "float32"), ("leaver", "ratio16")],
+)
 def test_a_board_proves_itself(tmp_path, capsys, name, format_):
     folder = deployed(tmp_path / "robot", name, "udp", "--message", format_)
     (tmp_path / "node").mkdir()
@@ -346,11 +340,9 @@ def test_robots_hear_each_other_on_boards(tmp_path, radio, refused):
 
 
 def test_deployed_robot_with_a_log(tmp_path):
-    without = texts(deployed(tmp_path / "without", "commons", "serial"))
     files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
-    assert set(files) == set(without) | {"log.py"}
+    assert set(files) == FILES | {"log.py"}
     assert "up to 20,000 bytes" in files["README.md"]
-    assert "robot.log" not in without["README.md"]
 
 
 LOGGED = """
@@ -379,7 +371,6 @@ print(robots[0].numbers())
 def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, format_):
     folder = deployed(tmp_path / "robot", "commons", "serial", "--log", "20000", "--message", format_)
     files = texts(folder)
-    assert set(files) == FILES | {"log.py"}
     files["robot.py"] = files.pop("main.py").replace('"memory"', 'f"memory{own_number()}"')
     files |= {"machine.py": FAKE, "main.py": LOGGED}
     (tmp_path / "node").mkdir()
@@ -393,10 +384,6 @@ def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, 
     life = relive(member, keep=True)
     assert str(max(life.memory.items())[1]) == numbers
     assert sum(len(tick.heard) for tick in member.log.ticks) == 299
-    short = deployed(tmp_path / "short", "commons", "serial", "--log", "3000", "--message", format_)
-    files["settings.py"] = (short / "settings.py").read_text()
-    log, _ = on_board(tmp_path / "node", files).splitlines()
-    assert 2900 < len(log) // 2 <= 3000 + 5
 
 
 def free_port():
@@ -496,15 +483,14 @@ void kilo_start(void (*setup)(void), void (*loop)(void)) {
 
 @KILOBOT
 @pytest.mark.long(but=["commons"])
-@pytest.mark.parametrize("name", ["commons", "minimalistic", "voter", "leaver"])
+@pytest.mark.parametrize("name", ["commons", "leaver"])
 def test_a_kilobots_program_compiles_without_a_warning(tmp_path, name, capsys):
     folder = deployed(tmp_path / "robot", name, "kilobot")
     printed = capsys.readouterr().out
     assert int(re.search(r"flash +([\d,]+)", printed)[1].replace(",", "")) < 20_000
     assert {path.name for path in folder.iterdir()} == {"brain.h", "settings.h", "main.c", "Makefile", "README.md"}
-    done = subprocess.run(
-        ["make", "main.o", f"KILOLIB={BOARDS}"], cwd=folder, capture_output=True, text=True, check=False
-    )
+    command = ["make", "main.o", f"KILOLIB={BOARDS}"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "main.c" not in done.stderr
 
@@ -549,17 +535,9 @@ def test_a_kilobot_says_what_a_robot_of_single_precision_says(tmp_path):
 
 
 @KILOBOT
-def test_a_brain_too_large_for_a_kilobot(tmp_path, capsys):
-    large = tmp_path / "large.py"
+def test_a_brain_too_large_for_a_kilobot(here, refused):
+    large = here / "large.py"
     for length, says in ((400, "and a Kilobot has 1,300 for it"), (303, r"needs [\d,]+ bytes of flash and 1,\d+ of")):
         source = brains.load("commons").source
         large.write_text(source.replace("MEMORY = {", f'MEMORY = {{"belief": (0.0,) * {length}, ', 1))
-        assert main(["deploy", str(large), str(tmp_path / "k"), "--target", "kilobot", *NEEDED]) == 2
-        assert re.search(says, capsys.readouterr().err)
-    assert not (tmp_path / "k").exists()
-
-
-def test_a_kilobot_without_a_compiler(tmp_path, monkeypatch, capsys):
-    monkeypatch.setenv("PATH", os.fspath(tmp_path))
-    deployed(tmp_path / "robot", "commons", "kilobot")
-    assert "flash" not in capsys.readouterr().out
+        assert re.search(says, refused("deploy", large, "k", "--target", "kilobot", *NEEDED))

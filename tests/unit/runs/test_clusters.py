@@ -19,7 +19,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
 from swarmcensus.studies import addresses
-from swarmcensus.support.errors import InputError, Interrupted
+from swarmcensus.support.errors import InputError
 from tests.support.clusters import LONG, Once, study
 from tests.support.places import EXAMPLE
 from tests.support.results import same
@@ -172,18 +172,6 @@ def test_deadly_bundle_fails_alone(here, monkeypatch):
 
 
 @pytest.mark.long
-def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler, threads):
-    def stop():
-        raise KeyboardInterrupt
-
-    with pytest.raises(Interrupted) as stopped:
-        run(study(LONG), cluster=scheduler, progress=Once(stop), out="s.nc")
-    assert 0 < stopped.value.done < 800
-    assert sc.load("s.nc").attrs["trials_done"] == stopped.value.done
-    assert same(run(study(LONG), cluster=scheduler, out="s.nc"), threads)
-
-
-@pytest.mark.long
 def test_what_is_done_is_kept_when_the_scheduler_goes(here, threads):
     with processes(1) as cluster, pytest.raises(InputError, match="the cluster is gone"):
         run(study(LONG), cluster=cluster.scheduler_address, progress=Once(cluster.close), out="s.nc")
@@ -263,47 +251,16 @@ def refusing(folder, when="true"):
     script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
 
 
-def test_batch_system_refuses_all_jobs(here, slurm, capsys):
+def test_batch_system_refuses_all_jobs(here, slurm, refused):
     refusing(here)
     (here / "submitted").touch()
     Path("s.toml").write_text(FIXED)
-    assert main(["run", "s.toml", "--cluster", "slurm.toml"]) == 2
-    assert capsys.readouterr().err.splitlines()[-1] == (
-        "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: error: no more"
-    )
+    said = "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: "
+    assert refused("run", "s.toml", "--cluster", "slurm.toml") == f"{said}error: no more"
     (here / "bin" / "sbatch").unlink()
     with pytest.MonkeyPatch.context() as alone:
         alone.setenv("PATH", str(here / "bin"))
-        assert main(["run", "s.toml", "--cluster", "slurm.toml"]) == 2
-    assert capsys.readouterr().err.splitlines()[-1] == (
-        "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: no such command here"
-    )
-
-
-@pytest.mark.long
-def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
-    longer = study(LONG).with_(trials=400)
-    refusing(here, f"! mkdir {here}/taken 2> /dev/null")
-    text = (here / "slurm.toml").read_text()
-    (here / "slurm.toml").write_text(text.replace("jobs      = 1\ncores     = 2", "jobs = 2\ncores = 1"))
-    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
-    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
-
-    with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
-        data = run(longer, cluster="slurm.toml", progress=Once((here / "taken").rmdir))
-    assert len(slurm()) == 2
-    assert same(data, sc.run(longer, jobs=2))
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_ended_run_cancels_its_jobs(slurm, number):
-    """The fixture sees to it that none is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
-    before = signal.getsignal(number)
-    with pytest.raises(Interrupted) as stopped:
-        run(study(LONG), cluster="slurm.toml", progress=Once(lambda: signal.raise_signal(number)), out="s.nc")
-    assert 0 < stopped.value.done < 800
-    assert signal.getsignal(number) is before
+        assert refused("run", "s.toml", "--cluster", "slurm.toml") == f"{said}no such command here"
 
 
 def test_a_job_that_dask_replaced_has_time_to_start(monkeypatch):
@@ -374,13 +331,12 @@ def test_every_batch_system_gets_a_job_script(here, system, account, more):
         ('jobs = 1\ncores = 1\nmemory = "1GB"\ninterface = "lo"\n[options]\ncolour = "red"', "takes no colour"),
     ],
 )
-def test_a_wrong_cluster_file_is_told_in_one_line(here, capsys, text, said):
+def test_a_wrong_cluster_file_is_one_sentence(here, refused, text, said):
     Path("s.toml").write_text(FIXED)
     Path("c.toml").write_text(text)
-    assert main(["run", "s.toml", "--cluster", "c.toml"]) == 2
-    lines = capsys.readouterr().err.splitlines()
-    assert "c.toml" in lines[-1]
-    assert said in lines[-1]
+    error = refused("run", "s.toml", "--cluster", "c.toml")
+    assert "c.toml" in error
+    assert said in error
 
 
 @pytest.mark.parametrize(
@@ -394,11 +350,10 @@ def test_a_wrong_cluster_file_is_told_in_one_line(here, capsys, text, said):
         (["--cluster", "local:2", "--jobs", "3"], "--jobs 3"),
     ],
 )
-def test_a_cluster_that_is_not_there_is_told_in_one_line(here, capsys, monkeypatch, options, said):
+def test_a_cluster_that_is_not_there_is_one_sentence(here, refused, monkeypatch, options, said):
     monkeypatch.setattr(clusters, "CONNECT", "0.5s")
     Path("s.toml").write_text(FIXED)
-    assert main(["run", "s.toml", *options]) == 2
-    assert said in capsys.readouterr().err.splitlines()[-1]
+    assert said in refused("run", "s.toml", *options)
 
 
 @pytest.mark.parametrize(("module", "where"), [("distributed", "local:2"), ("dask_jobqueue", "slurm.toml")])
@@ -427,23 +382,3 @@ def test_a_study_is_read_as_it_was_sent(here):
     payload["versions"]["numpy"] = "0.1"
     with pytest.raises(InputError, match=r"numpy .* there, 0\.1 here"):
         clusters.read_payload(payload)
-
-
-def test_bundles_grow_with_the_work_and_with_the_crowd(here):
-    class Client:
-        def __init__(self, workers):
-            self.nthreads = lambda: {str(k): 1 for k in range(workers)}
-
-        def set_metadata(self, key, value): ...
-        def get_executor(self, pure): ...
-
-    few, many = (clusters.Workers(Client(n), study(FIXED), 1) for n in (2, 2000))
-    assert few.queue_length == 2 * clusters.WAITING_PER_WORKER
-    assert few.bundle_seconds(4.0) == 4.0 / (2 * clusters.BUNDLES_PER_WORKER)  # so that the last ones end together
-    assert few.bundle_seconds(0.001) == clusters.SHORTEST
-    assert few.bundle_seconds(1e6) == clusters.LONGEST
-    assert many.bundle_seconds(1e6) == 2000 / clusters.BUNDLES_PER_SECOND  # the scheduler keeps up
-    late = clusters.Workers(Client(0), study(FIXED), 8)
-    assert late.queue_length == clusters.WAITING_PER_WORKER
-    assert late.note == "waiting for workers"
-    assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.BUNDLES_PER_WORKER)

@@ -86,16 +86,6 @@ def test_what_takes_days_is_a_warning_and_threads_share_it(tried, caplog):
     assert 1 == tried[0][0] < tried[1][0] < 200_000
 
 
-def test_forecast_by_brain_and_kind_of_work(tried, caplog):
-    made = study(rounds=100_000_000, swarm={"brain": ["minimalistic", "commons"]}, measure={"local": True})
-    settings = made.settings()
-    every = np.ones((2, 1), np.bool_)
-    due = 3.0 * sum(task.cost for task in plan_tasks(settings, every, every, 0.1))
-    (line,), _ = said(made, 1, caplog)
-    assert line.startswith(f"long: {HEARD}{forecasts.duration_text(due)} in 1 thread if")
-    assert len(tried) == 8
-
-
 def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
     assert said(study(rounds=10_000, trials=100), 2, caplog) == ([], [])
     assert said(study(rounds=10_000, world=MOVING), 2, caplog) == ([], [])
@@ -124,10 +114,9 @@ def test_long_times(seconds, text):
     assert forecasts.duration_text(seconds) == text
 
 
-def test_a_person_is_told_before_the_first_trial(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_person_is_told_before_the_first_trial(here, monkeypatch, capsys):
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
-    (tmp_path / "small.toml").write_text(FEW)
+    (here / "small.toml").write_text(FEW)
     assert main(["run", "small.toml", "--jobs", "1"]) == 0
     assert HEARD not in capsys.readouterr().err
     for name, begin in (("LONG", "small: "), ("VERY_LONG", "warning: small: ")):

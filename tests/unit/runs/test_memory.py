@@ -8,7 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.results import shards, store, values as arrays
 from swarmcensus.results.values import ArrayStore, Values
-from swarmcensus.runs import pools, tasks
+from swarmcensus.runs import pools
 from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
@@ -86,24 +86,6 @@ def test_a_folder_without_room_for_results_is_told(small_arrays, tmp_path, monke
     with pytest.raises(InputError, match=r"cannot keep results in .*: No space left on device"):
         run(crowds(5), 1, progress=False, out=tmp_path / "a.nc")
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("trials", "settings", "jobs", "threads"), [(1, 1, 2, 1), (2, 1, 2, 2), (1, 3, 2, 2), (3, 2, 1, 1)]
-)
-def test_trials_know_how_many_threads_share_the_memory(trials, settings, jobs, threads, monkeypatch):
-    asked = []
-
-    def run_batch(*arguments):
-        asked.append(arguments[7])
-        return batch(*arguments)
-
-    batch = tasks.run_batch
-    run(crowds(1, 5), 1, progress=False)  # compiled, so that only trials of the study ask
-    monkeypatch.setattr(tasks, "run_batch", run_batch)
-    run(crowds(settings, 5, trials), jobs, progress=False)
-    assert asked.count(threads) >= settings  # the tiny trial that compiles is alone
-    assert {*asked} <= {1, threads}
 
 
 def test_curves_replay_no_more_than_estimates(monkeypatch):

@@ -31,27 +31,12 @@ def waited(show, kinds=60):
 def test_compiling_many_brains_without_a_terminal(monkeypatch, capsys):
     with progress.bar_or_lines("board") as show:
         waited(show)
-    assert capsys.readouterr().err.splitlines() == [
-        "board: compiling 1 of 60: voter", "board: 0 of 1 trial, starting"
-    ]  # fmt: skip
+    lines = ["board: compiling 1 of 60: voter", "board: 0 of 1 trial, starting"]
+    assert capsys.readouterr().err.splitlines() == lines
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     with progress.bar_or_lines("board") as show:
         waited(show)
     assert "board: compiling 37 of 60: voter" in capsys.readouterr().err.splitlines()
-
-
-@pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["fixed", "moving"])
-def test_a_known_brain_waits_for_the_engine(world, monkeypatch):
-    """After a study of networks alone the first one of robots that move compiles, and says so."""
-    study = sc.Study(trials=1, swarm={"robots": 4, "accuracy": 0.7}, world=world | {"fill_ratio": 0.5})
-    told = []
-    monkeypatch.setattr(pools.compiler, "is_compiled", lambda *_: True)
-    monkeypatch.setattr(pools, "run_bundle", lambda *_: None)
-    for known in (True, False):
-        monkeypatch.setattr(pools.compiler, "is_known", lambda *_, known=known: known)
-        pools.compile_for([(study, study.settings())], lambda note, steps: told.append(note))
-    kind = "robots that move" if "density" in world else "fixed networks"
-    assert told == [f"compiling the engine and minimalistic for {kind}, once on this machine"]
 
 
 def test_compiling_bar_on_a_terminal(monkeypatch):
@@ -121,11 +106,3 @@ def test_what_was_found_says_nothing_of_the_time_left(monkeypatch):
     compiling = Progress(0, 0, 0.0, 0.0, "compiling")
     steps = [(0, compiling), (30, compiling), (30, Progress(50, 100, 5.0, 10.0)), (40, Progress(55, 100, 5.5, 10.0))]
     assert paces(monkeypatch, steps) == ["", "", "", "1:30 left"]
-
-
-def test_where_more_may_follow_the_time_left_is_that_of_a_part(monkeypatch):
-    """The second part takes ten times as long, which nobody knew before."""
-    first, second = (lambda done: Progress(done, 10, float(done), 10.0, part="this step") for _ in range(2))
-    steps = [(0, first(0)), (5, first(5)), (10, first(10)), (10, second(0)), (20, second(1))]
-    left = "0:05 left of this step, 0:05", "0:00 left of this step, 0:10", "1:30 left of this step, 0:20"
-    assert [said for said in paces(monkeypatch, steps) if said] == [f"{one} so far" for one in left]

@@ -1,12 +1,10 @@
 """A robot's log: what it holds, and what is left of it after a cut or damage at any byte."""
 
-import random
-
 import pytest
 
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.robots.logs.logs import Gap, State, Tick, read_log
+from swarmcensus.robots.logs.logs import Gap, State, read_log
 from swarmcensus.runtime.log import MAGIC, STATE, Log, block
 from swarmcensus.runtime.runtime import Robot
 from swarmcensus.support.errors import InputError
@@ -101,12 +99,6 @@ def test_after_damage_a_log_goes_on_with_the_next_state(tmp_path, damage):
     assert len(log.gaps) == 1
 
 
-def test_luck_is_kept(tmp_path):
-    chance = random.Random(3)
-    lives(tmp_path / "log", name="voter", draws=chance.random)
-    assert all(tick.draws for tick in read_log(tmp_path / "log").ticks)
-
-
 def test_a_full_log_counts_what_it_leaves_out(tmp_path):
     one, _ = robot(tmp_path / "log")
     one.log.most = one.log.size + 60
@@ -132,22 +124,8 @@ def test_a_state_that_is_too_short_is_lost(tmp_path, body):
     assert (len(log.ticks), len(log.states), [gap.is_last for gap in log.gaps]) == (2, 1, [True])
 
 
-def test_more_readings_than_a_log_holds(tmp_path):
-    one, _ = robot(tmp_path / "log", readings=70_000)
-    one.tick()
-    assert read_log(tmp_path / "log").ticks[0].looks == 65_535
-
-
 def test_logs_of_two_robots_in_one_file_are_refused(tmp_path):
     lives(tmp_path / "log", 2)
     robot(tmp_path / "log", number=2)
     with pytest.raises(InputError, match="of robot 1 and of robot 2"):
         read_log(tmp_path / "log")
-
-
-def test_ticks_are_small(tmp_path):
-    lives(tmp_path / "log", 10)
-    data = (tmp_path / "log").read_bytes()
-    lives(tmp_path / "more", 20)
-    assert len((tmp_path / "more").read_bytes()) - len(data) <= 10 * 50
-    assert isinstance(read_log(tmp_path / "log").blocks[-1], Tick)

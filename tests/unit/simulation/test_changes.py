@@ -9,17 +9,13 @@ import swarmcensus as sc
 from swarmcensus.analysis.explaining import wrong_beliefs
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
 from swarmcensus.results.selecting import where
-from swarmcensus.simulation import metrics, sampling, walking
+from swarmcensus.simulation import sampling, walking
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.studies import addresses
-from swarmcensus.support.bins import right_bins
 from swarmcensus.worlds.changes import Change, along, read_change
 from tests.reference import rounds as reference
 from tests.support.second import brain
 from tests.support.small import SEED, SLOW, SWITCH, called, changing, moving_of, settings_of
-
-LIBRARY = ["first-right", "time-right", "mean-error", "largest-jump", "swarm-right", "recovery-time"]
-
 
 # ---- what it is
 
@@ -112,40 +108,6 @@ def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
 
 
 # ---- what is measured
-
-
-@pytest.mark.long(but_every=5)
-@pytest.mark.parametrize("change", [SWITCH, SLOW], ids=["switch", "drift"])
-@pytest.mark.parametrize(("moves", "truth"), [(False, "nominal"), (True, "nominal"), (True, "floor")])
-def test_all_is_held_against_the_truth_of_the_round(moves, change, truth):
-    world = {"topology": "moving", "density": 8, "floor": {"clusters": 0.2}} if moves else {}
-    measure = {"metrics": LIBRARY, "checkpoints": [10, 30, 31, 50, 71, 100], "truth": truth}
-    results = sc.run(
-        changing([change, 0.25], world=world, measure=measure, swarm={"robots": 8, "accuracy": [0.7, 0.95]})
-    )
-    for k in range(4):
-        trace = sc.replay(results, k, 2)
-        name = "fill_ratio" if truth == "nominal" else "true_fill_ratio"
-        truths = trace[name].values if name in trace else np.full(101, trace.attrs[name])
-        assert (name in trace) == bool(results["fill_ratio_change"].values[k])
-        x = trace["estimate"].values
-        index = metrics.convergence(x)
-        one = results.isel(setting=k, trial=2)
-        assert (one["convergence_error"].values == metrics.error_at(x, index, truths[-1])).all()
-        for c in results["checkpoint"].values:
-            assert one["correct"].sel(checkpoint=c) == metrics.correct(x[c], truths[c])
-        x, truths = x[1:], truths[1:]
-        bins = right_bins(truths, 10)
-        right = (x >= bins[:, :1]) & (x < bins[:, 1:])
-        near = np.abs(x - truths[:, np.newaxis]) < 0.05
-        last = max([0, *np.flatnonzero(np.diff(truths)) + 1])
-        np.testing.assert_allclose(one["mean_error"], np.abs(x - truths[:, np.newaxis]).mean(axis=0), rtol=1e-12)
-        np.testing.assert_allclose(one["time_right"], right.mean(axis=0), rtol=1e-12)
-        for i in range(8):
-            good = [t for t in range(100) if right[t:, i].all()]
-            assert one["first_right"][i] == (good[0] + 1 if good else np.inf)
-            good = [t for t in range(100) if near[t:, i].all()]
-            assert one["recovery_time"][i] == (max(good[0] - last, 0) if good else np.inf)
 
 
 @pytest.mark.interpreted

@@ -10,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.analysis.comparing import cells
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
-from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.errors import InputError
@@ -111,36 +111,6 @@ def test_who_is_done_looks_no_more_and_goes_on_talking():
         assert (batch.verdicts[0, :, 3] == rounds).all()
         assert (batch.verdicts[0, :, 4] == estimates[rounds]).all()
         assert (batch.final[0] == estimates[rounds]).all()
-
-
-@pytest.mark.interpreted
-def test_who_is_done_may_begin_again():
-    """Done at three looks, and no more once it has heard of it: the first time counts."""
-    source = changed(
-        ("return me.t >= 3.0", "return me.t >= 3.0 and me.rest < 2.0"),
-        ("MEMORY = {", 'MEMORY = {"rest": 0.0, '),
-        ("def fuse(me):\n    pass", "def fuse(me):\n    if done(me):\n        me.rest += 1.0"),
-        source=ENDS,
-    )
-    data = told(source)
-    (setting,) = fixed(brain(source), rounds=6)
-    fields, *_ = record_trial(setting, SEED, 0)
-    assert fields["t"][:, 0].tolist() == [0, 1, 2, 3, 3, 4, 5]
-    assert data["done_round"].values.tolist() == [3, 3, 3]
-
-
-@pytest.mark.interpreted
-def test_on_the_move():
-    """A robot is done after its third reading, at whichever tick that is."""
-    setting = moving(brain(ENDS + "\n\ndef decide(me):\n    return 1 if me.t >= 2.0 else -1\n"), ticks=40)
-    (batch,) = run_ride([setting], SEED, 0, MEASURE, GO)
-    ride = record_ride(setting, SEED, 0)
-    made = np.cumsum(ride.looked, axis=0)
-    third, second = ((made >= k).argmax(axis=0).astype(float) for k in (3, 2))
-    assert batch.verdicts[0, :, 3].tolist() == np.where(made[-1] >= 3, third, NEVER).tolist()
-    assert batch.verdicts[0, :, 1].tolist() == np.where(made[-1] >= 2, second, NEVER).tolist()
-    assert (ride.fields["t"][-1] == np.minimum(made[-1], 3)).all()
-    assert batch.consensus[0, :2].tolist() == [1.0, second.max()]
 
 
 @pytest.mark.interpreted

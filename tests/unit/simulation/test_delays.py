@@ -109,12 +109,6 @@ def test_segments_hear_earlier_messages(rows, monkeypatch):
             assert (batch.kept[:, t] == curves[[2, 5, 10]]).all()
 
 
-@pytest.mark.interpreted
-def test_an_oracle_hears_at_once():
-    now, late = settings_of(6, "oracle", message_delay=[0, 5])
-    assert (record_trial(now, SEED, 0)[1] == record_trial(late, SEED, 0)[1]).all()
-
-
 # ---- which line of a brain fails
 
 

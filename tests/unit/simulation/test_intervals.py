@@ -11,10 +11,8 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.simulation import trials as engine
-from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
-from tests.support.second import MEANS, SAYS, WALD, brain, fixed, moving
+from tests.support.second import MEANS, WALD, brain, fixed
 from tests.support.small import GO, SEED, changing
 
 ALONE = {"name": "nobody", "edges": []}
@@ -142,43 +140,6 @@ def test_held_against_the_truth_of_the_moment(world, truth, steers, here):
         assert data["coverage"].values[0, :, trial].tolist() == held[-1].mean(axis=1).tolist()
         assert data["interval_width"].values[0, :, trial] == pytest.approx((high - low).mean(axis=1), rel=1e-12)
     assert 0.0 < np.mean(held) < 1.0
-
-
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize("rows", [1, 3, 100])
-def test_a_brain_with_an_interval_has_the_bits_of_one_without(rows, monkeypatch):
-    """However the rounds are cut, and whether some are run a second time to see when curves settle."""
-    monkeypatch.setattr(engine, "segment_length", lambda *_: rows)
-    measure = Metrics(0.01, 10, (2, 3, 7, 10), estimates=True)
-    for topology in ("ring", "full"):
-        with_, without = (
-            run_batch(fixed(brain(one), rounds=10, topology=topology)[0], SEED, 0, 3, measure, GO)
-            for one in (WALD, MEANS)
-        )
-        for name in ("convergence", "error", "final", "correct", "kept", "counts"):
-            assert (getattr(with_, name) == getattr(without, name)).all()
-        assert np.isnan(without.intervals).all()
-        for trial in range(3):
-            alone = run_batch(fixed(brain(WALD), rounds=10, topology=topology)[0], SEED, trial, 1, measure, GO)
-            assert (alone.intervals[..., 0] == with_.intervals[..., trial]).all()
-        assert np.isfinite(with_.intervals).all()
-
-
-@pytest.mark.interpreted
-@pytest.mark.parametrize("world", ["ring", "moving"])
-def test_only_honest_robots_that_have_one_are_counted(world):
-    """A liar's would not even be one; of brains without there is nothing to count."""
-    sure = brain(SAYS, "sure.py").with_parameters({"low": 0.5, "high": 0.75})
-    liar = brain(SAYS, "liar.py").with_parameters({"low": 3.0, "high": 2.0})
-    two = {"robots": 2, "brain": brain(MEANS)}
-    lies = {"robots": 1, "brain": liar, "honest": False}
-    for own, members, counted in ((sure, [two, lies], True), (brain(MEANS), [lies], False)):
-        if world == "moving":
-            (batch,) = run_ride([moving(own, members, fill_ratio=0.6)], SEED, 0, Metrics(0.01, 10, (3,)), GO)
-        else:
-            (setting,) = fixed(own, members, fill_ratio=0.6)
-            batch = run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, (3,)), GO)
-        assert batch.intervals[:, 0, 0].tolist() == [1.0, 0.25] if counted else np.isnan(batch.intervals).all()
 
 
 @pytest.mark.long

@@ -5,7 +5,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.simulation import living
-from swarmcensus.simulation.living import Life
+from swarmcensus.simulation.living import LiveTrial
 
 NETWORK = {"topology": "ring", "fill_ratio": 0.6}
 MOVING = {"topology": "moving", "density": 3.0, "fill_ratio": 0.6}
@@ -52,7 +52,7 @@ def test_it_is_what_is_replayed(name, short):
     study = study_of(*CASES[name])
     results = sc.run(study, jobs=1)
     trace = sc.replay(results, 0, 1)
-    life = Life(study.settings()[0], study.seed, 1)
+    life = LiveTrial(study.settings()[0], study.seed, 1)
     parts = [life.start, *(life.at(k) for k in range(5))]
     assert [len(part.estimates) for part in parts] == [1, 20, 20, 20, 20, 10]
     assert np.concatenate([part.estimates for part in parts]).tolist() == trace["estimate"].values.tolist()
@@ -72,7 +72,7 @@ def test_it_is_what_is_replayed(name, short):
 @pytest.mark.parametrize("name", ["lossy", "silent", "moving late", "moving silent"])
 def test_it_can_be_looked_at_in_any_order(name, short):
     study = study_of(*CASES[name])
-    life = Life(study.settings()[0], study.seed, 1)
+    life = LiveTrial(study.settings()[0], study.seed, 1)
     once = [life.at(k) for k in range(5)]
     for k in (3, 0, 4, 1, 1, 2, 0):
         again = life.at(k)
@@ -82,7 +82,7 @@ def test_it_can_be_looked_at_in_any_order(name, short):
 
 def test_what_is_kept_does_not_grow(short):
     study = study_of({}, MOVING, {}, rounds=2000)
-    life = Life(study.settings()[0], study.seed, 1)
+    life = LiveTrial(study.settings()[0], study.seed, 1)
     for k in range(100):
         life.at(k)
     assert sum(part.bytes for part in life._kept.values()) <= living.KEPT_BYTES or len(life._kept) == 1
@@ -90,6 +90,6 @@ def test_what_is_kept_does_not_grow(short):
 
 
 def test_a_way_is_gone_step_by_step(short):
-    life = Life(study_of({}, NETWORK, {}).settings()[0], 5, 1)
+    life = LiveTrial(study_of({}, NETWORK, {}).settings()[0], 5, 1)
     assert [life.approach(3) for _ in range(4)] == [False, False, False, True]
     assert life.approach(3)

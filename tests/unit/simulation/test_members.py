@@ -8,15 +8,14 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.simulation import metrics, sampling
+from swarmcensus.simulation import sampling
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride, run_ride
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import Metrics, record_trial
 from swarmcensus.studies import addresses
 from swarmcensus.support.errors import InputError
 from tests.support.long import in_two_sizes
-from tests.support.second import MEANS, STEER, agreed, brain, changed, fixed, moving
+from tests.support.second import MEANS, STEER, brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, RING, SEED, settings_of, study_of
 
 LIAR = changed(("return (estimate(me),)", "return (1.0 - estimate(me),)"))
@@ -28,7 +27,6 @@ LISTENS = changed(
     ("return me.n / me.t if me.t > 0.0 else 0.5", "return me.x"),
 )
 DECIDES = LISTENS + "\n\ndef decide(me):\n    return -1 if me.t < 20.0 else 0 if me.x < 0.5 else 1\n"
-ENDS = DECIDES + "\n\ndef done(me):\n    return me.t > 60.0\n"
 MEASURE = Metrics(0.02, 10, (2, 8, 20), estimates=True, decides=True, ends=True)
 
 
@@ -89,54 +87,6 @@ def test_each_robot_is_as_likely_in_each_trial():
     both = (found[1:] & found[:-1]).sum(axis=1)  # of two trials in a row: hypergeometric
     law = stats.hypergeom(8, 2, 2).pmf([0, 1, 2])
     assert stats.chisquare(np.bincount(both, minlength=3), law * len(both)).pvalue > 1e-3
-
-
-@pytest.mark.long(but_every=3)
-@pytest.mark.interpreted
-@pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
-def test_what_is_measured_is_of_the_honest(topology):
-    """Every number of a batch against plain NumPy on the trace of all robots; who lies is in the trace too."""
-    (setting,) = fixed(
-        brain(ENDS), robots=9, rounds=20, looks=4, members=liars(0.3), topology=topology, link_success=0.8
-    )
-    batch = run_batch(setting, SEED, 0, 3, MEASURE, GO)
-    for trial in range(3):
-        honest = sampling.groups(setting, SEED, trial, 1)[0] == 0
-        fields, curves, _ = record_trial(setting, SEED, trial)
-        ours, index = curves[:, honest], metrics.convergence(curves[:, honest], 0.02)
-        assert honest.sum() == 6
-        assert (batch.convergence[trial] == index).all()
-        assert (batch.error[trial] == metrics.error_at(ours, index, 0.55)).all()
-        assert (batch.final[trial] == ours[-1]).all()
-        for c, checkpoint in enumerate(MEASURE.checkpoints):
-            right = (ours[checkpoint] >= 0.5) & (ours[checkpoint] < 0.6)
-            assert batch.correct[c, trial] == right.mean()
-            assert (batch.kept[c, trial] == ours[checkpoint]).all()
-        decided, done = fields["decided"][1:, honest], fields["is_done"][1:, honest]
-        assert (fields["decided"][:, ~honest] == -1).all()
-        assert (batch.verdicts[trial, :, 0] == decided[-1]).all()
-        assert (batch.verdicts[trial, :, 3] == done.argmax(axis=0) + 1).all()
-        assert tuple(batch.consensus[trial, :2]) == agreed(decided)
-        assert (batch.counts[trial, SENT] == 20).all()
-        if topology == "full":
-            assert (batch.counts[trial, HEARD] < 8 * 20).all()
-    assert batch.counts.shape == (3, 3, 6)
-
-
-@pytest.mark.interpreted
-def test_the_same_of_robots_that_move():
-    setting = moving(brain(ENDS), robots=9, ticks=80, members=liars(3))
-    (batch,), ride = run_ride([setting], SEED, 1, MEASURE, GO), record_ride(setting, SEED, 1)
-    honest = sampling.groups(setting, SEED, 1, 1)[0] == 0
-    ours = ride.estimates[:, honest]
-    index = metrics.convergence(ours, 0.02)
-    assert (batch.convergence[0] == index).all()
-    assert (batch.error[0] == metrics.error_at(ours, index, 0.55)).all()
-    assert (batch.final[0] == ours[-1]).all()
-    heard = np.zeros(9)
-    np.add.at(heard, ride.links[:, 1:].ravel(), 1)
-    assert (batch.counts[0, HEARD] == heard[honest]).all()
-    assert (batch.verdicts[0, :, 0] == ride.fields["decided"][-1, honest]).all()
 
 
 @pytest.mark.interpreted

@@ -77,12 +77,6 @@ def test_a_trial_is_that_of_the_network_without_these_links(topology, brain, del
     assert (batch.final[2] == found.final[0]).all()
 
 
-def test_an_oracle_misses_no_link():
-    plain, some = settings_of(6, "oracle", missing_links=[0.0, 0.9])
-    batches = [run_batch(one, SEED, 0, 2, Metrics(0.01, 10, ()), GO) for one in (plain, some)]
-    assert (batches[0].final == batches[1].final).all()
-
-
 STUDY = """
 name = "study"
 trials = 6

@@ -5,11 +5,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from tests.support.places import EXAMPLE
-from tests.support.second import MEANS, brain, changed, fixed, moving
+from tests.support.second import MEANS, brain, changed, fixed
 from tests.support.small import SEED, study_of
 
 LEADER = brains.load(EXAMPLE / "leader.py")
@@ -32,15 +30,6 @@ def test_names_are_the_robots_numbers():
         near = np.append(names[1:], 0) + np.insert(names[:-1], 0, 0)
         assert (fields["sum"][-1] == 2 * (near if topology == "line" else names.sum() - names)).all()
         assert "name" not in fields
-
-
-@pytest.mark.interpreted
-def test_on_the_move_and_in_a_mixed_swarm():
-    setting = moving(brain(HEARS), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
-    fields = record_ride(setting, SEED, 1).fields
-    who = sampling.groups(setting, SEED, 1, 1)[0]
-    assert (np.isnan(fields["own"][-1]) == (who == 1)).all()
-    assert (fields["own"][-1][who == 0] == np.flatnonzero(who == 0)).all()
 
 
 @pytest.mark.interpreted

@@ -8,7 +8,6 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import sampling
-from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.worlds.changes import along
 
 DRIFT = {"start": "U(0.6, 0.95)", "drift": -0.002, "least": 0.55}
@@ -86,15 +85,6 @@ def test_oracle_is_near_the_informed_maximum(accuracy, fill_ratio, near):
     assert np.sqrt(np.mean(np.square(errors))) < 1.5  # 1 is the bound
 
 
-def test_robots_that_move_know_the_schedule_too():
-    """Tiles are read again, so the bound is far; without the schedule the error is 0.2 and more."""
-    made = study(0.8, {"from": 0.9, "to": 0.2, "at": 300, "until": 500}, world={"topology": "moving", "density": 1.0},
-                 schedule={"ticks": 1000})  # fmt: skip
-    final = sc.run(made)["final_estimate"].values[0]
-    assert np.ptp(final, axis=1).max() < 1e-12
-    assert np.sqrt(np.mean((final[:, 0] - 0.2) ** 2)) < 0.05
-
-
 def test_a_robot_alone_counts_rounds_by_its_readings():
     """It ends a round after each reading, of which a round of the schedule has three: white from round 5 on."""
     oracle = brains.load("oracle")
@@ -105,14 +95,3 @@ def test_a_robot_alone_counts_rounds_by_its_readings():
         functions.fuse(me)
     assert (me.t, me.n) == (4 * LOOKS, 0)
     assert functions.estimate(me) == 0.0
-
-
-def test_where_nothing_changes_it_has_no_schedule():
-    [still], [ramp] = study(MIXED, 0.3).settings(), study(DRIFT, RAMP).settings()
-    assert schedule_of(still) == {}
-    assert schedule_of(ramp) == {
-        "change": 30.0, "until": 70.0, "drift": -0.002, "least": 0.55, "most": 1.0, "fuses": 1.0,
-    }  # fmt: skip
-    assert schedule_of(ramp, alone=True)["fuses"] == LOOKS
-    [other] = study(DRIFT, RAMP, swarm={"brain": "commons"}).settings()
-    assert schedule_of(other) == {}

@@ -1,19 +1,15 @@
 """me.luck: chance that is addressed, fresh at each call of observe, receive, fuse and steer."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from swarmcensus import brains
 from swarmcensus.engine.random import chance
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.rides import record_ride
-from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
 from tests.reference import rounds as reference
-from tests.support.second import ALL, MEANS, OURS, RANDOM, STEER, brain, changed, fixed, moving
-from tests.support.small import FAULTS, GO, SEED
+from tests.support.second import RANDOM, brain, changed, fixed
+from tests.support.small import FAULTS, SEED
 
 
 def lives(source, trial=0, **world):
@@ -62,51 +58,6 @@ def test_it_changes_nothing_else(world):
         one, other = lives(brain(asks), **world), lives(plain, **world)
         for name in plain.memory:
             assert (one[name] == other[name]).all()
-
-
-@pytest.mark.interpreted
-def test_two_brains_have_the_same():
-    """So that they differ by what they are, and not by chance: whatever one of them does not ask for."""
-    both, fused = lives(RANDOM), lives(changed(("me.seen = me.luck", "me.seen = 0.0"), source=RANDOM))
-    assert (both["fused"] == fused["fused"]).all()
-    assert (both["heard"] == fused["heard"]).all()
-    assert (lives(RANDOM, accuracy=0.9)["fused"] == both["fused"]).all()
-
-
-@pytest.mark.interpreted
-def test_a_round_without_a_reading_costs_none():
-    """A sensor that fails changes no other luck."""
-    failed = lives(RANDOM, faults=[{"at": 3, "robots": 2, "stop": "sensing"}])
-    whole = lives(RANDOM)
-    assert (failed["fused"] == whole["fused"]).all()
-    assert (failed["heard"] == whole["heard"]).all()
-    assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
-
-
-@pytest.mark.interpreted
-def test_on_the_move_and_of_robots_that_steer():
-    """A brain whose steering is by lot has the same luck elsewhere as one that walks at random."""
-    walks, steers = (record_ride(moving(brain(s)), SEED, 0).fields for s in (RANDOM, RANDOM + STEER))
-    assert (walks["fused"] == steers["fused"]).all()
-    assert len(np.unique(walks["fused"][1:])) == 25 * 6
-
-
-@pytest.mark.interpreted
-def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
-    (mixed,) = fixed(brain(RANDOM), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
-    who = sampling.groups(mixed, SEED, 0, 1)[0]
-    one, other = record_trial(mixed, SEED, 0)[0], record_trial(replace(mixed, members=()), SEED, 0)[0]
-    for name in OURS:
-        assert (one[name][:, who == 0] == other[name][:, who == 0]).all()
-        assert np.isnan(one[name][:, who == 1]).all()
-
-
-def test_local_estimates_ignore_the_network():
-    final = [
-        run_batch(setting, SEED, 0, 2, Metrics(0.01, 10, ()), GO, local=True).final
-        for setting in fixed(brain(ALL), topology=["ring", "full", "line"], link_success=[1.0, 0.5])
-    ]
-    assert all((one == final[0]).all() for one in final)
 
 
 @pytest.mark.interpreted

@@ -14,7 +14,7 @@ from swarmcensus.results.replaying import honest_in
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import answers, metrics, trials
 from swarmcensus.simulation.inputs import inputs_of
-from swarmcensus.simulation.living import Life
+from swarmcensus.simulation.living import LiveTrial
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from tests.support.drawn import LIARS, TRIALS, drawn
@@ -185,7 +185,7 @@ def _compared(study, results, k, trial):
             due = due[..., : honest.sum()]
         if not np.array_equal(due, value, equal_nan=True):
             yield f"{name} is recorded as {due}, replayed as {value}"
-    life = Life(setting, study.seed, trial)
+    life = LiveTrial(setting, study.seed, trial)
     stretches = [life.at(n) for n in range(-(-setting.rounds // life.length))]
     watched = np.concatenate([life.start.estimates, *(one.estimates for one in stretches)])
     if not np.array_equal(watched, trace["estimate"].values, equal_nan=True):  # liars may be beyond all numbers

@@ -55,23 +55,6 @@ def test_a_message_is_what_it_was_when_it_was_said():
 
 
 @pytest.mark.interpreted
-def test_vectors_in_messages():
-    source = changed(
-        ('MESSAGE = ("seen",)', 'MESSAGE = {"n": 0.0, "pair": (0.0, 0.0), "t": 0.0}'),
-        ("return (me.seen,)", "return me.n, (me.n, 2 * me.t), me.t"),
-        ("message[0][k]", "message[1][k] + message[0] * message[2]"),
-        source=COUNTS,
-    )
-    assert brain(source).message == {"n": 0, "pair": 2, "t": 0}
-    assert brain(source).message_bytes == 16
-    (setting,) = fixed(brain(source), robots=2, rounds=1, looks=3, topology="line")
-    fields, _, blacks = record_trial(setting, SEED, 1)
-    for me, other in ((0, 1), (1, 0)):
-        n = blacks[1, other]
-        assert fields["heard"][1, me].tolist() == [n + 3.0 * n, 6.0 + 3.0 * n]
-
-
-@pytest.mark.interpreted
 def test_a_belief_over_ten_bins_is_bayes_rule():
     """The example by hand: a robot's weights are the logarithms of binomial likelihoods, up to a constant."""
     used = brains.load(EXAMPLE / "histogram.py")

@@ -1,25 +1,25 @@
 """Changes and drifts that cannot be: each is named in one sentence, through the command line."""
 
+from pathlib import Path
+
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from tests.support.small import changing
 
 RING = '[world]\ntopology = "ring"\nfill_ratio = {fill}\n[schedule]\nrounds = [50, 100]\n'
 MOVING = '[world]\ntopology = "moving"\ndensity = 8\nfill_ratio = {fill}\n[schedule]\nticks = 100\n'
 
 
-def said(tmp_path, capsys, world, fill="0.3", swarm="accuracy = 0.8"):
-    """What the command line says of a study: one line, exit code 2, and nothing written."""
-    path = tmp_path / "s.toml"
-    path.write_text(f"trials = 1\n[swarm]\nrobots = 4\n{swarm}\n{world.replace('{fill}', fill)}")
-    assert main(["run", str(path), "--out", str(tmp_path / "out.nc")]) == 2
-    told = capsys.readouterr().err.strip()
-    assert len(told.splitlines()) == 1
-    assert str(path) in told
-    assert not (tmp_path / "out.nc").exists()
-    return told
+@pytest.fixture
+def said(refused):
+    """What the command line says of a study: a function of its world, fill ratio and swarm."""
+
+    def said(world, fill="0.3", swarm="accuracy = 0.8"):
+        Path("s.toml").write_text(f"trials = 1\n[swarm]\nrobots = 4\n{swarm}\n{world.replace('{fill}', fill)}")
+        return refused("run", "s.toml")
+
+    return said
 
 
 @pytest.mark.parametrize(
@@ -39,8 +39,8 @@ def said(tmp_path, capsys, world, fill="0.3", swarm="accuracy = 0.8"):
         ("[0.5, {from = 0.9, to = 2, at = 20}]", "world.fill_ratio[1] = "),
     ],
 )
-def test_what_is_wrong_of_a_change_is_named(fill, due, tmp_path, capsys):
-    assert due in said(tmp_path, capsys, RING, fill)
+def test_what_is_wrong_of_a_change_is_named(fill, due, said):
+    assert due in said(RING, fill)
 
 
 @pytest.mark.parametrize(
@@ -60,17 +60,17 @@ def test_what_is_wrong_of_a_change_is_named(fill, due, tmp_path, capsys):
         ("{black = 0.9, grey = 0.8}", "an accuracy table has the keys black and white, or start and drift"),
     ],
 )
-def test_what_is_wrong_of_a_drift_is_named(accuracy, due, tmp_path, capsys):
-    found = said(tmp_path, capsys, RING, swarm=f"accuracy = {accuracy}")
+def test_what_is_wrong_of_a_drift_is_named(accuracy, due, said):
+    found = said(RING, swarm=f"accuracy = {accuracy}")
     assert due in found
     assert f"swarm.accuracy = {accuracy}"[:25] in found
 
 
-def test_beliefs_do_not_drift_and_cases_are_checked(tmp_path, capsys):
+def test_beliefs_do_not_drift_and_cases_are_checked(said):
     belief = "accuracy = 0.8\nassumed_accuracy = {start = 0.8, drift = -0.1}"
-    assert "swarm.assumed_accuracy = " in said(tmp_path, capsys, RING, swarm=belief)
+    assert "swarm.assumed_accuracy = " in said(RING, swarm=belief)
     case = RING + "[[case]]\nfill_ratio = {from = 0.9, to = 0.1, at = 200}\n"
-    assert "case[0].fill_ratio = " in said(tmp_path, capsys, case)
+    assert "case[0].fill_ratio = " in said(case)
 
 
 @pytest.mark.parametrize(
@@ -82,18 +82,10 @@ def test_beliefs_do_not_drift_and_cases_are_checked(tmp_path, capsys):
         ('at = "2 s", until = "1 s"', 'until = "1 s" (10 ticks) comes before at = "2 s" (20 ticks)'),
     ],
 )
-def test_times_are_shown_as_the_file_has_them(when, due, tmp_path, capsys):
-    found = said(tmp_path, capsys, MOVING, "{from = 0.9, to = 0.1, " + when + "}")
+def test_times_are_shown_as_the_file_has_them(when, due, said):
+    found = said(MOVING, "{from = 0.9, to = 0.1, " + when + "}")
     assert due in found
     assert "36000}" not in found
-
-
-def test_the_least_time_of_a_change_is_taken():
-    (setting,) = changing(
-        {"from": 0.9, "to": 0.1, "at": "0.2 s"}, world={"topology": "moving", "density": 8}
-    ).settings()
-    assert setting.change.at == 2
-    assert setting.fill_ratios([1, 2]).tolist() == [0.9, 0.1]
 
 
 def test_times_count_ticks(tmp_path):

@@ -94,11 +94,6 @@ def test_other_numbers_are_not_whole(value, shown):
         study(schedule={"rounds": value})
 
 
-def test_truth_values_are_no_numbers():
-    with pytest.raises(sc.InputError, match=r"world\.density = true: a number is wanted"):
-        study({"topology": "moving", "fill_ratio": 0.5, "density": True})
-
-
 def test_graphs_without_names_are_told_how_to_get_one():
     graphs = [nx.Graph([(0, k)]) for k in (1, 2, 3)]
     with pytest.raises(sc.InputError, match=r'one name: graph, graph, graph: name a graph by graph\.name = "office"'):

@@ -1,16 +1,13 @@
 """Grids of settings: the full one and each case's, and arenas by their side."""
 
-import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.figures.panels import panels_of
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
 from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
-from tests.support.small import SMALL
 
 BASE = {
     "trials": 1,
@@ -49,14 +46,6 @@ def test_each_case_adds_a_grid_of_its_own():
     assert [b.name for b in made.brains] == ["minimalistic", "legacy"]
     assert [t.name for t in made.topologies] == ["ring", "full", "line"]
     assert sc.Study.parse(made.text).settings() == made.settings()
-
-
-def test_a_case_in_toml_is_the_same_as_in_python():
-    text = SMALL + '\n[[case]]\nrobots = [7, 5]\ntopology = "ring"\naccuracy = 0.9\n'
-    made = sc.Study.parse(text)
-    assert len(made.settings()) == 32 + 2 * 2
-    assert made.settings()[:32] == sc.Study.parse(SMALL).settings()
-    assert made.settings()[32].accuracy.black.numbers == (0.9,)
 
 
 def test_a_setting_that_is_there_already_is_kept_once():
@@ -157,21 +146,6 @@ def test_one_of_density_and_side_is_wanted():
     assert "world.density and world.side both say" in refused(MOVING, world={"side": 3, "density": 1})
     assert 'world.side is of robots that move: it goes with topology = "moving"' in refused(world={"side": 3})
     assert "tiles wide" in refused(MOVING, world={"side": 1e9}, swarm={"robots": 1})
-
-
-def test_dataset_holds_the_side_of_the_arena():
-    def captions(**world):
-        results = sc.run(study(MOVING, world=world, swarm={"robots": [2, 5]}), jobs=1)
-        return results, [panel.caption for panel in panels_of(results)]
-
-    results, named = captions(side=[2.0, 3.0])
-    assert results["side"].values.tolist() == [2.0, 3.0] * 2
-    assert named == ["N = 2, L = 2 m", "N = 2, L = 3 m", "N = 5, L = 2 m", "N = 5, L = 3 m"]
-    assert captions(side=2.0)[1] == captions(density=2.0)[1] == ["N = 2", "N = 5"]
-
-
-def test_fixed_networks_have_no_side():
-    assert np.isnan(coordinates_of(study().settings()[0])["side"])
 
 
 def test_a_setting_names_all_that_tells_it_from_others():

@@ -3,7 +3,6 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli.commands import main
 from swarmcensus.studies import addresses
 from swarmcensus.support.times import parse_time
 
@@ -86,21 +85,3 @@ def test_rounds_have_no_clock():
     assert {s.rounds for s in study(both, schedule={"ticks": "1 s"}).settings()} == {1000, 10}
     with pytest.raises(sc.InputError, match="should be a valid integer"):
         study(both, schedule={"rounds": "5 s"})
-
-
-@pytest.mark.long
-def test_times_come_out_as_they_go_in(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    made = study({"body": {"tick": 0.5}}, schedule={"ticks": 20}, measure={"checkpoints": [4, 12, 20]})
-    sc.save(sc.run(made), "m.nc")
-
-    def printed(*command):
-        assert main([*command]) == 0
-        return capsys.readouterr().out
-
-    assert printed("show", "m.nc", "--checkpoint", "6 s") == printed("show", "m.nc", "--checkpoint", "12")
-    plot = ["plot", "m.nc", "--kind"]
-    film = printed(*plot, "film", "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif")
-    assert film == "f.gif: 5 frames\n"
-    assert main(["show", "m.nc", "--checkpoint", "5.3 s"]) == 2
-    assert '--checkpoint = "5.3 s": that is 10.6 ticks of 0.5 s' in capsys.readouterr().err

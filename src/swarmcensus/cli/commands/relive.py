@@ -13,7 +13,7 @@ from swarmcensus.support.options import misplaced, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
-    from swarmcensus.robots import Life, Recording, Relived
+    from swarmcensus.robots import Recording, Relived, RobotReplay
 
 DIFFER = 1  # exit code if a state differs in any bit, as of `verify`
 SHOWN = 8  # lines of a list
@@ -124,7 +124,7 @@ def _write_trace(options: argparse.Namespace, trace: Any) -> None:
         save_figure(plot.curves(trace), options.plot, ("png",))
 
 
-def _as_dict(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Relived"]) -> dict[str, Any]:
+def _as_dict(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"]) -> dict[str, Any]:
     robots = [
         {
             "number": life.number, "ticks": life.ticks, "relived": life.relived, "to_the_bit": life.to_the_bit,
@@ -164,7 +164,7 @@ def _ends(recording: "Recording", lived: "Relived") -> dict[str, float | None]:
     }
 
 
-def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Relived"]) -> None:
+def _show(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"]) -> None:
     from swarmcensus.robots import TOLD, UNKNOWN, summary_of
     from swarmcensus.support.formatting import counted
     from swarmcensus.support.printed_tables import Table
@@ -205,7 +205,7 @@ def _show(recording: "Recording", lives: Sequence["Life"], lived: Sequence["Reli
                 print(title.format(one.brain.label), *lines, sep="\n")
 
 
-def _break_lines(lives: Sequence["Life"]) -> list[str]:
+def _break_lines(lives: Sequence["RobotReplay"]) -> list[str]:
     """A line for each difference, and one for all robots that ran another brain."""
     from swarmcensus.robots import ANOTHER
 

@@ -16,7 +16,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command, misplaced, option, wrong_option
 
 if TYPE_CHECKING:
-    from swarmcensus.robots import Air, Outcome, Plan, Swarm
+    from swarmcensus.robots import Air, Outcome, RunningSwarm, SwarmPlan
     from swarmcensus.studies import Study
 
 OF_STUDIES: dict[str, Any] = {  # keys of a study file, with their defaults if they differ from a study's
@@ -89,7 +89,7 @@ def swarm(options: argparse.Namespace) -> int:
         try:
             with showing(plan, options) as show:
 
-                def tell(swarm: "Swarm") -> None:
+                def tell(swarm: "RunningSwarm") -> None:
                     show(swarm)
                     page.show(swarm)
 
@@ -105,7 +105,7 @@ def swarm(options: argparse.Namespace) -> int:
     return int(bool(outcome.died) or not outcome.at_work)
 
 
-def _report(options: argparse.Namespace, plan: "Plan", folder: Path, outcome: "Outcome") -> None:
+def _report(options: argparse.Namespace, plan: "SwarmPlan", folder: Path, outcome: "Outcome") -> None:
     """Print the outcome of a run."""
     from swarmcensus.cli.swarm_table import summary
 
@@ -192,7 +192,7 @@ class Page:
 
             self._socket = self._stack.enter_context(bound(HOST, options.port or 0))
 
-    def show(self, swarm: "Swarm") -> None:
+    def show(self, swarm: "RunningSwarm") -> None:
         """Start to serve when there is something to show."""
         if not self._waits or not any(known.last and known.last.ticks for known in swarm.robots):
             return

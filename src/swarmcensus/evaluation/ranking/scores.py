@@ -20,7 +20,7 @@ ERROR, SIDE = "final_error", "right_side"
 
 
 @dataclass(frozen=True)
-class Column:
+class BoardColumn:
     """A kind of world: its name, its meaning, and which worlds belong to it."""
 
     name: str
@@ -55,7 +55,7 @@ class Division:
     title: str
     meaning: str
     holds: Callable[[World], bool]
-    columns: tuple[Column, ...]
+    columns: tuple[BoardColumn, ...]
     shown: tuple[str, ...]  # columns that the shell shows
 
 
@@ -65,17 +65,17 @@ DIVISIONS = {
         "all robots are honest, and the floor stays",
         lambda w: not _harder(w) & {"liars", "change"},
         (
-            Column("networks", "fixed networks, nothing lost", lambda w: not _harder(w) and not _moves(w)),
-            Column("moving", "robots that move, nothing lost", lambda w: not _harder(w) and _moves(w)),
-            Column("poor sensors", "both, b = w = 0.55", lambda w: not _harder(w) and w["accuracy"] == "0.55"),
-            Column(
+            BoardColumn("networks", "fixed networks, nothing lost", lambda w: not _harder(w) and not _moves(w)),
+            BoardColumn("moving", "robots that move, nothing lost", lambda w: not _harder(w) and _moves(w)),
+            BoardColumn("poor sensors", "both, b = w = 0.55", lambda w: not _harder(w) and w["accuracy"] == "0.55"),
+            BoardColumn(
                 "mixed sensors",
                 "both, b = w from U(0.525, 0.975)",
                 lambda w: not _harder(w) and w["accuracy"][0] == "U",
             ),
-            Column("f near 1/2", "both, f = 0.47", lambda w: not _harder(w) and w["fill_ratio"] == 0.47),
-            Column("lost messages", "half of all messages are lost", lambda w: "losses" in _harder(w)),
-            Column("clusters", "black lies in clusters", lambda w: "clusters" in _harder(w)),
+            BoardColumn("f near 1/2", "both, f = 0.47", lambda w: not _harder(w) and w["fill_ratio"] == 0.47),
+            BoardColumn("lost messages", "half of all messages are lost", lambda w: "losses" in _harder(w)),
+            BoardColumn("clusters", "black lies in clusters", lambda w: "clusters" in _harder(w)),
         ),
         ("networks", "moving"),
     ),
@@ -84,8 +84,8 @@ DIVISIONS = {
         "some robots say that all is black, and the floor stays",
         lambda w: _harder(w) & {"liars", "change"} == {"liars"},
         (
-            Column("10 % liars", "2 of 20 robots lie, nothing lost", _lying(0.1)),
-            Column("30 % liars", "6 of 20 robots lie, nothing lost", _lying(0.3)),
+            BoardColumn("10 % liars", "2 of 20 robots lie, nothing lost", _lying(0.1)),
+            BoardColumn("30 % liars", "6 of 20 robots lie, nothing lost", _lying(0.3)),
         ),
         ("10 % liars", "30 % liars"),
     ),
@@ -93,7 +93,7 @@ DIVISIONS = {
         "A floor that changes",
         "all robots are honest, and the floor changes halfway",
         lambda w: _harder(w) & {"liars", "change"} == {"change"},
-        (Column("change", "networks and moving robots", lambda w: True),),
+        (BoardColumn("change", "networks and moving robots", lambda w: True),),
         (),
     ),
 }

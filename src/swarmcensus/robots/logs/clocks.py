@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
-from swarmcensus.robots.logs.folders import Member
+from swarmcensus.robots.logs.folders import LoggedRobot
 from swarmcensus.robots.logs.log_times import LogTimes
 from swarmcensus.robots.logs.logs import Gap, State, Tick
 
@@ -11,7 +11,7 @@ TOGETHER = 1.5  # periods: robots whose first ticks are as near as this began to
 APART = 3.0  # periods: where no robot began or paused as much later as this, and none again, their own ticks tell time
 
 
-class _Life(NamedTuple):
+class _Boot(NamedTuple):
     """What a robot lived between two starts, or after ticks that it missed."""
 
     at: int  # its first block
@@ -24,14 +24,14 @@ class _Life(NamedTuple):
 class Clock:
     """Times of blocks, in ticks, from the first start of any robot on."""
 
-    def __init__(self, members: Iterable[Member] = ()) -> None:
+    def __init__(self, members: Iterable[LoggedRobot] = ()) -> None:
         """Read the starts of all robots."""
         self._robots: dict[int, _Robot] = {}
         self._first = 0  # the first time of all: logs may begin after many ticks
         self.restarted = self.is_common = False
         self.go_on(members)
 
-    def go_on(self, members: Iterable[Member]) -> bool:
+    def go_on(self, members: Iterable[LoggedRobot]) -> bool:
         """Go on with blocks that were appended to logs; returns whether any earlier block has another time now."""
         for member in members:
             self._robots.setdefault(member.number, _Robot(member)).read()
@@ -65,9 +65,9 @@ class Clock:
 class _Robot:
     """One robot's lives and the times of its blocks, as far as its log was read."""
 
-    def __init__(self, member: Member) -> None:
+    def __init__(self, member: LoggedRobot) -> None:
         self.blocks = member.log.blocks
-        self.lives: list[_Life] = []
+        self.lives: list[_Boot] = []
         self.knows_time = True
         self.longest_pause = 0.0  # periods
         self.times: list[int] = []
@@ -90,18 +90,18 @@ class _Robot:
                 self.knows_time = self.knows_time and bool(block.now)
                 if block.boot != self._boot or block.starts:
                     self._boot, self._period = block.boot, max(block.period, 1)
-                    self.lives.append(_Life(at, block.tick, now / self._period - block.tick, False))
+                    self.lives.append(_Boot(at, block.tick, now / self._period - block.tick, False))
                 continue
             zero, life = now / self._period - block.tick, self.lives[-1]
             if life.ticks and zero - life.zero >= 1.0:
                 self.longest_pause = max(self.longest_pause, zero - life.zero)
-                self.lives.append(_Life(at, block.tick, zero, True, False))
+                self.lives.append(_Boot(at, block.tick, zero, True, False))
                 continue
             self.lives[-1] = life._replace(zero=min(zero, life.zero) if life.ticks else zero, ticks=True)
         self._read = len(self.blocks)
 
     @property
-    def reference(self) -> _Life:
+    def reference(self) -> _Boot:
         """The first life with a tick: robots may wait for each other between their start and their first tick."""
         return next((life for life in self.lives if life.ticks), self.lives[0])
 

@@ -23,7 +23,7 @@ FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Member:
+class LoggedRobot:
     """One robot: its log, the brain that it ran, and whether it was honest."""
 
     number: int
@@ -41,7 +41,7 @@ class Recording:
     folder: Path
     title: str  # the folder's name
     brain: Brain  # of the honest robots, with its parameters
-    members: tuple[Member, ...]
+    members: tuple[LoggedRobot, ...]
     fill_ratio: float | None
     bins: int
     delta: float
@@ -99,12 +99,14 @@ class Folder:
             int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
         )  # fmt: skip
 
-    def _member(self, log: RobotLog) -> Member:
+    def _member(self, log: RobotLog) -> LoggedRobot:
         entry, kept = self._entries.get(log.path.name, {}), self._brains
         of_swarm = str(entry.get("brain", kept.file)) == kept.file
         brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
         adversary = entry.get("adversary")
-        return Member(log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm)
+        return LoggedRobot(
+            log.number, log, brain, bool(entry.get("honest", True)), adversary and str(adversary), of_swarm
+        )
 
 
 def without_logs(folder: Path) -> ResultsError:
@@ -164,7 +166,7 @@ class Brains:
             return brain
 
 
-def _with_adversaries(members: list[Member], about: Mapping[str, Any]) -> list[Member]:
+def _with_adversaries(members: list[LoggedRobot], about: Mapping[str, Any]) -> list[LoggedRobot]:
     """The same robots; the study tells which adversary a brain is wrapped by, where swarm.json names none."""
     honest = next((member.brain for member in members if member.is_swarm), None)
     unknown = any(not (member.honest or member.is_swarm or member.adversary) for member in members)

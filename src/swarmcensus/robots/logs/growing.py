@@ -7,7 +7,7 @@ from typing import Any
 
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import ABOUT, Folder, about_of, without_logs
-from swarmcensus.robots.logs.lives import Life, Reliving
+from swarmcensus.robots.logs.lives import Reliving, RobotReplay
 from swarmcensus.robots.logs.logs import LogReader, RobotLog
 from swarmcensus.robots.logs.others import Relived
 from swarmcensus.robots.logs.traces import note_logged
@@ -43,7 +43,7 @@ class GrowingRecording:
         self.go_on()
 
     @property
-    def lives(self) -> list[Life]:
+    def lives(self) -> list[RobotReplay]:
         """The lives of the recording's members, so far."""
         return [self._replicas[member.number].life for member in self.recording.members]
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from swarmcensus.robots.logs.folders import Member, Recording
+from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.logs import Gap, RobotLog, State, Tick
 from swarmcensus.robots.logs.reasons import reason_of, said_before, unfit_reason
 from swarmcensus.robots.logs.replicas import Replica, Unfit, checksum_of, replica_of
@@ -44,7 +44,7 @@ class Lost(NamedTuple):
 
 
 @dataclass
-class Life:
+class RobotReplay:
     """What came of living a log again."""
 
     number: int
@@ -66,7 +66,7 @@ class Life:
             self.breaks.append(Break(boot, tick, reason))
 
 
-def relive(member: Member, keep: bool = False) -> Life:
+def relive(member: LoggedRobot, keep: bool = False) -> RobotReplay:
     """Live a robot's life again, from each state after a gap or a difference; `keep` keeps its memory of each tick."""
     life = Reliving(member, keep).go_on()
     life.starts = starts_of(member)
@@ -77,16 +77,16 @@ def relive(member: Member, keep: bool = False) -> Life:
 class Reliving:
     """A life on its way through its log, which may still grow."""
 
-    def __init__(self, member: Member, keep: bool = False) -> None:
+    def __init__(self, member: LoggedRobot, keep: bool = False) -> None:
         """Start before the first block."""
         self.member, self.keep = member, keep
-        self.life = Life(member.number)
+        self.life = RobotReplay(member.number)
         self._at = 0  # the next block
         self._replica: Replica | None = None
         self._first = -1  # the block of the state that the replica started from
         self._boot = 0
 
-    def go_on(self) -> Life:
+    def go_on(self) -> RobotReplay:
         """Live the blocks that were not lived yet."""
         blocks = self.member.log.blocks
         while self._at < len(blocks):
@@ -140,7 +140,7 @@ class Reliving:
         self._replica = None
 
 
-def relive_all(recording: Recording, keep: bool = False) -> list[Life]:
+def relive_all(recording: Recording, keep: bool = False) -> list[RobotReplay]:
     """Live all lives of a recording again, half of them in another process where that is possible."""
     half = len(recording.members) // 2
     if sum(len(member.log.blocks) for member in recording.members) < LARGE:
@@ -162,7 +162,7 @@ def lives(replica: Replica, tick: Tick) -> bool:
     return struct.pack("<d", replica.estimate) == struct.pack("<d", tick.estimate)
 
 
-def starts_of(member: Member) -> list[Start]:
+def starts_of(member: LoggedRobot) -> list[Start]:
     """How each start of a log came to its memory: blank, or saved after an earlier tick of the same robot."""
     known: dict[tuple[int, int], tuple[int, int]] = {}  # tick and checksum: block and boot
     starts, boot = [], 0
@@ -182,7 +182,7 @@ def starts_of(member: Member) -> list[Start]:
     return starts
 
 
-def _is_blank(member: Member, state: State) -> bool:
+def _is_blank(member: LoggedRobot, state: State) -> bool:
     if state.tick or any(state.owed):
         return False
     try:

@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import Member
+from swarmcensus.robots.logs.folders import LoggedRobot
 from swarmcensus.robots.logs.logs import Heard, State, Tick
 
 Place = tuple[int, int]  # a robot's number, and the block of its tick
@@ -13,7 +13,7 @@ Place = tuple[int, int]  # a robot's number, and the block of its tick
 class Origins:
     """Finds the sender's tick of each message, from the logs of all robots."""
 
-    def __init__(self, members: tuple[Member, ...], clock: Clock) -> None:
+    def __init__(self, members: tuple[LoggedRobot, ...], clock: Clock) -> None:
         """Note what each robot said in each tick."""
         self.clock = clock
         self.said: dict[tuple[int, int, int], list[int]] = defaultdict(list)  # as a message names its tick: blocks

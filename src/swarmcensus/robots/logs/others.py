@@ -12,7 +12,7 @@ from swarmcensus import brains
 from swarmcensus.brains import Brain, Format, Numbers, adversary
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.draws import Draws, of_calls
-from swarmcensus.robots.logs.folders import Member, Recording
+from swarmcensus.robots.logs.folders import LoggedRobot, Recording
 from swarmcensus.robots.logs.lives import Start, starts_of
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.origins import Origins, Place
@@ -66,7 +66,7 @@ def under(
 class _Robot:
     """A robot on its way through its log."""
 
-    def __init__(self, member: Member, brain: Brain, keeps: set[int], starts: dict[int, Start]) -> None:
+    def __init__(self, member: LoggedRobot, brain: Brain, keeps: set[int], starts: dict[int, Start]) -> None:
         self.member, self.brain, self.keeps, self.starts = member, brain, keeps, starts
         self.at = 0
         self.spoke = False  # whether the first half of the tick at `at` is done
@@ -220,7 +220,7 @@ class _OneBrain:
         return lot
 
 
-def brain_of(member: Member, brain: Brain) -> Brain | None:
+def brain_of(member: LoggedRobot, brain: Brain) -> Brain | None:
     """What a robot has if the swarm has this brain: an adversary puts it on; None if it is not known which."""
     if member.honest or (member.is_swarm and not member.adversary):
         return brain
@@ -236,7 +236,7 @@ def brain_of(member: Member, brain: Brain) -> Brain | None:
         raise InputError.named("robot", member.number, error) from None
 
 
-def _told(member: Member, parameters: Mapping[str, object]) -> dict[str, object]:
+def _told(member: LoggedRobot, parameters: Mapping[str, object]) -> dict[str, object]:
     """The values that a log tells of an adversary's parameters, which its brain has with a prefix."""
     values: dict[str, object] = {}
     state, at = member.log.states[0], 0

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Callable, Sequence
 
-from swarmcensus.robots.logs.folders import Member
+from swarmcensus.robots.logs.folders import LoggedRobot
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
 
@@ -21,12 +21,12 @@ def said_before(reason: str, before: Sequence[str]) -> bool:
     return reason in before and any(one in reason for one in WHOLE)
 
 
-def unfit_reason(member: Member, state: State, why: str) -> str:
+def unfit_reason(member: LoggedRobot, state: State, why: str) -> str:
     """Why a brain does not fit a log."""
     return _hashes(member, state) or f"{member.brain.path} is another brain than the robot's: {why}"
 
 
-def reason_of(member: Member, first: int, at: int, replica: Replica, lives: Lives) -> str:
+def reason_of(member: LoggedRobot, first: int, at: int, replica: Replica, lives: Lives) -> str:
     """Why the tick in block `at` differs; `replica` is as before it, and came from the state in block `first`."""
     blocks = member.log.blocks
     state, tick = blocks[first], blocks[at]
@@ -56,7 +56,7 @@ def reason_of(member: Member, first: int, at: int, replica: Replica, lives: Live
     return f"the log was changed, or the sensor and the log got different readings: {what}"
 
 
-def _hashes(member: Member, state: State) -> str | None:
+def _hashes(member: LoggedRobot, state: State) -> str | None:
     """The sentence if the robot's brain has another hash than the file."""
     if state.brain == bytes(8) or member.brain.sha256.startswith(state.brain.hex()):
         return None
@@ -79,7 +79,7 @@ def _readings(tick: Tick, replica: Replica, lives: Lives) -> str | None:
     return None
 
 
-def _lives_in(member: Member, blocks: Sequence[object], state: State, lives: Lives) -> bool:
+def _lives_in(member: LoggedRobot, blocks: Sequence[object], state: State, lives: Lives) -> bool:
     """Whether the part can be lived in the other precision."""
     try:
         replica = replica_of(member.brain, state, not state.single)

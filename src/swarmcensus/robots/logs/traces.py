@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.robots.logs.clocks import Clock
-from swarmcensus.robots.logs.folders import Member, Recording
-from swarmcensus.robots.logs.lives import Life
+from swarmcensus.robots.logs.folders import LoggedRobot, Recording
+from swarmcensus.robots.logs.lives import RobotReplay
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.others import Relived, brain_of
 from swarmcensus.robots.logs.replicas import Unfit, replica_of
@@ -17,7 +17,7 @@ from swarmcensus.support.errors import ResultsError
 MOST_VALUES = 2**26  # of a trace
 
 
-def as_logged(recording: Recording, lives: Sequence[Life]) -> Relived:
+def as_logged(recording: Recording, lives: Sequence[RobotReplay]) -> Relived:
     """The recording as it was: the estimates of the logs, and the memory of states that were lived again."""
     result = Relived(recording.brain, {}, {})
     for member, life in zip(recording.members, lives, strict=True):
@@ -25,7 +25,7 @@ def as_logged(recording: Recording, lives: Sequence[Life]) -> Relived:
     return result
 
 
-def note_logged(result: Relived, member: Member, life: Life, first: int = 0) -> None:
+def note_logged(result: Relived, member: LoggedRobot, life: RobotReplay, first: int = 0) -> None:
     """Add what the blocks of a robot's log say, from the block `first` on."""
     number, blocks = member.number, member.log.blocks
     estimates, memory = result.estimates.setdefault(number, {}), result.memory.setdefault(number, {})

@@ -22,7 +22,7 @@ POSSIBLE = {  # actions, and what a robot may do then
 }
 
 
-class Fault(NamedTuple):
+class ProcessFault(NamedTuple):
     """Something that happens to robots."""
 
     seconds: float  # since the swarm's start
@@ -37,7 +37,7 @@ class Fault(NamedTuple):
         return self.text[self.text.index(self.action) :]
 
 
-def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) -> list[Fault]:
+def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) -> list[ProcessFault]:
     """Faults in the order of their times. Raises InputError, naming the one that is wrong.
 
     `period` is in milliseconds. `seconds` is how long the swarm runs.
@@ -51,7 +51,7 @@ def faults_of(texts: Sequence[str], robots: int, period: int, seconds: float) ->
     return faults
 
 
-def _fault(text: str, robots: int, period: int) -> Fault:
+def _fault(text: str, robots: int, period: int) -> ProcessFault:
     match = FORM.fullmatch(" ".join(text.split()))
     if match is None:
         raise wrong_option("fault", text, f"should be such as {RIGHT}")
@@ -68,7 +68,7 @@ def _fault(text: str, robots: int, period: int) -> Fault:
     chosen = _robots(who or "", robots, text)
     if action == "partition" and len(chosen) == robots:
         raise wrong_option("fault", text, "these are all robots, and nobody is left to be cut off from")
-    return Fault(seconds, action, chosen, bool(blank), text)
+    return ProcessFault(seconds, action, chosen, bool(blank), text)
 
 
 def _robots(who: str, robots: int, text: str) -> tuple[int, ...]:
@@ -86,7 +86,7 @@ def _robots(who: str, robots: int, text: str) -> tuple[int, ...]:
     return tuple(sorted(chosen))
 
 
-def _check_order(faults: Sequence[Fault]) -> None:
+def _check_order(faults: Sequence[ProcessFault]) -> None:
     """Raise InputError for what cannot happen then, such as healing what is whole."""
     absent = {robot for fault in faults if fault.action == "start" for robot in fault.robots}
     gone: dict[int, str] = dict.fromkeys(absent, "has not started")
@@ -105,6 +105,6 @@ def _check_order(faults: Sequence[Fault]) -> None:
         is_cut = fault.action == "partition" or (is_cut and fault.action != "heal")
 
 
-def late_starters(faults: Sequence[Fault]) -> set[int]:
+def late_starters(faults: Sequence[ProcessFault]) -> set[int]:
     """The robots that do not start with the others."""
     return {robot for fault in faults if fault.action == "start" for robot in fault.robots}

@@ -13,7 +13,7 @@ import numpy as np
 
 from swarmcensus.brains import FORMATS, MODULE, ROUND, Value, codec_source, rounded_to_single
 from swarmcensus.robots.folders import new_folder, write_texts
-from swarmcensus.robots.swarm.plans import Member, Plan
+from swarmcensus.robots.swarm.plans import PlannedRobot, SwarmPlan
 from swarmcensus.runtime import log, runtime
 from swarmcensus.studies import to_toml_value
 from swarmcensus.support.documents import json_value
@@ -30,7 +30,7 @@ SAVED = 2.0  # seconds from one saving of a memory to the next, or FEWEST ticks 
 FEWEST = 20
 
 
-def write_folder(plan: Plan, folder: Path, command_port: int, token: str) -> None:
+def write_folder(plan: SwarmPlan, folder: Path, command_port: int, token: str) -> None:
     """Write all that robots need, whole or not at all. Raises InputError if the folder exists and is not empty."""
     with new_folder(folder) as made:
         run = made / RUN
@@ -57,7 +57,7 @@ def write_folder(plan: Plan, folder: Path, command_port: int, token: str) -> Non
         (made / "swarm.json").write_text(_summary(plan, None, {}), encoding="utf-8")
 
 
-def complete(plan: Plan, folder: Path, ended: int | None, result: Mapping[str, Any]) -> None:
+def complete(plan: SwarmPlan, folder: Path, ended: int | None, result: Mapping[str, Any]) -> None:
     """Write swarm.json again, with when the swarm started and ended, in milliseconds since 1970, and its result."""
     with atomic_write(folder / "swarm.json") as path:
         path.write_text(_summary(plan, ended, result), encoding="utf-8")
@@ -88,7 +88,7 @@ def _module(file: str) -> str:
     return file.removesuffix(".py").replace("-", "_")
 
 
-def _settings(plan: Plan, member: Member, folder: Path, command_port: int, token: str) -> str:
+def _settings(plan: SwarmPlan, member: PlannedRobot, folder: Path, command_port: int, token: str) -> str:
     brain, setting = member.brain, plan.setting
     is_single = setting.precision == "single"
     parameters = {name: _rounded(value) if is_single else value for name, value in brain.overrides}
@@ -135,7 +135,7 @@ def log_of(number: int) -> str:
     return f"robot-{number}.log"
 
 
-def _summary(plan: Plan, ended: int | None, result: Mapping[str, Any]) -> str:
+def _summary(plan: SwarmPlan, ended: int | None, result: Mapping[str, Any]) -> str:
     setting, brain, measure = plan.setting, plan.setting.brain, plan.study.measure
     started = result.get("started", round(time.time() * 1000))
     about = {
@@ -174,7 +174,7 @@ def _summary(plan: Plan, ended: int | None, result: Mapping[str, Any]) -> str:
     return json.dumps(json_value(about), indent=1) + "\n"
 
 
-def _study_text(plan: Plan) -> str:
+def _study_text(plan: SwarmPlan) -> str:
     """The study; a brain file that is the swarm's own is named as it is in the folder."""
     brain, text = plan.setting.brain, plan.study.text
     own = brain.name.endswith(".py")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swarmcensus.robots.swarm.plans import Plan
+from swarmcensus.robots.swarm.plans import SwarmPlan
 from swarmcensus.robots.swarm.reports import Known, share_heard, total
 from swarmcensus.support.bins import right_bin
 
@@ -33,7 +33,7 @@ class Outcome:
 
 
 def outcome_of(
-    plan: Plan, robots: Sequence[Known], processor_seconds: float, seconds: float, memory: int, now: float = 0.0
+    plan: SwarmPlan, robots: Sequence[Known], processor_seconds: float, seconds: float, memory: int, now: float = 0.0
 ) -> Outcome:
     """The outcome of what is known of robots at the end; one that has long said nothing is not at work."""
     heard_from = now - SILENCE - plan.period / 1000.0

@@ -37,7 +37,7 @@ class Air:
 
 
 @dataclass(frozen=True)
-class Member:
+class PlannedRobot:
     """One robot."""
 
     number: int
@@ -51,7 +51,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Plan:
+class SwarmPlan:
     """A swarm to be started."""
 
     study: Study
@@ -60,7 +60,7 @@ class Plan:
     seed: int
     trial: int
     air: Air
-    members: tuple[Member, ...]
+    members: tuple[PlannedRobot, ...]
     links: tuple[tuple[int, int], ...]  # receiver, sender
     readings: np.ndarray  # (observation, robot), 1 black
     chance: int  # 32 bits, the seed of what happens to messages
@@ -97,7 +97,7 @@ class Plan:
         return mark_of(self.setting.brain)
 
 
-def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> Plan:
+def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropython: int = 0) -> SwarmPlan:
     """The plan of one trial of a setting. Raises InputError if it cannot be run as processes."""
     settings = study.settings()
     if not 0 <= number < len(settings):
@@ -112,7 +112,7 @@ def plan_of(study: Study, number: int, seed: int, trial: int, air: Air, micropyt
     readings = record_readings(setting, seed, trial)
     draws = _words("luck", given.draws, trial) if given.draws.size else None
     chance = _words("messages", given.radio.key, trial, seed)
-    return Plan(study, setting, number, seed, trial, air, members, links, readings, chance, draws)
+    return SwarmPlan(study, setting, number, seed, trial, air, members, links, readings, chance, draws)
 
 
 def _in_bytes(setting: Setting) -> Setting:
@@ -156,7 +156,7 @@ def _check_delay(setting: Setting, air: Air) -> None:
         raise OptionError(f"--delay {delay:g}s: {late}: should be shorter than the run", key="delay", value=delay)
 
 
-def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member, ...]:
+def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[PlannedRobot, ...]:
     if not 0 <= micropython <= setting.robots:
         raise wrong_option("micropython", micropython, f"the swarm has {counted(setting.robots, 'robot')}")
     if micropython and not on_node.micropython():
@@ -167,7 +167,7 @@ def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member,
     names = _names(setting, group, honest)
     wrapped = _adversaries(setting)
     return tuple(
-        Member(
+        PlannedRobot(
             k, setting.brains[group[k]], names[group[k]], bool(honest[k]), float(b[k]), float(w[k]), k < micropython,
             wrapped.get(setting.brains[group[k]]),
         )
@@ -205,7 +205,7 @@ def _words(purpose: str, *content: object) -> int:
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest())
 
 
-def hearers(plan: Plan, cuts: Sequence[frozenset[int]]) -> list[list[int]]:
+def hearers(plan: SwarmPlan, cuts: Sequence[frozenset[int]]) -> list[list[int]]:
     """For each robot, who hears it while the swarm is cut into these groups and the rest."""
     heard_by: list[list[int]] = [[] for _ in plan.members]
     for receiver, sender in plan.links:

@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from swarmcensus.robots.swarm.children import Children, check_system, seconds_of_children
-from swarmcensus.robots.swarm.faults import Fault, late_starters
+from swarmcensus.robots.swarm.faults import ProcessFault, late_starters
 from swarmcensus.robots.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.robots.swarm.outcomes import Outcome, outcome_of
-from swarmcensus.robots.swarm.plans import Plan, hearers
+from swarmcensus.robots.swarm.plans import SwarmPlan, hearers
 from swarmcensus.robots.swarm.reports import Known, read_report
 from swarmcensus.robots.target import datagram_bytes
 from swarmcensus.support.errors import InputError
@@ -48,12 +48,12 @@ class Flood:
 
 
 @dataclass
-class Swarm:
+class RunningSwarm:
     """A swarm that runs."""
 
-    plan: Plan
+    plan: SwarmPlan
     folder: Path
-    faults: Sequence[Fault]
+    faults: Sequence[ProcessFault]
     command: socket.socket
     children: Children
     robots: list[Known]
@@ -82,7 +82,9 @@ class Stopped(KeyboardInterrupt):
         self.outcome, self.rounds = outcome, rounds
 
 
-def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm], None] = lambda _: None) -> Outcome:
+def run(
+    plan: SwarmPlan, faults: Sequence[ProcessFault], folder: Path, show: Callable[[RunningSwarm], None] = lambda _: None
+) -> Outcome:
     """Run a swarm to its end and write its folder; `show` is called some times a second.
 
     Raises InputError if robots cannot be started, and Stopped after Ctrl-C, when all of them have ended.
@@ -98,7 +100,7 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
         token = secrets.token_hex(16)
         write_folder(plan, folder, command.getsockname()[1], token)
         children, robots = Children(folder, plan.on_micropython), [Known() for _ in plan.members]
-        swarm = Swarm(plan, folder, faults, command, children, robots, token=token)
+        swarm = RunningSwarm(plan, folder, faults, command, children, robots, token=token)
         at = round(time.time() * 1000)
         try:
             _start(swarm)
@@ -134,7 +136,7 @@ def _socket(host: str) -> socket.socket:
     return made
 
 
-def _start(swarm: Swarm) -> None:
+def _start(swarm: RunningSwarm) -> None:
     """Start all robots but late ones, and wait until each has reported."""
     late = late_starters(swarm.faults)
     first = [number for number in range(len(swarm.robots)) if number not in late]
@@ -152,7 +154,7 @@ def _start(swarm: Swarm) -> None:
     _tell_all(swarm)
 
 
-def _go_on(swarm: Swarm, show: Callable[[Swarm], None]) -> None:
+def _go_on(swarm: RunningSwarm, show: Callable[[RunningSwarm], None]) -> None:
     """Until all robots have lived their rounds."""
     waiting = list(swarm.faults)
     looked = shown = 0.0
@@ -176,7 +178,7 @@ def _go_on(swarm: Swarm, show: Callable[[Swarm], None]) -> None:
     show(swarm)
 
 
-def _is_over(swarm: Swarm, waiting: Sequence[Fault]) -> bool:
+def _is_over(swarm: RunningSwarm, waiting: Sequence[ProcessFault]) -> bool:
     if not swarm.children.running and not waiting:
         return True
     rounds = swarm.plan.setting.rounds
@@ -188,7 +190,7 @@ def _is_over(swarm: Swarm, waiting: Sequence[Fault]) -> bool:
     return all(known.last is not None and known.last.round >= rounds for known in at_work)
 
 
-def _listen(swarm: Swarm, wait: float) -> None:
+def _listen(swarm: RunningSwarm, wait: float) -> None:
     """Read all reports that have come; wait so many seconds if there is none."""
     if not select.select([swarm.command], [], [], wait)[0]:
         return
@@ -214,7 +216,7 @@ def _listen(swarm: Swarm, wait: float) -> None:
                 _tell_all(swarm)
 
 
-def _tell_of_life(swarm: Swarm, known: Known) -> None:
+def _tell_of_life(swarm: RunningSwarm, known: Known) -> None:
     """Note with what memory a robot has begun again."""
     report = known.last
     if report is None or report.round < 0 or report.life <= known.began:
@@ -224,20 +226,20 @@ def _tell_of_life(swarm: Swarm, known: Known) -> None:
     swarm.happened.append(f"{swarm.seconds:.1f} s: robot {report.number} {how}")
 
 
-def _begin_life(swarm: Swarm, number: int) -> None:
+def _begin_life(swarm: RunningSwarm, number: int) -> None:
     swarm.robots[number].new_life()
     swarm.children.start(number)
     swarm.robots[number].state = "runs"
 
 
-def _end_life(swarm: Swarm, number: int, state: str, why: str = "") -> None:
+def _end_life(swarm: RunningSwarm, number: int, state: str, why: str = "") -> None:
     known = swarm.robots[number]
     known.address, known.state, known.why = None, state, why
     swarm.ports.pop(number, None)
     _tell_all(swarm)
 
 
-def _tell_all(swarm: Swarm) -> None:
+def _tell_all(swarm: RunningSwarm) -> None:
     """Tell each robot when the swarm starts and who hears it."""
     swarm.version += 1
     heard_by = hearers(swarm.plan, swarm.cuts)
@@ -245,7 +247,7 @@ def _tell_all(swarm: Swarm) -> None:
         _tell(swarm, number, heard_by[number])
 
 
-def _tell(swarm: Swarm, number: int, heard_by: Sequence[int]) -> None:
+def _tell(swarm: RunningSwarm, number: int, heard_by: Sequence[int]) -> None:
     address = swarm.robots[number].address
     if address is None:
         return
@@ -255,7 +257,7 @@ def _tell(swarm: Swarm, number: int, heard_by: Sequence[int]) -> None:
         swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
 
 
-def _tell_again(swarm: Swarm) -> None:
+def _tell_again(swarm: RunningSwarm) -> None:
     """Tell those again that have not heard it, as after they were stopped."""
     now = time.monotonic()
     deaf = [
@@ -270,7 +272,7 @@ def _tell_again(swarm: Swarm) -> None:
             _tell(swarm, number, heard_by[number])
 
 
-def _happen(swarm: Swarm, fault: Fault) -> None:
+def _happen(swarm: RunningSwarm, fault: ProcessFault) -> None:
     children = swarm.children
     swarm.happened.append(f"{fault.seconds:g} s: {fault.what}")
     if fault.action in ("kill", "restart"):
@@ -300,7 +302,7 @@ def _happen(swarm: Swarm, fault: Fault) -> None:
         swarm.floods.append(Flood(time.monotonic(), fault.robots, chance))
 
 
-def _flood(swarm: Swarm) -> None:
+def _flood(swarm: RunningSwarm) -> None:
     """Send what is due of random datagrams, from a socket that no robot knows; some begin as messages do."""
     if not swarm.floods:
         return
@@ -322,12 +324,12 @@ def _flood(swarm: Swarm) -> None:
     swarm.floods = [flood for flood in swarm.floods if flood.sent < FLOODED]
 
 
-def _bury(swarm: Swarm) -> None:
+def _bury(swarm: RunningSwarm) -> None:
     """Note which robots have died by themselves."""
     for number, why in swarm.children.dead():
         _end_life(swarm, number, "died", why)
         swarm.happened.append(f"{swarm.seconds:.1f} s: robot {number} died by itself, {why}")
 
 
-def _weigh(swarm: Swarm) -> None:
+def _weigh(swarm: RunningSwarm) -> None:
     swarm.memory = max(swarm.memory, swarm.children.memory())

@@ -31,7 +31,7 @@ from swarmcensus.studies import (
     to_toml,
 )
 from swarmcensus.support.errors import StudyError
-from swarmcensus.support.forms import Form, Number, Schema, Share, Table, says
+from swarmcensus.support.forms import Form, Number, Schema, Share, TomlTable, says
 from swarmcensus.worlds import Accuracy, Body, Positive, arena
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
@@ -69,7 +69,7 @@ Right = Annotated[
 SomeButNotAll = Annotated[Number, Field(ge=0.0, lt=1.0)]
 
 
-class Area(Table):
+class Area(TomlTable):
     """The square in which robots move: its side in metres or its area in square metres, and the kind of floor."""
 
     side: Positive | None = None
@@ -80,7 +80,7 @@ class Area(Table):
     """The kind of floor: "tiles", {clusters = 0.2}, "half", an image."""
 
 
-class Known(Table):
+class Known(TomlTable):
     """What is known: sensors, the range of fill ratios, the share of messages received, the shares that fail or lie.
 
     Plans are for the worst of several accuracies, or lies.
@@ -101,7 +101,7 @@ class Known(Table):
     """What liars do: an adversary, or a list, whose worst is used."""
 
 
-class Wanted(Table):
+class Wanted(TomlTable):
     """What robots should know: f within a half-width, or the right bin; and what share of robots."""
 
     half_width: Annotated[Number, Field(gt=0.0, lt=0.5)] | None = None
@@ -116,7 +116,7 @@ class Wanted(Table):
     """The truth: the floor's own share of black, or the f by which the floor was drawn."""
 
 
-class Free(Table):
+class Free(TomlTable):
     """What is to be found or is given (robots, minutes), and what is compared (brains, networks, densities)."""
 
     robots: Wholes | None = None
@@ -135,7 +135,7 @@ class Free(Table):
     """The seconds of a round, on fixed networks."""
 
 
-class Mission(Table):
+class Mission(TomlTable):
     """A whole mission file. Properties that depend on the network are of its `worlds`, which have one network each."""
 
     name: Name = "mission"

@@ -9,7 +9,7 @@ import xarray as xr
 from swarmcensus.analysis import NEVER, Comparison, compare_dataset, p_equals, range_text, win_shares
 from swarmcensus.brains import PLAIN, Adversary, Brain
 from swarmcensus.results import is_idle
-from swarmcensus.search.tuning.plans import Plan
+from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.studies import Member, Setting
 from swarmcensus.support.formatting import counted, decimals_for, grouped, rounded
 
@@ -121,7 +121,7 @@ def _harm_of_each(comparison: Comparison) -> str:
     return f"{measure.full_label}, {measure.statistic} in a world: {', '.join(each)}"
 
 
-def evidence_of(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+def evidence_of(data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tuned: Brain | Adversary) -> Evidence:
     """Compare what was found with the original in the results of an evaluation with these settings, then with all.
 
     Names of both contain all searched parameters, also unchanged ones.
@@ -138,7 +138,9 @@ def evidence_of(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Br
     return Evidence(*names, comparison, all_brains)
 
 
-def _evidence_of_harm(data: xr.Dataset, settings: list[Setting], plan: Plan, tuned: Brain | Adversary) -> Evidence:
+def _evidence_of_harm(
+    data: xr.Dataset, settings: list[Setting], plan: TuningPlan, tuned: Brain | Adversary
+) -> Evidence:
     """The same of adversaries: they are the contenders, and the brain is a part of the world."""
     assert plan.target.table is not None
     table = {*plan.study.members[plan.target.table].every()}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from swarmcensus.runs import Progress
 from swarmcensus.search.tuning.logs import Evaluation, Log, hint
 from swarmcensus.search.tuning.optimiser import Search
-from swarmcensus.search.tuning.plans import Plan
+from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.search.tuning.training import Training, loss, scales_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -38,7 +38,7 @@ class SearchResult:
 class _SearchRun:
     """A running search; candidates in the log are not evaluated again."""
 
-    def __init__(self, plan: Plan, log: Log, training: Training, show: Callable[[Progress], None]) -> None:
+    def __init__(self, plan: TuningPlan, log: Log, training: Training, show: Callable[[Progress], None]) -> None:
         self.plan, self.log, self.training, self.show = plan, log, training, show
         self.done = 0  # evaluations of the log that the optimiser has received
         self.compiled = False
@@ -130,7 +130,7 @@ class _SearchRun:
         return show
 
 
-def new_search(plan: Plan) -> Search:
+def new_search(plan: TuningPlan) -> Search:
     """A search before its first generation. Raises InputError if the budget is too small for one generation."""
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
@@ -143,7 +143,7 @@ def new_search(plan: Plan) -> Search:
 
 
 def run_search(
-    plan: Plan, search: Search, log: Log, training: Training, show: Callable[[Progress], None]
+    plan: TuningPlan, search: Search, log: Log, training: Training, show: Callable[[Progress], None]
 ) -> SearchResult:
     """Search, or resume from the log, until the budget is spent or the search has converged.
 
@@ -164,7 +164,7 @@ def run_search(
 
 
 def reset_idle(
-    plan: Plan, values: Values, training: Training, show: Callable[[Progress], None]
+    plan: TuningPlan, values: Values, training: Training, show: Callable[[Progress], None]
 ) -> tuple[Values, list[str]]:
     """Reset values that change no number of any trial to what they were, and name their parameters.
 
@@ -197,7 +197,7 @@ def reset_idle(
 
 
 def _numbers_of(
-    plan: Plan, candidates: list[Values], training: Training, show: Callable[[Progress], None]
+    plan: TuningPlan, candidates: list[Values], training: Training, show: Callable[[Progress], None]
 ) -> list[Floats]:
     """The numbers (measure, world, trial) of each candidate, all on the same training trials."""
     kept: dict[int, Floats] = {}

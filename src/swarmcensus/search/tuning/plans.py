@@ -54,7 +54,7 @@ def budget_of(given: int | str) -> Budget:
 
 
 @dataclass(frozen=True)
-class Plan:
+class TuningPlan:
     """All that defines a search."""
 
     study: Study
@@ -130,7 +130,7 @@ def plan_of(
     budget: Budget,
     trials: int,
     adversary: str | None = None,
-) -> Plan:
+) -> TuningPlan:
     """Check the request against the study. Raises InputError, naming what the study lacks and what it has."""
     if not 1 <= trials <= MOST_TRIALS:
         raise wrong_option("trials", trials, f"a candidate has 1 to {MOST_TRIALS:,} trials in each world")
@@ -142,4 +142,4 @@ def plan_of(
     least = [lows.get(each.name, 0.0) for each in measures]
     if target.harms:
         measures = [replace(measure, low=not measure.low) for measure in measures]
-    return Plan(study, target, worlds, ranges, metric, measures, least, budget, trials)
+    return TuningPlan(study, target, worlds, ranges, metric, measures, least, budget, trials)

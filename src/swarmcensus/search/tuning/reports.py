@@ -8,7 +8,7 @@ from swarmcensus.brains import Adversary, Brain
 from swarmcensus.search.tuning.evidence import NONE, Evidence
 from swarmcensus.search.tuning.generations import SearchResult
 from swarmcensus.search.tuning.optimiser import library
-from swarmcensus.search.tuning.plans import Plan
+from swarmcensus.search.tuning.plans import TuningPlan
 from swarmcensus.studies import read_toml, to_toml_value
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.seeds import seed_for
@@ -17,7 +17,7 @@ from swarmcensus.support.version import __version__
 WIDTH = 110  # characters of a comment line
 
 
-def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:
+def notes_of(plan: TuningPlan, idle: Sequence[str]) -> list[str]:
     """Notes on the values found: which change nothing, and which original values lie outside their ranges."""
     starts = dict(zip((parameter.label for parameter in plan.ranges), plan.start, strict=True))
     notes = [f"{place} changes nothing in {plan.metric}, and stays at {starts[place]:.6g}" for place in idle]
@@ -29,7 +29,7 @@ def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:
 
 
 def report(
-    plan: Plan,
+    plan: TuningPlan,
     tuned: Brain | Adversary,
     result: SearchResult,
     evidence: Evidence,
@@ -76,18 +76,18 @@ def report(
     return fragment(_table_lines(plan, tuned), head, findings, provenance)
 
 
-def _found_text(plan: Plan) -> str:
+def _found_text(plan: TuningPlan) -> str:
     study = f"the study {plan.study.name!r}"
     if not plan.target.harms:
         return f"{plan.before.name}, tuned for {study}"
     return f"{plan.before.name}, with the values found to harm {plan.target.brain.name} most in {study}"
 
 
-def _use_text(plan: Plan) -> str:
+def _use_text(plan: TuningPlan) -> str:
     return "its table is for one's members" if plan.target.harms else "its brain is for one's table [swarm]"
 
 
-def _table_lines(plan: Plan, tuned: Brain | Adversary) -> list[str]:
+def _table_lines(plan: TuningPlan, tuned: Brain | Adversary) -> list[str]:
     """The lines to paste, which name all searched parameters, also those with the value of the file."""
     named = {name: tuned.parameters[name] for name in plan.searched} | dict(tuned.overrides)
     program = to_toml_value({"file": tuned.name, **named})
@@ -100,14 +100,14 @@ def _table_lines(plan: Plan, tuned: Brain | Adversary) -> list[str]:
     ]
 
 
-def course_text(plan: Plan, result: SearchResult) -> str:
+def course_text(plan: TuningPlan, result: SearchResult) -> str:
     """How a search went and why it ended: "57 evaluations in 4 generations, as many as the budget allows (...)"."""
     why = "until all candidates of one had the same values" if result.narrowed else "as many as the budget allows"
     text = f"{counted(len(result.evaluations), 'evaluation')} in {counted(result.generations, 'generation')}, {why}"
     return f"{text} ({plan.budget.text}){_drawn(result)}"
 
 
-def why_unchanged(plan: Plan, result: SearchResult) -> str:
+def why_unchanged(plan: TuningPlan, result: SearchResult) -> str:
     """Why a search ended at the original values."""
     if not result.flat:
         return "the search ended at the values there were"
@@ -122,7 +122,7 @@ def _drawn(result: SearchResult) -> str:
     return f"; {drawn} from the whole of the ranges, as no candidate had differed before"
 
 
-def _values_text(plan: Plan, values: tuple[float, ...]) -> str:
+def _values_text(plan: TuningPlan, values: tuple[float, ...]) -> str:
     return ", ".join(f"{parameter.label} = {value:.6g}" for parameter, value in zip(plan.ranges, values, strict=True))
 
 

@@ -15,7 +15,7 @@ from swarmcensus.runs import Report, pools, run, showing
 from swarmcensus.search.tuning.evidence import Evidence, evidence_of
 from swarmcensus.search.tuning.generations import SearchResult, new_search, reset_idle, run_search
 from swarmcensus.search.tuning.logs import Evaluation, Log
-from swarmcensus.search.tuning.plans import Plan, budget_of, plan_of
+from swarmcensus.search.tuning.plans import TuningPlan, budget_of, plan_of
 from swarmcensus.search.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.search.tuning.training import Training
 from swarmcensus.studies import Study, read_toml
@@ -142,7 +142,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
 
 
 def _evidence(
-    plan: Plan,
+    plan: TuningPlan,
     tuned: Brain | Adversary,
     result: SearchResult,
     out: Path | None,
@@ -159,7 +159,7 @@ def _evidence(
     return evidence_of(data, study.settings(), plan, tuned)
 
 
-def evaluation_of(plan: Plan, tuned: Brain | Adversary) -> Study:
+def evaluation_of(plan: TuningPlan, tuned: Brain | Adversary) -> Study:
     """The study with what was found added wherever the original appears, and with the largest number of trials.
 
     Its label becomes part of the study's name.

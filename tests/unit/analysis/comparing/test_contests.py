@@ -51,12 +51,6 @@ def test_a_world_is_all_else_that_settings_are():
     assert cautions == []
 
 
-def test_results_without_parameters_have_none():
-    data = made_up(brains=2).drop_vars("prior")
-    del data.attrs["parameters"]
-    assert grid_of(data, data)[0].contenders == ["minimalistic", "bayes-bots"]
-
-
 def test_what_does_not_pair_is_told():
     data = made_up()
     lacking = sc.compare(data.isel(setting=[0, 1, 2, 3, 4, 5]))
@@ -84,7 +78,6 @@ def test_where_nothing_can_be_compared_it_is_said(settings, said):
 # ---- the number of a trial
 
 
-@pytest.mark.long
 def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
     data = made_up(robots=6).assign(honest=("setting", [6, 6, 4, 5, 6, 6, 1, 6]))
     data["decision"][0, 0, 0] = np.nan
@@ -112,19 +105,6 @@ def test_errors_against_the_floor():
     data["true_fill_ratio"][:] = 0.5
     off = np.median(data["final_estimate"].values - 0.5, axis=2)
     assert measures.numbers(data, "final_error") == pytest.approx(off)
-
-
-def test_right_is_at_the_last_checkpoint():
-    data = made_up(brains=2)
-    wide = data.drop_vars("correct").drop_dims("checkpoint").assign_coords(checkpoint=[100, 500])
-    right = np.random.default_rng(1).uniform(size=(4, 2, 20))
-    wide["correct"] = (("setting", "checkpoint", "trial"), right)
-    wide["rounds"] = ("setting", [500, 100, 99, 600])
-    found = measures.numbers(wide, "correct")
-    assert (found[0] == right[0, 1]).all()
-    assert (found[1] == right[1, 0]).all()
-    assert np.isnan(found[2]).all()
-    assert (found[3] == right[3, 1]).all()
 
 
 METRIC = """UNIT = "1"
@@ -281,15 +261,6 @@ def test_difference_without_distinct_pairs_is_reported():
     assert f"{said}no two are told apart"[2:] in " ".join(panel.get_title("left").split())
 
 
-def test_friedman_s_tests_are_corrected_for_one_another_alone():
-    found = sc.compare(made_up(trials=6, gap=0.6), ["final_error", "consensus_round", "correct"])
-    ranks = found.ranks.drop_duplicates("measure")
-    once, corrected = ranks["friedman_p"].to_numpy(), ranks["friedman_p_corrected"].to_numpy()
-    assert corrected == pytest.approx(holm(once))
-    assert corrected[0] == pytest.approx(3 * once[0])
-    assert [contest.differ for contest in found.contests] == (corrected <= 0.05).tolist()
-
-
 def test_the_cost_is_said_beside():
     found = sc.compare(made_up(brains=2, worlds=("ring",)))
     one, other = measures.numbers(made_up(brains=2, worlds=("ring",)), "bytes_sent").mean(axis=1)
@@ -301,12 +272,6 @@ def test_the_cost_is_said_beside():
     assert any("do not say what brains cost: they have no messages_sent, no message_bytes" in c for c in bare.cautions)
     part = sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"]))
     assert "minimalistic sends 502 messages;" in part.verdict[-1]
-
-
-def test_a_brain_that_uses_names_is_marked():
-    data = made_up()
-    data["anonymous"] = data["anonymous"].where(data["brain"] != "voter", 0)
-    assert "voter is not anonymous: it uses its robot's name" in sc.compare(data).cautions
 
 
 def test_events_that_never_happen_rank_last():
@@ -370,16 +335,6 @@ def test_too_few_trials_are_said_to_be():
 
 
 # ---- intervals
-
-
-def test_intervals_of_medians_by_brute_force():
-    random = np.random.default_rng(3)
-    values = random.normal(size=(1, 15))
-    drawn = np.median(random.choice(values[0], (20_000, 15)), axis=1)
-    low, high = intervals(values, "median")
-    tail = stats.norm.cdf(-math.sqrt(15 / 14) * stats.t.ppf(0.975, 14))
-    assert (drawn < low[0]).mean() <= tail + 0.005 <= (drawn <= low[0]).mean() + 0.01
-    assert (drawn > high[0]).mean() <= tail + 0.005 <= (drawn >= high[0]).mean() + 0.01
 
 
 def test_medians_with_infinite_and_missing_values():

@@ -116,22 +116,22 @@ def test_what_is_wrong_differs():
     assert found.settings[0].limit == max(one.terms, key=one.terms.get)
 
 
-LONG = pytest.mark.long, pytest.mark.interpreted
+MIXED = [{"robots": 3, "brain": "steadfast"}]
 
 
 @pytest.mark.parametrize(
     ("brain", "tables", "why"),
     [
-        pytest.param("swift", {}, "no closed form is known for swift", marks=LONG),
+        pytest.param(
+            "swift", {}, "no closed form is known for swift", marks=[pytest.mark.long, pytest.mark.interpreted]
+        ),
         ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
         ("commons", {"world": RING | {"link_success": 0.5}}, "messages are lost"),
         ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
         ("commons", {"schedule": FEW | {"rounds": 2}, "world": RING | {"message_delay": 1}}, "cutting estimates to"),
         ("alone", {"trials": 20}, "fewer than 50 trials"),
         ("alone", {"accuracy": 1.0, "world": RING | {"fill_ratio": 1.0}}, "readings are certain"),
-        pytest.param(
-            "commons", {"members": [{"robots": 3, "brain": "steadfast"}]}, "robots have several", marks=LONG[1]
-        ),
+        pytest.param("commons", {"members": MIXED}, "robots have several brains", marks=pytest.mark.interpreted),
     ],
 )
 def test_where_theory_is_not_exact_it_says_why(brain, tables, why):

@@ -11,7 +11,7 @@ from swarmcensus import brains
 from swarmcensus.checks import minimalism
 from swarmcensus.evaluation.paper import explanations, measures
 from swarmcensus.evaluation.paper.evaluations import PAPER
-from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing, check
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, check
 from swarmcensus.support import intervals
 
 KNOWN = {claim.id: claim for claim in PAPER.claims}
@@ -230,12 +230,6 @@ def test_one_wrong_robot_refutes_consensus():
     assert verdict("consensus", only(one("scale-free", "0.625"), right=0.5)).verdict == HOLDS
 
 
-def test_single_steps_against_the_trend_are_noted():
-    outcome = verdict("grows", only(one("ring", "0.725"), K=1.5))
-    assert outcome.verdict == HOLDS
-    assert outcome.note == "Of 72 single steps of accuracy, 1 slow the swarm: ring, f = 0.55, 0.675 to 0.725."
-
-
 def why(name, twist):
     return verdict(name, twist).explanation
 
@@ -249,27 +243,6 @@ def test_explanation_names_settings_ahead_and_behind():
     late = why("mixed-055", quiet(mixed(0.55), K=1.6, error=1.5))
     assert "ahead in none and behind in 8 settings, by 50.0 to 60.0 %" in late
     assert late.endswith("b = w = 0.78 at f = 0.55.")
-
-
-def test_what_density_does_is_explained_by_the_data():
-    unsettled = lambda accuracy, f, density, **_: {  # noqa: E731
-        "K": (2.5 if density == 10 else 2.2) if (accuracy, f) == ("0.525", 0.55) else 1, "noise": 0,
-    }  # fmt: skip
-    end = why("denser-first", unsettled)
-    assert "later in 1 setting, by 2.3 %" in end
-    assert "falls beyond doubt in 1 of these 1 setting" in end
-    settled = 400 * np.exp(-0.1) * 1.2 * 10 * 2.2 / 10_000
-    assert f"their medians are {100 * settled:.1f} % of it or more" in end
-    fewer = why("denser-alike", quiet(mover(), error=0.5 / 0.9))
-    assert "errors fall in 1 setting, by 50.0 % (0.775, f = 0.55) and rise in none" in fewer
-    assert "largest change of all is from 0.0101 to 0.0051 (0.775, f = 0.55)" in fewer
-
-
-def test_who_is_wrong_in_the_end_is_counted():
-    text = why("mixed-consensus-moving", FAILING["mixed-consensus-moving"])
-    assert text.startswith("At f = 0.55, not unanimous in the end: 30 of 30 swarms, with 1 of 25 robots wrong.")
-    assert "Unanimous at an earlier checkpoint had been 0 of them. Few robots" in text
-    assert "Few robots" not in why("mixed-consensus-moving", only(mixed(0.55), right=0.6, wrong=10))
 
 
 def test_late_settling_on_a_black_floor_is_bias():
@@ -306,12 +279,6 @@ def test_the_worth_of_a_swarm_is_its_mean_information():
     assert carried[2] == pytest.approx(np.mean(carried[:2]))
 
 
-def test_moving_robots_are_compared_after_as_many_observations():
-    """Their decisions with those at R = 10, their estimates with those at R = 1: neither is the other's."""
-    assert verdict("like-tree-moving", only(lambda study, **_: study == "same-observations", right=0.1)).holds
-    assert verdict("like-tree-moving", only(lambda study, **_: study == "topologies", right=0.1)).holds is False
-
-
 def test_all_that_is_missing_is_not_measured():
     assert {o.verdict for o in check({}, PAPER.claims) if o.claim.studies} == {UNMEASURED}
     data = world("topologies")["topologies"]
@@ -325,12 +292,6 @@ def test_all_that_is_missing_is_not_measured():
     assert check(twice, [KNOWN["low-error-055"]])[0].verdict == UNMEASURED
 
 
-def test_pairs_use_trials_that_both_have():
-    data = world("topologies") | world("local", trials=20)
-    assert Evidence(data).trials == 20
-    assert check(data, [KNOWN["informed-first"]])[0].verdict == HOLDS
-
-
 def test_a_quotient_by_zero_decides_nothing():
     evidence = Evidence(world("topologies"))
     nothing = measures.ratio(np.ones(1001), np.zeros(1001))
@@ -338,14 +299,6 @@ def test_a_quotient_by_zero_decides_nothing():
     assert detail.verdict == OPEN
     claim = dataclasses.replace(KNOWN["full-first"], measure=lambda *_: [detail])
     assert check(evidence.datasets, [claim])[0].verdict == "not decided by 30 trials"
-
-
-def test_evidence_is_missing_for_unknown_settings():
-    evidence = Evidence(world("topologies"))
-    with pytest.raises(Missing):
-        evidence.median("topologies", "convergence_round", topology="torus")
-    with pytest.raises(Missing):
-        evidence.values("local", "convergence_round")
 
 
 def test_growing_memory_is_found(monkeypatch, tmp_path):

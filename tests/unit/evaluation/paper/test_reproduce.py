@@ -14,7 +14,6 @@ from swarmcensus.evaluation.paper import page, report, reproducing as paper
 from swarmcensus.evaluation.paper.evaluations import PAPER
 from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome, check
 from swarmcensus.results import store as results
-from swarmcensus.support import files as shipped
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.files import shipped_study
 
@@ -50,14 +49,6 @@ def test_the_studies_hold_all_runs_of_the_paper():
     """4 networks of 10 and 100 robots, and 2 densities, by 11 accuracies, 2 fill ratios and 30 trials: 6,600."""
     studies = [sc.Study.load(shipped_study("paper") / f"{name}.toml") for name in ("topologies", "moving")]
     assert sum(len(study.settings()) * study.trials for study in studies) == 6600
-
-
-@pytest.mark.long
-def test_nothing_is_written_without_a_folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    done = paper.reproduce(trials=1, only="fig3", say=lambda _: None)
-    assert {*done.datasets} == {"topologies", "same-rounds"}
-    assert (done.page, done.files, [*done.figures], [*tmp_path.iterdir()]) == (None, [], [], [])
 
 
 @pytest.mark.long
@@ -133,16 +124,6 @@ def test_an_unknown_part_is_refused_with_the_known_ones(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("blocked", ["out", "out/data", "out/index.html/inside"])
-def test_unwritable_folder_is_found_first(tmp_path, monkeypatch, blocked):
-    path = tmp_path / blocked
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text("in the way")
-    monkeypatch.setattr(paper, "run", lambda *_, **__: pytest.fail("was run"))
-    with pytest.raises(InputError, match="cannot write"):
-        paper.reproduce(tmp_path / "out", trials=1)
-
-
 @pytest.mark.long
 def test_ctrl_c_keeps_finished_work_of_reproduce(tmp_path, monkeypatch):
     whole, finished = paper.run, []
@@ -170,12 +151,6 @@ def test_ctrl_c_keeps_finished_work_of_reproduce(tmp_path, monkeypatch):
     assert f"simulate: {spent:.1f} s of wall-clock time, with earlier calls" in said
 
 
-def test_missing_study_files_are_said_to_be_missing(monkeypatch):
-    monkeypatch.setattr(shipped, "__file__", "/nowhere/at/all/shipped.py")
-    with pytest.raises(InputError, match="study files are missing"):
-        shipped_study("paper")
-
-
 def test_all_text_on_the_page_is_escaped(tmp_path):
     nasty = "<script>alert('&')</script>"
     detail = Detail(nasty, 1.0, (0.5, 2.0), NO)
@@ -183,17 +158,6 @@ def test_all_text_on_the_page_is_escaped(tmp_path):
     text = a_page(tmp_path, outcome(FAILS, *[detail] * 5, **texts))
     assert "<script>" not in text
     assert text.count("&lt;script&gt;alert(&#39;&amp;&#39;)") > 12
-
-
-def test_findings_put_refuted_claims_first_and_explain_them(tmp_path):
-    undecided = outcome("not decided by 9 trials", Detail("here", 1.0, (0.5, 2.0), OPEN), title="Cannot be told")
-    refuted = outcome(FAILS, Detail("there", 3.0, (2.0, 4.0), NO), title="Is wrong", explanation="Because.")
-    text = a_page(tmp_path, undecided, refuted, outcome(HOLDS, Detail("all", 0.0, None, YES)))
-    findings = text[text.index("<h2>Findings") : text.index("<h2>Claims")]
-    assert findings.index("Is wrong") < findings.index("Because.") < findings.index("Cannot be told")
-    assert "1 of 3 claims hold" in findings
-    assert "All 1 claims hold" in a_page(tmp_path, outcome(HOLDS, Detail("all", 0.0, None, YES)))
-    assert "not measured" in a_page(tmp_path, outcome("not measured"))
 
 
 VERDICTS = ((HOLDS, YES), (FAILS, NO), ("not decided by 2 trials", OPEN))

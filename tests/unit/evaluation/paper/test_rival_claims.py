@@ -22,7 +22,6 @@ from swarmcensus.evaluation.paper.evidence import (
     HOLDS,
     NO,
     OPEN,
-    UNMEASURED,
     YES,
     Detail,
     Evidence,
@@ -144,12 +143,6 @@ def test_who_loses_less_to_malfunction_is_the_more_robust(three, boolean, said, 
     lost = {"three-valued": three, "boolean": boolean}
     with_numbers(monkeypatch, lambda _, study, where: 0.9 - (where["liars"] > 0) * lost[study])
     assert outcome(alone(KNOWN["three-robust"]), blank()).verdict == said
-
-
-def test_open_and_unmeasured_claims(monkeypatch):
-    claim = alone(KNOWN["direct-sooner"])
-    assert outcome(claim, blank()).verdict == UNMEASURED
-    assert judged(claim, monkeypatch, 0.9, 0.9) == f"not decided by {TRIALS} trials"
 
 
 # Statistics, by hand

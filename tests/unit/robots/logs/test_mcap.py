@@ -148,9 +148,7 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatc
     log.write_bytes(log.read_bytes()[:-5])
     ticks = read_log(log).ticks
     assert main(["export", "day"]) == 0
-    told = capsys.readouterr()
-    assert "bytes could not be read" in told.err
-    assert told.out.startswith("day.mcap: 3 robots, 59 ticks, ")
+    assert "bytes could not be read" in capsys.readouterr().err
     assert len(read(tmp_path / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
 
 
@@ -177,9 +175,8 @@ def test_the_file_lies_next_to_the_folder_also_from_within(folder, tmp_path, mon
         (["torn"], "swarm.json: cannot be read as JSON"),
     ],
 )
-def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, monkeypatch, capsys, arguments, told):
+def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, refused, arguments, told):
     pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
-    monkeypatch.chdir(tmp_path)
     log = (folder / "robot-0.log").read_bytes()
     files = {
         "twice/a.log": log,
@@ -194,12 +191,7 @@ def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, monkeypatch, 
         (tmp_path / name).write_bytes(data)
     (tmp_path / "empty").mkdir()
     (tmp_path / "small.nc").write_bytes(small_file.read_bytes())
-    before = set(tmp_path.rglob("*"))
-    assert main(["export", *arguments]) == 2
-    printed = capsys.readouterr().err
-    assert told in printed
-    assert printed.count("\n") == 1
-    assert set(tmp_path.rglob("*")) == before
+    assert told in refused("export", *arguments)
 
 
 def test_a_missing_library_says_what_to_install(folder, tmp_path, monkeypatch):

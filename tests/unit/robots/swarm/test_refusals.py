@@ -9,7 +9,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from swarmcensus.cli.commands import main
 from swarmcensus.robots.swarm import plans
 from swarmcensus.robots.swarm.air import Air
 from swarmcensus.robots.swarm.plans import plan_of
@@ -60,17 +59,12 @@ def test_what_no_datagram_or_log_holds_is_refused(monkeypatch):
 
 
 @pytest.mark.parametrize("hz", ["0", "0.0009", "501"])
-def test_periods_of_no_or_too_many_milliseconds_are_refused(tmp_path, capsys, hz):
-    assert main(["swarm", "commons", "--hz", hz, "--out", str(tmp_path / "out")]) == 2
-    assert f"--hz {float(hz):g}: should be ticks a second, from 0.001 to 500" in capsys.readouterr().err
+def test_periods_of_no_or_too_many_milliseconds_are_refused(refused, hz):
+    assert f"--hz {float(hz):g}: should be ticks a second, from 0.001 to 500" in refused("swarm", "commons", "--hz", hz)
 
 
-def test_a_delay_as_long_as_the_run_is_refused(tmp_path, capsys):
-    words = ["swarm", "commons", "--hz", "20", "--rounds", "40", "--out", str(tmp_path / "out"), "--delay"]
-    assert main([*words, "2s"]) == 2
-    error = capsys.readouterr().err
-    assert "--delay 2s" in error
-    assert not (tmp_path / "out").exists()
+def test_a_delay_as_long_as_the_run_is_refused(refused):
+    assert "--delay 2s" in refused("swarm", "commons", "--hz", "20", "--rounds", "40", "--delay", "2s")
     air = plans.Air(hz=20.0, delay=99)
     assert plan_of(small(), 0, 0, 0, air).air is air  # a run of 100 ms
 

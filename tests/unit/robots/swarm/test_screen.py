@@ -9,12 +9,11 @@ import pytest
 from rich.console import Console
 
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.swarm_table import screen, summary
+from swarmcensus.cli.swarm_table import screen
 from swarmcensus.robots.swarm.faults import faults_of
-from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import Known, Report
-from swarmcensus.robots.swarm.running import Stopped, Swarm, run
+from swarmcensus.robots.swarm.running import RunningSwarm, Stopped, run
 from swarmcensus.studies.study import Study
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
@@ -41,7 +40,7 @@ def swarm(robots=20, liars=0, **more):
         one.state = "runs"
     known[3].state = "stopped"
     happened = ["1 s: kill 0-9", "2 s: restart 3", "3 s: partition 0-9", "4 s: stop 3"]
-    return Swarm(given, None, (), None, None, known, happened=happened, **more)
+    return RunningSwarm(given, None, (), None, None, known, happened=happened, **more)
 
 
 @pytest.mark.parametrize(("width", "height"), [(80, 24), (100, 40), (60, 20), (40, 10), (30, 5), (20, 2)])
@@ -60,29 +59,6 @@ def test_it_fits_a_terminal(width, height, robots):
     if height >= 20:
         assert "   3  stopped" in text
         assert ("more" in text) == (robots + 8 > height)
-
-
-def test_liars_are_not_among_the_estimates():
-    out = Console(file=io.StringIO(), width=100, height=40)
-    out.print(screen(swarm(liars=5), 100, 40))
-    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in out.file.getvalue()
-
-
-def test_the_summary_says_who_is_counted():
-    some = swarm(liars=5)
-    some.robots[7].state = "killed"
-    counted = sum(m.honest and some.robots[m.number].state == "runs" for m in some.plan.members)
-    for one in some.robots:
-        one.last = one.last._replace(missed=int(one.last.number == 8))
-    told = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0, 1)))
-    assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in told
-    assert "right     100.0 % of them in the right of 10 bins" in told
-    assert "message   3 bytes, in a datagram of 13" in told
-    assert "missed    1 tick for which" in told
-    nobody = [Known() for _ in range(20)]
-    told = "\n".join(summary(plan(), outcome_of(plan(), nobody, 1.0, 1.0, 1)))
-    assert "error     unknown: no robot was at work at the end" in told
-    assert "nan" not in told
 
 
 def test_what_a_robot_begins_with_again_is_told(tmp_path):

@@ -12,7 +12,6 @@ from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.search.planning.predictions import (
     inner_fill_ratios,
-    predict,
     readings_needed,
     with_worst_accuracy,
     worst_fill_ratios,
@@ -45,13 +44,6 @@ def test_number_of_liars_follows_their_share():
             liars, fails = mission.lying(robots), mission.failing(robots)
             assert liars == min(math.ceil(round(lying * robots, 6)), robots - 1)
             assert robots - liars - fails >= 1
-
-
-def test_theory_is_of_the_others_as_if_nobody_lied():
-    needed = 1000.0
-    honest, lying = (mission_of(changed(known={"accuracy": 0.7, "lying": x})) for x in (0.0, 0.5))
-    assert predict(lying, 10, needed).pooled == pytest.approx(2 * predict(honest, 10, needed).pooled)
-    assert predict(lying, 10, needed).alone == predict(honest, 10, needed).alone
 
 
 def test_which_brains_are_compared_depends_on_liars():

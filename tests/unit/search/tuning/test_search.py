@@ -1,21 +1,18 @@
 """What tuning finds is what is known to be best, its log is whole, and its evaluation is what the search never saw."""
 
-import csv
 import math
 import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.brains import parse
 from swarmcensus.results.measures import Measure
 from swarmcensus.search.tuning import training
-from swarmcensus.search.tuning.generations import reset_idle
 from swarmcensus.search.tuning.optimiser import Search
-from swarmcensus.search.tuning.plans import budget_of, plan_of
+from swarmcensus.search.tuning.plans import budget_of
 from swarmcensus.search.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.search.tuning.training import COMPANIONS, loss, scales_of
 from swarmcensus.simulation import trials as simulated
@@ -182,32 +179,6 @@ def test_a_quadratic_penalty_is_found(tmp_path):
     assert found.brain.parameters["pair"] == (found.values["pair[0]"], found.values["pair[1]"])
 
 
-@pytest.mark.long
-def test_the_best_shrinkage_is_found(tmp_path):
-    """A robot alone that sees n of 12 tiles black estimates 1/2 + weight (n / 12 - 1/2).
-
-    What a weight is worth is a sum over n: its minimum is known, and what is found is within a tenth of what the start
-    loses to it.
-    """
-    fill, looks = 0.6, 12
-    study = study_of(tmp_path, "weight = 1.0", robots=1, fill=fill, looks=looks, trials=200)
-    found = sc.tune(study, ["weight=0:1"], budget=500, trials=100)
-    n = np.arange(looks + 1)
-    chance = stats.binom.pmf(n, looks, fill)
-    usual = float(np.median(np.abs(np.repeat(n / looks - fill, np.rint(chance * 1e6).astype(int)))))
-
-    def lost(weight):
-        error = np.abs(0.5 + weight * (n / looks - 0.5) - fill)
-        return float((chance * error / (error + usual)).sum())
-
-    shares = np.linspace(0, 1, 1001)
-    curve = np.array([lost(share) for share in shares])
-    best = curve.min()
-    assert curve[-1] - best > 0.05  # there is something to be found
-    assert lost(found.values["weight"]) - best < 0.1 * (curve[-1] - best)
-    assert found.verdict == "better"
-
-
 def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
     found = sc.tune(study_of(tmp_path, "noise = 0.1"), ["idle=0:10"], budget=60, trials=3, out=tmp_path / "t.toml")
     assert found.values == {"idle": 1.0}
@@ -249,15 +220,6 @@ def test_failed_trials_are_borne_and_avoided(tmp_path):
         sc.tune(study_of(tmp_path, "many = 99.0"), ["many=40:200"], budget=61, trials=2)
 
 
-def test_any_measure_will_do_in_its_direction(tmp_path):
-    study = study_of(tmp_path, "a = 0.1, weight = 0.2", fill=0.55, looks=5)
-    right = sc.tune(study, ["a=0:1"], metric="correct", budget=61, trials=3)
-    assert abs(right.values["a"] - 0.6) < abs(0.1 - 0.6)
-    assert str(right).startswith("right (correct): tunable.py a=")
-    with pytest.raises(InputError, match="of correct, high is better"):
-        sc.tune(study, ["a=0:1"], metric="correct:low", budget=61)
-
-
 def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     study = study_of(tmp_path, "a = [0.1, 0.3], noise = 0.01", others=', "minimalistic"', accuracy=0.8, looks=3)
     found = sc.tune(study, ["a=0:1"], budget=37, trials=3, out=tmp_path / "t.toml")
@@ -295,54 +257,9 @@ def test_threads_do_not_matter_and_python_keeps_no_files(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["tunable.py"]
 
 
-def rows(path):
-    """The lines of a log, without the seconds."""
-    with path.open(newline="") as file:
-        return [row[:-1] for row in csv.reader(line for line in file if not line.startswith("#"))]
-
-
 @pytest.fixture
 def args(tmp_path):
     return study_of(tmp_path, "a = 0.1, noise = 0.1"), ["a=0:1", "idle=1:9:log"]
-
-
-@pytest.mark.long
-def test_search_is_resumed(args, tmp_path, monkeypatch):
-    whole = sc.tune(*args, budget=61, trials=2, out=tmp_path / "whole.toml")
-    lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
-    assert len(lines) == 3 + 61
-    for cut, torn in ((0, 9), (3, 9), (15, 9), (40, 0)):
-        (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]) + lines[cut][:torn])
-        again = sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml")
-        assert again.values == whole.values
-        assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
-    through = training.Training.run
-
-    def run(self, brains, seed, *others):
-        assert seed == seed_for(args[0].seed, "influence"), "was tried again"
-        return through(self, brains, seed, *others)
-
-    monkeypatch.setattr(training.Training, "run", run)
-    assert sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml").values == whole.values
-    assert sc.tune(*args, budget=37, trials=2, out=tmp_path / "cut.toml").values != whole.values  # less of the same
-
-
-def test_ctrl_c_keeps_the_candidates_that_were_through(args, tmp_path):
-    stops = [KeyboardInterrupt]
-
-    def stop(progress):
-        if progress.done >= 50 and stops:
-            raise stops.pop()
-
-    with pytest.raises(KeyboardInterrupt):
-        sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml", progress=stop)
-    kept = rows(tmp_path / "a.csv")
-    assert 20 <= len(kept) < 62
-    assert not (tmp_path / "a.toml").exists()
-    sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml")
-    sc.tune(*args, budget=61, trials=2, out=tmp_path / "b.toml")
-    assert rows(tmp_path / "a.csv") == rows(tmp_path / "b.csv")
-    assert kept == rows(tmp_path / "b.csv")[: len(kept)]
 
 
 def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path):
@@ -401,32 +318,3 @@ def test_values_that_change_nothing_are_no_finding(tmp_path):
     assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
     assert found.notes[0] == "idle changes nothing in final_error, and stays at 1"
     assert all(one in found.text and one in str(found) for one in found.notes)
-
-
-def test_of_two_values_that_stand_for_one_another_one_is_kept(tmp_path):
-    """1/2 + 0.7 z and 1/2 + 0.7 y are one estimate where z = y, and neither is there without the other's."""
-    study = study_of(tmp_path, "a = 0.1")
-    plan = plan_of(study, ["idle=0:10", "shift=0:1"], None, "final_error", budget_of(50), 2)
-    tried = []
-
-    class Either:
-        """A training in which it is enough that one of the two has changed."""
-
-        def run(self, brains, seed, keep, show):
-            for place, one in enumerate(brains):
-                changed = one.parameters["idle"] != 1.0 or one.parameters["shift"] != 0.0
-                tried.append(changed)
-                keep(place, np.full((1, 2), float(changed)))
-            return []
-
-    values, idle = reset_idle(plan, (5.0, 0.5), Either(), None)
-    assert values == (1.0, 0.5)
-    assert idle == ["idle"]
-    assert tried == [True, True, True, False, True, False]
-
-
-def test_a_search_that_is_refused_leaves_nothing(tmp_path):
-    study = study_of(tmp_path, "a = 0.1")
-    with pytest.raises(InputError, match=r"^budget=5: the brain as it is and one generation take 13 evaluations"):
-        sc.tune(study, ["a=0:1"], budget=5, out=tmp_path / "t.toml")
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["tunable.py"]

@@ -1,6 +1,5 @@
 """A search for the worst liar: it finds what is known to harm most, speaks of harm, and says what it cannot do."""
 
-import json
 import re
 import tomllib
 from pathlib import Path
@@ -135,18 +134,6 @@ def test_worst_lie_is_found_and_written(here, capsys):
     assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
 
 
-def test_python_and_json_hold_the_liar(here, capsys):
-    found = sc.tune("s.toml", ["at=0:1"], "heard.py", budget=13, trials=1, adversary="bump.py")
-    assert (found.brain.name, found.adversary.name, found.before.label) == ("heard.py", "bump.py", "bump.py at=0.2")
-    assert found.adversary.parameters == found.parameters == {"at": found.values["at"], "idle": 1.0}
-    assert found.verdict == "worse"
-    assert main([*TUNE, *AT, "--budget", "13", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert (told["brain"], told["adversary"], told["verdict"]) == ("heard.py", "bump.py", "worse")
-    assert told["values"] == found.values
-    assert told["worlds"] == [{"topology": "full"}, {"topology": "line"}]
-
-
 def test_a_liar_that_does_no_more_harm_is_told(here):
     Path("s.toml").write_text(STUDY.replace("at = 0.2", "at = 0.6"))
     found = sc.tune("s.toml", ["at=0.7:0.9"], "heard.py", budget=13, trials=1, adversary="bump.py")
@@ -173,18 +160,12 @@ MEMBERS = '[[members]]\nrobots = 1\nbrain = "bump.py"\nhonest = false\n'
         ("{file = \"bump.py\", at = 0.2}, ", "", [], "--adversary bump.py"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_is_said_in_one_sentence(old, new, changed, said, here, capsys):
+def test_what_cannot_be_is_one_sentence(old, new, changed, said, here, refused):
     Path("s.toml").write_text(STUDY.replace(old, new) if old else STUDY)
-    assert main([*TUNE, *AT, *changed]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
-    assert not Path("bump-worst.toml").exists()
+    assert said in refused(*TUNE, *AT, *changed)
 
 
-def test_of_several_brains_one_is_named(here, capsys):
-    command = [word for word in TUNE if word not in ("--brain", "heard.py")]
-    assert main([*command, *AT]) == 2
-    assert "--brain" in capsys.readouterr().err
+def test_of_several_brains_one_is_named(here, refused):
+    assert "--brain" in refused(*(word for word in TUNE if word not in ("--brain", "heard.py")), *AT)
     with pytest.raises(InputError, match=r"^adversary='bmp\.py': did you mean 'bump\.py'"):
         sc.tune("s.toml", ["at=0:1"], adversary="bmp.py")
