@@ -114,6 +114,11 @@ def test_status_and_verify(both):
     found, text = both("verify two.nc --all")
     assert (found["trials_checked"], found["differences"], found["labels"], found["seed"]) == (24, [], [], None)
     assert "24 of 24 trials run again: the same to the last bit" in text
+    data = sc.load("two.nc")
+    data["final_estimate"][2, 3, 1] = 0.125
+    sc.save(data, "bad.nc")
+    [one] = both("verify bad.nc --all")[0]["differences"]
+    assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
 
 
 def test_theory(both):
@@ -152,6 +157,9 @@ def test_lists(command, both):
 def test_quiet_says_nothing_but_answers_and_errors(results, said, tmp_path):
     assert said(f"run two.toml --out {tmp_path / 'q.nc'} --quiet") == (0, "", "")
     assert (tmp_path / "q.nc").is_file()
+    Path(results, "edge.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
+    assert "warning: " in said("run edge.toml")[2]
+    assert said("run edge.toml --fresh -q") == (0, "", "")
     assert said(f"merge two.nc {tmp_path / 'q.nc'} --out {tmp_path / 'm.nc'} -q") == (0, "", "")
     assert said(f"export two.nc --out {tmp_path / 'q.csv'} -q") == (0, "", "")
     assert said(f"new study {tmp_path / 'q.toml'} -q") == (0, "", "")
@@ -234,6 +242,14 @@ def test_a_reader_that_goes_away_is_no_error(results):
     done = subprocess.run([*SHELL, "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
     os.close(write)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
+def test_closed_streams_change_no_exit_code(results):
+    for words, code in (("studies >&-", 0), ("show none.nc 2>&-", 2), ("studies >&- 2>&-", 0)):
+        line = f"{' '.join(SHELL)} {words}"
+        done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
+        assert (done.returncode, done.stdout + done.stderr) == (code, ""), words
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")

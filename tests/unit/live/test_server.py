@@ -124,6 +124,15 @@ def test_pages_are_independent_of_each_other(served):
         assert frames(one, 5, 7) == first
 
 
+def test_too_much_at_once_closes_one_page_alone(served):
+    with talk(served) as other:
+        with contextlib.suppress(ConnectionClosed), talk(served) as page:
+            page.send("x" * 1_000_000)
+            with pytest.raises(ConnectionClosed):
+                page.recv(timeout=10)
+        ask(other, id=1, do="begin", ask={})
+
+
 @pytest.mark.long
 def test_fifty_pages(served):
     """All are answered, as each would be alone, and one more than there is room for is sent away."""

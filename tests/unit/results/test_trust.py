@@ -232,6 +232,18 @@ class TestTrialsThatAreHidden:
         assert [(d.setting, d.trial, d.stored) for d in found.differences] == [(2, 1, -1)]
 
 
+def test_half_a_trial_is_not_merged(files):
+    """As Ctrl-C may leave a trial without its local estimates."""
+    data = sc.load(files / "measures.nc")
+    kept = np.tile([True, False], (data.sizes["setting"], 1))
+    half = hidden(data, kept, ("local_convergence_step", "local_convergence_error"), trials_total=kept.size)
+    half.attrs["trials_done"] = int(kept.sum())
+    merged = sc.merge([half])
+    assert not (merged["convergence_round"].values[:, 1] >= 0).any()
+    assert merged.attrs["trials_done"] == kept.sum()
+    assert sc.verify(merged, 1.0).labels == []
+
+
 def test_a_round_trip_changes_no_type(files, tmp_path):
     data = sc.merge([sc.load(files / "kinds.nc")])
     sc.save(data, tmp_path / "x.nc")

@@ -107,3 +107,11 @@ def test_incomplete_results_are_marked(whole, capsys):
     sc.save(whole.isel(trial=slice(3)), "part.nc")
     assert main(["export", "part.nc"]) == 0
     assert capsys.readouterr().err == "part.nc: 72 of 144 trials done\n"
+
+
+def test_estimates_are_kept_in_all_trials_or_in_none():
+    kept = FIXED.replace("[10, 60]", "[10, 60]\nestimates = true")
+    for first, second, said in ((kept, FIXED, "holds estimates, which"), (FIXED, kept, "has no estimates, which")):
+        run(study(first), 2, out="a.nc", fresh=True)
+        with pytest.raises(InputError, match=f"{said} this study"):
+            run(study(second), out="a.nc")

@@ -161,6 +161,22 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
 
 
+def test_numbers_of_another_precision_are_named(tmp_path):
+    _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
+    for robot in swarm.robots:
+        robot.log.close()
+    for path in (tmp_path / "day").glob("*.log"):
+        path.unlink()
+    for robot in swarm.robots:  # logs say double
+        robot.log.single = False
+        robot.log.file = None
+        robot.record(robot.log)
+    swarm.run()
+    swarm.close()
+    _, lives = lived(tmp_path / "day")
+    assert all("the robot computed in single precision" in life.breaks[0].reason for life in lives)
+
+
 def test_another_brains_file_is_named(tmp_path):
     recorded(tmp_path / "day")
     source = (tmp_path / "day" / "brain.py").read_text()

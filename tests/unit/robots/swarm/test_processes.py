@@ -90,6 +90,13 @@ def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
     assert not programs(tmp_path)
 
 
+def test_a_partition_parts(tmp_path, capsys):
+    run(capsys, tmp_path / "out", "--topology", "full", "--fault", "0s partition 0-1")
+    for log in logs(tmp_path / "out"):
+        late = {message.sender // 2 for tick in log.ticks[10:] for message in tick.heard}
+        assert late == {log.number // 2}
+
+
 def test_crashed_robot_is_reported(tmp_path):
     process = started(tmp_path / "out", "--json", rounds=120)
     [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]

@@ -101,3 +101,11 @@ def test_stopped_robot_ends_with_the_command(tmp_path):
         os.write(parent.stdin.fileno(), b"\n")
         assert comes(lambda: not states())
         os.write(parent.stdin.fileno(), b"\n")
+
+
+def test_folders_in_use_are_refused(here, refused):
+    assert "--out .: this is the folder that you are in" in refused("swarm", "commons", "--out", ".")
+    (here / "mine").mkdir()
+    (here / "mine" / "notes").write_text("my notes")
+    assert "the folder mine is not empty, it holds 'notes'" in refused("swarm", "commons", "--out", "mine")
+    assert "is a file: name a new folder" in refused("swarm", "commons", "--out", "mine/notes")
