@@ -90,6 +90,7 @@ def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
     assert not programs(tmp_path)
 
 
+@pytest.mark.long
 def test_a_partition_parts(tmp_path, capsys):
     run(capsys, tmp_path / "out", "--topology", "full", "--fault", "0s partition 0-1")
     for log in logs(tmp_path / "out"):
