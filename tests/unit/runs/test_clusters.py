@@ -366,6 +366,13 @@ def test_another_edge_list_is_another_study(here, scheduler):
 
 
 @pytest.mark.long
+def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
+    rule = 'trials = {until = "convergence_error median +- 0.02", at_least = 10, at_most = 20}'
+    ruled = study(MOVING.replace("trials   = 3", rule))
+    assert same(run(ruled, cluster=scheduler), sc.run(ruled, jobs=2))
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_stopped_run_keeps_its_work_and_cancels_its_jobs(slurm, number):
     """The fixture sees that no job is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
