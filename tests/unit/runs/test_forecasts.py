@@ -92,14 +92,6 @@ def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
     assert not tried
 
 
-def test_on_a_cluster_the_prediction_is_told(tried, caplog):
-    made = study(trials=3)
-    (setting,) = made.settings()
-    (line,), _ = said(made, None, caplog)
-    assert f"{HEARD}{forecasts.duration_text(3 * seconds(setting))} of one core." in line
-    assert not tried
-
-
 def test_a_round_that_takes_long_itself_is_not_tried(tried, caplog):
     (line,), _ = said(study(rounds=10, swarm={"robots": 2_000_000_000}), 2, caplog)
     assert HEARD in line
