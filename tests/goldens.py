@@ -31,7 +31,7 @@ WHOLE = {
     "beyond/unknown-sensors": 2, "example/compare": 8, "example/floors": 2, "example/liars": 6, "example/recorded": 2,
 }  # fmt: skip  # studies whose exports and figures are written too, with how many trials each is run
 TRIALS = 2  # of the others
-KEYS = ("readings_key", "losses_key", "luck_keys", "floor_key", "walk_key")  # addresses of a setting's random numbers
+KEYS = ("readings_key", "losses_key", "draw_keys", "floor_key", "walk_key")  # addresses of a setting's random numbers
 TIMES = ("started", "finished", "wall_seconds", "cpu_seconds")  # attributes of a file
 VERSIONS = re.compile(r"\d+\.\d+\.\d+\S*|\d+(\.\d+)? (s|min|ms|MB|KB)\b|\d{4}-\d\d-\d\d[T ]\d\d:\d\d\S*")
 

@@ -11,10 +11,8 @@ import swarmcensus as sc
 from swarmcensus.analysis.comparing.showing import as_text
 from swarmcensus.analysis.comparing.verdicts import findings
 from swarmcensus.brains.library import TITLES
-from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.pareto import draw_pareto, front
-from swarmcensus.figures.kinds.ranks import draw_ranks
 from swarmcensus.results.labels import renamed
 from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.contending import made_up
@@ -116,16 +114,6 @@ def test_worlds_are_counted_by_what_they_differ_in(against):
     assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
 
 
-def test_number_of_worlds_is_printed(two, capsys):
-    words = ["compare", str(two), "--against", "legacy", "--by", "topology", "--by", "accuracy", "--limit", "3"]
-    assert main(words) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[1].split()[:4] == ["topology", "accuracy", "contender", "worlds"]
-    assert [line.split()[0] for line in lines[2:5]] == ["ring", "0.8", "full"]  # what is as above is not said again
-    assert f"3 of 4 rows; show all: swarmcensus {' '.join(words[:-2])} --limit 0" in lines
-    assert {*findings(sc.compare(two, against="legacy"))} < {*lines}
-
-
 @pytest.mark.parametrize("width", [60, 80, 200])
 def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, monkeypatch):
     monkeypatch.setenv(AS_TERMINAL, str(width))
@@ -197,11 +185,6 @@ def test_ranks_figure():
     assert 0 < apart.sum() < 12
 
 
-def test_who_was_not_in_all_worlds_has_no_rank():
-    with pytest.raises(sc.InputError, match="no world in which all contenders"):
-        draw_ranks(sc.compare(made_up().isel(setting=[0, 1, 4, 6])))
-
-
 def test_the_front_is_of_those_whom_none_beats_in_both():
     random = np.random.default_rng(1)
     for low in (True, False):
@@ -217,11 +200,6 @@ def test_the_front_is_of_those_whom_none_beats_in_both():
                     for o in range(6)
                 )
                 assert found[k] == (not beaten and not np.isnan(value[k]))
-
-
-def test_costs_that_differ_by_chance_are_the_same_on_the_front():
-    assert front(np.array([2408.1, 2408.3]), np.array([0.2, 0.1]), True).tolist() == [False, True]
-    assert front(np.array([2400.0, 2410.0]), np.array([0.2, 0.1]), True).tolist() == [True, True]
 
 
 def test_pareto_draws_each_world_with_its_front_and_intervals():
@@ -250,12 +228,3 @@ def test_pareto_marks_missing_events():
     many = sc.compare(made_up(worlds=[f"w{k}" for k in range(25)], trials=7), "final_error")
     with pytest.raises(sc.InputError, match="1 to 24 worlds, not 25"):
         draw_pareto(many)
-
-
-def test_comparison_in_one_world(capsys):
-    found = sc.compare(made_up(worlds=("ring",), gap=0.6))
-    compare_tables.show(found, "title", "swarmcensus compare x.nc", 40, True)
-    out = capsys.readouterr().out
-    assert out.splitlines()[2].startswith("contender ")
-    assert "final error: minimalistic is best; bayes-bots prior=1 is behind; " in out
-    assert "over all worlds" not in out

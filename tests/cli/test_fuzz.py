@@ -240,11 +240,8 @@ def test_spoiled_brains(canary, source):
 
 
 @fuzz(1500, st.lists(STATEMENT, max_size=4), st.booleans())
-@example(["X = 9**9**9"], False)
 @example(["X = 2**1000"] + ["X = X * X"] * 40, False)
-@example(["X = 'a' * 10**10"], False)
 @example(["X = ('a',)"] + ["X = (*X, *X)"] * 60, False)
-@example(["X = '%1000000000000d' % 1"], False)
 @example(["X = " + "(" * 5000 + ")" * 5000], False)
 @example(["X = " + "-" * 50_000 + "1"], False)
 @example(["X = " + "1+" * 50_000 + "1"], False)

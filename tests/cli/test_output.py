@@ -116,16 +116,6 @@ def test_status_and_verify(both):
     assert "24 of 24 trials run again: the same to the last bit" in text
 
 
-def test_verify_tells_what_differs(results, said, tmp_path):
-    data = sc.load(results / "two.nc")
-    data["final_estimate"][2, 3, 1] = 0.125
-    sc.save(data, tmp_path / "bad.nc")
-    code, out, _ = said(f"verify {tmp_path / 'bad.nc'} --all --json")
-    [one] = json.loads(out)["differences"]
-    assert code == 1
-    assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
-
-
 def test_theory(both):
     found, table = both("explain two.nc")
     assert [row["setting"] for row in found["settings"]] == [0, 1, 2, 3]
@@ -173,15 +163,6 @@ def test_quiet_says_nothing_but_answers_and_errors(results, said, tmp_path):
     assert out.startswith("mission: the shortest time")
     code, out, error = said("show none.nc -q")
     assert (code, out, error) == (2, "", "swarmcensus: results file none.nc: there is no such file\n")
-
-
-def test_quiet_leaves_warnings_out(said, results, tmp_path):
-    """Of a fill ratio on the edge of two bins; without --quiet it is there."""
-    (tmp_path / "w.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
-    loud = said(f"run {tmp_path / 'w.toml'} --out {tmp_path / 'w.nc'}")
-    quiet = said(f"run {tmp_path / 'w.toml'} --out {tmp_path / 'v.nc'} -q")
-    assert "warning: " in loud[2]
-    assert quiet == (0, "", "")
 
 
 def test_verbose_says_what_is_found_and_finished(said, tmp_path):

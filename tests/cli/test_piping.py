@@ -80,33 +80,6 @@ def test_compare_has_its_table_and_the_verdict_is_a_message(file, piped):
     assert piped("compare", file, "--quiet")[1] == ""
 
 
-def test_explain_says_as_a_message_what_it_can_explain(file, piped):
-    rows, error = piped("explain", file)
-    found = sc.explain(file).settings
-    assert [row["why"] for row in rows] == [row.why for row in found]
-    assert [float(row["measured"]) for row in rows] == [row.measured for row in found]
-    assert error.startswith("a verdict on theory can be given for none of these 4 settings; ")
-    rows, error = piped("explain", file, "--setting", "1")
-    assert [row["line"] for row in rows] == ["measured", *sc.explain(file, 1).theory]
-    assert "What limits it most is " in error
-
-
-def test_brains_and_adversaries_are_one_table(piped):
-    rows, error = piped("brains")
-    assert {row["kind"] for row in rows} == {"brain", "adversary"}
-    assert next(row for row in rows if row["name"] == "commons")["memory_bytes"] == "36"
-    assert error == ""
-    assert {row["kind"] for row in piped("list", "floors")[0]} == {"floors"}
-
-
-def test_a_plan_has_a_line_a_brain(piped):
-    words = ("--topology", "ring", "--robots", "6", "--accuracy", "0.9", "--half-width", "0.1", "--fill-ratio", "0.5")
-    rows, _ = piped("plan", *words, "--minutes", "0.5", "--brain", "minimalistic", "--trials", "40", "--quiet")
-    [row] = rows
-    assert (row["brain"], row["robots"], row["minutes"], row["trials"]) == ("minimalistic", "6", "0.5", "40")
-    assert 0.0 <= float(row["right_low"]) < float(row["right"]) <= 1.0
-
-
 def test_rows_lack_nothing_of_others_and_hold_no_tabs():
     lines = tsv([{"a": 1_000, "b": float("nan")}, {"b": True, "c": "x\ty\n", "d": {"k": [1, None]}}])
     assert [*lines] == ["a\tb\tc\td", "1000\t\t\t", "\ttrue\tx y\tk=1,"]

@@ -179,21 +179,6 @@ def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
     ]  # fmt: skip
 
 
-@pytest.mark.long
-def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long):
-    process = begun(*LONG, "--out", "cut.toml")
-    wait_for(process, 60)
-    process.send_signal(signal.SIGINT)
-    _, error = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert "kept finished evaluations in cut.csv: the same command continues" in error
-    assert "Traceback" not in error
-    assert not Path("cut.toml").exists()
-    kept = lines_of("cut.csv")
-    assert 60 <= len(kept) < 403
-    assert kept == lines_of("whole.csv")[: len(kept)]
-
-
 @pytest.mark.parametrize("where", ["tuning.new_search", "training.Training.compile"])
 def test_ctrl_c_before_the_first_evaluation(where, here, capsys, monkeypatch):
     def stop(*_):

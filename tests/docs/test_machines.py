@@ -59,11 +59,6 @@ def test_a_cell_tells_the_largest_difference(machines):
     assert machines.told("1 0 3f000000 00ff\n", "1 0 3f000000 01ff\n") == "messages differ"
 
 
-def test_tables_are_replaced(benchmark):
-    text = "a\n<!-- bits: python benchmarks/machines.py machines --write -->\nold\n<!-- end of bits -->\nb\n"
-    assert benchmark("harness").put(text, "bits", "new") == text.replace("\nold\n", "\n\nnew\n\n")
-
-
 @needs_micropython
 def test_micropython(machines):
     brain = load("commons").with_numbers(Numbers("double", "ratio16"))

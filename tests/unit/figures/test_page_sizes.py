@@ -2,7 +2,6 @@
 
 import itertools
 import re
-from pathlib import Path
 
 import matplotlib as mpl
 import matplotlib.style
@@ -16,7 +15,6 @@ from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.evaluation.paper.reproducing import reproduce
 from swarmcensus.figures.kinds import find
 from tests.support.contending import made_up
 
@@ -185,16 +183,6 @@ def test_styles_are_respected(draw, small_file, here):
 # ---- names of brains
 
 
-def test_brains_have_the_names_of_labels_else_their_titles(draw, capsys):
-    texts = " ".join(text for text, _ in shown(draw("pareto")))
-    assert "Minimalistic (paper)" in texts
-    assert "Bayes Bots prior=10" in texts
-    for kind in ("pareto", "ranks", "compare"):
-        written = " ".join(" ".join(text.split()) for text, _ in shown(draw(kind, labels={"bayes-bots": "Mine"})))
-        assert "Mine prior=1" in written
-        assert "ayes" not in written
-
-
 def test_labels_are_written_as_they_are(draw, tmp_path):
     labels = {"minimalistic": r"bad $\frac$ x", "bayes-bots": "voter and more", "voter": "census"}
     for kind in ("pareto", "compare"):
@@ -275,15 +263,6 @@ def test_equal_labels_of_two_brains():
     assert sc.compare(merged).grid.contenders == ["minimalistic", "legacy"]
 
 
-def test_a_study_without_a_name_is_called_by_its_file(here, capsys):
-    study = sc.Study.parse(MOVING.replace('name   = "moving"', ""))
-    sc.save(sc.run(study, jobs=1), "meadow.nc")
-    assert main(["show", "meadow.nc"]) == 0
-    assert capsys.readouterr().out.startswith("meadow.nc: meadow (seed 0")
-    assert main(["plot", "meadow.nc", "--kind", "curves", "--label", "minimalistic=Ours", "--out", "c.svg"]) == 0
-    assert ">meadow, setting 0, trial 0: Ours, moving, N = 6, D = 2, " in Path("c.svg").read_text()
-
-
 # ---- what figures say
 
 
@@ -313,11 +292,3 @@ def test_one_sided_interval_is_dotted(small_file, small_results, capsys):
     assert re.search(r"100\.0 +\[>= \d\d\.\d\]", out)
     assert "[>= x]: the same in all trials, so a lower end only" in out
     assert "(medians, pooled over 6 trials of 8 robots)" in out
-
-
-@pytest.mark.long
-def test_figures_of_the_paper_are_also_written_as_pdf(tmp_path):
-    done = reproduce(tmp_path, only="fig3", trials=1, pdf=True, say=lambda _: None)
-    [(_, paths)] = done.figures
-    assert [path.suffix for path in paths] == [".png", ".svg", ".pdf"]
-    assert 'href="figures/fig3.pdf"' in done.page.read_text()

@@ -7,7 +7,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
-from tests.support.browsing import at, come, playwright, pytestmark as marks, until
+from tests.support.browsing import come, playwright, pytestmark as marks, until
 from tests.support.watching import save
 
 pytestmark = marks
@@ -23,21 +23,6 @@ def test_it_opens_playing_with_curves(page, served):
     page.emulate_media(reduced_motion="reduce")
     come(page, served.address("setting=1"))
     until(page, "[state.drawn, state.playing]", [0, False])
-
-
-@pytest.mark.long
-def test_read_outs_follow_the_slider(page, served):
-    come(page, served.address("setting=1"), 0)
-    for tick in (120, 7):
-        page.locator("#moment").fill(str(tick))
-        at(page, tick)
-        legend = page.locator(".u-legend").first
-        playwright.expect(legend).to_contain_text(f"round{tick}fill ratio")
-        median = page.evaluate("state.frames.get(state.tick)[0].numbers[state.scenes[0].columns.indexOf('median')]")
-        playwright.expect(legend).to_contain_text(f"median{median:.4f}")
-        page.locator(".u-over").first.hover()
-        page.mouse.move(0, 0)  # and what the mouse pointed at is gone
-        playwright.expect(legend).to_contain_text(f"round{tick}fill ratio")
 
 
 @pytest.mark.long

@@ -33,24 +33,6 @@ def grown(shown, recording, share, before):
     until(shown, f"rounds() > {before}", True)
 
 
-def test_curves_of_a_growing_recording(watched):
-    shown, _ = watched
-    newest(shown)
-    room, missing, value = shown.evaluate(
-        """(() => {
-            const scene = { ...state.scenes[0], rounds: 2500 };
-            const charts = new Charts(document.createElement("div"), [scene], () => {}, true);
-            const numbers = (tick) => scene.columns.map(() => tick);
-            for (let tick = 0; tick <= 2500; tick++) charts.histories[0].put({ tick, numbers: numbers(tick) });
-            scene.rounds = 2501;
-            charts.grow(2501);
-            const [history] = charts.histories;
-            return [history.room, history.missing(2501), history.of("mean")[history.at(2400)]];
-        })()"""
-    )
-    assert (room, missing, value) == (4500, None, 2400)
-
-
 @pytest.mark.parametrize("size", [(1280, 900), (390, 844)])
 def test_it_follows_is_wound_back_and_is_told_of_the_end(watched, size):
     shown, recording = watched

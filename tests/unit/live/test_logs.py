@@ -20,7 +20,6 @@ from swarmcensus.live.simulated import Simulated
 from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive_all
-from swarmcensus.robots.logs.others import under
 from swarmcensus.robots.logs.traces import as_logged, estimates_of
 from tests.support.relived import SEED, logged, setting_of, told
 from tests.support.watching import parsed
@@ -103,18 +102,6 @@ def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
     assert set(gone["fields"].values()) == {None}
     assert "looks" not in gone
     json.dumps(gone, allow_nan=False)
-
-
-def test_the_same_day_under_another_brain_is_beside_it(recording):
-    [mine, other] = show_of(recording, {"beside": "voter"})
-    known = read_recording(recording)
-    lived = under(known, brains.load("voter"), keep=True)
-    x = estimates_of(known, lived, Clock(known.members))
-    ticks = list(range(ROUNDS + 1))
-    np.testing.assert_allclose(parsed(other.frames(ticks))["layers"][:, 0] / 65_534, x, atol=1 / 65_534)
-    assert parsed(other.frames([ROUNDS]))["numbers"][0][COLUMNS.index("heard")] == sum(lived.heard.values())
-    assert mine.setting.brain.label == "commons"
-    assert robot_of(other, 20, 1)["brain"] == "voter"
 
 
 def test_fixed_controls_and_frames(recording):

@@ -108,35 +108,6 @@ def test_a_robot_is_clicked(page, served):
 
 
 @pytest.mark.long
-def test_zoom_and_drag(page, served):
-    come(page, served.address("setting=1&tick=1"), 1)
-    page.locator("#stages .stage").scroll_into_view_if_needed()
-    box = page.locator("#stages .stage").bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + 0.04 * box["width"]  # the first of the ring
-    page.mouse.move(x, y)
-    for _ in range(8):
-        page.mouse.wheel(0, -100)
-    page.mouse.down()
-    page.mouse.move(x + 60, y + 90, steps=4)
-    page.mouse.up()
-    assert page.input_value("#which") == ""  # to drag is not to choose
-    page.mouse.click(x, y)
-    assert page.input_value("#which") == ""  # it is no longer there
-    page.mouse.click(x + 60, y + 90)
-    told(page, 0, 1)
-    page.keyboard.press("0")
-    page.keyboard.press("n")
-    for key in "+++wwadsd":
-        page.keyboard.press(key)
-    seen = page.evaluate("[state.view.zoom, ...state.view.centre]")
-    assert seen == pytest.approx([1.4**3, 0.5 + 0.2 / 1.4**3, 0.5 - 0.2 / 1.4**3])
-    page.keyboard.press("0")
-    until(page, "state.stages[0].konva.scaleX() === state.stages[0].size", True)
-    page.mouse.click(x, y)
-    assert page.input_value("#which") == "0"
-
-
-@pytest.mark.long
 def test_changes_accumulate_and_refusals_do_not(page, served):
     come(page, served.address(), 0)
     page.evaluate(f"{{ {PUT} put('robots', '20'); put('accuracy', '0.9'); put('trial', '2'); }}")
@@ -147,43 +118,6 @@ def test_changes_accumulate_and_refusals_do_not(page, served):
     until(page, "[state.preparing, state.scenes[0].robots, state.frames.get(0)?.[0].estimates.length]", [False, 30, 30])
     assert page.inner_text("#title").endswith("trial 2")
     assert page.input_value("#control-accuracy") == "0.9"
-
-
-@pytest.mark.long
-def test_who_types_on_is_not_interrupted(page, served):
-    come(page, served.address(), 0)
-    page.focus("#control-robots")
-    page.keyboard.type("21")
-    page.fill("#control-robots", "21")
-    page.keyboard.press("Tab")
-    page.keyboard.press("Control+a")
-    page.keyboard.type("0.8125", delay=150)
-    until(page, "state.scenes[0].robots", 21)
-    assert page.input_value("#control-accuracy") == "0.8125"
-    assert page.evaluate("document.activeElement.id") == "control-accuracy"
-
-
-@pytest.mark.long
-def test_old_curves_and_swarms_are_let_go(page, served):
-    """Each change makes new ones."""
-    session = page.context.new_cdp_session(page)
-    session.send("Performance.enable")
-
-    def listeners():
-        session.send("HeapProfiler.collectGarbage")
-        told = session.send("Performance.getMetrics")["metrics"]
-        return next(one["value"] for one in told if one["name"] == "JSEventListeners")
-
-    def change(trials):
-        for trial in trials:
-            page.evaluate(f"change('trial', '{trial}')")
-            until(page, "[state.preparing, state.form.now.trial, state.drawn]", [False, str(trial), 0])
-            page.keyboard.press("l")
-        return listeners()
-
-    come(page, served.address("setting=1"), 0)
-    before = change(range(1, 5))  # a set has 30 or more, and the last few sets may be there for a while
-    assert change(range(5, 21)) < before + 8 * 30
 
 
 @pytest.mark.long

@@ -13,7 +13,6 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from swarmcensus.cli.commands import main
 from tests.support.watching import ask, programs, talk
 
 pytestmark = [
@@ -95,9 +94,7 @@ def test_the_page_goes_on_after_the_end_until_ctrl_c(started, tmp_path):
     assert len(json.loads(output)["estimates"]) == 4
 
 
-def test_what_does_not_go_together_is_told_in_a_sentence(tmp_path, monkeypatch, capsys):
-    """And nothing is started or written."""
-    monkeypatch.chdir(tmp_path)
+def test_what_does_not_go_together_starts_nothing(refused, monkeypatch):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -108,13 +105,6 @@ def test_what_does_not_go_together_is_told_in_a_sentence(tmp_path, monkeypatch, 
             (["--watch", "--port", port], f"port {port}: Address already in use; without --port any free one is taken"),
             (["--watch", "--port", "70000"], "should be a port, from 1 to 65535, or 0 for a free one"),
         ):
-            try:
-                status = main(["swarm", "commons", *arguments])
-            except SystemExit as end:
-                status = end.code
-            assert status == 2
-            assert says in capsys.readouterr().err
+            assert says in refused("swarm", "commons", *arguments)
     monkeypatch.setitem(sys.modules, "uvicorn", None)
-    assert main(["swarm", "commons", "--watch"]) == 2
-    assert "watch needs uvicorn: pip install 'swarmcensus[watch]'" in capsys.readouterr().err
-    assert not list(tmp_path.iterdir())
+    assert "watch needs uvicorn: pip install 'swarmcensus[watch]'" in refused("swarm", "commons", "--watch")

@@ -50,14 +50,6 @@ def test_interval_of_a_median_is_the_sign_tests():
     assert estimate(values[values[:, 0] < 8], "median") == (3.5, 0.0, 7.0)
 
 
-@pytest.mark.parametrize("statistic", ["median", "mean"])
-def test_robots_that_repeat_one_another_add_no_certainty(statistic):
-    alone = estimate(NORMAL[:, :1], statistic)
-    assert estimate(np.repeat(NORMAL[:, :1], 50, axis=1), statistic) == pytest.approx(alone, rel=1e-9)
-    right = NORMAL[:, :1] > -1
-    assert estimate(np.repeat(right, 50, axis=1), "mean", share=True) == estimate(right, "mean", share=True)
-
-
 @pytest.mark.parametrize("trials", [6, 30, 1000])
 @pytest.mark.parametrize("value", [0.0, 0.1, 1 / 3, 1.0, 17.0, -1 / 3])
 def test_interval_of_equal_trials(value, trials):
@@ -70,14 +62,6 @@ def test_interval_of_equal_trials(value, trials):
     if 0.0 <= value <= 1.0:
         _, low, high = estimate(values, "mean", share=True)
         assert high - low > 1 / trials
-
-
-def test_rounding_is_no_spread():
-    robots = np.array([0.1, 0.2, 0.3, 0.7, 1e-3, 0.123])
-    values = np.array([np.random.default_rng(k).permutation(robots) for k in range(40)])
-    assert np.ptp(values.mean(axis=1)) > 0  # sums in another order
-    _, low, high = estimate(values, "mean")
-    assert high - low > 0.1
 
 
 def test_what_is_missing_or_too_little_has_no_interval():

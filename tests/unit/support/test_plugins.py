@@ -186,10 +186,6 @@ def test_shipped_floors(installed, done):
         assert (black[:, period:] != black[:, :-period]).mean() < 1e-3
         assert (black != sampling.ground(by[name], 5, 1).all_tiles()).any()
     assert abs(sampling.ground(by["dots"], 5, 0).true_fill_ratio - 0.45) < 5 * math.sqrt(0.25 / 180**2)
-    found = sc.load(done / "moving.nc")["true_fill_ratio"].values
-    assert (
-        found == [[sampling.ground(s, 5, trial).true_fill_ratio for trial in (0, 1)] for s in study.settings()]
-    ).all()
 
 
 def test_a_spread_has_its_distribution(installed):
@@ -197,26 +193,19 @@ def test_a_spread_has_its_distribution(installed):
     settings = sc.Study.parse(FIXED.replace("robots = 30", "robots = 60")).settings()
     b, w, _, _ = sampling.accuracies(settings[0], 5, 0, 50)
     assert (b == w).all()
-    assert abs(b.mean() - 0.8) < 5 * stats.beta(8, 2).std() / math.sqrt(b.size)
     assert stats.kstest(b.ravel(), stats.beta(8, 2).cdf).pvalue > 1e-3
-    b, w, told_b, _ = sampling.accuracies(
-        next(s for s in settings if s.accuracy.white and s.assumed_accuracy.form != 0.8), 5, 0, 50
-    )
+    mixed = next(s for s in settings if s.accuracy.white and s.assumed_accuracy.form != 0.8)
+    b, w, believed, _ = sampling.accuracies(mixed, 5, 0, 50)
     assert (b == 0.9).all()
     assert stats.kstest(w.ravel(), stats.beta(5, 1).cdf).pvalue > 1e-3
-    error = told_b - b
-    low = error < 0.0999  # the rest is cut off at 1
-    assert abs(low.mean() - stats.beta(1, 9).cdf(0.0999)) < 5 * math.sqrt(0.25 / error.size)
-    assert (sampling.accuracies(settings[0], 5, 7, 1)[0] == sampling.accuracies(settings[0], 5, 0, 50)[0][7]).all()
+    low = believed - b < 0.0999  # the rest is cut off at 1
+    assert abs(low.mean() - stats.beta(1, 9).cdf(0.0999)) < 5 * math.sqrt(0.25 / low.size)
 
 
-@in_two_sizes("step", 5, 1)
-def test_trials_are_replayed_bit_for_bit(installed, done, step):
-    for name in ("fixed", "moving"):
-        results = sc.load(done / f"{name}.nc")
-        for k in range(0, results.sizes["setting"], step):
-            trace = sc.replay(done / f"{name}.nc", k, 1)
-            assert (trace["estimate"].values[-1] == results["final_estimate"].values[k, 1]).all()
+@in_two_sizes("share", 0.01, 1.0)
+def test_trials_are_verified_bit_for_bit(installed, done, share):
+    for name in ("fixed", "moving", "measured"):
+        assert sc.verify(done / f"{name}.nc", share).differences == []
 
 
 @pytest.mark.long
@@ -385,7 +374,6 @@ def test_a_brain_and_a_metric_do_what_their_files_say(installed, done):
     for setting in (0, 1):
         curves = sc.replay(results, setting, 2)["estimate"].values[1:]
         assert (results["lowest"].values[setting, 2] == curves.min(axis=0)).all()
-    assert sc.verify(results, 1.0).differences == []
 
 
 def test_figure_of_a_package_is_drawn_from_python_and_a_shell(installed, done):
@@ -418,40 +406,19 @@ def test_faults_of_a_plugin_figure(kind, said, installed, done, refused):
     assert said in refused("plot", done / "measured.nc", "--kind", *kind.split())
 
 
-@pytest.mark.parametrize(
-    ("before", "after", "said"),
-    [
-        ('"lowest"', '"lowst"', 'measure.metrics[0] = "lowst"'),
-        ('"stubborn"', '"stuborn"', 'swarm.brain[1] = "stuborn"'),
-    ],
-)
-def test_a_name_that_is_misspelled_is_told(before, after, said, installed, refused):
-    Path("s.toml").write_text(MEASURED.replace(before, after))
-    assert said in refused("run", "s.toml")
-
-
 # ---- adversaries
 
 
 @pytest.mark.long
-def test_plugin_adversary(installed, tmp_path):
+def test_plugin_adversary(installed, monkeypatch):
     study = sc.Study(
         trials=2, swarm={"robots": 6, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.55},
         schedule={"rounds": 5}, members=[{"robots": 2, "brain": "grey", "honest": False}],
     )  # fmt: skip
-    data = sc.run(study, jobs=1, out=tmp_path / "a.nc")
+    data = sc.run(study, jobs=1)
     assert data["adversary"].values.tolist() == ["grey"]
     assert json.loads(data.attrs["additions"])["adversary grey"]["package"] == "meadow"
     assert sc.verify(data, 1.0).differences == []
-    path = installed / "meadow" / "grey.py"
-    before = path.read_text()
-    try:
-        path.write_text(before.replace("0.5", "0.6"))
-        adversary.PLUGINS.imported_hashes.clear()
-        with pytest.raises(sc.InputError, match="adversary 'grey': its source has changed since"):
-            sc.replay(data, 0, 0)
-    finally:
-        path.write_text(before)
 
 
 # ---- targets
