@@ -1,6 +1,5 @@
 """How much commands say: one JSON document, nothing but answers, or all that goes on."""
 
-import argparse
 import contextlib
 import io
 import json
@@ -79,16 +78,6 @@ def test_numbers_that_json_lacks_are_words():
         "a": ["infinity", "-infinity", None, -2.0],
         "b": "-infinity",
     }
-
-
-def test_every_command_has_the_same_options_of_what_it_says():
-    """And --json those that print a table; what a person may type is told by --help."""
-    top = commands.parser()
-    [listed] = (action for action in top._actions if isinstance(action, argparse._SubParsersAction))
-    for name, one in listed.choices.items():
-        has = set(one._option_string_actions)
-        assert {"--quiet", "-q", "--verbose", "-v"} <= has
-        assert ("--json" in has) == commands.commands()[name].json
 
 
 def test_run_and_show_tell_the_same_summary(both):

@@ -110,32 +110,19 @@ def test_faults_of_film_options_come_first(here, refused, monkeypatch):
         assert said in refused("plot", "m.nc", "--kind", "film", *options.split())
 
 
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize(
-    ("command", "where"),
-    [
-        (["plot", "FILE", "--kind", "curves", "--out", "x.png"], (replaying, "estimates")),
-        (["replay", "FILE", "--setting", "0", "--trial", "0"], (replaying, "replay")),
-        (["infer", "obs.csv", "--accuracy", "0.8"], (inferring, "infer")),
-    ],
-)
-def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, capsys, monkeypatch):
-    (here / "obs.csv").write_text("1,1\n0,1\n")
-    true = getattr(*where)
-
+def test_who_waits_for_the_compiler_knows_it(small_file, here, capsys, monkeypatch):
     def compiles(*arguments: object) -> xr.Dataset:
         numba.njit(lambda x: x)(1)
-        return true(*arguments)
+        return replay(*arguments)
 
-    command = [str(small_file) if word == "FILE" else word for word in command]
+    replay, command = replaying.replay, ["replay", str(small_file), "--setting", "0", "--trial", "0"]
     assert main(command) == 0  # compiles, or finds it on disk
     capsys.readouterr()
     assert main(command) == 0
     assert "compiling" not in capsys.readouterr().err
-    monkeypatch.setattr(*where, compiles)
+    monkeypatch.setattr(replaying, "replay", compiles)
     assert main(command) == 0
-    what = "recorded data" if command[0] == "infer" else "replay"
-    assert capsys.readouterr().err == f"compiling what {what} needs for minimalistic, once on this machine\n"
+    assert capsys.readouterr().err == "compiling what replay needs for minimalistic, once on this machine\n"
 
 
 @pytest.mark.parametrize(

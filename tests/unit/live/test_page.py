@@ -1,17 +1,14 @@
 """The live page in a real browser: it plays, is wound to and fro, tells what `replay` does, and is exported."""
 
 import dataclasses
-import functools
 import re
 import time
 
 import numpy as np
 import pytest
-import uvicorn
 
 import swarmcensus as sc
 from swarmcensus.live import server
-from swarmcensus.live.compilations import COMPILATIONS
 from swarmcensus.live.exporting import export
 from swarmcensus.live.offers import offer_of, wanted
 from swarmcensus.live.server import listen, serving
@@ -172,33 +169,6 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
     page.keyboard.press("Home")
     come(page, served.address("robots=many"))
     playwright.expect(page.locator("#error")).to_contain_text("robots = many: should be a whole number")
-
-
-@pytest.mark.long
-def test_quick_changes_during_a_computation(page, folder, monkeypatch):
-    """The server wants a sign of life five times a second, in place of every 20; what is compiled is said meanwhile."""
-    often = functools.partial(uvicorn.Config, ws_ping_interval=0.2, ws_ping_timeout=0.2)
-    monkeypatch.setattr(uvicorn, "Config", often)
-    answer = Session.answer
-
-    def long(session, words):
-        monkeypatch.setattr(COMPILATIONS, "now", "commons for fixed networks")
-        time.sleep(1.5)
-        monkeypatch.setattr(COMPILATIONS, "now", "")
-        return answer(session, words)
-
-    with serving(made := listen(offer_of(folder / "study.toml"))):
-        come(page, made.address("setting=1"), 0)
-        monkeypatch.setattr(Session, "answer", long)
-        page.keyboard.press("End")  # a moment is asked for, and then another trial, and another
-        page.wait_for_timeout(100)
-        page.evaluate("change('trial', '1')")
-        page.wait_for_timeout(100)
-        page.evaluate("change('trial', '2')")
-        playwright.expect(page.locator("#waiting")).to_contain_text("Compiling commons for fixed networks")
-        until(page, "[state.preparing, state.form.now.trial, state.source.tries]", [False, "2", 0])
-        assert page.locator("#error").is_hidden()
-        page.goto("about:blank")  # a page whose server goes would say so
 
 
 @pytest.mark.long
