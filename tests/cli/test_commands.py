@@ -95,14 +95,6 @@ def test_a_brain_that_conforms_is_said_to(here, capsys, untraced_processes):
     assert "mine.py: conforms" in capsys.readouterr().out
 
 
-def test_a_list_of_ours_alone_does_not_say_whose_they_are(capsys):
-    assert main(["list", "topologies"]) == 0
-    head, *rows = capsys.readouterr().out.splitlines()
-    assert head.split() == ["topologies", "keys", "what", "it", "is"]
-    assert len(rows) == 5
-    assert not any("swarmcensus" in row for row in rows)
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [

@@ -10,7 +10,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.live import server
 from swarmcensus.live.exporting import export
-from swarmcensus.live.offers import offer_of, wanted
+from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.worlds.bodies import Body
@@ -269,19 +269,3 @@ def test_nothing_sticks_out_sideways(page, served, width):
     told(page, 1, 20)
     time.sleep(0.3)
     assert page.locator("html").evaluate("root => root.scrollWidth") <= width
-
-
-def test_each_control_has_a_name_and_is_reached_by_keys(page, served):
-    come(page, served.address(), 0)
-    names = page.locator("button, input, select").evaluate_all(
-        "all => all.map(one => one.ariaLabel || one.textContent.trim() || (one.labels[0] || {}).textContent || '')"
-    )
-    assert all(names)
-    count = page.locator("button:enabled, input:enabled, select:enabled").count()
-    seen = set()
-    page.keyboard.press("Tab")
-    for _ in range(count + 20):
-        seen.add(page.evaluate_handle("document.activeElement").get_property("id").json_value())
-        page.keyboard.press("Tab")
-    assert {"play", "speed", "moment", "control-brain", "control-seed", "which", "follow", "copy"} <= seen
-    assert wanted(served.offer, {}).settings

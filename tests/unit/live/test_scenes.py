@@ -182,23 +182,6 @@ def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
                 assert robot_of(show, tick, robot)["blacks"] == trace["blacks"].values[tick, robot]
 
 
-@pytest.mark.interpreted
-def test_after_a_failure_it_fails_again(tmp_path):
-    """And does not go on from what a brain left half-way."""
-    fuse = "def fuse(me):"
-    text = brains.load("minimalistic").source.replace(fuse, f"{fuse}\n    me.t *= (500.0 - me.t) / (500.0 - me.t)")
-    (tmp_path / "fails.py").write_text(text)
-    study = sc.Study(
-        trials=1, swarm={"robots": 5, "accuracy": 0.7, "brain": str(tmp_path / "fails.py")},
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 100},
-    )  # fmt: skip
-    session = Session(offer_of(study))
-    session.answer('{"do": "begin", "ask": {}}')
-    for _ in range(4):
-        [answer] = session.answer('{"do": "frames", "from": 60, "step": 1, "count": 1}')
-        assert "fails in trial 0" in answer["error"]
-
-
 def test_what_cannot_be_watched_is_told(small_results):
     for chosen in ([], 2):
         with pytest.raises(InputError, match="no setting"):
@@ -334,13 +317,3 @@ def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
     assert scene["crowd"] == crowd
     apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2) + 9.0 * np.eye(len(places))
     assert crowd or scene["room"] == pytest.approx(np.median(apart.min(axis=1)), abs=1e-5)
-
-
-def test_a_brain_beside_has_the_number_formats_of_the_swarm():
-    study = sc.Study(
-        trials=1, swarm={"robots": 5, "accuracy": 0.7, "precision": "single"},
-        world={"topology": "ring", "fill_ratio": 0.5, "message": "ratio16"},
-    )  # fmt: skip
-    first, beside = wanted(offer_of(study), {"beside": "commons"}).settings
-    assert first.brain.numbers == beside.brain.numbers
-    assert beside.message == "ratio16"

@@ -1,6 +1,5 @@
 """The server of the live page: who is let in, what a stranger gets, and how it bears many pages and nonsense."""
 
-import concurrent.futures
 import contextlib
 import functools
 import http.client
@@ -23,7 +22,7 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.live import server, sessions
 from swarmcensus.live.offers import offer_of
-from swarmcensus.live.server import MOST_PAGES, listen, serving
+from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import Show
 from swarmcensus.support.errors import InputError
@@ -124,27 +123,6 @@ def test_pages_are_independent_of_each_other(served):
         assert frames(one, 5, 7) == first
 
 
-@pytest.mark.long
-def test_fifty_pages(served):
-    """All are answered, as each would be alone, and one more than there is room for is sent away."""
-    with talk(served) as page:
-        ask(page, id=1, do="begin", ask={})
-        alone = frames(page, 0, 400, 100)
-    with contextlib.ExitStack() as stack:
-        pages = [stack.enter_context(talk(served)) for _ in range(50)]
-
-        def one(page):
-            ask(page, id=1, do="begin", ask={})
-            return frames(page, 0, 400, 100)
-
-        with concurrent.futures.ThreadPoolExecutor(50) as pool:
-            assert all(answer == alone for answer in pool.map(one, pages))
-        more = [stack.enter_context(talk(served)) for _ in range(MOST_PAGES - 50)]
-        assert len(more) == MOST_PAGES - 50
-        with pytest.raises(InvalidStatus, match="403"):
-            talk(served)
-
-
 @pytest.fixture
 def hasty(monkeypatch):
     """A server that wants a sign of life of its pages every fifth of a second, in place of 20 seconds."""
@@ -230,15 +208,6 @@ def test_random_bytes_on_every_route(served, requests, pages):
                 page.send(said if chance.random() < 0.5 else said.decode("latin-1"))
                 assert "error" in json.loads(page.recv(timeout=10))
     assert get(served, f"/?token={served.token}")[0] == 200
-
-
-def test_who_comes_early_waits():
-    made = listen(offer_of(None))
-    connection = http.client.HTTPConnection("127.0.0.1", made.port, timeout=10)
-    with contextlib.closing(connection):
-        connection.request("GET", f"/?token={made.token}")
-        with serving(made), connection.getresponse() as answer:
-            assert answer.status == 200
 
 
 def test_a_port_that_is_taken_is_told(served):
