@@ -10,16 +10,10 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 
 MOVING = """
-trials = 1
-[swarm]
-robots   = 4
-accuracy = 0.7
-[world]
-topology   = "moving"
-density    = 1
-fill_ratio = 0.3
-[schedule]
-ticks = 40
+trials   = 1
+swarm    = {robots = 4, accuracy = 0.7}
+world    = {topology = "moving", density = 1, fill_ratio = 0.3}
+schedule = {ticks = 40}
 """
 
 

@@ -8,8 +8,6 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.simulation import sampling
-from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 
 SWITCH = {"from": 0.9, "to": 0.2, "at": 13}
@@ -78,37 +76,3 @@ def test_a_count_of_a_round_is_binomial(change, accuracy):
         pooled = [np.append(v[~rare], v[rare].sum()) for v in (found, expected)]
         pooled = [v[pooled[1] > 0] for v in pooled]
         assert stats.chisquare(*pooled).pvalue > WORST / len(rounds), k
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(("change", "accuracy"), CASES[:2], ids=["switch", "drifts"])
-def test_what_moving_robots_meet_and_read_follows_the_tick(change, accuracy):
-    """Tiles by the fill ratio and readings by the accuracy of the tick: binomial p-values, error rate 0.1 % each.
-
-    Tiles are half as wide as a robot goes in a tick, and a trial's arena has ten thousand of them: readings of a tick
-    are of different tiles but for a few, and trials have floors of their own.
-    """
-    setting = setting_of(change, accuracy, topology="moving", density=2.0, body={"tile": 0.007})
-    looks, blacks, right = np.zeros((3, ROUNDS + 1))
-    for trial in range(100):
-        ride = record_ride(setting, 17, trial)
-        looks += ride.looked.sum(axis=1)
-        blacks += ((ride.colours == 1.0) & ride.looked).sum(axis=1)
-        right += ((ride.colours == ride.readings) & ride.looked).sum(axis=1)
-    assert looks[1:].min() > 800
-    for k in range(1, ROUNDS + 1):
-        assert stats.binomtest(int(blacks[k]), int(looks[k]), of_rounds(change, k)).pvalue > WORST / ROUNDS, k
-        assert stats.binomtest(int(right[k]), int(looks[k]), of_sensors(accuracy, k)[0]).pvalue > WORST / ROUNDS, k
-
-
-def test_no_more_tiles_turn_than_need_be():
-    """From 0.3 to 0.8 half of all tiles turn, each once and from white: a binomial p-value, error rate 0.1 %."""
-    change = {"from": 0.3, "to": 0.8, "at": 5, "until": 20}
-    ground = sampling.ground(setting_of(change, 0.9, topology="moving", density=2.0), 17, 0)
-    tiles, turns = ground.all_tiles().astype(bool), ground.turns()
-    turned = turns <= ROUNDS
-    assert not (tiles & turned).any()
-    assert stats.binomtest(int(turned.sum()), tiles.size, 0.5).pvalue > WORST
-    when = np.bincount(turns[turned], minlength=21)
-    assert when[:5].sum() == 0
-    assert stats.chisquare(when[5:21]).pvalue > WORST

@@ -71,19 +71,6 @@ def test_false_alarms_of_equal_contenders(kind, shape):
         assert uncorrected > MOST  # the test would notice if nothing were corrected
 
 
-@pytest.mark.long
-def test_equal_contenders_beside_a_different_one():
-    random, alarms, seen = np.random.default_rng(8), 0, 0
-    for _ in range(TABLES):
-        numbers = table(random, "continuous", (1, 2, 4, 12))
-        numbers[:, :, 0] *= 9
-        [one] = judged(numbers)
-        alarms += bool(one.apart[:, 3:].any() or one.duels_apart[3:].any())  # pairs without the first
-        seen += bool(one.apart[:, :3].any())
-    assert alarms <= MOST
-    assert seen > 0.9 * TABLES
-
-
 def power(off, trials, tables=20_000):
     """The share of tables of two contenders in one world, and one measure, in which they are told apart.
 
@@ -117,19 +104,6 @@ def test_power_is_near_that_of_the_paired_t_test(off, trials):
     centre = off * math.sqrt(trials * 3 / math.pi)
     expected = stats.nct.sf(beyond, freedom, centre) + stats.nct.cdf(-beyond, freedom, centre)
     assert power(off, trials) == pytest.approx(expected, abs=0.03)
-
-
-def test_pairing_is_what_tells_contenders_apart():
-    """Trials differ far more than contenders: if they were not paired by trial, nothing would be seen."""
-    random, paired, shuffled = np.random.default_rng(10), 0, 0
-    for _ in range(200):
-        numbers = 5 * random.normal(size=(1, 1, 1, 20)) + random.normal(scale=math.sqrt(0.5), size=(1, 1, 2, 20))
-        numbers[:, :, 0] += 1
-        paired += told_apart(judged(numbers))
-        numbers[:, :, 1] = random.permutation(numbers[:, :, 1], axis=-1)
-        shuffled += told_apart(judged(numbers))
-    assert paired > 190
-    assert shuffled < 30
 
 
 DRAWN = {

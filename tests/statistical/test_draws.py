@@ -50,13 +50,6 @@ def test_uniform_between_zero_and_one(trials):
     assert uniform([trials[0][0][name] for name in OURS]) > P
 
 
-def test_uniform_in_its_last_bits_too(trials):
-    """The 52 bits of each number after the first ten: as uniform as the number; 0.03 %."""
-    for name in OURS:
-        rest = trials[0][0][name] * 1024.0 % 1.0
-        assert uniform(rest) > P
-
-
 def test_calls_of_a_round_are_independent(trials):
     """Of one robot observe, receive and fuse; 0.03 %."""
     for one, other in combinations(OURS, 2):

@@ -86,17 +86,6 @@ def measure(trial):
     ]  # fmt: skip
 
 
-def test_avoidance_keeps_robots_from_touching():
-    """So that how bodies collide cannot matter to what is measured below; one run."""
-    body = Body(speed=0.10)
-    side = arena.side(ROBOTS, 1.0, body)
-    for chunk in Walk(ROBOTS, side, body, address(1, "walk"), 0, np.zeros(1, np.uint8), poses=True).chunks(TICKS):
-        xy = chunk.poses[..., :2]
-        assert np.abs(xy).max() < side / 2 - body.radius - 1e-4
-        for i in range(1, ROBOTS):
-            assert np.hypot(*(xy[:, :i] - xy[:, i : i + 1]).transpose(2, 0, 1)).min() > 2 * body.radius + 1e-4
-
-
 @pytest.fixture(scope="module")
 def found():
     return dict(zip(MEASURED, np.transpose([measure(trial) for trial in range(TRIALS)]), strict=True))

@@ -105,22 +105,3 @@ def test_heterogeneous_robots_are_weighed_by_their_information():
     p = b * 0.55 + (1 - b) * 0.45
     information = (2000 * (2 * b - 1) ** 2 / (p * (1 - p))).sum(axis=1)
     assert stats.kstest((estimates - 0.55) * np.sqrt(information), "norm").pvalue > 1e-3
-
-
-@pytest.mark.parametrize("world", [{"topology": "full"}, {"topology": "ring"}, {"topology": "moving", "side": 0.6}])
-def test_messages_are_lost_independently_each_way(world):
-    """Of two robots in reach: both, either or none heard, all four alike; chi-square, 0.1 % level, fixed seed."""
-    moving = world["topology"] == "moving"
-    body = {"body": {"message_delay": 0}} if moving else {}
-    made = sc.Study(
-        seed=31, trials=1, swarm={"robots": 2, "accuracy": 0.7},
-        world={"fill_ratio": 0.5, "link_success": 0.5, **world, **body},
-        schedule={"ticks" if moving else "rounds": 4000},
-    )  # fmt: skip
-    trace = sc.replay(sc.run(made, jobs=1), 0, 0)
-    alpha, beta = trace["alpha"].values, trace["beta"].values
-    fresh = (np.diff(alpha, axis=0) != 0).all(axis=1)  # what is said differs from what was said before
-    heard = (beta[1:] == alpha[1:, ::-1])[fresh]
-    counts = np.bincount(2 * heard[:, 0] + heard[:, 1], minlength=4)
-    assert counts.sum() > 1000
-    assert stats.chisquare(counts).pvalue > 1e-3

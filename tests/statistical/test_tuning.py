@@ -1,12 +1,8 @@
 """Noise does not fool the evidence of a tuned brain."""
 
-from dataclasses import replace
-
-import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.search.tuning import generations, tuning
 from tests.support.long import in_two_sizes
 from tests.support.tunable import study_of
 
@@ -27,20 +23,3 @@ def called_better(folder, seeds):
 def test_false_alarms_of_tuning(tmp_path, studies):
     """More studies than the bound are so with a chance of 0.1 % if 5 % are, and far less if 2.5 % are."""
     assert called_better(tmp_path, studies) <= stats.binom.ppf(0.999, studies, 0.05)  # 4 or 13
-
-
-@pytest.mark.long
-def test_trials_that_the_search_has_seen_would_fool_it(tmp_path, monkeypatch):
-    """The same with the study's own seed in training and the luckiest candidate for winner: that test is no idle one.
-
-    9 or more of 40 would be called better with a chance of 0.02 % where 5 % are.
-    """
-    seed_for, run_search = generations.seed_for, tuning.run_search
-
-    def luckiest(*given):
-        ended = run_search(*given)
-        return replace(ended, values=min(ended.evaluations[1:], key=lambda one: one.loss).values)
-
-    monkeypatch.setattr(generations, "seed_for", lambda s, what, *n: s if what == "training" else seed_for(s, what, *n))
-    monkeypatch.setattr(tuning, "run_search", luckiest)
-    assert called_better(tmp_path, 40) >= 9

@@ -1,4 +1,4 @@
-"""The coordinates that tell settings apart: which ones vary, and how their values are written."""
+"""The coordinates that distinguish settings: which ones vary, and how their values are written."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ def shortened(text: str, width: float, size: float) -> str:
     """The text, or its beginning and end with an ellipsis between them, no wider than `width` points."""
     if width_of(text, size) <= width:
         return text
-    low, high = 1, len(text) - 1  # letters kept: the beginning gets the odd one
+    low, high = 1, len(text) - 1  # letters that are kept: the beginning gets the odd one
     while low < high:
         kept = (low + high + 1) // 2
         low, high = (kept, high) if width_of(_kept(text, kept), size) <= width else (low, kept - 1)

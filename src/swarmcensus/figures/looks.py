@@ -27,7 +27,7 @@ NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
 NAMED = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito, 2008
 TWO_SIDED: Any = "-"  # the line of an interval
 ONE_SIDED: Any = (0, (5, 1.5, 1, 1.5))  # the line of an interval with a lower end only: of a share of all trials
-ONE_END = "so a lower end only, which counts trials, not robots"  # what a key says of it
+ONE_END = "so a lower end only, which counts trials, not robots"  # its text in a key
 WIDEST, SMALLEST = 60, 6.0  # points: a name at a median, and its letters
 
 
@@ -61,7 +61,7 @@ def looks_of(
     Numbers share `marker` and have colours by rank, the lowest darkest. The first accuracy that is not a number (spread
     over the swarm, or different for black and white) is black, as in the paper; further ones differ in colour and
     shape. Names of brains, topologies and the like differ in colour and shape too, in the order in which they come.
-    `titles` are what brains are called, with or without parameters behind their names.
+    `titles` are names of brains, with or without parameters behind them.
     """
     distinct = list(dict.fromkeys(values))
     numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=number_of)

@@ -1,6 +1,6 @@
 """The page that a figure is made for: its width and height, the size of its letters, and the names of brains.
 
-Every kind of figure takes the options of `PageOptions`, and draws with what `page()` says.
+Every kind of figure takes the options of `PageOptions`, and draws with the values of `page()`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 
 WIDTHS = {"column": 3.5, "double": 7.2, "slide": 10.0}  # inches
-SLIDE_LETTERS = 13.0  # points, which the last row of a room can read
+SLIDE_LETTERS = 13.0  # points, legible from the last row of a room
 LETTERS = 7.5  # points: ticks and keys, unless a style or an option says otherwise
 SHEET, KEY_BELOW = "sheet", "sheet-key-below"  # labels of figures made here
 SIZES, FONTS = (2.0, 60.0), (4.0, 40.0)  # inches, and points
@@ -104,13 +104,13 @@ def title_letters() -> float:
 
 
 def scale() -> float:
-    """By how much letters, and the room that they need, are larger than usual."""
+    """The factor by which letters, and the room that they need, are larger than usual."""
     return letters() / LETTERS
 
 
 @contextlib.contextmanager
 def drawing(more: Any = None) -> Iterator[None]:
-    """Draw in a block with matplotlib's settings as they are, but for those that figures do not follow, and `more`.
+    """Draw in a block with matplotlib's settings, except those that figures do not follow, and with `more`.
 
     Raises InputError for what matplotlib cannot draw with settings other than its defaults.
     """

@@ -81,7 +81,7 @@ def _varying(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str]
 
 
 def _written(name: str, values: list[Any]) -> dict[Any, str]:
-    """Each value of a coordinate as a caption writes it, with enough digits to tell the values apart."""
+    """Each value of a coordinate as a caption writes it, with enough digits to distinguish the values."""
     distinct = [value for value in dict.fromkeys(values) if value is not None]
     form = caption_form(name)
     numbers = name.endswith("accuracy") or all(isinstance(value, float) for value in distinct)

@@ -26,7 +26,7 @@ BESIDE = 7.0  # between the dots of lines, if there is one size of swarms
 NEXT = 2.5  # the same if there are several sizes,
 FEW = 2  # and more lines than these
 WIDE = 310.0  # of the panel
-ALIKE = 0.02  # relative difference of theory's minutes up to which they share a line
+AGREEING = 0.02  # relative difference of theory's minutes up to which they share a line
 
 Line = tuple[str, str, float | None]  # brain, topology and density
 
@@ -108,7 +108,7 @@ def _theories(plan: Plan, which: str) -> list[dict[int, float]]:
     for world in dict.fromkeys(_line(row)[1:] for row in plan.rows):
         minutes = {row.robots: float(getattr(row.theory, which)) for row in plan.rows if _line(row)[1:] == world}
         for line in lines:
-            if all(math.isclose(line.get(n, m), m, rel_tol=ALIKE) for n, m in minutes.items()):
+            if all(math.isclose(line.get(n, m), m, rel_tol=AGREEING) for n, m in minutes.items()):
                 line.update(minutes)
                 break
         else:

@@ -226,7 +226,7 @@ def second_line(names: Iterable[str], wide: float) -> float:
 
 
 def say_empty(axes: Axes, why: str = UNRUN) -> None:
-    """Write into an empty panel of the caller's why it is empty."""
+    """Write into an empty panel of the caller why it is empty."""
     axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=letters() + 1)
     axes.set_axis_off()
 
@@ -295,7 +295,7 @@ def _key_below(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> 
             alignment="left", handlelength=1.2, fontsize=letters(), columnspacing=1.0, ncols=columns,
         )  # fmt: skip
         lowest.add_artist(legend)
-        legend.set_clip_on(False)  # what is clipped by its axes is no part of a tight figure, as in a notebook
+        legend.set_clip_on(False)  # a tight figure, as in a notebook, leaves out what its axes clip
         for text in legend.get_texts():
             text.set_parse_math(False)
         with RENDERING:
@@ -313,7 +313,7 @@ def _lowest(axes: Sequence[Axes]) -> float:
 
 
 def make_room(figure: Any, inches: float) -> None:
-    """Make a sheet higher by so many inches at its foot; all that is on it stays as it is."""
+    """Make a sheet higher by this many inches at its foot, without changing its contents."""
     width, height = figure.get_size_inches()
     new = height + inches
     figure.set_size_inches(width, new)

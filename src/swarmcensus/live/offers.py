@@ -271,11 +271,13 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
     if "liars" in request or "adversary" in request:
         liars = [member for member in setting.members if not member.honest]
         known = [member.brain for member in liars if isinstance(member.brain, Adversary)]
-        share = _number(request, "liars", 0.0, 1.0) if "liars" in request else _share(liars, values["robots"])
+        robots = values["robots"]
+        share = sum(liar.count(robots) for liar in liars) / robots
+        share = _number(request, "liars", 0.0, 1.0) if "liars" in request else share
         liar = _adversary(offer, request["adversary"]) if "adversary" in request else next(iter(known), None)
         lying = Member(share, liar or adversary.load(LIAR), honest=False, share=True)
         others = tuple(member for member in setting.members if member.honest)
-        values["members"] = (*others, *([lying] if lying.count(values["robots"]) else []))
+        values["members"] = (*others, *([lying] if lying.count(robots) else []))
     return replace(setting, **values)
 
 
@@ -354,10 +356,6 @@ def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
     if name not in known:
         raise InputError.at(key, name[:40], f"{did_you_mean(name[:40], known)}should be one of {', '.join(known)}")
     return known[name]
-
-
-def _share(members: list[Member], robots: int) -> float:
-    return sum(member.count(robots) for member in members) / robots
 
 
 def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: int) -> int:

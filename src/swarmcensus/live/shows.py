@@ -138,6 +138,7 @@ class Show:
         honest = self.honest
         read = rounds > 0  # before any reading no robot is right: its estimate is only the brain's first value
         own, there = x[:, honest], ~np.isnan(x[:, honest])
+        option = self.options_right(truths)[:, np.newaxis]
         values = {
             "truth": truths,
             "mean": (mean := mean_of(own, there)),
@@ -150,16 +151,13 @@ class Show:
             "interval_low": mean_of(low[:, honest], there),
             "interval_high": mean_of(high[:, honest], there),
             "decided": share(decided[:, honest], there, decided[:, honest] >= 0.0),
-            "decided_right": np.where(read, self._decided_right(decided[:, honest], there, truths), np.nan),
+            "decided_right": np.where(read, share(decided[:, honest], there, decided[:, honest] == option), np.nan),
             "done": share(done[:, honest], there, done[:, honest] == 1.0),
         }
         # single precision suffices for a picture, and compresses better; counts stay exact
         exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
         numbers = np.stack([np.broadcast_to(exact[name], truths.shape) for name in COLUMNS], axis=1)
         return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
-
-    def _decided_right(self, decided: np.ndarray, there: np.ndarray, truths: np.ndarray) -> np.ndarray:
-        return share(decided, there, decided == self.options_right(truths)[:, np.newaxis])
 
     def ended(self, stretch: Stretch) -> np.ndarray:
         """Robots that were done before a round, and so make no reading in it (round, robot)."""

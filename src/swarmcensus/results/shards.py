@@ -115,11 +115,8 @@ def blank_hash() -> hashlib.blake2b:
 
 def listed(folder: Path) -> list[Path]:
     """The shards of a folder in the order in which they were written."""
-    return sorted(path for path in folder.glob("*.npz") if NAME.fullmatch(path.name) and _is_plain(path))
-
-
-def _is_plain(path: Path) -> bool:
-    return path.is_file() and not path.is_symlink()
+    named = (path for path in folder.glob("*.npz") if NAME.fullmatch(path.name))
+    return sorted(path for path in named if path.is_file() and not path.is_symlink())
 
 
 def is_busy(folder: Path) -> bool:

@@ -85,14 +85,12 @@ def wrong(data: xr.Dataset) -> str | None:
     if lacking:
         return f"{lacking[0]} is missing"
     try:
-        return _metrics(data) or _shape(data) or _attributes(data) or _missing(data) or (_made(data) and None)
+        if said := _metrics(data) or _shape(data) or _attributes(data) or _missing(data):
+            return said
+        made_from(data), adversaries_in(data)
     except InputError as error:
         return str(error)
-
-
-def _made(data: xr.Dataset) -> Any:
-    """Read how a dataset was made. Raises InputError if that cannot be read."""
-    return made_from(data), adversaries_in(data)
+    return None
 
 
 def _metrics(data: xr.Dataset) -> str | None:

@@ -42,7 +42,7 @@ def fingerprint(setting: Setting, seed: int) -> str:
 
 
 def _whole(setting: Setting, field: str) -> object:
-    """A value of a setting, with all that it says."""
+    """A value of a setting as text, with all its content."""
     value = getattr(setting, field)
     if field == "assumed_accuracy" and value is None:
         return ""
@@ -71,7 +71,7 @@ def _content(setting: Setting, draws: Draws) -> dict[str, object]:
 
 
 def _begun(setting: Setting, key: Key) -> object:
-    """The value of a key as the world begins: no change or drift. None for one that leaves no trace in addresses."""
+    """The value of a key at the beginning, without change or drift. None if addresses do not contain it."""
     value = getattr(setting, key.field)
     if (key.is_new and value == key.default) or value == Floor():
         return None
@@ -121,7 +121,7 @@ def _walk(setting: Setting) -> dict[str, object]:
 
 
 def walk_group(setting: Setting) -> str:
-    """Settings of one group share their trajectories, trial by trial. Where a brain steers, it shares with none."""
+    """Settings of one group share their trajectories, trial by trial. A brain that steers shares with none."""
     if setting.steers:
         return fingerprint(setting, 0)
     members, faults = setting.members, enumerate(setting.faults)

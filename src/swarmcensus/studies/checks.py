@@ -20,7 +20,7 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.worlds import Change, Fault, arena
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
-MOST_TILES = 2**30  # from wall to wall: a tile's place is two 32-bit numbers
+MOST_TILES = 2**30  # from wall to wall: the position of a tile is two 32-bit numbers
 
 
 def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:

@@ -48,7 +48,7 @@ _OF_KEYS = [
 COORDINATES = {
     one.name: one for one in (*(c for c in _OF_KEYS if c.always), *OTHERS, *(c for c in _OF_KEYS if not c.always))
 }
-NUMERIC = {  # worked out from `accuracy`, a text, when Python opens results
+NUMERIC = {  # derived from `accuracy`, a text, when Python opens results
     coordinate.name: coordinate
     for coordinate in (
         Coordinate(
@@ -111,23 +111,23 @@ def goes_unsaid(name: str, value: object) -> bool:
 
 
 def caption_form(name: str) -> str:
-    """How a caption formats a value of a coordinate, or of a brain's parameter."""
+    """The format in captions of a value of a coordinate, or of a brain's parameter."""
     known = OF_FIGURES.get(name)
     return known.caption if known and known.caption else name + " = {}"
 
 
 def idle_caption(name: str) -> str:
-    """What a caption says of a value that says nothing; empty where it leaves it out."""
+    """The caption's text for an idle value; empty if captions leave it out."""
     return COORDINATES[name].idle if name in COORDINATES else ""
 
 
 def title_of(name: str) -> str:
-    """What an axis or a key calls a coordinate."""
+    """The title of a coordinate on an axis or in a key."""
     known = OF_FIGURES.get(name)
     return known.title if known and known.title else name.replace("_", " ").replace("$", r"\$")
 
 
 def plural_of(name: str) -> str:
-    """What several values of a coordinate are called."""
+    """The name of several values of a coordinate."""
     known = COORDINATES.get(name)
     return known.plural if known and known.plural else f"values of {name}"

@@ -1,6 +1,6 @@
-"""How a key of a study file is declared: what the program and its pages know of it besides its name and its values.
+"""Declarations of keys of a study file: all that the program and its pages know of a key besides its name and values.
 
-A declaration stands in the tables of `studies/settings.py`, next to the key's type and default, with its meaning below.
+Declarations are in the tables of `studies/settings.py`, next to a key's type and default and above its meaning.
 """
 
 import dataclasses
@@ -16,16 +16,16 @@ Draws = Literal["readings", "losses", "luck", "luck alone", "floor", "walk"]  # 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """A coordinate of the dataset along `setting`, with how tables, captions and axes call it."""
+    """A coordinate of the dataset along `setting`, with its names in tables, captions and axes."""
 
     type: Literal["text", "number", "whole number"]
     page: str  # what docs/data-format.md says
     caption: str = ""  # formats a value in a caption; by default as "name = value"
     title: str = ""  # of an axis or a key of a figure
     plural: str = ""  # several values
-    idle: str = ""  # what a caption says of a value that says nothing (an empty text, NaN), where that would be missed
+    idle: str = ""  # the caption's text for an idle value (an empty text, NaN), if it should have one
     counts: bool = False  # whether its values often span decades
-    blank: int | str | None = None  # of a setting without a value, where other settings of the study have one
+    blank: int | str | None = None  # of a setting without a value, if other settings of the study have one
     unsaid: float | None = None  # the value that lines and tables leave out
     always: bool = False  # whether every file has it; others have it if any setting is not at the default
     world: World | None = None  # where it means something, elsewhere it is NaN or empty; None: the world of its key
@@ -41,14 +41,14 @@ class Key:
 
     coordinate: Coordinate | None = None
     world: World = "any"  # where it has an effect
-    instead: str = ""  # what a message adds where it has none
+    instead: str = ""  # advice in a message about a key without effect
     spans: bool = True  # takes several values, which span the grid
     field: str = ""  # of a setting, if that has another name
-    messages: bool = False  # concerns messages alone, so that local estimates do not depend on it
+    messages: bool = False  # concerns only messages, so that local estimates do not depend on it
     draws: tuple[Draws, ...] = ()  # the random numbers that depend on it
     values: str = ""  # its values and its meaning as docs/study-file.md says them, where that differs from the schema
     page: str = ""
-    without: str = ""  # what holds without it, if it has no default
+    without: str = ""  # the behaviour without it, if it has no default
     name: str = ""
     table: str = ""
     default: Any = None
@@ -57,7 +57,7 @@ class Key:
 
     @property
     def is_new(self) -> bool:
-        """Whether it is newer than the first studies, so that only other values than the default leave any trace."""
+        """Whether it is newer than the first studies, so that addresses contain only values other than the default."""
         return self.coordinate is not None and not self.coordinate.always
 
     def has_effect(self, moves: bool) -> bool:

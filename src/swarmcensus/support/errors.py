@@ -15,7 +15,7 @@ STOPPED = 130  # the usual exit code of a program that was stopped with Ctrl-C
 class InputError(ValueError):
     """Bad input. The message names the file, the key, the value and what would be right.
 
-    The fields say the same to programs, and are None where they do not apply: `file`, a path as it was given; `key`,
+    The fields have the same for programs, and are None if they do not apply: `file`, a path as it was given; `key`,
     the name of a key, option or argument; `value`, what it has; `hint`, the name that was probably meant.
     """
 

@@ -41,7 +41,7 @@ def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = 
             succeeded, result = receiver.recv()
         except (EOFError, pickle.UnpicklingError):  # the copy was killed
             return work()
-        except KeyboardInterrupt:  # the copy may hear nothing of it
+        except KeyboardInterrupt:  # the copy may not receive the signal
             copy.terminate()
             raise
         finally:

@@ -27,7 +27,7 @@ def in_shell() -> bool:
 
 
 def command(*words: object) -> str:
-    """A command to be copied into a shell, quoted as the shells of this system read it."""
+    """A command to be copied into a shell, quoted for the shells of this system."""
     texts = list(map(str, words))
     if os.name != "nt":
         return shlex.join(texts)

@@ -186,7 +186,7 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
     try:
         checked = model.model_validate(dict(given), context=context)
     except ValidationError as error:
-        # likely typing errors come first
+        # probable typing errors come first
         first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "literal_error": 1}.get(e["type"], 2))
         key, known = str(first["loc"][0]), ", ".join(model.model_fields)
         if first["type"] == "extra_forbidden":

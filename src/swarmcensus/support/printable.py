@@ -1,4 +1,4 @@
-"""Text from others' files on a terminal: control characters in it are shown, and the terminal does not obey them."""
+"""Text from others' files on a terminal: control characters in it are shown and not executed by the terminal."""
 
 import contextlib
 import re

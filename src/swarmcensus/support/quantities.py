@@ -1,4 +1,4 @@
-"""Everything that is measured, each declared once: what a run stores, and what is worked out from that.
+"""Everything that is measured, each declared once: what a run stores, and what is derived from that.
 
 A new quantity is one entry of `ALL`. Files, summaries, comparisons, figures and docs/data-format.md take its
 dimensions, unit, labels, direction and bounds from there.
@@ -20,7 +20,7 @@ PER_TRIAL = ("setting", "trial")
 PER_SETTING = ("setting",)
 PER_CHECKPOINT = ("setting", "checkpoint", "trial")
 ESTIMATES = ("setting", "checkpoint", "trial", "robot")
-TRUTH = "truth"  # an input of derived quantities: the fill ratio that estimates are held against
+TRUTH = "truth"  # an input of derived quantities: the fill ratio that estimates are compared with
 OPTIONS = (-1.0, inf)  # bounds of an option's number; -1 is none
 
 
@@ -29,7 +29,7 @@ class Quantity:
     """Something that is measured, with what every reader needs to know of it.
 
     `group` says which runs store it ("always", "messages" and "setting": all runs; other groups: with which kind of
-    brain or key of a study); "derived" is stored by none: `derive` then works it out of the arrays of `inputs`, robot
+    brain or key of a study); "derived" is stored by none: `derive` computes it from the arrays of `inputs`, robot
     by robot. `statistic` is what is taken over robots and over trials, `share` is whether it is a share, which is
     printed in percent. `low` is whether less is better; None is not compared. `summary` is whether `swarmcensus show
     --json` and `sc.summary` have it.
@@ -49,7 +49,7 @@ class Quantity:
     share: bool = False
     bounds: tuple[float, float] = (0.0, inf)
     within_rounds: bool = False  # no larger than the number of rounds
-    never: bool = False  # infinite stands for what never comes
+    never: bool = False  # infinite means that the event never happens
     summary: bool = False
     decimals: int | None = None  # of a value without an interval, in the table of `show`
     compared: str = ""  # what a comparison's legend says; by default the meaning

@@ -71,7 +71,7 @@ def digest(source: str) -> str:
 def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, Any]]:
     """Parse and check a source without running it; returns its syntax tree and its constants. Raises InputError."""
     try:
-        # Python decodes a file as its first lines say: what is a comment here could be code there
+        # Python decodes a file by its first lines: a comment here could be code there
         lines = io.BytesIO(source.replace("\r", "\n").encode())
         encoding, _ = tokenize.detect_encoding(lines.readline)
         if codecs.lookup(encoding).name != "utf-8":

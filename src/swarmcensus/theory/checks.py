@@ -11,7 +11,7 @@ from swarmcensus.worlds import whole
 
 Floats = NDArray[np.float64]
 MOST_READINGS = 10_000_000  # of a local law, which lists every count
-BLIND = 1e-12  # |b + w - 1| below which readings say nothing
+BLIND = 1e-12  # |b + w - 1| below which readings carry no information
 
 
 def shares(name: str, value: ArrayLike) -> Floats:

@@ -66,7 +66,7 @@ class Law(NamedTuple):
 
 
 def local_law(readings: int, fill_ratio: float, b: float, w: float | None = None) -> Law:
-    """The distribution of the local estimate x_hat (paper, Eq. 4) after so many `readings`; w is b by default.
+    """The distribution of the local estimate x_hat (paper, Eq. 4) after this number of `readings`; w is b by default.
 
     Values are computed with the brain's own order of operations, so that values at the edge of a bin are in the same
     bin. Takes O(readings) time and memory. Raises InputError, also for more than 10,000,000 readings.
@@ -192,7 +192,7 @@ def normal_median_error(variances: ArrayLike, fill_ratio: float) -> Floats:
 def local_squared_error(
     readings: int, fill_ratio: float, b: ArrayLike, w: ArrayLike | None = None, pull: ArrayLike = 0.0
 ) -> Floats:
-    """The mean of (x - f)^2 of the local estimate (paper, Eq. 4) after so many `readings`, cut to [0, 1].
+    """The mean of (x - f)^2 of the local estimate (paper, Eq. 4) after this number of `readings`, cut to [0, 1].
 
     A prior moves it by the share `pull` of its distance towards 1/2 before it is cut. With b + w = 1, x stays at 1/2.
     Returns the shape of the sensors; takes O(readings) time for each distinct sensor. Raises InputError.

@@ -12,7 +12,7 @@ from swarmcensus.support.forms import OrElse, Share, ValueTable, any_of, read, s
 from swarmcensus.support.times import MOST, OR_TIME, Time, in_ticks
 
 KEYS = ("from", "to", "at", "until")
-LEAST = 2  # a change in round 1 would be none
+LEAST = 2  # in round 1 nothing can change
 FORM = "{from = 0.9, to = 0.1, at = 500}, or with until = 600 where it drifts"
 
 

@@ -14,7 +14,7 @@ from swarmcensus.worlds.generators import WEIGHTS
 DIRECTED = (("sender", "receiver"), ("source", "target"), ("from", "to"), ("src", "dst"), ("fromnodeid", "tonodeid"))
 ENDS = (*DIRECTED, ("i", "j"), ("u", "v"), ("a", "b"), ("node1", "node2"), ("v1", "v2"))  # names of both columns
 STEP, WEIGHT, TYPE = "step", "weight", "type"
-SILENT = ("id", "edgeid", "label")  # columns of Gephi and igraph that say nothing of links
+SILENT = ("id", "edgeid", "label")  # columns of Gephi and igraph without information on links
 KNOWN = {*(name for pair in ENDS for name in pair), STEP, WEIGHT, TYPE, *SILENT}
 MESSAGES = "step,sender,receiver"
 LINKS = f"i,j for edges, or {MESSAGES} for messages"
@@ -71,7 +71,7 @@ def links_of(table: ReadTable, right: str, directed: bool = False, messages: boo
             table.refuse((), right)
         links = np.stack([table.whole(0), table.whole(1)], axis=1)
         again = (links[1:] == links[0]).all(axis=1).any()  # names or not, the links are the same
-        if not again and table.separator != " ":  # with spaces, networkx and igraph write links, and never names
+        if not again and table.separator != " ":  # networkx and igraph write links with spaces and without names
             table.check_heading("source,target", "a link")
         return links
     names = [plain(name) for name in table.names]
@@ -113,5 +113,5 @@ def unlinked(robots: int, pairs: np.ndarray) -> str:
 
 
 def from_one(numbers: np.ndarray) -> str:
-    """What to say of robot numbers that seem to start at 1."""
+    """A note on robot numbers that seem to start at 1."""
     return "; robots are numbered from 0, and these numbers seem to start at 1" if numbers.min() == 1 else ""

@@ -34,7 +34,7 @@ MOVING = "moving"  # the topology of robots that move, as datasets name it
 class Topology:
     """A communication topology: a named one, a list of edges, or a networkx generator.
 
-    In a directed edge (u, v), v hears u. A generator's graphs tell themselves whether they are directed.
+    In a directed edge (u, v), v hears u. Graphs of a generator are directed or not by themselves.
     """
 
     name: str  # as in the dataset

@@ -20,7 +20,7 @@ def r_robustness(graph: Any, robots: int | None = None, *, directed: bool = Fals
 
     `graph` is a networkx graph, any topology of a study file, or pairs of robot numbers from 0; in a directed pair
     (u, v), v hears u. `robots` is their number, if the graph does not give it. Raises ValueError for more than 12
-    robots, for a network that differs from trial to trial, and for what is no network.
+    robots, for a network that differs from trial to trial, and for anything else.
     """
     heard = _heard(graph, robots, directed)
     if len(heard) < 2:
@@ -43,7 +43,7 @@ def is_rs_robust(graph: Any, r: int, s: int, robots: int | None = None, *, direc
     if r < 0 or not 1 <= s <= len(heard):
         raise ValueError(f"(r, s) = ({r}, {s}): r is from 0 on, and s from 1 to the number of robots, {len(heard)}")
     everyone = (1 << len(heard)) - 1
-    enough = 2 * len(heard)  # a value so large that a pair with it never falls short
+    enough = 2 * len(heard)  # so large that a pair with this value is always enough
     reached = [_counts(heard, members, r)[0] for members in range(everyone + 1)]
     short = [count if count < members.bit_count() else enough for members, count in enumerate(reached)]
     lowest = _lowest_within(short)

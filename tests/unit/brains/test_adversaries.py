@@ -6,7 +6,6 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.brains import adversary
 from swarmcensus.brains.adversary_source import HELPERS
-from swarmcensus.checks.machine_code import agrees
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import sampling
@@ -16,7 +15,7 @@ from swarmcensus.support.errors import InputError
 from tests.reference import walks as reference_walks
 from tests.support.lives import MEASURE, lived
 from tests.support.lying import RICH, adversary_of, liars, robot, wrapped
-from tests.support.second import MEANS, brain, changed, fixed, moving
+from tests.support.second import brain, changed, fixed, moving
 from tests.support.small import FAULTS, GO, SEED, failing
 
 NAMES = adversary.PLUGINS.shipped
@@ -161,26 +160,6 @@ def test_lies_stay_in_range_and_confidence_above_0():
 # ---- one source of two
 
 
-@pytest.mark.long
-def test_names_and_imports_of_both_do_not_clash():
-    lies = adversary_of(
-        '"""Names of all kinds."""\nfrom math import *\nimport math as m\n\nroot = 2.0\nOPTIONS_ = root * 2.0\n'
-        'MEMORY = {"t": 1.0, "belief": (0.0, 1.0), "said": 0.0}\nPARAMETERS = {"n": 2.0}\n\n\n'
-        "def seen(it, e):\n    return sqrt(e) + 0.0 * m.pi * it.belief[0]\n\n\n"
-        "def lie(it, x):\n    pi = it.n / OPTIONS_\n    return pi * seen(it, x) + it.said + floor(0.5)\n\n\n"
-        "def plot(it):\n    it.t += 1.0\n    it.belief[0] = it.t\n    it.said = tau - tau\n"
-    )
-    used = brains.lying_brain(lies, brain(RICH.replace("me.", "me.") + "\n\n# liar_ honest_\n"))
-    assert {"t", "liar__t", "liar__belief", "belief"} <= used.memory.keys()
-    assert used.parameters == {"liar__n": 2.0}
-    me = robot(used, 4, 4)
-    me.luck = 0.25
-    used.functions.fuse(me)
-    assert used.functions.broadcast(me)[1] == pytest.approx(0.5)
-    assert (me.t, me.liar__t, list(me.liar__belief)) == (4.0, 2.0, [2.0, 1.0])
-    agrees(used)
-
-
 def test_the_source_can_be_read_and_is_what_runs():
     used = wrapped("noisy-mirror")
     again = brain(used.source, "again.py")
@@ -205,20 +184,6 @@ def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
     mine = draws * 2.0**20 % 1.0
     assert ((mine > 0.0) & (mine < 1.0)).all()
     assert abs(np.corrcoef(draws, mine)[0, 1]) < 3.3 / np.sqrt(draws.size)  # error rate 0.1 %
-
-
-@pytest.mark.parametrize(
-    ("lies", "source", "said"),
-    [
-        ("always-black", MEANS.replace('("x",)', '("words",)'), "none is known to be one of estimate, opinion"),
-        ("always-black", MEANS.replace('("x",)', '("alpha",)'), "name a role in ROLES"),
-        ("random", MEANS.replace('"t": 0.0', '"t": 0.0, "luck": 0.0'), "me.luck"),
-    ],
-)
-def test_what_does_not_go_together_is_told(lies, source, said):
-    with pytest.raises(ValueError, match=r"the adversary '.*' cannot") as error:
-        wrapped(lies, by=brain(source))
-    assert said in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -285,27 +250,6 @@ def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
         one.functions.fuse(state)
     assert used.functions.broadcast(me) == (told,)
     assert (me.own, type(me.own)) == (other.own, type(other.own))
-
-
-BOUND = """
-    if (K := me.t) > 0.0:
-        me.own = K + 10.0 * J + 100.0 * len(SUMS) + 1000.0 * kept()
-
-
-def kept():
-    return K
-"""
-
-
-def test_constants_and_locals_are_as_they_were():
-    """A name bound twice, one that `:=` binds in a function, and SUMS, which become empty."""
-    constants = 'SUMS = ("seen",)\nK = 3.0\nJ = K\nK = 5.0\nMEMORY = {"seen": 0.0, "own": 0.0, '
-    source = changed(("MEMORY = {", constants), ("def fuse(me):\n    pass", "def fuse(me):" + BOUND))
-    used = brains.lying_brain(adversary.load("always-black"), brain(source))
-    me = robot(used, 3, 4)
-    used.functions.fuse(me)
-    assert me.own == 4.0 + 30.0 + 100.0 + 5000.0
-    assert used.sums == ()
 
 
 SILENT = {  # the end of a `broadcast` that is silent unless it has seen more than one black

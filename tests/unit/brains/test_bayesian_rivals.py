@@ -89,33 +89,6 @@ class TestBayesBots:
             functions.receive(me, message)
         assert (me.black, me.white, me.heard) == (3.0, 0.0, 3.0)  # 133 shares the place of 5, which is held
 
-    def test_a_place_is_free_once_its_observation_is_off_the_air(self):
-        """And is then for the lowest name of the round, whatever the order, which holds it as long."""
-        for order in ((133.0, 261.0), (261.0, 133.0)):
-            me, functions = robot(BAYES, every=2.0)
-            functions.receive(me, (1.0, 1.0, 5.0))
-            functions.fuse(me)
-            functions.receive(me, (0.0, 1.0, 133.0))
-            assert me.heard == 1.0
-            functions.fuse(me)
-            for name in order:
-                functions.receive(me, (0.0 if name == 133.0 else 1.0, 1.0, name))
-            assert (me.black, me.white, me.heard, me.who[5]) == (1.0, 1.0, 2.0, 133.0)
-
-    def test_positive_feedback_tells_decisions(self):
-        me, functions = robot(BAYES, feedback=1.0, every=1.0)
-        functions.observe(me, 0.0, 1.0)
-        assert functions.broadcast(me)[0] == 0.0
-        me.black = 30.0
-        functions.fuse(me)
-        assert functions.decide(me) == 1.0
-        functions.observe(me, 0.0, 1.0)
-        assert functions.broadcast(me)[0] == 1.0
-        off, _ = robot(BAYES, every=1.0)
-        off.decision = 1.0
-        functions.observe(off, 0.0, 1.0)
-        assert functions.broadcast(off)[0] == 0.0
-
     def test_decisions_are_never_revoked(self):
         me, functions = robot(BAYES, every=1.0)
         functions.observe(me, 0.0, 30.0)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.stats import chi2, f as f_ratio, norm
+from scipy.stats import f as f_ratio, norm
 
 import swarmcensus as sc
 from swarmcensus import brains
@@ -175,21 +175,6 @@ class TestLiars:
         assert first.error == pytest.approx(0.5 / (0.36 * 10 * 3) ** 0.5)
         assert second.error == pytest.approx(0.5 / (0.36 * 20 * 2) ** 0.5)
 
-    def test_its_standard_error_is_that_of_many_swarms(self):
-        """Of 400 swarms of five robots, all with f = 1/2: a chi-square test at 0.1 %, two-sided.
-
-        Where some own readings are too far off to count, the mean is of fewer: E is of those that count.
-        """
-        random = np.random.default_rng(7)
-        scores = []
-        for _ in range(400):
-            swarm = robots(5, finds=False)
-            for _ in range(6):
-                blacks = random.binomial(50, 0.5, 5)
-                round_of(swarm, [(float(n), 50.0) for n in blacks], [[j for j in range(5) if j != k] for k in range(5)])
-            scores.append((swarm[0].near - 0.5) / swarm[0].error)
-        assert chi2.ppf(0.0005, 400) < np.square(scores).sum() < chi2.ppf(0.9995, 400)
-
     def test_sums_far_from_r_are_not_counted(self):
         (me,) = self.met([(50.0, 100.0)], rounds=10)
         for far, counts in ((4.9, True), (5.1, False)):
@@ -209,24 +194,6 @@ class TestLiars:
         me.x = me.near + off * me.error
         DO.cut(me)
         assert me.x == pytest.approx(me.near + told * me.error)
-        assert me.guard == 0.0
-
-    def test_spoilt_sums_are_set_right_and_the_robot_is_on_guard(self):
-        (me,) = self.met([(50.0, 100.0)], rounds=10)
-        me.ripe_s += 8.0 * me.error * me.ripe_v
-        DO.fuse(me)
-        assert me.x == me.near
-        assert me.ripe_s / me.ripe_v == pytest.approx(me.near)
-        assert me.s / me.v == pytest.approx(me.near)
-        assert me.guard == me.rounds == 11.0
-        me.ripe_s += 0.7 * me.error * me.ripe_v
-        DO.fuse(me)
-        off = me.ripe_s / me.ripe_v  # before the lean, as if it had not been
-        assert me.guard == 10.0
-        assert me.near < me.x < me.near + 0.5 * me.error
-        assert off < me.near + 0.7 * me.error
-        for _ in range(10):
-            DO.fuse(me)
         assert me.guard == 0.0
 
     @pytest.mark.parametrize("value", [math.nan, -math.inf, 1e30])

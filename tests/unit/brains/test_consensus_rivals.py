@@ -1,7 +1,5 @@
 """Linear consensus, W-MSR and the gated mean: against their equations in NumPy, against liars, and in fixed memory."""
 
-import math
-
 import networkx as nx
 import numpy as np
 import pytest
@@ -78,40 +76,6 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
     assert x[::phase][:, honest] == pytest.approx(expected[:, honest], abs=1e-12)
     held = x[:-1].reshape(-1, phase, robots)[:, :, honest]
     assert (held == held[:, :1]).all()  # nothing changes within a phase
-
-
-@pytest.mark.interpreted
-@pytest.mark.long(but=["used2-3-2-1.0"])
-@pytest.mark.parametrize("fill_ratio", [0.0, 1.0])
-@pytest.mark.parametrize(("used", "lying", "outvoted"), [(LINEAR, 1, 0), (LINEAR, 3, 0), (WMSR, 3, 2), (WMSR, 2, 2)])
-def test_constant_liars_in_closed_form(used, lying, outvoted, fill_ratio):
-    """Perfect sensors on a floor of one colour: in closed form, to 1e-9.
-
-    Of N robots L lie and F of them are dropped: the mean is over N - F values, of which L - F are the liars' and one
-    is the share. From the fourth phase on, with c = (L - F + 1) / (N - F) for liars who say v and a floor f,
-    x_k = x* + (f - x*) prod_{j=4}^{k} (1 - c / j), x* = f + (v - f) (L - F) / (L - F + 1). Before, only liars speak.
-    """
-    robots, phases, v = 10, 60, 1.0 - fill_ratio
-    x, _, honest = lived(
-        used.with_parameters({"phase": 2}),
-        robots=robots,
-        rounds=2 * phases,
-        accuracy=1.0,
-        fill_ratio=fill_ratio,
-        topology="full",
-        members=liars(lying, v),
-    )
-    left = lying - outvoted
-    first = fill_ratio + (v - fill_ratio) * left / (left + 1)  # the first phase forgets what was before it
-    second = first + (fill_ratio - first + (v - fill_ratio) * left / (left + 1)) / 2
-    third = second + (fill_ratio - second + (v - fill_ratio) * left / (left + 1)) / 3
-    rate = (left + 1) / (robots - outvoted)
-    rest = math.exp(math.lgamma(phases + 1 - rate) - math.lgamma(4 - rate) - math.lgamma(phases + 1) + math.lgamma(4))
-    end = fill_ratio + (v - fill_ratio) * left / (left + 1)
-    assert x[2, honest] == pytest.approx(first, abs=1e-12)
-    assert x[4, honest] == pytest.approx(second, abs=1e-12)
-    assert x[6, honest] == pytest.approx(third, abs=1e-12)
-    assert x[-1, honest] == pytest.approx(end + (third - end) * rest, abs=1e-9)
 
 
 @pytest.mark.interpreted
@@ -212,17 +176,3 @@ def test_receiver_samples_twenty_senders(used):
     assert len(last) > 40
     assert me.senders == 20
     assert list(zip(me.key, me.said, strict=True)) == kept
-
-
-@pytest.mark.interpreted
-def test_no_two_names_have_one_place():
-    """A shift and a cube lose nothing: PRIME is prime, and PRIME - 1 no multiple of 3."""
-    functions = LINEAR.functions
-    prime = functions.PRIME
-    assert all(prime % d for d in range(2, math.isqrt(prime) + 1))
-    assert (prime - 1) % 3
-    assert prime**2 < 2**53
-    for salt in (0.0, 1.0, prime - 1.0):
-        assert len({functions.place(float(name), salt) for name in range(20_000)}) == 20_000
-    assert all(0 <= functions.place(name, 7.0) < prime for name in (-3.0, 0.5, 1e300, -1e300))
-    assert {used.functions.place(12.0, 34.0) for used in ALL} == {functions.place(12.0, 34.0)}

@@ -1,4 +1,4 @@
-"""The examples of the contract's second edition: they keep it, and are of use."""
+"""The examples of the contract's optional functions: they keep it, and are of use."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_each_uses_what_it_is_there_to_show():
 @pytest.mark.long
 def test_all_believe_better_than_chance():
     """Nearer to the truth than 0.5, which is believed before anything is seen; decisions are mostly right."""
-    data = ran("second-edition")
+    data = ran("optional-functions")
     off = abs(data["final_estimate"] - data["fill_ratio"]).median(["trial", "robot"])
     assert (off < 0.05).all()
     better = data["brain"].isin(["minimalistic", "pairwise.py", "prior.py"]).values

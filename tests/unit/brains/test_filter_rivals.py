@@ -152,18 +152,6 @@ class TestCovarianceIntersection:
             assert fields["x"][k] == pytest.approx(x, rel=1e-9)
             assert fields["Y"][k] == pytest.approx(sure, rel=1e-9)
 
-    def test_equals(self):
-        """The own estimate stays where nobody is surer; of several surer ones alike the mean."""
-        me = INTERSECTION.robot(0.8, 0.8)
-        me.x, me.Y = 0.4, 5.0
-        INTERSECTION.functions.receive(me, (0.9, 5.0))
-        INTERSECTION.functions.fuse(me)
-        assert (me.x, me.Y) == (0.4, 5.0)
-        for x, sure in ((0.1, 2.0), (0.6, 7.0), (0.5, 3.0), (0.7, 7.0)):
-            INTERSECTION.functions.receive(me, (x, sure))
-        INTERSECTION.functions.fuse(me)
-        assert (me.x, me.Y) == (pytest.approx(0.65), 7.0)
-
 
 def test_what_is_said_means_what_its_roles_say():
     assert INFORMATION.roles == {"i": "information", "I": "confidence"}

@@ -4,13 +4,11 @@ from pathlib import Path
 
 import pytest
 
-import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains import adversary
 from swarmcensus.checks import suite
 from swarmcensus.checks.machine_code import agrees
 from swarmcensus.cli.commands import main
-from swarmcensus.runs.verifying import verify
 from swarmcensus.support.errors import InputError
 from tests.support.lives import lived
 from tests.support.lying import RICH, adversary_of, robot
@@ -151,48 +149,6 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     assert main(["brains", "--show", "knows.py"]) == 2
     assert "KNOWS names 'mood'" in (error := capsys.readouterr().err)
     assert error.endswith("no such field: name another brain with --wrapping\n")
-
-
-STUDY = """
-trials = 2
-
-[swarm]
-brain    = ["rich.py", "alone"]
-robots   = 6
-accuracy = 0.8
-
-[[members]]
-robots = 2
-brain  = {file = "knows.py", more = [0.5, 1]}
-honest = false
-
-[world]
-topology   = "ring"
-fill_ratio = 0.5
-
-[schedule]
-rounds = 5
-"""
-
-
-@pytest.mark.interpreted
-def test_insider_is_run_again_from_results(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    for name, text in (("knows.py", SOURCE), ("rich.py", RICH), ("s.toml", STUDY)):
-        Path(name).write_text(text)
-    data = sc.run("s.toml", jobs=1)
-    sc.save(data, "s.nc")
-    assert data["adversary"].values.tolist() == ["knows.py", "knows.py more=1.0"] * 2
-    assert SOURCE.splitlines()[0].replace('"', '\\"') in data.attrs["adversaries"]
-    trace = sc.replay(data, setting=0, trial=0)
-    assert {"liar_rounds", "n"} <= set(trace.data_vars)
-    assert verify(sc.load("s.nc"), sample=1.0).differences == []
-    Path("knows.py").write_text(SOURCE.replace("10.0 * me.n", "11.0 * me.n"))
-    assert main(["verify", "s.nc", "--brain-file", "rich.py", "--brain-file", "knows.py"]) == 2
-    assert "not the source" in capsys.readouterr().err
-    Path("s.toml").write_text(STUDY.replace('"alone"', '"commons"'))
-    assert main(["run", "s.toml"]) == 2
-    assert "members[0].brain = 'knows.py'" in (capsys.readouterr().err)
 
 
 def test_the_shipped_insider_is_what_its_first_lines_say():

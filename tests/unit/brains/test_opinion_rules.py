@@ -76,23 +76,6 @@ def test_a_cycle_knows_nothing_of_the_readings_before(name, number):
     assert me.opinion == own
 
 
-@pytest.mark.parametrize("name", TELLERS)
-def test_only_the_last_rounds_are_listened_to(name):
-    other = {"voter": (0.0, 9.0), "majority": (0.0, 9.0), "direct-comparison": (0.0, 1.0, 9.0)}[name]
-    heard = [(*other[:-1], float(sender)) for sender in (7, 8, 9)]
-    for left, adopts in ((4.0, False), (3.0, False), (2.0, True), (1.0, True)):
-        me, rule = telling(name)
-        me.left = left
-        rounds(me, rule, heard)
-        rounds(me, rule, count=int(left) - 1)
-        assert rule.broadcast(me) is None
-        assert me.opinion == (0.0 if adopts else 1.0)
-    me, rule = robot(name)  # who explores does not listen
-    rounds(me, rule, heard, count=2)
-    assert me.opinion == 1.0
-    assert me.t == 2.0
-
-
 @pytest.mark.parametrize(
     ("own", "others", "adopted"),
     [(1, [], 1), (1, [0], 1), (1, [0, 0], 0), (0, [1, 1, 0], 0), (0, [1, 1, 1, 0], 1), (0, [1, 1, 0, 0], 0),
@@ -150,18 +133,6 @@ def test_what_becomes_of_an_opinion(name, own, heard, adopted):
     assert me.opinion == adopted
     assert rule.estimate(me) == adopted
     assert rule.broadcast(me) is None
-
-
-@pytest.mark.parametrize("name", SWITCHERS)
-def test_the_last_that_was_heard_counts(name):
-    """Not the most: three messages earlier, one later; and it is used up by the look."""
-    me, rule = telling(name, miscommunication=0.0, asocial=0.0)
-    me.left = 3.0
-    rounds(me, rule, [(0.0,)] * 3)
-    rounds(me, rule, [(1.0,)])
-    rounds(me, rule)
-    assert me.opinion == 1.0
-    assert me.last == -1.0
 
 
 @pytest.mark.parametrize("name", SWITCHERS)

@@ -17,7 +17,6 @@ from tests.support.small import study_of
 
 STEADFAST = brains.load("steadfast").functions
 GEOMETRIC = {"networkx": "random_geometric_graph", "radius": 0.4}
-ANYTHING = {"sure": math.inf, "near": math.inf, "cap": math.inf}
 
 
 def state(b=0.9, w=0.8, **given):
@@ -105,36 +104,6 @@ def test_own_readings_bound_the_estimate(open_to_all):
             assert min(max(own - half, 0.0), 1.0) - 1e-9 <= x <= min(max(own + half, 0.0), 1.0) + 1e-9
             moved = max(moved, abs(x - min(max(own, 0.0), 1.0)))
     assert moved > 0.1  # the bound is there to be met
-
-
-@pytest.mark.parametrize(("far", "opens"), [(5, False), (10, False), (12, True)])
-def test_fewer_than_half_of_the_voices_open_no_gate(far, opens):
-    """Of 20 voices so many say 0.9, the others what the robot holds: the typical distance falls, or lets them in."""
-    me = state(sure=math.inf, lean=0.0, typical=0.01)
-    STEADFAST.observe(me, 46.0, 100.0)
-    s, v = me.s, me.v
-    told(me, *[(0.9 * v, v)] * far, *[(s, v)] * (20 - far), rounds=200)
-    assert (me.typical > 0.01) is opens
-    assert (me.s / me.v == pytest.approx(s / v)) is not opens
-
-
-def test_a_lie_fades_and_the_own_evidence_does_not():
-    """Told once at t0 = 100 readings: what it left is multiplied by every 1 - lean fresh / t, until 1,000 readings."""
-    liar, twin = state(**ANYTHING), state(**ANYTHING)
-    kept = 1.0
-    for round in range(100):
-        for me in (liar, twin):
-            STEADFAST.observe(me, 5.0, 10.0)
-        if round == 9:
-            STEADFAST.receive(liar, (500.0, 500.0))
-        told(liar), told(twin)
-        if round == 9:
-            left = liar.s - twin.s
-        elif round > 9:
-            kept *= 1.0 - 30.0 / liar.t
-    assert liar.s - twin.s == pytest.approx(kept * left, rel=1e-9)
-    assert kept == pytest.approx(8 * 9 * 10 / (98 * 99 * 100))
-    assert (twin.s, twin.v) == pytest.approx((0.7 * (500.0 - 1000.0 * 0.2), 0.49 * 1000.0))
 
 
 @pytest.mark.interpreted

@@ -168,19 +168,3 @@ def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
     assert np.all(wrong.mean(axis=1) <= 0.05 + 4.0 * wrong.std(axis=1) / 60**0.5)
     assert np.all(wrong.mean(axis=1) < 0.05)
     assert np.all(found["done_round"].values % 8 == 0)
-
-
-@pytest.mark.long
-def test_wrong_stops_on_patches():
-    """At most alpha of them, where a spread within robots' walks misses them for a third: 4 standard errors."""
-    study = sc.Study(
-        trials=60, seed=23, swarm={"brain": {"file": "sure", "within": 0.05}, "robots": 20, "accuracy": [0.7, 0.95]},
-        world={"topology": "moving", "side": 2.0, "fill_ratio": 0.55, "floor": [{"clusters": 0.4}, {"stripes": 0.5}]},
-        schedule={"ticks": 3000}, measure={"truth": "floor", "checkpoints": [504]},
-    )  # fmt: skip
-    found = sc.run(study)
-    off = abs(found["done_estimate"] - found["true_fill_ratio"]).values > 0.05
-    wrong = (off & np.isfinite(found["done_estimate"].values)).mean(axis=2)
-    assert np.all(wrong.mean(axis=1) <= 0.05 + 4.0 * wrong.std(axis=1) / 60**0.5)
-    assert wrong.mean() < 0.05
-    assert np.all(found["coverage"].values.mean(axis=-1) > 0.85)

@@ -63,21 +63,6 @@ def test_asdf_mends_by_hand():
     assert me.alpha == pytest.approx((2 * a - 1) ** 2 * t**3 / (n * (t - n)))
 
 
-def test_at_one_half_nothing_is_mended():
-    """(n/t + x_bar - 1)/(2 x_bar - 1) has no value there."""
-    me = robot(ASDF, 0.9, 0.9, every=1.0)
-    ASDF.functions.observe(me, 20.0, 100.0)
-    for x in (0.49, 0.51):
-        ASDF.functions.receive(me, (x, 1.0))
-    ASDF.functions.fuse(me)
-    assert me.x_bar == 0.5
-    assert ASDF.functions.is_apart(me)
-    assert me.mended == 0.0
-    me.x_bar = 0.5 + 1e-9  # just beside it whatever was seen is explained, by an accuracy at the end of its range
-    ASDF.functions.mend(me)
-    assert me.accuracy == 1e-6
-
-
 def test_the_filters_step_is_that_of_a_numerical_linearisation():
     """C is the derivative of m p, the variance that of a binomial, the gain that of the scalar filter."""
     chance = np.random.default_rng(5)

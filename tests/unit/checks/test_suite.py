@@ -7,7 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import swarmcensus as sc
@@ -338,18 +337,6 @@ def test_a_loop_that_ends_in_cpython_alone(tmp_path, untraced):
         r"compiled, observe\(me, \S+, 1.0\) \(b = \S+, w = \S+\) did not return within 1 s, though in CPython it does"
     )
     assert re.fullmatch(said, found[-1].fault)
-
-
-@pytest.mark.long
-@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
-def test_fields_named_like_numpy_attributes(tmp_path, capsys, untraced):
-    odd = {"t": "data", "n": "dtype"}
-    source = re.sub(r'(?<=me\.)[tn]\b|(?<=")[tn](?=")', lambda field: odd[field[0]], TINY)
-    assert '{"data": 0.0, "dtype": 0.0}' in source
-    (tmp_path / "odd.py").write_text(source)
-    machine_code.step_by_step(brains.load(tmp_path / "odd.py"))()
-    seen = np.isfinite(machine_code.history()[2]).sum()
-    assert capsys.readouterr().out.count("observe(me, ") == seen
 
 
 def test_what_does_not_compile_is_found(tmp_path):

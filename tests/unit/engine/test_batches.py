@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import trials as engine
 from swarmcensus.simulation.trials import Metrics, run_batch
@@ -92,26 +91,6 @@ class TestDeterminism:
         short = engine.record_trial(setting, 7, 0)[1]
         long = engine.record_trial(replace(setting, rounds=90), 7, 0)[1]
         assert (long[: len(short)] == short).all()
-
-
-@pytest.fixture(scope="module")
-def counting(small_study):
-    """The brain without its promise that messages add up, and with a memory of how many it heard."""
-    brain = small_study.settings()[0].brain
-    source = brain.source.replace("SUMS = ", "NOTHING = ").replace("        me.heard = 0.0\n", "")
-    return brains.parse(source, "counting", brain.path)
-
-
-def one(study, name, **changes):
-    return replace(next(s for s in study.settings() if s.topology.name == name and s.robots == 12), **changes)
-
-
-@pytest.mark.parametrize(("name", "neighbours"), [("full", 11), ("ring", 2)])
-def test_lossy_links_let_through_their_share(small_study, counting, name, neighbours):
-    """How many of a trial's messages arrive is binomial: within 4 standard errors."""
-    history, _, _ = engine.record_trial(one(small_study, name, brain=counting, link_success=0.3), 7, 0)
-    sent = 60 * 12 * neighbours
-    assert abs(history["heard"][-1].sum() - 0.3 * sent) < 4 * np.sqrt(sent * 0.3 * 0.7)
 
 
 def test_stop_ends_a_run_at_once(small_study):

@@ -88,23 +88,6 @@ print(tiny.double(21), sum(tiny.double.stats.cache_misses.values()))
     assert sorted(process.communicate()[0] for process in begun) == ["42 0\n", "42 0\n", "42 1\n"]
 
 
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
-def test_a_process_that_was_forked_compiles_too(tmp_path):
-    code = f"""
-import os
-from swarmcensus.engine import code_cache
-tiny = code_cache.module({FILES!r}, "tiny")
-tiny.double(21)
-child = os.fork()
-if not child:
-    os._exit(int(tiny.double(1.5)))
-print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
-"""
-    kept = with_numba(tmp_path / "cache")
-    done = subprocess.run([sys.executable, "-c", code], env=kept, capture_output=True, text=True, check=True)
-    assert done.stdout == "3\n"
-
-
 def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):
     def full(path, data):
         raise OSError(28, "No space left on device")

@@ -330,19 +330,6 @@ def test_how_many_cannot_fail(robots):
 # ---- floors
 
 
-def test_chance_is_of_key_and_trial():
-    """And begins anew whenever it is asked, in all of its forms."""
-    keys = address(SEED, "floor"), address(SEED, "topology")
-    chances = [Chance(key, trial) for key in keys for trial in (0, 1, 2**31 - 1)]
-    for draw in (lambda c: c.uniform(3), lambda c: c.generator().random(3), lambda c: c.generator().permutation(20)):
-        assert len({tuple(draw(chance)) for chance in chances}) == len(chances)
-        assert (draw(chances[0]) == draw(Chance(keys[0], 0))).all()
-    assert (chances[1].uniform(5)[:2] == chances[1].uniform(2)).all()
-    drawn = np.empty((1, 5))
-    compile_world().draw_uniform(keys[0], 1, 0.0, 1.0, drawn)
-    assert (chances[1].uniform(5) == drawn[0]).all()
-
-
 def test_noise_is_of_trial_and_tile():
     key = address(SEED, "floor")
     tiles = np.array([[[0, 0], [-3, 5]], [[5, -3], [2, 2]]], np.int32)

@@ -87,11 +87,6 @@ def test_convergence_at_checkpoints(kept):
             assert found["convergence_error"] == abs(curve[near[0]] - 0.55)
 
 
-def test_nothing_asked_is_nothing_changed(kept):
-    assert sc.remeasure(kept) is kept
-    assert sc.remeasure(kept, delta=0.01, bins=10) is kept, "what the study has"
-
-
 @pytest.mark.long
 def test_what_was_asked_anew_is_said(here, capsys):
     kept = measured(FIXED | {"trials": 8}, estimates=True, checkpoints=[1, 2, 5, 20, 40])

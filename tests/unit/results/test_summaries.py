@@ -15,17 +15,11 @@ from swarmcensus.support import intervals, terminal
 from swarmcensus.support.printed_tables import Table
 
 MANY = """
-trials = 6
-[swarm]
-robots = [2, 3]
-accuracy = [0.6, 0.7, 0.8, 0.9, "U(0.525,0.975)", {black = 0.9, white = 0.625}]
-[world]
-topology = ["ring", "full"]
-fill_ratio = 0.55
-[schedule]
-rounds = [5, 8]
-[measure]
-checkpoints = [2, 5, 8]
+trials   = 6
+swarm    = {robots = [2, 3], accuracy = [0.6, 0.7, 0.8, 0.9, "U(0.525,0.975)", {black = 0.9, white = 0.625}]}
+world    = {topology = ["ring", "full"], fill_ratio = 0.55}
+schedule = {rounds = [5, 8]}
+measure  = {checkpoints = [2, 5, 8]}
 """
 
 

@@ -187,18 +187,6 @@ def test_another_version_is_not_called_the_same(files, tmp_path, capsys):
     assert "the numbers are the same to the last bit; the file is of version 0.0.9, and this is 0." in said
 
 
-def test_labels_that_differ_are_sentences_and_exit_with_1(files, tmp_path, capsys):
-    data = sc.load(files / "kinds.nc")
-    data["accuracy"].values[:] = data["accuracy"].values[::-1].copy()
-    sc.save(data, tmp_path / "x.nc")
-    assert main(["verify", str(tmp_path / "x.nc"), "--sample", "0.1", "--seed", "1"]) == 1
-    said = capsys.readouterr().out
-    assert (
-        "setting 0: accuracy is 'black=0.9 white=0.6' in the file and '0.8' by its study (24 settings differ)" in said
-    )
-    assert "labels that do not match the study: 1" in said
-
-
 @pytest.mark.parametrize(
     ("name", "place", "value"),
     [("correct", (0, 0, 0), np.nan), ("convergence_round", (0, 0, 1), -1), ("fill_ratio", 0, 0.9)],
@@ -242,12 +230,6 @@ class TestTrialsThatAreHidden:
         failed = json.dumps([{"setting": 2, "trial": 1, "why": "a worker was lost"}])
         found = sc.verify(hidden(data, kept, failed=failed, trials_total=kept.size), 1.0)
         assert [(d.setting, d.trial, d.stored) for d in found.differences] == [(2, 1, -1)]
-
-    def test_trials_that_no_study_asks_for(self, files):
-        data = sc.load(files / "kinds.nc")
-        other = data.assign_coords(trial=[2, 3])
-        with pytest.raises(InputError, match="trial 3 is in the file, and its study asks for 2"):
-            sc.merge([data, other])
 
 
 def test_a_round_trip_changes_no_type(files, tmp_path):

@@ -301,51 +301,6 @@ class WLAN:
         pass
 """
 TWO = """
-from runtime import Messages, Robot
-import brain
-import robot as program
-import settings
-s = settings
-
-def made():
-    return Robot(brain, Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED), program.Sensor(), program.Radio(), lambda: 0,
-                 s.B, s.W, program.own_number(), s.PERIOD)
-
-robots = []
-for number in (1, 2):
-    settings.NUMBER = number
-    robots.append(made())
-for tick in range(100):
-    for robot in robots:
-        robot.tick()
-    if tick % 10 == 0 and hasattr(robots[0].radio, "line"):  # noise between two datagrams
-        robots[0].radio.line.data += bytes([192, 1, 219, 5, 192, 7])
-for robot in robots:
-    print(robot.status())
-"""
-
-
-@needs_micropython
-@pytest.mark.parametrize(("radio", "refused"), [("serial", 20), ("espnow", 0)])
-def test_robots_hear_each_other_on_boards(tmp_path, radio, refused):
-    """Every byte may occur in a datagram, and noise on a line costs none."""
-    files = texts(deployed(tmp_path / "robot", "commons", radio))
-    files["robot.py"] = files.pop("main.py")
-    files |= {"machine.py": FAKE, "espnow.py": FAKE_NOW, "network.py": FAKE_NETWORK, "main.py": TWO}
-    (tmp_path / "node").mkdir()
-    first, second = on_board(tmp_path / "node", files).splitlines()
-    assert f"heard 99 stale 0 refused {refused}" in first
-    assert "heard 100 stale 0 refused 0" in second
-    assert "undone 0 blanked 0 sensor_faults 0 radio_faults 0" in first
-
-
-def test_deployed_robot_with_a_log(tmp_path):
-    files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
-    assert set(files) == FILES | {"log.py"}
-    assert "up to 20,000 bytes" in files["README.md"]
-
-
-LOGGED = """
 import robot as program
 import settings
 from binascii import hexlify
@@ -354,36 +309,60 @@ robots = []
 for number in (1, 2):
     settings.NUMBER = number
     robots.append(program.made())
-    if number == 1:  # the other one keeps no log
+    if number == 1 and hasattr(settings, "LOG"):  # the other one keeps no log
         del settings.LOG
-for tick in range(300):
+for tick in range(100):
     for robot in robots:
         robot.tick()
-robots[0].log.close()
-with open("robot.log", "rb") as file:
-    print(hexlify(file.read()).decode())
+    if NOISY and tick % 10 == 0:
+        robots[0].radio.line.data += bytes([192, 1, 219, 5, 192, 7])
+for robot in robots:
+    print(robot.status())
 print(robots[0].numbers())
+if robots[0].log:
+    robots[0].log.close()
+    with open("robot.log", "rb") as file:
+        print(hexlify(file.read()).decode())
 """
+
+
+def two_on_boards(folder, noisy, *deployment):
+    """What the program of two robots prints that hear each other on boards."""
+    files = texts(deployed(folder / "robot", "commons", *deployment))
+    files["robot.py"] = files.pop("main.py").replace('"memory"', 'f"memory{own_number()}"')
+    files |= {"machine.py": FAKE, "espnow.py": FAKE_NOW, "network.py": FAKE_NETWORK}
+    (folder / "node").mkdir()
+    return on_board(folder / "node", files | {"main.py": TWO.replace("NOISY", str(noisy))}).splitlines()
+
+
+@needs_micropython
+@pytest.mark.parametrize(("radio", "refused"), [("serial", 20), ("espnow", 0)])
+def test_robots_hear_each_other_on_boards(tmp_path, radio, refused):
+    """Every byte may occur in a datagram, and noise on a line costs none."""
+    first, second, _ = two_on_boards(tmp_path, radio == "serial", radio)
+    assert f"heard 99 stale 0 refused {refused}" in first
+    assert "heard 100 stale 0 refused 0" in second
+    assert "undone 0 blanked 0 sensor_faults 0 radio_faults 0" in first
 
 
 @needs_micropython
 @pytest.mark.parametrize("format_", ["float32", "ratio16"])
 def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, format_):
-    folder = deployed(tmp_path / "robot", "commons", "serial", "--log", "20000", "--message", format_)
-    files = texts(folder)
-    files["robot.py"] = files.pop("main.py").replace('"memory"', 'f"memory{own_number()}"')
-    files |= {"machine.py": FAKE, "main.py": LOGGED}
-    (tmp_path / "node").mkdir()
-    log, numbers = on_board(tmp_path / "node", files).splitlines()
-    (tmp_path / "day").mkdir()
-    (tmp_path / "day" / "robot.log").write_bytes(bytes.fromhex(log))
+    *_, numbers, log = two_on_boards(tmp_path, False, "serial", "--log", "20000", "--message", format_)
+    (tmp_path / "recording").mkdir()
+    (tmp_path / "recording" / "robot.log").write_bytes(bytes.fromhex(log))
     capsys.readouterr()
-    assert main(["relive", str(tmp_path / "day")]) == 0
-    assert "1 of 1 state lived again to the bit, 300 of 300 ticks" in capsys.readouterr().out
-    (member,) = read_recording(tmp_path / "day").members
-    life = relive(member, keep=True)
-    assert str(max(life.memory.items())[1]) == numbers
-    assert sum(len(tick.heard) for tick in member.log.ticks) == 299
+    assert main(["relive", str(tmp_path / "recording")]) == 0
+    assert "1 of 1 robot lived again to the bit, 100 of 100 ticks" in capsys.readouterr().out
+    (member,) = read_recording(tmp_path / "recording").members
+    assert str(max(relive(member, keep=True).memory.items())[1]) == numbers
+    assert sum(len(tick.heard) for tick in member.log.ticks) == 99
+
+
+def test_deployed_robot_with_a_log(tmp_path):
+    files = texts(deployed(tmp_path / "robot", "commons", "serial", "--log", "20000"))
+    assert set(files) == FILES | {"log.py"}
+    assert "up to 20,000 bytes" in files["README.md"]
 
 
 def free_port():

@@ -47,27 +47,11 @@ rounds = 60
 local = true
 """
 MOVING = """
-name   = "sent too"
-seed   = 8
-trials = 3
-
-[swarm]
-robots   = [3, 9]
-accuracy = 0.8
-
-[world]
-topology   = "moving"
-density    = 1
-fill_ratio = 0.55
-floor      = ["tiles", {image = "leaves.png"}]
-
-[schedule]
-ticks = 150
-
-[[faults]]
-at     = 50
-robots = 1
-stop   = "moving"
+trials   = 3
+swarm    = {robots = [3, 9], accuracy = 0.8}
+world    = {topology = "moving", density = 1, fill_ratio = 0.55, floor = ["tiles", {image = "leaves.png"}]}
+schedule = {ticks = 150}
+faults   = [{at = 50, robots = 1, stop = "moving"}]
 """
 
 
@@ -99,17 +83,9 @@ def here(tmp_path, monkeypatch):
     """A folder with what the studies name: a brain file (a shipped brain's source), an edge list, an image."""
     for name in ("links.csv", "leaves.png"):
         shutil.copy(EXAMPLE / name, tmp_path)
-    (tmp_path / "mine.py").write_text(sc.Study(**tables("legacy")).swarm.brain[0].source)
+    (tmp_path / "mine.py").write_text(sc.brains.load("legacy").source)
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def tables(brain):
-    return {
-        "trials": 1,
-        "swarm": {"brain": brain, "robots": 2, "accuracy": 0.7},
-        "world": {"topology": "ring", "fill_ratio": 0.5},
-    }
 
 
 def test_finished_work_starts_no_cluster(here):
@@ -244,15 +220,8 @@ def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch, thr
     assert same(data, threads)
 
 
-def refusing(folder, when="true"):
-    """Have `sbatch` say no while a shell command succeeds."""
-    script = folder / "bin" / "sbatch"
-    no = f'if {when}; then echo "sbatch: error: no more" >&2; exit 1; fi'
-    script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
-
-
 def test_batch_system_refuses_all_jobs(here, slurm, refused):
-    refusing(here)
+    (here / "bin" / "sbatch").write_text('#!/bin/bash\necho "sbatch: error: no more" >&2\nexit 1\n')
     (here / "submitted").touch()
     Path("s.toml").write_text(FIXED)
     said = "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: "

@@ -102,20 +102,6 @@ def test_a_function_is_allowed_or_refused_with_its_line(name):
 
 
 @pytest.mark.parametrize(
-    ("head", "call", "line"),
-    [
-        ("from math import log1p", "log1p(0.5)", 1),
-        ("from math import *", "log1p(0.5)", 8),
-        ("import math", "math.log1p(0.5)", 8),
-    ],
-)
-def test_however_it_is_imported(head, call, line):
-    said = refused(TINY.replace("import math", head).replace("me.x = 0.5", f"me.x = {call}"))
-    assert f"line {line}: uses math.log1p" in said
-    assert "math.log(1.0 + x)" in said
-
-
-@pytest.mark.parametrize(
     ("line", "said"),
     [
         ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),

@@ -14,7 +14,6 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.studies import addresses
 from swarmcensus.worlds.changes import Change, along, read_change
 from tests.reference import rounds as reference
-from tests.support.second import brain
 from tests.support.small import SEED, SLOW, SWITCH, called, changing, moving_of, settings_of
 
 # ---- what it is
@@ -108,23 +107,6 @@ def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
 
 
 # ---- what is measured
-
-
-@pytest.mark.interpreted
-def test_a_consensus_is_right_where_it_is_that_of_the_end():
-    source = 'MEMORY = {"t": 0.0, "n": 0.0}\nMESSAGE = ("x",)\n'
-    bodies = {
-        "observe(me, blacks, looks)": "me.t = 1.0\n    me.n = blacks", "broadcast(me)": "return (me.n,)",
-        "receive(me, message)": "pass", "fuse(me)": "pass", "estimate(me)": "return me.n / 3.0",
-        "decide(me)": "return 1 if me.n > 1.5 else 0",
-    }  # fmt: skip
-    source += "\n\n".join(f"def {head}:\n    {body}" for head, body in bodies.items()) + "\n"
-    told = {"robots": 4, "accuracy": 1.0, "brain": brain(source)}
-    results = sc.run(changing({"from": 1.0, "to": 0.0, "at": 50}, swarm=told))
-    assert (results["consensus"] == 1).all()
-    assert (results["right_option"] == 0).all()
-    assert (results["consensus_right"] == 0).all()
-    assert (results["decision_change"] == 50).all()
 
 
 # ---- the same life, however it is lived

@@ -7,14 +7,12 @@ import swarmcensus as sc
 from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, trials
-from swarmcensus.simulation.failure_lines import line_of_failure
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
 from tests.reference import rounds as reference
 from tests.support.places import ROOT
-from tests.support.second import changed
-from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, moving_of, settings_of
+from tests.support.small import FAULTS, GO, MOVING, PASSING, RING, SEED, failing, heard_in, settings_of, study_of
 
 COMMONS = ROOT / "tests" / "support" / "commons.py"
 BRAINS = ["minimalistic", "commons", "swift", "voter"]
@@ -112,25 +110,6 @@ def test_segments_hear_earlier_messages(rows, monkeypatch):
 # ---- which line of a brain fails
 
 
-@pytest.mark.long
-def test_the_line_that_fails_on_late_news_is_found(tmp_path):
-    """What is said in round 3 is heard in round 6, and in none before."""
-    source = changed(
-        ("    return (estimate(me),)", "    return (me.t,)"),
-        ("    pass\n\n\ndef fuse", "    me.n += 1.0 / (3.0 - message[0])\n\n\ndef fuse"),
-    )
-    (tmp_path / "mine.py").write_text(source)
-    used = str(tmp_path / "mine.py")
-    world = {"topology": ["ring", "full"], "message_delay": 3}
-    for setting in settings_of(4, used, rounds=5, **world):
-        assert line_of_failure(setting, SEED, 0) == ""
-    walk = moving_of(6, used, ticks=60, body={"message_delay": 3, "tile": 0.05})
-    for setting in (*settings_of(4, used, rounds=6, **world), walk):
-        assert line_of_failure(setting, SEED, 0).endswith("line 17: me.n += 1.0 / (3.0 - message[0])")
-    with pytest.raises(sc.InputError, match="ZeroDivisionError"):
-        run_batch(settings_of(4, used, rounds=6, **world)[0], SEED, 0, 1, Metrics(0.01, 10, ()), GO)
-
-
 # ---- studies and results
 
 
@@ -150,31 +129,9 @@ def test_wrong_delays_are_named(world, tables, said):
     assert said in str(caught.value)
 
 
-STUDY = """
-seed = 5
-trials = 8
-[swarm]
-brain = ["minimalistic", "commons"]
-robots = 6
-accuracy = 0.8
-[world]
-topology = "ring"
-fill_ratio = 0.35
-message_delay = [0, 1, 4]
-[schedule]
-rounds = 40
-"""
-
-
-@pytest.fixture(scope="module")
-def file(tmp_path_factory):
-    path = tmp_path_factory.mktemp("late") / "late.nc"
-    sc.save(sc.run(sc.Study.parse(STUDY), jobs=1), path)
-    return path
-
-
-def test_results_say_how_late_messages_were(file):
-    data = sc.load(file)
+def test_results_say_how_late_messages_were():
+    brains = ["minimalistic", "commons"]
+    data = sc.run(study_of(brains, robots=6, accuracy=0.8, rounds=40, message_delay=[0, 1, 4]), jobs=1)
     assert data["message_delay"].values.tolist() == [0, 1, 4] * 2
     assert (data["messages_heard"][0, 0] == 80).all()
     assert (data["messages_heard"][2, 0] == 72).all()
@@ -185,9 +142,3 @@ def test_results_say_how_late_messages_were(file):
     with pytest.raises(sc.InputError, match="no lost messages, no delays"):
         recording(data, 2, 0)
     assert recording(data, 0, 0)[0].shape == (400, 6)
-
-
-def test_studies_with_and_without_delays_are_merged(file):
-    other = sc.run(sc.Study.parse(STUDY.replace("message_delay = [0, 1, 4]", "link_success = [1, 0.5]")), jobs=1)
-    both = sc.merge([file, other])
-    assert both["message_delay"].values.tolist() == [0, 1, 4, 0, 1, 4, 0, 0]

@@ -91,13 +91,6 @@ def test_liars_shift_what_the_honest_believe(data):
     assert (heard.sum(["robot"]).values == 9 * 24 - 24 - 2 * 12).all()  # 9 honest ones; two hear none; noise is none
 
 
-def test_the_table_shows_members_once(here, capsys):
-    assert main(["show", "s.nc", "--where", "liars == 3 and brain == 'legacy'"]) == 0
-    text = capsys.readouterr().out
-    assert "0.3 always-black, not honest" in text
-    assert "liars" not in text.replace("s.nc: liars", "")
-
-
 # ---- results stand for themselves
 
 

@@ -8,7 +8,7 @@ from swarmcensus.simulation import sampling
 from swarmcensus.simulation.trials import Metrics, run_batch
 from swarmcensus.studies import addresses
 from swarmcensus.studies.coordinates import coordinates_of
-from tests.support.small import GO, MOVING, RING, SEED, settings_of
+from tests.support.small import GO, MOVING, RING, SEED, settings_of, study_of
 
 WHOLE = {
     "ring": "ring",
@@ -77,28 +77,9 @@ def test_a_trial_is_that_of_the_network_without_these_links(topology, brain, del
     assert (batch.final[2] == found.final[0]).all()
 
 
-STUDY = """
-name = "study"
-trials = 6
-[swarm]
-brain = "commons"
-robots = 8
-accuracy = 0.8
-[world]
-topology = ["ring", "moving"]
-density = 2
-fill_ratio = 0.35
-missing_links = [0, 0.5, 1]
-[schedule]
-rounds = 40
-ticks = 20
-"""
-
-
-def test_results_say_how_many_links_are_missing(tmp_path):
-    data = sc.run(sc.Study.parse(STUDY), jobs=1)
-    assert data["topology"].values.tolist() == ["ring"] * 3 + ["moving"]
-    assert data["missing_links"].values.tolist() == [0.0, 0.5, 1.0, 0.0]
+def test_results_say_how_many_links_are_missing():
+    data = sc.run(study_of("commons", robots=8, rounds=40, trials=6, missing_links=[0, 0.5, 1]), jobs=1)
+    assert data["missing_links"].values.tolist() == [0.0, 0.5, 1.0]
     heard = data["messages_heard"].values[:3].mean(axis=(1, 2))
     assert heard[0] == 80 > heard[1] > heard[2] == 0
     variances = [sc.explain(data, setting).theory["mixed"].variance[-1] for setting in range(3)]

@@ -6,7 +6,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.checks import contract_checks, machine_code, sample_states, suite as conformance
+from swarmcensus.checks import contract_checks, suite as conformance
 from swarmcensus.engine.return_values import chosen
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides, sampling
@@ -175,25 +175,3 @@ def test_a_wish_is_read(command):
 def test_what_is_no_wish_is_not_compiled(command):
     with pytest.raises(TypeError, match=r"steer gives .*, neither two numbers, a speed and a turn, nor None"):
         numba.njit(lambda: chosen(command))()
-
-
-def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
-    """Bit for bit, on states of many histories; and the suite sees it where they are not."""
-    brain = brains.load(folder / "steered.py")
-    states, said = [], []
-    for _, me in sample_states.lives(brain):
-        for w in WANTS.values():
-            me.w = w
-            if w not in (WANTS["BROKEN"], WANTS["DIVIDES"]):
-                states.append(tuple(getattr(me, name) for name in (*brain.memory, "b", "w")))
-                said.append(brain.functions.steer(me) or (0.0, 0.0))
-    table = np.array(states, rides.compiler.array_layout(brain).record)
-    there, speed, turn = machine_code.commands_of(brain, table)
-    assert (np.stack([speed, turn], axis=1) == np.array(said)).all()
-    assert (there == (np.array(said) != 0.0).any(axis=1)).all()
-    trace = sc.infer(np.ones((3, 2)), None, 0.75, brain=brain)
-    beliefs = np.full(2, WANTS["STRAIGHT"])
-    machine_code.commands_agree(brain, trace, beliefs, beliefs)
-    monkeypatch.setattr(brain.functions, "steer", lambda me: (0.14, 1e-9))
-    with pytest.raises(sample_states.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
-        machine_code.commands_agree(brain, trace, beliefs, beliefs)

@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.errors import InputError
-from tests.support.places import EXAMPLE
 from tests.support.second import ALL, brain, changed, fixed
 from tests.support.small import GO, SEED, study_of
 
@@ -52,22 +50,6 @@ def test_a_message_is_what_it_was_when_it_was_said():
         own = np.stack([1.0 - blacks[1], 0.5 + blacks[1]], axis=1)
         ring = own.sum(axis=0) if setting.topology.name == "full" else own[:2].sum(axis=0)
         assert (fields["seen"][1, 0] == ring).all()
-
-
-@pytest.mark.interpreted
-def test_a_belief_over_ten_bins_is_bayes_rule():
-    """The example by hand: a robot's weights are the logarithms of binomial likelihoods, up to a constant."""
-    used = brains.load(EXAMPLE / "histogram.py")
-    setting = next(s for s in fixed(used, robots=2, rounds=3, looks=7, accuracy=0.8, topology="line"))
-    fields, estimates, blacks = record_trial(setting, SEED, 0)
-    n, middles = blacks.sum(), (np.arange(10) + 0.5) / 10
-    p = 0.8 * middles + 0.2 * (1.0 - middles)
-    log = n * np.log(p) + (42 - n) * np.log(1.0 - p)
-    assert fields["belief"][-1, 0] == pytest.approx(log, rel=1e-12)
-    weights = np.exp(log - log.max())
-    assert estimates[-1] == pytest.approx([(weights * middles).sum() / weights.sum()] * 2, rel=1e-12)
-    batch = run_batch(setting, SEED, 0, 1, MEASURE, GO)
-    assert (batch.verdicts[0, :, 0] == np.argmax(log)).all()
 
 
 BEYOND = {

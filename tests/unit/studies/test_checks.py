@@ -1,6 +1,5 @@
 """Keys that mean nothing are errors; values that mean something are taken however they are given."""
 
-import networkx as nx
 import numpy as np
 import pandas as pd
 import pytest
@@ -76,34 +75,7 @@ def test_whole_numbers_come_as_lists_of_any_kind(robots):
     assert sc.Study.parse(made.text).settings() == made.settings()
 
 
-def test_numbers_of_numpy_are_numbers():
-    made = study(
-        MOVING | {"link_success": np.float32(0.5), "body": {"turn_most": np.int16(9), "radius": np.float64(0.07)}},
-        trials=np.int64(2), seed=np.uint16(3), robots=np.int32(5), schedule={"ticks": np.arange(5, 8)},
-        measure={"bins": np.int8(5), "delta": np.float64(0.1), "checkpoints": np.array(5)},
-        faults=fault(at=np.int64(2), robots=np.float64(0.5)),
-    )  # fmt: skip
-    assert (made.trials, made.seed, made.measure.bins, made.checkpoints) == (2, 3, 5, [5])
-    assert sc.Study.parse(made.text).settings() == made.settings()
-    assert made.with_(trials=np.int64(4)).trials == 4
-
-
 @pytest.mark.parametrize(("value", "shown"), [(np.float64(3.0), "3.0"), (3.0, "3.0"), (np.bool_(True), "true")])
 def test_other_numbers_are_not_whole(value, shown):
     with pytest.raises(sc.InputError, match=f"schedule.rounds = {shown}: should be a valid integer"):
         study(schedule={"rounds": value})
-
-
-def test_graphs_without_names_are_told_how_to_get_one():
-    graphs = [nx.Graph([(0, k)]) for k in (1, 2, 3)]
-    with pytest.raises(sc.InputError, match=r'one name: graph, graph, graph: name a graph by graph\.name = "office"'):
-        study(RING | {"topology": graphs})
-    for graph, name in zip(graphs, "abc", strict=True):
-        graph.name = name
-    made = study(RING | {"topology": graphs})
-    assert sc.Study.parse(made.text).settings() == made.settings()
-
-
-def test_a_delay_spans_the_fixed_networks_of_a_study_alone():
-    settings = study(BOTH | {"message_delay": [0, 2]}).settings()
-    assert [(s.topology.name, s.delay) for s in settings] == [("ring", 0), ("ring", 2), ("moving", 0)]

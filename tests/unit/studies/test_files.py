@@ -3,7 +3,6 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.studies import toml_text
 from tests.support.small import SMALL
 
 CONTEXT = "studies/x.toml: "
@@ -40,8 +39,8 @@ def test_text_gives_the_same_study_again():
 def test_a_networkx_graph_becomes_part_of_the_text():
     import networkx as nx
 
-    graph = nx.petersen_graph()
-    study = sc.Study(trials=1, swarm={"robots": 10, "accuracy": 0.7}, world={"topology": [graph], "fill_ratio": 0.5})
+    world = {"topology": [nx.petersen_graph()], "fill_ratio": 0.5}
+    study = sc.Study(trials=1, swarm={"robots": 10, "accuracy": 0.7}, world=world)
     assert sc.Study.parse(study.text).settings() == study.settings()
 
 
@@ -92,8 +91,3 @@ def test_unreadable_files(tmp_path):
     (tmp_path / "bytes.toml").write_bytes(b"\xff\x00")
     with pytest.raises(sc.InputError, match="cannot be read"):
         sc.Study.load(tmp_path / "bytes.toml")
-
-
-def test_toml_values():
-    assert toml_text.to_toml_value('a"b\\c\n') == '"a\\"b\\\\c\\n"'
-    assert toml_text.to_toml_value({"a": [1, 2.5, True]}) == "{a = [1, 2.5, true]}"

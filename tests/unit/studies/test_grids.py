@@ -48,11 +48,6 @@ def test_each_case_adds_a_grid_of_its_own():
     assert sc.Study.parse(made.text).settings() == made.settings()
 
 
-def test_a_setting_that_is_there_already_is_kept_once():
-    made = study(case=[{"robots": [20, 30]}, {"robots": [30, 40]}])
-    assert [s.robots for s in made.settings()] == [10, 20, 30, 40]
-
-
 def test_a_case_may_move_where_the_rest_stands():
     made = study(case=[{"topology": "moving", "side": 3.0, "ticks": "10 s", "floor": "half"}])
     moving = [s for s in made.settings() if s.body]
@@ -146,16 +141,3 @@ def test_one_of_density_and_side_is_wanted():
     assert "world.density and world.side both say" in refused(MOVING, world={"side": 3, "density": 1})
     assert 'world.side is of robots that move: it goes with topology = "moving"' in refused(world={"side": 3})
     assert "tiles wide" in refused(MOVING, world={"side": 1e9}, swarm={"robots": 1})
-
-
-def test_a_setting_names_all_that_tells_it_from_others():
-    swarm = {"robots": [5, 9], "accuracy": 0.8, "assumed_accuracy": [{"error": -0.1}, {"error": 0}, 0.75]}
-    world = {"fill_ratio": 0.5, "link_success": [0.5, 1], "topology": ["ring", "moving"], "side": [2.5, 3]}
-    study = sc.Study(trials=1, swarm=swarm, world=world, schedule={"rounds": 9, "ticks": 9})
-    settings = study.settings()
-    texts = [str(setting) for setting in settings]
-    assert len(set(texts)) == len(texts) == 36
-    moving = next(text for text in texts if "moving" in text)
-    assert moving == (
-        "moving, N = 5, L = 2.5 m, accuracy 0.8, assumed accuracy error=-0.1, f = 0.5, link success 0.5, 9 ticks"
-    )

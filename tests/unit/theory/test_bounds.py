@@ -47,13 +47,3 @@ def test_perfect_sensors_and_blind_ones():
     assert theory.robot_bound(5, 0.4, 1.0) == pytest.approx(0.4 * 0.6 / 5)
     assert theory.robot_bound(5, 0.4, 0.5) == np.inf
     assert theory.swarm_bound(5, 0.4, [0.5, 0.5]) == np.inf
-
-
-def test_the_best_weights_reach_the_swarms_bound():
-    """Corrected readings weighed by their information: 20,000 swarms; the ratio of variances is within 5 sd of 1."""
-    rng, f, b = np.random.default_rng(4), 0.4, np.array([0.6, 0.75, 0.95])
-    q = b * f + (1 - b) * (1 - f)
-    estimates = (rng.binomial(10, q, (20_000, 3)) / 10 + b - 1) / (2 * b - 1)
-    weights = theory.information(f, b)
-    pooled = estimates @ weights / weights.sum()
-    assert pooled.var() / theory.swarm_bound(10, f, b) == pytest.approx(1.0, abs=5 * np.sqrt(2 / 20_000))

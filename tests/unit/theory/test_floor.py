@@ -7,7 +7,6 @@ import pytest
 from scipy import stats
 
 from swarmcensus import theory
-from swarmcensus.worlds.floors.clusters import kernel
 
 B, W = 0.9, 0.7
 K = B + W - 1
@@ -69,16 +68,6 @@ def test_clusters_are_covariant_as_the_normal_law_says():
         assert theory.cluster_covariance(f, r) == pytest.approx(both - f * f, abs=1e-5)
     assert theory.cluster_covariance(0.3, 1.0) == pytest.approx(0.21, abs=1e-6)
     assert theory.cluster_covariance(1.0, 0.5) == 0.0
-
-
-def test_correlation_of_shipped_clusters():
-    weights = kernel(1.0, 0.1)  # the field's own kernel, one axis: tiles at offsets 0 and 3
-    apart, taps = weights.shape
-    reach = np.zeros((2, taps * apart + 10))
-    for row, tile in enumerate((0, 3)):
-        first, offset = divmod(tile, apart)
-        reach[row, first : first + taps] = weights[offset]
-    assert reach[0] @ reach[1] == pytest.approx(np.exp(-(0.3**2)), abs=2e-3)
 
 
 def test_clustered_floors_by_brute_force():

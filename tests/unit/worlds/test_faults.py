@@ -54,32 +54,6 @@ def test_robots_that_stop_sensing_observe_no_more(text):
         assert (trace["estimate"].values[:20] == sound["estimate"].values[:20]).all()
 
 
-def test_robots_that_stop_talking_are_heard_no_more():
-    for setting, failed, trace, sound in traces(STUDY, '["talking"]'):
-        assert trace["estimate"].values[:20] == pytest.approx(sound["estimate"].values[:20], abs=1e-12)
-        assert (trace["alpha"].values == sound["alpha"].values).all()
-        if setting.topology.name == "full" and setting.brain.name == "minimalistic":
-            alpha = trace["alpha"].values[20:]
-            speakers = np.setdiff1d(np.arange(8), failed)
-            said = alpha[:, speakers].sum(axis=1, keepdims=True)
-            own = np.where(np.isin(np.arange(8), speakers), alpha, 0.0)
-            assert trace["beta"].values[20:] == pytest.approx(said - own, rel=1e-9)
-
-
-def test_last_message_of_a_failed_robot_arrives():
-    for setting, failed, trace, _ in traces(MOVING, '["talking"]'):
-        if setting.brain.name != "minimalistic":
-            continue
-        alpha, expected = trace["alpha"].values, np.zeros_like(trace["alpha"].values)
-        heard = np.zeros(expected.shape, bool)
-        for tick, *ends in trace["link"].values:
-            for receiver, sender in (ends, ends[::-1]):
-                if sender not in failed or tick - 1 < 20:
-                    expected[tick, receiver] += alpha[tick - 1, sender]
-                    heard[tick, receiver] = True
-        assert trace["beta"].values[heard] == pytest.approx(expected[heard], rel=1e-12)
-
-
 def test_robots_that_stop_moving_stand_still():
     for _, failed, trace, sound in traces(MOVING, '"moving"'):
         place = trace["position"].values
@@ -150,36 +124,6 @@ def test_who_fails_is_who_failed_before_there_was_an_end():
     assert never.faults[0].content == {"at": 20, "robots": 3, "stop": ("moving", "talking")}
     assert addresses.fingerprint(never, 3) != addresses.fingerprint(ends, 3)
     assert addresses.walk_group(never) != addresses.walk_group(ends)
-
-
-@pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
-def test_late_robots_have_no_past(text):
-    text = text.replace(
-        'at = 20, robots = 3, stop = "STOP"', 'at = 1, robots = 3, stop = ["sensing", "talking"], until = 20'
-    )
-    results = sc.run(sc.Study.parse(text))
-    for k, setting in enumerate(sc.Study.parse(text).settings()):
-        trace = sc.replay(results, k, 1)
-        late = np.flatnonzero(sampling.stops(setting, 3, 1)[1] == 1)
-        assert len(late) == 3
-        t = trace["t"].values
-        assert (t[:20, late] == 0).all()
-        assert (t[20:, late] > t[19:-1, late]).any(axis=0).all()
-        assert (results["messages_sent"].values[k, 1] == np.where(np.isin(np.arange(8), late), 21, 40)).all()
-
-
-def test_robots_that_stand_for_a_while_go_on():
-    text = MOVING.replace('stop = "STOP"', 'stop = "moving", until = 30')
-    results = sc.run(sc.Study.parse(text))
-    trace = sc.replay(results, 0, 1)
-    spells = trace["outages"]
-    assert spells.dims == ("fault", "edge", "part", "robot")
-    lame = np.flatnonzero(trace["stops"].sel(part="moving").values == 20)
-    assert (spells.sel(part="moving").values[0][:, lame] == [[20], [30]]).all()
-    assert (np.delete(spells.values, lame, axis=-1) == -1).all()
-    paths = np.abs(np.diff(trace["position"].values, axis=0)).max(axis=-1)
-    assert paths[22:29, lame].max() < 0.013  # a push at the most: a tick straight ahead is 14 mm
-    assert (paths[30:, lame].max(axis=0) > 0.009).all()
 
 
 def test_oracle_hears_absent_robots_but_no_liars():

@@ -207,23 +207,6 @@ def test_a_picture_is_black_where_it_is_darkest(gradient):
     assert abs(np.corrcoef(tie[:, 1:].ravel(), tie[:, :-1].ravel())[0, 1]) < 5 / math.sqrt(tie.size)
 
 
-def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
-    setting = setting_of({"image": str(gradient), "mode": "dither"}, 0.55)
-    black = np.mean([sampling.ground(setting, 1, trial).all_tiles() for trial in range(4)], axis=0)
-    n = len(black)
-    below = black[: -n // 9]
-    bands = [below[:, int((k + 0.1) * n / 10) : int((k + 0.9) * n / 10)] for k in range(10)]
-    share = np.array([band.mean() for band in bands])
-    error = np.array([0.5 / math.sqrt(4 * band.size) for band in bands])
-    assert (np.diff(share) < 0).all()
-    darkness = 1 - np.arange(30, 230, 20) / 255
-    odds = share / (1 - share) * (1 - darkness) / darkness  # all are changed by one factor
-    distribution = error / (share * (1 - share))
-    assert (np.abs(np.log(odds / odds[4])) < SIGMAS * np.hypot(distribution, distribution[4])).all()
-    trials = [sampling.ground(setting, 1, t).all_tiles()[: n // 2, n // 2] for t in (0, 1)]
-    assert (trials[0] != trials[1]).any()
-
-
 def write(path, array, **options):
     Image.fromarray(array).save(path, **options)
     return path

@@ -29,14 +29,6 @@ def test_forms(value, text):
     assert sensors.parse_accuracy(accuracy.form) == accuracy
 
 
-@pytest.mark.parametrize(("value", "form"), [(0.7, 0.7), ("U(0.5, 1)", "U(0.5,1.0)")])
-def test_forms_in_a_study_file_are_as_plain_as_can_be(value, form):
-    accuracy = sensors.parse_accuracy(value)
-    assert accuracy.form == form
-    assert type(accuracy.form) is type(form)
-    assert sensors.parse_accuracy({"black": value, "white": value}).form == {"black": form, "white": form}
-
-
 @pytest.mark.parametrize(("value", "text"), [(0.1, "error=0.1"), ("U(-1, 1)", "error=U(-1.0,1.0)"), (-1, "error=-1.0")])
 def test_forms_of_errors(value, text):
     assumed = sensors.parse_assumed({"error": value})
@@ -98,13 +90,6 @@ def test_blindness():
     assert sensors.parse_accuracy({"black": 0.7, "white": 0.3}).is_blind
     assert not sensors.parse_accuracy(0.51).is_blind
     assert not sensors.parse_accuracy("U(0.5,0.5)").is_blind
-
-
-def test_draws_do_not_depend_on_the_batch():
-    accuracy = sensors.parse_accuracy("N(0.7,0.2)")
-    whole, _ = accuracy.draw(1, "accuracy", 0, 6, 9)
-    part, _ = accuracy.draw(1, "accuracy", 2, 3, 9)
-    assert (whole[2:5] == part).all()
 
 
 @pytest.mark.parametrize(("mean", "sd"), [(0.75, 0.1), (0.9, 0.3), (0.0, 0.02), (0.5, 40.0)])

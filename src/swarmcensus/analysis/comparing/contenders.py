@@ -73,7 +73,8 @@ def grid_of(
         place[at] = setting
     has_pairs = (place != NONE).sum(axis=1) > 1
     if not has_pairs.any():
-        raise InputError(f"no two of {_listed(contenders)} have met the same world: there are no pairs of trials")
+        names_of_all = f"{', '.join(contenders[:-1])} and {contenders[-1]}"
+        raise InputError(f"no two of {names_of_all} have met the same world: there are no pairs of trials")
     cautions = _cautions(place, has_pairs, contenders)
     others = len({*name_of.values()}) - len(contenders)
     if others:
@@ -131,7 +132,3 @@ def _cautions(place: NDArray[np.intp], met: NDArray[np.bool_], contenders: list[
             )  # fmt: skip
             cautions.append(f"{name} is {where}")
     return cautions
-
-
-def _listed(names: list[str]) -> str:
-    return ", ".join(names[:-1]) + f" and {names[-1]}"

@@ -73,7 +73,7 @@ def expect(
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
     drawn = [values[trials - first] for values in sampling.accuracies(setting, study.seed, first, count)]
     absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
-    if _some_stop_early(data.sel(setting=[number])):
+    if "done_round" in data and np.isfinite(data["done_round"].sel(setting=number).values).any():
         absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
     wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
     floor = float(floor_variance(data, setting, np.array(np.inf)))
@@ -103,10 +103,6 @@ def expect(
     return out
 
 
-def _some_stop_early(data: xr.Dataset) -> bool:
-    return "done_round" in data and bool(np.isfinite(data["done_round"].values).any())
-
-
 def reasons(setting: Setting, knows: bool) -> dict[str, str]:
     """Why theory has no value for some lines of a setting, by line; `knows` tells whether robots know their sensors."""
     for why, holds in (
@@ -122,7 +118,7 @@ def reasons(setting: Setting, knows: bool) -> dict[str, str]:
         if holds:
             return dict.fromkeys((ALONE, NEAR, MIXED, SWARM), why)
     out: dict[str, str] = {}
-    moves = setting.body is not None
+    moves, delay = setting.body is not None, setting.message_delay
     for name, why, holds in (
         (ALONE, "robots are wrong about their sensors", not knows),
         (ALONE, "robots that move see tiles again, so that readings are not independent", moves),
@@ -130,7 +126,11 @@ def reasons(setting: Setting, knows: bool) -> dict[str, str]:
         (NEAR, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
         (MIXED, "robots that move hear others all the time", moves),
         (MIXED, "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),
-        (MIXED, "messages are late, in too large a network", not moves and not _delays_fit(setting)),
+        (
+            MIXED,
+            "messages are late, in too large a network",
+            delay > 0 and not moves and not fits(setting.robots, delay),
+        ),
         (MIXED, "robots are wrong about their sensors", not knows),
         (MIXED, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
     ):
@@ -221,10 +221,6 @@ def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Flo
         matrix = from_links(setting.robots, links.receivers, links.senders) if links.mode == LISTED else everyone
         matrices.append(matrices[0] if same_graph and matrices else matrix)
     return matrices
-
-
-def _delays_fit(setting: Setting) -> bool:
-    return not setting.message_delay or fits(setting.robots, setting.message_delay)
 
 
 def _sensing(readings: Floats, f: float, b: Floats, w: Floats) -> Floats:

@@ -55,7 +55,9 @@ def compare(options: argparse.Namespace) -> int:
         raise misplaced("by", None, "counts worlds, --pairs shows single worlds: give one of them")
     check_output("csv", options.csv, (".csv",), options.results)
     check_output("latex", options.latex, (".tex",), options.results)
-    figures = {kind: _beside(options.plot, kind) for kind in ("ranks", "pareto")} if options.plot else {}
+    figures: dict[str, Path] = {}  # comparison.png becomes comparison-ranks.png and comparison-pareto.png
+    if out := options.plot:
+        figures = {kind: out.with_name(f"{out.stem}-{kind}{out.suffix}") for kind in ("ranks", "pareto")}
     for path in figures.values():
         figure_files(path, ("png", "svg"), options.results)
     stored = read(options).stored
@@ -102,11 +104,6 @@ def _as_dict(comparison: "Comparison", axes: list[str]) -> dict[str, Any]:
         "cautions": comparison.cautions,
     }
     return about | {name: table.to_dict("records") for name, table in tables.items()}
-
-
-def _beside(out: Path, kind: str) -> Path:
-    """The file of a figure: comparison.png becomes comparison-ranks.png."""
-    return out.with_name(f"{out.stem}-{kind}{out.suffix}")
 
 
 def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Path]) -> None:

@@ -91,7 +91,7 @@ def evaluation(name: str) -> Evaluation:
     if name not in EVALUATIONS:
         known = ", ".join(EVALUATIONS)
         why = f"there is no {name!r} to reproduce: {did_you_mean(name, EVALUATIONS)}known are {known}"
-        raise InputError(why, key="evaluation", value=name)
+        raise InputError(why, key="of", value=name)
     return EVALUATIONS[name]
 
 

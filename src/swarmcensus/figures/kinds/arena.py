@@ -59,7 +59,7 @@ def arena(
     """Draw the arena with its moving robots at the end of a tick, as the paper's Fig. 1 does.
 
     Robots are discs to scale, coloured by their estimates, with their heading. Lines join robots that hear each other.
-    A dotted circle is the radio range of one robot. Strokes across a robot say what it has stopped doing.
+    A dotted circle is the radio range of one robot. Strokes across a robot show what it has stopped doing.
 
     - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. Such a
       trace has no tiles, so its floor is the grey of the fill ratio.

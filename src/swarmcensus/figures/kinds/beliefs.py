@@ -71,7 +71,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None, **
         same_line = _coinciding(group, 0.002 * top)
         for k, (text, look) in enumerate(looks.items()):
             same = [cost for cost in group if cost.accuracy == text]
-            size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # so that none hides another
+            size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # so that no dot hides another
             _draw_fixed(place, sorted((c.error, c) for c in same if c.error is not None), look, size, same_line)
             aside = (k - (len(looks) - 1) / 2) * 0.5 * BESIDE * span / len(looks)
             in_columns = [c for c in same if c.error is None]

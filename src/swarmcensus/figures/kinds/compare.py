@@ -76,7 +76,7 @@ def compare(
     reference = standings.against or 0
     rows, drawn = effects(results, standings, reference, by)
     few = in_worlds_too_few(standings.contests)
-    if by is not None:  # these tests are others, one for each row, contender and measure
+    if by is not None:  # other tests: one for each row, contender and measure
         tests = sum(int((~np.isnan(effect.value)).sum()) for effect in drawn)
         few = too_few(int(standings.contests[0].trials.max()), tests, "compare fewer measures or rows")
     return draw_effects(standings, reference, rows, drawn, title, ax, [results], few)

@@ -147,7 +147,7 @@ def _ticks(path: Path, clock: Clock, first: int, last: int | None, every: int, f
 def ffmpeg_for(path: str | Path) -> Any:
     """Return the ffmpeg module for an .mp4 and None for a .gif, which Pillow writes.
 
-    Raises InputError for another suffix and where imageio-ffmpeg is missing.
+    Raises InputError for another suffix and if imageio-ffmpeg is missing.
     """
     if suffix_of(path) == ".gif":
         return None
@@ -162,7 +162,7 @@ def ffmpeg_for(path: str | Path) -> Any:
 
 
 def _pace(trace: xr.Dataset, ticks: int) -> str:
-    """The speed of a film with so many ticks per second, as text."""
+    """The speed of a film of this many ticks per second, as text."""
     if "tick_seconds" not in trace.attrs:
         return f"{ticks} ticks a second"
     pace = ticks * trace.attrs["tick_seconds"]

@@ -27,7 +27,7 @@ from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.quantities import QUANTITIES
 
 LARGE, SMALL = 8.0, 5.0  # points: the first dot and the last, so that none hides another at the same place
-ALIKE = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
+AGREEING = 3  # digits: costs that agree to these are equal, since means over trials differ by chance
 SPREAD = 8.0  # ratio of the costs from which on their axis is logarithmic
 COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
 
@@ -77,8 +77,8 @@ def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
 
 
 def _rounded(costs: Floats) -> Floats:
-    """Costs with so many digits that equal ones are equal."""
-    return np.array([float(f"{each:.{ALIKE}g}") for each in costs.ravel().tolist()]).reshape(costs.shape)
+    """Costs rounded to the digits in which equal costs agree."""
+    return np.array([float(f"{each:.{AGREEING}g}") for each in costs.ravel().tolist()]).reshape(costs.shape)
 
 
 def draw_pareto(

@@ -54,7 +54,7 @@ from swarmcensus.support.errors import InputError
 
 LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
 MOST_NAMED = 24  # medians of a panel
-TURNS = 6  # in which the dots are drawn
+TURNS = 6  # turns in which the dots of all colours are drawn
 EARLY = 0.05  # share of the dots that may lie further left: x is linear if the others span less than half a decade
 
 

@@ -74,29 +74,29 @@ function tableOf(caption, rows) {
   return element("table", {}, element("caption", {}, caption), body);
 }
 
-function tellRobot(host, told, scene) {
-  const belief = told.sensor;
-  const rows = [["estimate", told.estimate], ["truth", told.truth], ["error", told.estimate === null ? null : Number(Math.abs(told.estimate - told.truth).toPrecision(4))]];
-  if (told.tile !== undefined) {
-    rows.push(["stands on", told.tile === null ? "–" : told.tile ? "black" : "white"]);
-    rows.push(["its sensor says", told.reading === null ? "not looking" : `${told.reading ? "black" : "white"}${told.reading === told.tile ? "" : ", wrong"}`]);
+function tellRobot(host, facts, scene) {
+  const belief = facts.sensor;
+  const rows = [["estimate", facts.estimate], ["truth", facts.truth], ["error", facts.estimate === null ? null : Number(Math.abs(facts.estimate - facts.truth).toPrecision(4))]];
+  if (facts.tile !== undefined) {
+    rows.push(["stands on", facts.tile === null ? "–" : facts.tile ? "black" : "white"]);
+    rows.push(["its sensor says", facts.reading === null ? "not looking" : `${facts.reading ? "black" : "white"}${facts.reading === facts.tile ? "" : ", wrong"}`]);
   }
-  if (told.looks !== undefined) rows.push(["its sensor says", `${shown(told.blacks)} of ${shown(told.looks)} black`]);
+  if (facts.looks !== undefined) rows.push(["its sensor says", `${shown(facts.blacks)} of ${shown(facts.looks)} black`]);
   if (belief) {
     rows.push(["sensor's b, w", `${shown(belief.b)}, ${shown(belief.w)}`]);
     rows.push(["believed b, w", `${shown(belief.believed_b)}, ${shown(belief.believed_w)}`]);
   }
-  const at = told.recorded !== undefined && told.recorded !== told.tick ? `, as of ${scene.unit} ${shown(told.recorded)}` : "";
+  const at = facts.recorded !== undefined && facts.recorded !== facts.tick ? `, as of ${scene.unit} ${shown(facts.recorded)}` : "";
   const parts = [
-    element("p", { class: "note" }, `Robot ${told.robot}, ${told.brain}${told.honest ? "" : ", a liar"}, ${scene.unit} ${shown(told.tick)}`),
+    element("p", { class: "note" }, `Robot ${facts.robot}, ${facts.brain}${facts.honest ? "" : ", a liar"}, ${scene.unit} ${shown(facts.tick)}`),
     tableOf("Belief and sensor", rows),
-    tableOf(`Memory${at}`, Object.entries(told.fields)),
+    tableOf(`Memory${at}`, Object.entries(facts.fields)),
   ];
-  if (told.heard) {
-    const when = told.heard_at === told.tick ? `this ${scene.unit}` : `${scene.unit} ${shown(told.heard_at)}`;
-    const caption = told.heard.length ? `Heard in ${when}${told.adds ? ", as added to sums" : ""}` : "No recent messages";
-    parts.push(tableOf(caption, told.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`).join(", ")])));
-    if (told.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${shown(told.heard.length - 40)} more`));
+  if (facts.heard) {
+    const when = facts.heard_at === facts.tick ? `this ${scene.unit}` : `${scene.unit} ${shown(facts.heard_at)}`;
+    const caption = facts.heard.length ? `Heard in ${when}${facts.adds ? ", as added to sums" : ""}` : "No recent messages";
+    parts.push(tableOf(caption, facts.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`).join(", ")])));
+    if (facts.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${shown(facts.heard.length - 40)} more`));
   }
   host.replaceChildren(...parts);
 }

@@ -151,8 +151,8 @@ function show(frames, now) {
   state.film?.draw();
   state.pictures.push(now);
   while (state.pictures[0] < now - 1000) state.pictures.shift();
-  if (!state.playing || now - state.told > 100) {
-    state.told = now;
+  if (!state.playing || now - state.numbersAt > 100) {
+    state.numbersAt = now;
     tellNumbers($("numbers"), state.scenes, frames, state.settled);
     state.charts.tell();
     $("rate").textContent = state.playing ? `${state.pictures.length} fps` : "";
@@ -177,9 +177,9 @@ function clockOf(seconds) {
 }
 
 // the links of the chosen robot, where a frame has none because there are too many
-function linkChosen(told, side) {
+function linkChosen(facts, side) {
   state.stages.forEach((stage, k) => {
-    stage.own = k === side && told?.hears ? told : null;
+    stage.own = k === side && facts?.hears ? facts : null;
     if (stage.frame) stage.draw(stage.frame);
   });
 }
@@ -189,12 +189,12 @@ async function tellChosen() {
   state.telling = true;
   const [run, tick, robot, side] = [state.run, state.tick, state.chosen, state.side];
   try {
-    const told = await state.source.robot(side, robot, tick);
+    const facts = await state.source.robot(side, robot, tick);
     if (run === state.run && robot === state.chosen) {
-      tellRobot($("told"), told, state.scenes[side]);
-      $("told").dataset.tick = told.tick;
-      $("told").dataset.robot = told.robot;
-      if (told.hears) linkChosen(told, side);
+      tellRobot($("told"), facts, state.scenes[side]);
+      $("told").dataset.tick = facts.tick;
+      $("told").dataset.robot = facts.robot;
+      if (facts.hears) linkChosen(facts, side);
     }
   } catch (error) {
     if (run === state.run) complain(error);

@@ -21,7 +21,7 @@ const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
   tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", span: 0.1, chosen: null, side: 0, follow: false,
-  goal: null, preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
+  goal: null, preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], numbersAt: 0,
 };
 
 function complain(error) {

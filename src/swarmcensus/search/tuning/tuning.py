@@ -200,7 +200,8 @@ def evaluate(
     """Run an evaluation; with `out` finished trials are kept there and not run again. Raises Interrupted."""
     if out is None:
         return run(study, jobs, show, cautions=False)
-    return run(study, jobs, show, out=out, fresh=fresh or _is_of_another(out, study), say=say, cautions=False)
+    fresh = fresh or any(title != study.name for title in _titles(out)[-1:])  # those are of other values
+    return run(study, jobs, show, out=out, fresh=fresh, say=say, cautions=False)
 
 
 def check_replaceable(out: Path) -> None:
@@ -211,11 +212,6 @@ def check_replaceable(out: Path) -> None:
                 f"{out} holds results that no evaluation of a search made: write elsewhere with {option('out')}",
                 file=out,
             )
-
-
-def _is_of_another(out: Path, study: Study) -> bool:
-    """Whether `out` holds the finished or unfinished evaluation of other values."""
-    return any(title != study.name for title in _titles(out)[-1:])
 
 
 def _titles(out: Path) -> list[str]:

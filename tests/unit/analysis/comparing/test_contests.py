@@ -99,14 +99,6 @@ def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
                 assert measures.numbers(data, name)[setting, trial] == pytest.approx(number, rel=1e-12), name
 
 
-def test_errors_against_the_floor():
-    data = made_up()
-    data.attrs["truth"] = "floor"
-    data["true_fill_ratio"][:] = 0.5
-    off = np.median(data["final_estimate"].values - 0.5, axis=2)
-    assert measures.numbers(data, "final_error") == pytest.approx(off)
-
-
 METRIC = """UNIT = "1"
 MEANING = "lowest"
 
@@ -292,14 +284,6 @@ def test_who_agrees_on_a_lie_is_not_the_faster_one():
     data["consensus_right"][:] = [[0.0] * 10, [1.0] * 10]
     [row] = sc.compare(data, "consensus_round").pairs.to_dict("records")
     assert (row["one_value"], row["other_value"], row["effect"]) == (math.inf, 100.0, -1)
-
-
-def test_a_constant_difference_has_a_p_and_no_interval():
-    data = made_up(brains=2, worlds=("ring",), trials=10)
-    data["convergence_round"][1] = data["convergence_round"][0] + 7
-    [row] = sc.compare(data, "convergence_round").pairs.to_dict("records")
-    assert (row["difference"], row["p"], row["told_apart"]) == (-7, 2 / 2**10, True)
-    assert math.isnan(row["difference_low"])
 
 
 def test_contradicting_difference_and_test_decide_nothing():

@@ -141,13 +141,6 @@ def test_where_theory_is_not_exact_it_says_why(brain, tables, why):
     assert found.settings[0].why.startswith(why)
 
 
-def test_a_large_network_that_is_cut_has_no_verdict(monkeypatch):
-    monkeypatch.setattr("swarmcensus.analysis.explaining.exact_errors.MOST_TERMS", 100.0)
-    (row,) = sc.explain(run("commons", world={"topology": "ring", "fill_ratio": 0.0})).settings
-    assert row.verdict == "unknown"
-    assert "the law of so large a network takes too long" in row.why
-
-
 def counted_error(matrix, rounds, looks, f, b, w, pull):
     """The squared errors of cut estimates, over all counts of black readings that all robots can have in all rounds."""
     slope, powers = b + w - 1, [np.linalg.matrix_power(matrix, m + 1) for m in range(rounds)]

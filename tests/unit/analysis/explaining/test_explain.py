@@ -191,13 +191,6 @@ def test_a_setting_that_is_not_there_is_named(file, arguments, said, refused):
     assert said in refused("explain", file, *arguments)
 
 
-def test_a_setting_of_which_nothing_ran_is_named(results):
-    data = results.copy(deep=True)
-    data["convergence_round"].values[2] = -1
-    with pytest.raises(InputError, match="setting 2: none of its trials has been run"):
-        sc.explain(data, 2)
-
-
 def test_where_nobody_errs_nothing_limits(tmp_path, capsys):
     swarm = {"brain": "commons", "robots": 2, "accuracy": 1.0}
     sc.save(run(trials=6, swarm=swarm, world={"fill_ratio": 1}), tmp_path / "some.nc")

@@ -35,22 +35,6 @@ rounds = 83
 [measure]
 metrics = {metrics}
 """
-MOVING = """
-seed = 4
-trials = 2
-[swarm]
-robots = [3, 12]
-accuracy = 0.8
-[world]
-topology = "moving"
-density = 2
-fill_ratio = 0.55
-[schedule]
-ticks = 600
-[measure]
-truth = "floor"
-metrics = {metrics}
-"""
 MINE = '''"""The last estimate."""
 
 UNIT = "1"
@@ -97,9 +81,8 @@ def fixed():
     return sc.run(study())
 
 
-@pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
-def test_shipped_metrics_against_numpy(text):
-    results = sc.run(study(text))
+def test_shipped_metrics_against_numpy(fixed):
+    results = fixed
     seen = set()
     for k, robots in enumerate(results["robots"].values.tolist()):
         trace = sc.replay(results, k, 1)
@@ -111,8 +94,7 @@ def test_shipped_metrics_against_numpy(text):
                 measured = measured[:robots]
             np.testing.assert_allclose(measured, expected, rtol=1e-12, err_msg=variable)
             seen |= {(variable, bool(np.isinf(expected).any()))}
-    if text == STUDY:  # some never settle in the right bin, and that is told
-        assert {("first_right", True), ("first_right", False), ("swarm_right", True), ("swarm_right", False)} <= seen
+    assert {("first_right", True), ("first_right", False), ("swarm_right", True), ("swarm_right", False)} <= seen
 
 
 @pytest.mark.parametrize("name", LIBRARY)
@@ -189,22 +171,6 @@ def test_resumed_run_keeps_its_metrics(fixed, tmp_path, monkeypatch, capsys):
     assert re.search(r"a\.nc is of another run: metrics is 'mine \(\w{8}\), swarm_right \(\w{8}\)' there", said)
     assert main(["run", "s.toml", "--out", "a.nc", "--fresh"]) == 0
     assert (sc.load("a.nc")["mine"] < 0).any()
-
-
-@pytest.mark.long
-def test_merging_studies_of_different_metrics(fixed):
-    merged = sc.merge([sc.run(study(), share=(k, 2)) for k in (1, 2)])
-    for name in ("first_right", "swarm_right"):
-        xr.testing.assert_identical(merged[name], fixed[name])
-    some, others = sc.run(study(names=["time-right"])), sc.run(study(names=["swarm-right"]).with_(trials=3))
-    both = sc.merge([some, others])
-    np.testing.assert_array_equal(both["time_right"], fixed["time_right"])
-    np.testing.assert_array_equal(both["swarm_right"].values[:, :3], fixed["swarm_right"].values[:, :3])
-    assert both["swarm_right"].isel(trial=slice(3, None)).isnull().all()
-    assert sc.summary(both)["time_right_low"].equals(sc.summary(some)["time_right_low"])
-    assert sc.summary(both)["swarm_right"].equals(sc.summary(others)["swarm_right"])
-    assert sc.verify(both, 1.0).differences == []
-    assert sc.verify(both, 1.0).labels == []
 
 
 def test_what_was_changed_in_a_file_is_found(fixed):
@@ -382,19 +348,6 @@ def test_result_is_asked_for_at_the_end_only(tmp_path, monkeypatch):
     late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")
     Path("late.py").write_text(late.replace("return my.last", "return 1.0 / my.last"))
     assert (sc.run(small(["late.py"]))["late"] == 0.5).all()
-
-
-@pytest.mark.long
-def test_rounding_is_no_fault_of_a_metric(tmp_path, monkeypatch):
-    """Python and machine code may differ in the last bit of a power, and by more where like numbers are taken away."""
-    monkeypatch.chdir(tmp_path)
-    skew = MINE.replace("my.last = 0.0", "my.last = 0.0\n    my.cubes = 0.0")
-    skew = skew.replace(
-        "my.last = estimate", "my.cubes += (estimate - truth) ** 3.0\n    my.last = my.cubes - estimate**3"
-    )
-    for power in ("** 3.0", "** 2.5 * 1e-6"):
-        Path("skew.py").write_text(skew.replace("** 3.0", power).replace("(estimate - truth)", "abs(estimate - truth)"))
-        sc.run(small(["skew.py"]))
 
 
 @pytest.mark.interpreted

@@ -161,13 +161,6 @@ def test_of_a_damaged_bag_is_read_what_is_readable(tmp_path, storage, damage):
     assert "messages could be read" in recorded.notes[0]
 
 
-def test_one_file_of_a_bag_is_enough(tmp_path):
-    file, seen = long_bag(tmp_path / "bag", "MCAP")
-    recorded = read_bag(file, "/robot_{robot}/floor", None, 0.1)
-    assert recorded.readings[:, 0].tolist() == seen
-    assert recorded.notes == []
-
-
 FLOOR = "/robot_{robot}/floor"
 
 

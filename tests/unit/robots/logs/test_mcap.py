@@ -131,16 +131,6 @@ def test_a_boot_begins_at_its_own_time_or_after_the_one_before(tmp_path, begun):
     assert times_of(tmp_path / "robot-1.log") == [now + 100 * k for now in starts for k in (1, 2, 3)]
 
 
-def test_robots_without_a_time_begin_with_those_that_have_one(folder, tmp_path):
-    clock = Clock()
-    robots = [made(folder, 9, clock)]
-    lives(robots, clock, 2)
-    closed(robots)
-    _, _, messages, metadata = exported(folder, tmp_path)
-    assert messages["/robot_9/estimate"][0][0] == (NOW + 100) * 10**6
-    assert metadata["robot_9"]["times"] == "counted from the first tick"
-
-
 def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatch, capsys):
     pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
     monkeypatch.chdir(tmp_path)
@@ -150,13 +140,6 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatc
     assert main(["export", "day"]) == 0
     assert "bytes could not be read" in capsys.readouterr().err
     assert len(read(tmp_path / "day.mcap")[1]["/robot_3/estimate"]) == len(ticks) == 19
-
-
-def test_the_file_lies_next_to_the_folder_also_from_within(folder, tmp_path, monkeypatch):
-    pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
-    monkeypatch.chdir(folder)
-    assert main(["export", "."]) == 0
-    assert (tmp_path / "day.mcap").is_file()
 
 
 @pytest.mark.parametrize(

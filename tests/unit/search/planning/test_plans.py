@@ -1,6 +1,5 @@
 """Plans: what they find is so in simulations of another seed, in which no planner has a hand."""
 
-import itertools
 import json
 import tomllib
 
@@ -57,15 +56,6 @@ def test_the_found_time_is_right_in_other_trials(tables, world):
     assert share_right(row.minutes_high, robots, **world) >= 0.95 - 0.02
     assert row.theory.pooled < row.minutes < row.theory.alone
     assert row.theory.mixed == pytest.approx(row.minutes, rel=0.5)
-
-
-def test_more_robots_never_need_more_time():
-    """Beyond what the intervals of two times leave open."""
-    rows = sc.plan(changed(RING, robots=[4, 30]), **QUIET).rows
-    assert [row.robots for row in rows] == sorted({row.robots for row in rows})
-    for fewer, more in itertools.pairwise(rows):
-        assert more.minutes_low <= fewer.minutes_high
-    assert rows[-1].minutes_high < rows[0].minutes_low
 
 
 def test_smallest_swarm_suffices_in_other_trials():

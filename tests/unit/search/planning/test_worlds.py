@@ -96,17 +96,6 @@ def test_of_several_accuracies_the_worst_is_planned_for():
     assert both.rows == single.rows
 
 
-def test_a_spread_of_accuracies_is_planned_for_robot_by_robot():
-    spread = "U(0.6,0.8)"
-    [row] = sc.plan(changed(known={"accuracy": spread}, free={"brain": "commons"}), **QUIET).rows
-    assert row.accuracy == spread
-    swarm, world = {"robots": 10, "accuracy": spread, "brain": "commons"}, {"fill_ratio": 0.55, "topology": "ring"}
-    schedule = {"rounds": round(row.minutes_high * 60)}
-    study = sc.Study(trials=300, seed=17, swarm=swarm, world=world, schedule=schedule)
-    right = np.abs(sc.run(study, jobs=2)["final_estimate"].values - 0.55) <= 0.05
-    assert right.mean() >= 0.95 - 0.02
-
-
 def test_worlds_and_lies_are_in_the_file(tmp_path):
     found = sc.plan(among_liars() | {"trials": 40}, **QUIET)
     found.save(tmp_path / "p.json")

@@ -1,0 +1,59 @@
+"""Errors have a file, a key and a value for programs."""
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import execute
+from swarmcensus.support.errors import InputError, StudyError
+from tests.support.small import SMALL
+
+
+def test_error_of_a_file_keeps_inner_fields():
+    inner = InputError.at("rounds", 0, "should be above 0")
+    error = StudyError.within("study file ring.toml", inner)
+    assert str(error) == "study file ring.toml: rounds = 0: should be above 0"
+    assert (error.file, error.key, error.value) == ("ring.toml", "rounds", 0)
+    assert StudyError.within("study", "not TOML").file is None
+
+
+@pytest.mark.parametrize(("value", "text"), [("mean", "'mean'"), (7, "7")])
+def test_error_of_a_named_thing(value, text):
+    error = InputError.named("metric", value, "it has changed, did you mean 'median'?")
+    assert str(error).startswith(f"metric {text}: it has changed")
+    assert (error.key, error.value, error.hint) == ("metric", value, "median")
+
+
+@pytest.mark.parametrize(
+    ("command", "file", "key", "value"),
+    [
+        (["export", "small.nc", "--out", "x.xls"], "small.nc", "out", "x.xls"),
+        (["merge", "none.nc", "small.nc", "--out", "x.nc"], "none.nc", None, None),
+        (["plot", "small.nc", "--kind", "curves", "--trial", "99"], None, "trial", 99),
+        (["plot", "small.nc", "--kind", "lnes"], None, "kind", "lnes"),
+        (["plot", "small.nc", "--kind", "lines", "--x", "eror"], None, "x", "eror"),
+        (["run", "small.toml", "--share", "9/9"], None, "share", "9/9"),
+        (["run", "broken.toml"], "broken.toml", "world.message_delay", 100),
+        (["verify", "small.nc", "--sample", "2"], None, "sample", 2.0),
+        (["watch", "--set", "robots=many"], None, "robots", "many"),
+    ],
+)
+def test_fields_of_wrong_commands(command, file, key, value, small_file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.nc").write_bytes(small_file.read_bytes())
+    (tmp_path / "small.toml").write_text(SMALL)
+    (tmp_path / "broken.toml").write_text(SMALL.replace("[schedule]", "message_delay = 100\n[schedule]"))
+    with pytest.raises(sc.InputError) as caught:
+        execute(command)
+    error = caught.value
+    assert (error.file, error.key, str(error.value)) == (file, key, str(value))
+
+
+def test_a_mission_names_the_key_of_a_contradiction():
+    mission = {
+        "known": {"fill_ratio": 0.3, "accuracy": 0.8},
+        "wanted": {"half_width": 0.02, "margin": 0.1},
+        "free": {"robots": 20, "topology": "ring"},
+    }
+    with pytest.raises(StudyError) as caught:
+        sc.plan(mission)
+    assert caught.value.key == "wanted.margin"
