@@ -89,7 +89,6 @@ def test_only_some_worlds_are_shown(two, capsys):
 
 @pytest.mark.parametrize("against", [None, "minimalistic"])
 def test_worlds_are_counted_by_what_they_differ_in(against):
-    """By hand, from the table of worlds."""
     found = sc.compare(made_up(worlds=("a", "b", "c", "d"), gap=0.4), ["final_error", "correct"], against=against)
     for w, world in enumerate(found.grid.worlds):
         world["half"] = w // 2

@@ -325,7 +325,6 @@ def test_results_with_bytes_changed(small, data):
 
 @fuzz(40, st.data())
 def test_shards_changed(small, data):
-    """Broken bytes under the old name, and sound archives of nonsense under the right name."""
     original = shards.listed(small / "cut.nc.parts")[0]
     kind = data.draw(st.integers(0, 3))
     bytes_ = data.draw(spoiled([original.read_bytes()]) | st.binary(max_size=60))

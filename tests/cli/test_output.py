@@ -167,7 +167,7 @@ def test_verbose_says_what_is_found_and_finished(said, tmp_path):
             assert len(re.findall(f"^{one}$", error, re.M)) == 1, one
 
 
-def test_a_command_leaves_no_voice_behind(said):
+def test_logging_is_restored_after_a_command(said):
     before = logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level
     said("show two.nc -v")
     assert (logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level) == before
@@ -243,7 +243,7 @@ def hostile(results, tmp_path):
 
 
 @pytest.mark.parametrize("columns", ["100", ""], ids=["terminal", "pipe"])
-def test_a_terminal_obeys_no_names(columns, hostile, capsys, monkeypatch):
+def test_names_cannot_control_a_terminal(columns, hostile, capsys, monkeypatch):
     monkeypatch.setenv(AS_TERMINAL, columns)
     monkeypatch.setenv("FORCE_COLOR", "1")
     for line in ("show", "show --json", "show --label x{0}", "compare", "merge --out {0}.png"):
@@ -258,7 +258,7 @@ def test_a_terminal_obeys_no_names(columns, hostile, capsys, monkeypatch):
             assert json.loads(out)["title"] == f"two{EVIL}"
 
 
-def test_a_bar_obeys_no_names():
+def test_names_cannot_control_a_progress_bar():
     file = io.StringIO()
     out = console(file=file, force_terminal=True, force_jupyter=False)
     with Live(console=out, auto_refresh=False) as live:
@@ -267,7 +267,7 @@ def test_a_bar_obeys_no_names():
     assert "\x1b[2J" not in file.getvalue()
 
 
-def test_who_stops_it_before_it_began_reads_no_traceback():
+def test_ctrl_c_at_the_start_has_no_traceback():
     code = """if True:
         from swarmcensus.cli import commands, program
         def stopped(*_):

@@ -31,7 +31,7 @@ MOVING = LOSSY.replace('"ring"', '["ring", "moving"]\ndensity = 1').replace("rou
 
 
 @pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain-file", "mine.py"]])
-def test_one_trial_means_nothing_to_pictures_of_all(option, small_file, refused):
+def test_options_of_one_trial_need_a_kind_of_one_trial(option, small_file, refused):
     said = refused("plot", small_file, "--kind", "heatmap", *option)
     assert f"{option[0]} goes with --kind arena or curves or film, not with heatmap" in said
 
@@ -47,7 +47,7 @@ def test_a_setting_that_where_leaves_out(small_file, here, refused):
     assert f"small, setting {ring}, trial 3: minimalistic, ring, N = " in (here / "x.svg").read_text()
 
 
-def test_advice_for_too_many_panels_is_a_shell_s(small_file, refused, monkeypatch):
+def test_shell_advice_for_too_many_panels(small_file, refused, monkeypatch):
     monkeypatch.setattr(panels, "MOST_PANELS", 4)
     for kind in ("decisions", "heatmap"):
         said = refused("plot", small_file, "--kind", kind)
@@ -110,7 +110,7 @@ def test_faults_of_film_options_come_first(here, refused, monkeypatch):
         assert said in refused("plot", "m.nc", "--kind", "film", *options.split())
 
 
-def test_who_waits_for_the_compiler_knows_it(small_file, here, capsys, monkeypatch):
+def test_compilation_is_announced(small_file, here, capsys, monkeypatch):
     def compiles(*arguments: object) -> xr.Dataset:
         numba.njit(lambda x: x)(1)
         return replay(*arguments)
@@ -133,7 +133,6 @@ def test_who_waits_for_the_compiler_knows_it(small_file, here, capsys, monkeypat
     ],
 )
 def test_settings_of_matplotlib_that_would_break_figures(settings, says, small_file, here, capsys):
-    """As a person's matplotlibrc has them; LaTeX is not there, or does not know names with underscores."""
     command = ["plot", str(small_file), "--kind", "heatmap", "--where", 'topology == "ring" and robots == 5', "--out"]
     plain, drawn = ([*command, name] for name in ("plain.png", "drawn.png"))
     with mpl.rc_context(settings):

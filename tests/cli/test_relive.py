@@ -97,24 +97,21 @@ def test_a_folder_from_boards_needs_no_more_than_logs(recording, tmp_path, capsy
         ("DAY --fill-ratio 2", "--fill-ratio 2"),
         ("DAY --message float16", "--message goes with --brain"),
         ("DAY --brain voter --message float61", "--message float61"),
-        ("DAY --brain votre", "votre"),
         ("DAY --brain everyone", "everyone"),
         ("DAY --brain voter --parameter x=1", "--parameter"),
         ("DAY --brain voter --brain sure --plot r.png", "own relive, or --out FILE.nc and"),
         ("DAY --out r.csv", "--out r.csv: it is written as .nc"),
-        ("DAY --trace r.png", "--trace r.png"),
         ("DAY --brain commons --out r.nc", "commons would be there twice"),
         ("DAY --out r.nc --trace ./r.nc", "--out and --trace both name r.nc: they should name two files"),
         ("BLANK", "robot-0.log: the file is empty: should be a robot's log"),
         ("BAD", "swarm.json: robots should be a list of tables"),
-        ("WORSE", "swarm.json: cannot be read as JSON"),
         ("AWAY", "should be the name of a file in the folder"),
     ],
 )
 def test_wrong_inputs_are_named_in_a_sentence(recording, here, refused, given, says):
     files = {
         "EMPTY/none": "", "BLANK/robot-0.log": "", "BAD/swarm.json": '{"format": 1, "robots": [3]}',
-        "WORSE/swarm.json": "{", "AWAY/swarm.json": '{"format": 1, "robots": [{"log": "../robot.log"}]}',
+        "AWAY/swarm.json": '{"format": 1, "robots": [{"log": "../robot.log"}]}',
     }  # fmt: skip
     for name, text in files.items():
         (here / name).parent.mkdir()

@@ -157,7 +157,6 @@ def test_the_study_page_shows_errors_as_they_are(right, wrong, tmp_path, monkeyp
 
 @examples("toml")
 def test_toml_is_a_study_or_a_change_to_one(text):
-    """Or a mission, or a cluster; a block that is no whole study must turn a plain one into another that is right."""
     tables = {"trials": 1, "swarm": {"robots": 20, "accuracy": 0.7}, "world": {"topology": "ring", "fill_ratio": 0.55}}
     found = tomllib.loads(text)
     if "wanted" in found:

@@ -62,7 +62,6 @@ def site(tmp_path_factory):
 
 @pytest.mark.long
 def test_the_site_is_built_and_no_link_of_it_is_dead(site):
-    """Also those that mkdocs does not see: of the theme, of generated pages, to anchors, to files."""
     pages = {page: Links(page.read_text(encoding="utf-8")) for page in site.rglob("*.html") if page.name != "404.html"}
     assert len(pages) > 60
     for page, links in pages.items():
@@ -80,7 +79,6 @@ def test_the_site_is_built_and_no_link_of_it_is_dead(site):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_every_table_has_its_head(page):
-    """So that no row of it is shown as text, as those below a blank line would be."""
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
     for table in re.findall(r"(?:^\| .*\n)(?:^\|.*\n)*", text, re.MULTILINE):
         assert re.fullmatch(r"[|: -]+", table.splitlines()[1] if table.count("\n") > 1 else ""), table
@@ -126,7 +124,6 @@ def test_every_key_of_a_study_is_on_its_page(site):
 
 
 def test_a_dead_link_ends_the_build(tmp_path):
-    """So what a strict build promises is so."""
     pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
     settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:")[0]
     (tmp_path / "docs").mkdir()
@@ -189,7 +186,6 @@ def test_tutorials_run(page, monkeypatch):
 
 @pytest.mark.long
 def test_a_notebook_is_shown_with_what_it_prints_and_draws():
-    """A file that a cell writes is shown as such; what a cell says on stderr, its progress, is not."""
     found = hook()
     text, pictures = found["shown"](
         found["executed"](

@@ -48,7 +48,7 @@ def test_every_number_of_a_table_is_the_leaderboards(board):
     assert told == {key: board[key] for key in told}
 
 
-def test_what_it_advises_is_what_the_leaderboard_orders(board):
+def test_advice_follows_the_leaderboard(board):
     def order(column, best=min):
         values = {b: float(v) for (b, c), v in board.items() if c == column and v != "–" and b not in BOUNDS}
         return sorted(values, key=values.get, reverse=best is max)

@@ -352,16 +352,13 @@ def test_arena_and_film_from_the_command_line(file, here, capsys):
         ("arena --setting 0", "setting 0 is a fixed network, without an arena; those of"),
         ("arena --where topology=='ring'", "no robots move in these results"),
         ("arena --setting 99", "setting 99: these results hold setting"),
-        ("arena --trial 7", "trial 7: these results hold trial"),
         ("arena --tick 41", "tick 41: this trial has ticks 0 to 40"),
-        ("arena --robot 50", "robot 50: the robots are numbered"),
         ("arena --first 3", "--first goes with --kind film, not with arena"),
-        ("film --out x.avi", "films are written as .mp4 or .gif"),
         ("film --first 9 --last 5 --out x.gif", "no tick from 9 to 5"),
         ("film --out file/x.gif", "cannot write file/x.gif"),
     ],
 )
-def test_what_cannot_be_pictured_is_said_in_one_line(options, said, file, here, refused):
+def test_wrong_trials_and_options_are_refused(options, said, file, here, refused):
     (here / "file").touch()
     assert said in refused("plot", file, "--kind", *options.split())
 

@@ -29,7 +29,6 @@ def asked(session, **words):
 
 
 def test_log_read_byte_by_byte(whole, tmp_path):
-    """Also where a block was cut in the middle, and another life follows it."""
     path = tmp_path / "robot-1.log"
     reader = LogReader(path)
     assert not reader.more()
@@ -152,7 +151,6 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
 
 @pytest.mark.parametrize("robot", [0, 2])
 def test_two_logs_of_one_robot_are_refused(whole, tmp_path, robot):
-    """Also a second one that comes while the day is watched."""
     recording = Recording(whole, tmp_path / "day")
     session = Session(offer_of(recording.folder))
     asked(session, do="begin", ask={})

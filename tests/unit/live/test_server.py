@@ -170,7 +170,6 @@ def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
 
 
 def test_a_page_that_goes_stops_its_computing(served):
-    """It goes while the end of a long trial is on its way: soon nothing is computed any more."""
     me = psutil.Process()
     page = talk(served)
     ask(page, id=1, do="begin", ask={"robots": "1500", "density": "1"})
@@ -185,7 +184,6 @@ def test_a_page_that_goes_stops_its_computing(served):
 
 @in_two_sizes(("requests", "pages"), (300, 50), (1000, 200))
 def test_random_bytes_on_every_route(served, requests, pages):
-    """Answers, or a closed connection, and the page is there after all of it."""
     chance = random.Random(1)
     for _ in range(requests):
         connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=10)
@@ -226,16 +224,13 @@ def test_it_listens_on_loopback_alone(served):
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ("--set robots", "--set robots"),
         ("--set brian=voter", "brian: did you mean 'brain'?"),
         ("--moment #robots=-4", "robots = -4"),
         ("--moment nolink", "--moment nolink: should be a copied link, or the part of it behind #"),
         ("--set tick=10001", "tick = 10001"),
-        ("--set robot=25", "robot = 25"),
         ("--set colour=red", "colour = red"),
         ("mine.py", "neither a shipped brain"),
         ("--out run.txt", "--out run.txt"),
-        ("none.toml", "study file none.toml: cannot be read"),
         ("--host 256.1.1.1", "cannot listen on 256.1.1.1, port 0"),
         ("--out folder/none/run.html --set robots=99999", "robots = 99999: should be"),
     ],
@@ -258,7 +253,6 @@ def test_the_command_prints_the_address_and_serves(monkeypatch, capsys):
 @pytest.mark.long(only=["1"])
 @pytest.mark.parametrize("times", [1, 3])
 def test_ctrl_c_ends_it_at_once_whatever_is_computed(times):
-    """With 0, and no traceback, however often it is pressed."""
     code = """if True:
         import threading, time
         from swarmcensus.cli import program
