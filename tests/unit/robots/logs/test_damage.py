@@ -157,7 +157,7 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     assert all(life.to_the_bit for life in lives if life.number != 2)
     [first] = lives[2].breaks
     assert (first.boot, first.tick) == (0, 19)
-    assert "the sensor told the log something else" in first.reason
+    assert "the log got another reading than the brain" in first.reason
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
 
 
