@@ -244,6 +244,7 @@ def test_spoiled_brains(canary, source):
 @fuzz(1500, st.lists(STATEMENT, max_size=4), st.booleans())
 @example(["X = 2**1000"] + ["X = X * X"] * 40, False)
 @example(["X = ('a',)"] + ["X = (*X, *X)"] * 60, False)
+@example(["OPTIONS = " + "(" * 9 + "1,)" + " * 10000,)" * 8 + " * 10000"], False)
 @example(["X = " + "(" * 5000 + ")" * 5000], False)
 @example(["X = " + "-" * 50_000 + "1"], False)
 @example(["X = " + "1+" * 50_000 + "1"], False)

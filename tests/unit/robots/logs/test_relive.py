@@ -146,6 +146,20 @@ def test_a_stopped_robot_has_no_numbers_in_between(tmp_path):
     np.testing.assert_array_equal(trace, shown)
 
 
+def test_late_start_is_known(tmp_path):
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20)
+    swarm.kill(2)
+    (tmp_path / "day" / "robot-2.log").unlink()
+    swarm.run(10)
+    swarm.start(2)
+    swarm.run(10)
+    swarm.close()
+    clock = Clock(read_recording(tmp_path / "day").members)
+    assert not clock.restarted
+    assert [clock.time(robot, 0) for robot in range(3)] == [0, 0, 10]
+    assert {clock.last(robot) for robot in range(3)} == {20}
+
+
 @pytest.mark.parametrize("other", ["minimalistic", "voter"])
 def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     killed(tmp_path / "day", damages=["memory-2"])
