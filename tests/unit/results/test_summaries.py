@@ -90,22 +90,6 @@ def test_the_round_of_right_can_be_chosen(many):
         sc.summary(many, checkpoint=3)
 
 
-def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
-    """Neither folded nor cut short where there is no terminal, however narrow one is said to be."""
-    monkeypatch.setenv("COLUMNS", "40")
-    assert main(["show", file, "--limit", "0"]) == 0
-    first, same, heads, *lines = capsys.readouterr().out.splitlines()
-    assert first == f"{file}: many (seed 0, swarmcensus {sc.__version__}): 48 settings, 288 of 288 trials done"
-    assert heads.split()[:5] == ["setting", "topology", "robots", "accuracy", "rounds"]
-    for k, (line, row) in enumerate(zip(lines, sc.summary(file).to_dict("records"), strict=False)):
-        shown = [str(k), row["topology"], str(row["robots"]), *row["accuracy"].split()]
-        assert line.split()[: len(shown)] == shown
-        assert line.count("[") == line.count("]") == 4
-    assert not any("…" in line or "..." in line for line in lines)
-    assert len(lines) == 48 + 3
-    assert same == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
-
-
 @pytest.mark.parametrize(
     ("options", "said"),
     [
