@@ -7,7 +7,7 @@ from scipy import stats
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.worlds import distributions, sensors
-from swarmcensus.worlds.distributions import uniform
+from swarmcensus.worlds.spreads import uniform
 
 
 @pytest.mark.parametrize(
