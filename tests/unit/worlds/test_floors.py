@@ -207,6 +207,21 @@ def test_a_picture_is_black_where_it_is_darkest(gradient):
     assert abs(np.corrcoef(tie[:, 1:].ravel(), tie[:, :-1].ravel())[0, 1]) < 5 / math.sqrt(tie.size)
 
 
+def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
+    """Odds of black differ from odds of darkness by one factor, within 5 standard errors in each grey level."""
+    setting = setting_of({"image": str(gradient), "mode": "dither"}, 0.55)
+    floors = np.array([sampling.ground(setting, 1, trial).all_tiles() for trial in range(4)])
+    n = floors.shape[1]
+    bands = [floors[:, : -n // 9, int((k + 0.1) * n / 10) : int((k + 0.9) * n / 10)] for k in range(10)]
+    share = np.array([band.mean() for band in bands])
+    error = np.array([0.5 / math.sqrt(band.size) for band in bands]) / (share * (1 - share))
+    darkness = 1 - np.arange(30, 230, 20) / 255
+    odds = np.log(share / (1 - share) * (1 - darkness) / darkness)
+    assert (np.diff(share) < 0).all()
+    assert (np.abs(odds - odds[4]) < SIGMAS * np.hypot(error, error[4])).all()
+    assert (floors[0] != floors[1]).any()
+
+
 def write(path, array, **options):
     Image.fromarray(array).save(path, **options)
     return path
