@@ -373,3 +373,12 @@ def test_fields_are_weighted_sums_of_nodes():
         for row in tiles.tolist()
     ]
     assert out == pytest.approx(np.array(expected), rel=1e-9, abs=1e-9)
+
+
+def test_chance_is_of_key_and_trial():
+    """And begins again whenever it is asked, in all of its forms."""
+    keys = address(SEED, "floor"), address(SEED, "topology")
+    chances = [Chance(key, trial) for key in keys for trial in (0, 1, 2**31 - 1)]
+    for draw in (lambda c: c.uniform(3), lambda c: c.generator().random(3), lambda c: c.generator().permutation(20)):
+        assert len({tuple(draw(chance)) for chance in chances}) == len(chances)
+        assert (draw(chances[0]) == draw(Chance(keys[0], 0))).all()
