@@ -237,7 +237,7 @@ def test_a_run_records_what_its_replays_show(here, monkeypatch):
 
 @pytest.mark.parametrize(
     ("world", "truth"),
-    [({"rounds": 100}, "nominal"), ({"ticks": 100}, "nominal"), ({"ticks": 100, "floor": {"clusters": 0.2}}, "floor")],
+    [({"rounds": 100}, "nominal"), ({"ticks": 100}, "nominal"), ({"ticks": 100, "body": {"tile": 0.2}}, "floor")],
     ids=["ring", "moving", "floor"],
 )
 def test_all_is_measured_of_the_honest_against_the_truth_of_the_round(world, truth, here):

@@ -77,6 +77,15 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
             assert abs(sampling.ground(setting, 1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
 
 
+@pytest.mark.parametrize("body", [{}, {"sensor": (0.2, -0.1), "tile": 0.03}, {"sensor": (0.0, 0.0)}])
+def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(body):
+    """Also with a sensor that reaches beyond the body, and so up to the walls."""
+    for floor in ("tiles", {"clusters": 0.15}, {"stripes": 0.4}, "half"):
+        setting = setting_of(floor, 0.35, robots=6, density=5.0, **body)
+        found = sampling.ground(setting, 2, 1)
+        assert found.true_fill_ratio == found.all_tiles()[within_reach(setting)].mean()
+
+
 def test_of_very_many_tiles_a_regular_grid_is_counted():
     every = ground.reachable(3.0, 0.07, 0.06, 0.01)[0]
     some = ground.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
