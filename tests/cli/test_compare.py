@@ -12,7 +12,7 @@ from swarmcensus.analysis.comparing.showing import as_text
 from swarmcensus.analysis.comparing.verdicts import findings
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.kinds.pareto import draw_pareto, front
+from swarmcensus.figures.kinds.pareto import front
 from swarmcensus.results.labels import renamed
 from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.contending import made_up
@@ -89,7 +89,6 @@ def test_only_some_worlds_are_shown(two, capsys):
 
 @pytest.mark.parametrize("against", [None, "minimalistic"])
 def test_worlds_are_counted_by_what_they_differ_in(against):
-    """By hand, from the table of worlds."""
     found = sc.compare(made_up(worlds=("a", "b", "c", "d"), gap=0.4), ["final_error", "correct"], against=against)
     for w, world in enumerate(found.grid.worlds):
         world["half"] = w // 2
@@ -219,12 +218,3 @@ def test_pareto_draws_each_world_with_its_front_and_intervals():
         assert len(sc.plot.pareto(data, metric="correct", cost=cost).axes) == 2
     with pytest.raises(sc.InputError, match="no such cost; there are messages_sent, bytes_sent, memory_bytes"):
         sc.plot.pareto(data, cost="money")
-
-
-def test_pareto_marks_missing_events():
-    data = made_up()
-    data["consensus_round"][0] = np.inf
-    assert texts_of(sc.plot.pareto(data, metric="consensus_round"))
-    many = sc.compare(made_up(worlds=[f"w{k}" for k in range(25)], trials=7), "final_error")
-    with pytest.raises(sc.InputError, match="1 to 24 worlds, not 25"):
-        draw_pareto(many)

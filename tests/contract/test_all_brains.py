@@ -143,7 +143,6 @@ LINKS = {
 @pytest.mark.parametrize("links", LINKS)
 @pytest.mark.parametrize("name", OWN)
 def test_machine_code_and_cpython_agree_on_recorded_data(name, links):
-    """Vectors, random draws and intervals too; some readings are missing."""
     random = np.random.default_rng(3)
     readings = random.integers(0, 2, (50, 4)).astype(float)
     readings[random.random(readings.shape) < 0.2] = np.nan
@@ -157,7 +156,6 @@ def test_machine_code_and_cpython_agree_on_recorded_data(name, links):
 @pytest.mark.interpreted
 @pytest.mark.parametrize("name", SHIPPED)
 def test_sizes_are_those_of_the_fields(name):
-    """Four bytes a number; memory also has the two accuracies that a robot assumes."""
     used = brains.load(name)
     assert used.message_bytes == 4 * sum(max(length, 1) for length in used.message.values())
     numbers = sum(len(value) if isinstance(value, tuple) else 1 for value in used.memory.values())

@@ -73,7 +73,6 @@ def test_rounds_are_sums_of_single_readings(looks):
 
 
 def measured(curves, setting, measure):
-    """The metrics of a trial's curves, by definition."""
     index = metrics.convergence(curves, measure.delta)
     truths = {c: reference.fill_ratio_in(setting, c) for c in measure.checkpoints}
     right = [metrics.correct(curves[c], truth, measure.bins) for c, truth in truths.items()]
@@ -141,7 +140,6 @@ def test_losses_one_way_say_nothing_of_the_other_way(topology):
 
 
 def failing_engine(error, *, only="kernel"):
-    """A stand-in for the compiler, whose code fails."""
 
     def fail(*_):
         raise error

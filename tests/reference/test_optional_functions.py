@@ -99,7 +99,6 @@ def check(setting, trial, states, fields, estimates, batch, close):
 )  # fmt: skip
 @pytest.mark.parametrize("name", CASES)
 def test_on_fixed_networks(name):
-    """Bit for bit, but to rounding where everyone hears everyone and the engine adds in another order."""
     source, case = CASES[name]
     for setting in fixed(brain(source), **case):
         fields, estimates, blacks = record_trial(setting, SEED, 1)

@@ -15,7 +15,6 @@ GO = np.zeros(1, np.uint8)
 
 
 def setting(name, robots, rounds, topology="ring", **parameters):
-    """A swarm of which all but one lie."""
     study = study_of(
         robots=robots, accuracy=0.7, rounds=rounds, looks=1, trials=1, seed=SEED,
         members=[{"robots": robots - 1, "brain": {"file": name, **parameters}, "honest": False}], topology=topology,

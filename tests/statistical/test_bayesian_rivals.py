@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.simulation.trials import record_trial
-from tests.support.small import SEED, study_of
+from tests.support.small import SEED
 
 CHANGING = brains.load("changing-floor")
 ALARM = 4.05  # between two values that the sums can take: rounding then decides nothing
@@ -68,28 +67,3 @@ def test_false_alarms_and_delays_of_the_detector(mean, f):
     assert abs(found.mean() - exact) < 4.0 * error
     if mean == f:  # a detector with another slack is told apart
         assert abs(found.mean() - run_length(Fraction(mean), Fraction(f), Fraction("0.12"))) > 4.0 * error
-
-
-def lives(name, parameters, trial=0, **world):
-    study = study_of(
-        brains.load(name).with_parameters(parameters), robots=10, accuracy=0.9, rounds=400, looks=1, trials=1,
-        **{"topology": "full", "fill_ratio": 0.65} | world,
-    )  # fmt: skip
-    (setting,) = study.settings()
-    fields, _, blacks = record_trial(setting, SEED, trial)
-    return fields, blacks
-
-
-@pytest.mark.long
-def test_soft_feedback_says_black_as_often_as_it_should():
-    """Of 4,000 messages, given what each robot knew: within four standard errors, 0.006 %."""
-    fields, blacks = lives("bayes-bots", {"every": 1, "feedback": 2, "prior": 1})
-    p, pull = fields["p"][:-1], fields["pull"][:-1]
-    black = pull * (1.0 - p) + (1.0 - pull) * blacks[1:]
-    said = np.empty_like(black)
-    for i in range(10):  # as the next robot remembers it
-        said[:, i] = fields["said"][1:, (i + 1) % 10, i]
-    assert set(np.unique(said)) == {0.0, 1.0}
-    error = np.sqrt((black * (1.0 - black)).sum())
-    assert abs((said - black).sum()) < 4.0 * error
-    assert abs((said - blacks[1:]).sum()) > 4.0 * error  # what it would be without feedback

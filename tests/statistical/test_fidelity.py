@@ -39,7 +39,6 @@ MEASURED = {
 
 
 def bouts(flags):
-    """How many runs of True there are down the columns."""
     return int(flags[0].sum() + (flags[1:] & ~flags[:-1]).sum())
 
 

@@ -27,7 +27,6 @@ def errors(rng, trials):
 
 
 def normals(rng, trials):
-    """One robot."""
     return rng.normal(size=(trials, 1))
 
 
@@ -63,7 +62,6 @@ def test_the_interval_at_which_a_rule_ends(rule, draw, truth, at_least, times):
     ("draw", "statistic", "truth"), [(right(0.9), "share", 0.9), (errors, "median", 1.0), (normals, "mean", 0.0)]
 )
 def test_the_interval_of_so_many_trials(draw, statistic, truth, trials):
-    """The same, of one look."""
     rng = np.random.default_rng(9)
     hits = 0
     for _ in range(1000):

@@ -45,32 +45,6 @@ def test_lots_are_fair(brain, names):
     assert stats.chisquare(list(four.values())).pvalue > P
 
 
-@pytest.mark.long(but=["voter-2-4.0"])
-@pytest.mark.parametrize(
-    ("brain", "least", "told"),
-    [("voter", 2, 4.0), ("majority", 2, 4.0), ("direct-comparison", 2, 4.0), ("cross-inhibition", 0, 4.0),
-     ("direct-switching", 0, 4.0)],
-)  # fmt: skip
-def test_times_are_exponential_and_rounded_up(brain, least, told):
-    """Of robots that hear nobody: exploring and telling are geometric: two chi-square tests, 0.2 % in all."""
-    given = UNWEIGHTED if least else TIMES | {"weighted": 0.0}
-    nobody = {"name": "nobody", "edges": []}
-    results = run(brain, 1, robots=40, rounds=1500, topology=nobody, **given)
-    tells = sc.replay(results.expand_dims("setting"), 0, 0)["tells"].values[1:]
-    for phase, mean, shift in ((0.0, 2.0, 0), (1.0, told, least)):
-        times = []
-        for life in tells.T:
-            ends = np.flatnonzero(np.diff(life)) + 1
-            parts = np.split(life, ends)[1:-1]  # the first and the last are cut off
-            times += [len(part) - shift for part in parts if part[0] == phase]
-        law = stats.geom(-np.expm1(-1.0 / mean))
-        top = int(law.ppf(0.99))
-        found = np.bincount(np.minimum(times, top + 1), minlength=top + 2)
-        expected = np.append(law.pmf(np.arange(top + 1)), law.sf(top)) * len(times)
-        assert found[0] == expected[0] == 0
-        assert stats.chisquare(found[1:], expected[1:]).pvalue > P
-
-
 def test_qualities_decide_among_voters():
     """Perfect sensors and 7 of 10 tiles black: black is told for longer, and wins more often than the half that begins
     with it. That a rule without weights would pass has a chance of 10^-9.

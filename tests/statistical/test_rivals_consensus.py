@@ -61,36 +61,6 @@ def test_consensus_and_innovations_scatter_as_computed():
     assert covariance(0.25, 2000, 20, 10, 0.4)[0, 0] == pytest.approx(pooled * 60 / 2000, rel=0.02)  # it gets there
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("f", [0.1, 0.5])
-def test_variance_of_the_information_filter(f):
-    """Sensors of all kinds, a full network: the error times the root of all informations is normal, with variance 1.
-
-    KS, and chi-square of the sum of squares, two-sided: 0.2 % for each fill ratio.
-    """
-    found, setting = finals(
-        brains.load("information-filter"),
-        trials=400,
-        rounds=100,
-        looks=10,
-        accuracy="U(0.55, 0.9)",
-        topology="full",
-        f=f,
-    )
-    b, _ = setting.accuracy.draw(SEED, "accuracy", 0, 400, 10)
-    q = b * f + (1 - b) * (1 - f)
-    information = (1000 * (2 * b - 1) ** 2 / (q * (1 - q))).sum(axis=1)
-    scaled = (found[:, 0] - f) * np.sqrt(information)
-    law = stats.chi2(len(scaled))
-
-    def p_value(values):
-        return 2 * min(law.cdf((values**2).sum()), law.sf((values**2).sum()))
-
-    assert stats.kstest(scaled, "norm").pvalue > P
-    assert p_value(scaled) > P
-    assert p_value(scaled * 1.2) < P
-
-
 def kept_of(names, order, draws):
     """Which 20 of these names are kept, and which comes first, by `order(name, salt)` in many draws (draw, name)."""
     random = np.random.default_rng(SEED)

@@ -170,12 +170,6 @@ def test_the_source_can_be_read_and_is_what_runs():
     assert str(used.path).endswith(f"noisy_mirror.py --wrapping {brains.load('minimalistic').path}")
 
 
-def test_parameters_of_both_are_kept():
-    weighs = changed(("MEMORY = {", 'PARAMETERS = {"pace": 0.5}\nMEMORY = {'))
-    used = wrapped("slow-liar", by=brain(weighs).with_parameters({"pace": 0.75}), pace=0.25)
-    assert used.parameters == {"pace": 0.75, "liar_pace": 0.25, "liar_goal": 1.0}
-
-
 def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
     """Of the 33 low bits: what the brain makes of the first 20 does not say what the adversary does."""
     random = np.random.default_rng(SEED)
@@ -283,7 +277,6 @@ def maybe(n, me):
 
 
 def forged(ends):
-    """The lie is a parameter's: what alters the message has the record."""
     said = ("    return (estimate(me),)", ends)
     heard = ("    pass\n\n\ndef fuse", "    me.heard += message[0]\n\n\ndef fuse")
     return wrapped("forger", by=brain(changed(said, heard, ('"n": 0.0}', '"n": 0.0, "heard": 0.0}'))), value=0.25)
@@ -356,7 +349,6 @@ def test_swarms_with_liars_live_as_by_brute_force(name, topology):
 
 
 def few_with(name, used, topology):
-    """A small swarm with two liars."""
     (setting,) = fixed(used, robots=7, rounds=10, looks=2, members=liars(name), topology=topology)
     return setting
 

@@ -17,7 +17,6 @@ H = (np.arange(10) + 0.5) / 10
 
 
 def robot(brain, b=0.8, w=0.8, name=0.0, **parameters):
-    """A state, and the functions of its brain."""
     brain = brain.with_parameters(parameters)
     return brain.robot(b, w, name), brain.functions
 

@@ -41,7 +41,6 @@ def trimmed(own, heard, f):
 
 
 def by_hand(seen, hears, honest, says, keeps):
-    """x after each phase (phase, robot), from the equations; `keeps` picks from the values that a robot hears."""
     x = [np.where(honest, 0.5, says)]
     for k, share in enumerate(seen, start=1):
         after = x[-1].copy()

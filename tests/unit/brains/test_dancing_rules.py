@@ -10,46 +10,47 @@ from swarmcensus import brains
 from tests.support.opinions import DANCERS, robot, rounds
 
 
-class TestThreeState:
-    def test_beliefs_are_joined_as_published(self):
-        """All nine pairs, by a second way: as intervals of what may be true."""
-        _, rule = robot("three-state")
-        table = {(0.0, 1.0): 0.5, (1.0, 0.0): 0.5}
-        for one, other in product((0.0, 0.5, 1.0), repeat=2):
-            expected = table.get((one, other), other if one == 0.5 else one)
-            assert rule.joined(one, other) == expected
-            assert rule.joined(one, other) == rule.joined(other, one)
+def test_beliefs_are_joined_as_published():
+    """All nine pairs, by a second way: as intervals of what may be true."""
+    _, rule = robot("three-state")
+    table = {(0.0, 1.0): 0.5, (1.0, 0.0): 0.5}
+    for one, other in product((0.0, 0.5, 1.0), repeat=2):
+        expected = table.get((one, other), other if one == 0.5 else one)
+        assert rule.joined(one, other) == expected
+        assert rule.joined(one, other) == rule.joined(other, one)
 
-    def test_some_bin_is_always_possible_and_one_at_most_true(self):
-        random = np.random.default_rng(6)
-        for draws in random.random(300):
-            me, rule = robot("three-state", dance=2.0)
-            rounds(me, rule, draws=float(draws))
-            for _ in range(6):
-                other, _ = robot("three-state")
-                rounds(other, rule, draws=float(random.random()))
-                rounds(me, rule, [(1.0, other.site, tuple(other.beliefs))], draws=float(random.random()), count=3)
-                beliefs = list(me.beliefs)
-                assert set(beliefs) <= {0.0, 0.5, 1.0}
-                assert beliefs.count(1.0) <= 1
-                assert beliefs[int(me.site)] > 0.0
-                assert me.site == (beliefs.index(1.0) if 1.0 in beliefs else me.site)
-                assert (rule.decide(me) >= 0.0) == (10 - beliefs.count(0.0) == 1)
-                middles = [(k + 0.5) / 10 for k in range(10)]
-                assert rule.estimate(me) == pytest.approx(np.average(middles, weights=beliefs))
 
-    def test_beliefs_begin_as_any_set_of_bins(self):
-        """The luck of each of the 1,023 sets that are not empty, in its middle."""
-        found = set()
-        for number in range(1, 1024):
-            me, rule = robot("three-state")
-            rounds(me, rule, draws=(number - 0.5) / 1023.0)
-            chosen = [k for k in range(10) if number >> k & 1]
-            value = 1.0 if len(chosen) == 1 else 0.5
-            assert list(me.beliefs) == [value if k in chosen else 0.0 for k in range(10)]
-            assert me.site in chosen
-            found.add(tuple(me.beliefs))
-        assert len(found) == 1023
+def test_some_bin_is_always_possible_and_one_at_most_true():
+    random = np.random.default_rng(6)
+    for draws in random.random(300):
+        me, rule = robot("three-state", dance=2.0)
+        rounds(me, rule, draws=float(draws))
+        for _ in range(6):
+            other, _ = robot("three-state")
+            rounds(other, rule, draws=float(random.random()))
+            rounds(me, rule, [(1.0, other.site, tuple(other.beliefs))], draws=float(random.random()), count=3)
+            beliefs = list(me.beliefs)
+            assert set(beliefs) <= {0.0, 0.5, 1.0}
+            assert beliefs.count(1.0) <= 1
+            assert beliefs[int(me.site)] > 0.0
+            assert me.site == (beliefs.index(1.0) if 1.0 in beliefs else me.site)
+            assert (rule.decide(me) >= 0.0) == (10 - beliefs.count(0.0) == 1)
+            middles = [(k + 0.5) / 10 for k in range(10)]
+            assert rule.estimate(me) == pytest.approx(np.average(middles, weights=beliefs))
+
+
+def test_beliefs_begin_as_any_set_of_bins():
+    """The luck of each of the 1,023 sets that are not empty, in its middle."""
+    found = set()
+    for number in range(1, 1024):
+        me, rule = robot("three-state")
+        rounds(me, rule, draws=(number - 0.5) / 1023.0)
+        chosen = [k for k in range(10) if number >> k & 1]
+        value = 1.0 if len(chosen) == 1 else 0.5
+        assert list(me.beliefs) == [value if k in chosen else 0.0 for k in range(10)]
+        assert me.site in chosen
+        found.add(tuple(me.beliefs))
+    assert len(found) == 1023
 
 
 @pytest.mark.parametrize("name", DANCERS)

@@ -55,102 +55,101 @@ def adjacency(topology, robots):
     return nx.to_numpy_array(graph)
 
 
-class TestInformationFilter:
-    @pytest.mark.parametrize("topology", ["full", "ring"])
-    @pytest.mark.parametrize("least", [0.05, 0.2])
-    def test_sums_are_those_of_the_equations(self, topology, least):
-        """Each reading weighed by its variance at the sender's estimate before the round."""
-        used = INFORMATION.with_parameters({"least_variance": least})
-        fields, curves, blacks, b, w = lived(used, robots=7, accuracy=MIXED, rounds=30, looks=3, topology=topology)
-        hears = adjacency(topology, 7) + np.eye(7)
-        y, sure, x = np.zeros(7), np.zeros(7), np.full(7, 0.5)
-        for k in range(1, 31):
-            spread = variances(b, w, x, least)
-            i, more = told(b, w, blacks[k], 3, spread)
-            y, sure = y + hears @ i, sure + hears @ more
-            x = np.clip(y / sure, 0, 1)
-            assert fields["y"][k] == pytest.approx(y, rel=1e-12)
-            assert fields["Y"][k] == pytest.approx(sure, rel=1e-12)
-            assert curves[k] == pytest.approx(x, rel=1e-12)
-
-    @pytest.mark.parametrize("rounds", [1, 40])
-    @pytest.mark.parametrize("trial", range(3))
-    def test_of_equal_readings_it_is_the_pooled_maximum_likelihood(self, rounds, trial):
-        """Sensors alike, readings of one variance, a full network: y / Y is the maximum, cut to [0, 1]."""
-        used = INFORMATION.with_parameters({"least_variance": 0.25})
-        _, curves, blacks, b, w = lived(used, trial, robots=9, accuracy=APART, rounds=rounds, looks=5, topology="full")
-        found = most_likely(blacks[1:].sum(axis=0), 5 * rounds, b, w)
-        assert curves[-1] == pytest.approx(found, abs=1e-6)
-
-    def test_who_saw_nothing_says_nothing(self):
-        me = INFORMATION.robot(0.9, 0.7)
-        assert INFORMATION.functions.broadcast(me) is None
-        INFORMATION.functions.observe(me, 1.0, 2.0)
-        assert INFORMATION.functions.broadcast(me) == pytest.approx((0.6 * (1 - 0.6) / 0.24, 0.36 * 2 / 0.24))
+@pytest.mark.parametrize("topology", ["full", "ring"])
+@pytest.mark.parametrize("least", [0.05, 0.2])
+def test_sums_of_the_information_filter_are_those_of_the_equations(topology, least):
+    """Each reading weighed by its variance at the sender's estimate before the round."""
+    used = INFORMATION.with_parameters({"least_variance": least})
+    fields, curves, blacks, b, w = lived(used, robots=7, accuracy=MIXED, rounds=30, looks=3, topology=topology)
+    hears = adjacency(topology, 7) + np.eye(7)
+    y, sure, x = np.zeros(7), np.zeros(7), np.full(7, 0.5)
+    for k in range(1, 31):
+        spread = variances(b, w, x, least)
+        i, more = told(b, w, blacks[k], 3, spread)
+        y, sure = y + hears @ i, sure + hears @ more
+        x = np.clip(y / sure, 0, 1)
+        assert fields["y"][k] == pytest.approx(y, rel=1e-12)
+        assert fields["Y"][k] == pytest.approx(sure, rel=1e-12)
+        assert curves[k] == pytest.approx(x, rel=1e-12)
 
 
-class TestKalmanConsensus:
-    @pytest.mark.parametrize("topology", ["full", "ring", "line"])
-    @pytest.mark.parametrize(("pull", "noise"), [(1.0, 0.0), (3.0, 0.01), (0.0, 0.0), (50.0, 0.01)])
-    def test_every_round_is_as_the_equations_say(self, topology, pull, noise):
-        used = KALMAN.with_parameters({"pull": pull, "noise": noise})
-        fields, _, blacks, b, w = lived(used, robots=6, accuracy=MIXED, rounds=25, looks=2, topology=topology)
-        hears = adjacency(topology, 6)
-        x, p = np.full(6, 0.5), np.full(6, 1 / 12)
-        for k in range(1, 26):
-            spread = variances(b, w, np.clip(x, 0, 1), 0.05)
-            u, sure = told(b, w, blacks[k], 2, spread)
-            u, sure = u + hears @ u, sure + hears @ sure
-            m = 1 / (1 / p + sure)
-            g = np.minimum(pull * p / (1 + p), (m / p) / (1 + hears.sum(axis=1)))
-            x = x + m * (u - x * sure) + g * (hears @ x - hears.sum(axis=1) * x)
-            p = m + noise
-            assert fields["x"][k] == pytest.approx(x, abs=1e-12)
-            assert fields["P"][k] == pytest.approx(p, rel=1e-12)
-
-    def test_a_crowd_does_not_make_it_swing(self):
-        """Blind sensors, so that P stays, and a strong pull: what is said lies between what was said before."""
-        used = KALMAN.with_parameters({"pull": 100.0})
-        me = used.robot(0.5, 0.5)
-        for _ in range(50):
-            for x in (0.1, 0.9) * 100:
-                used.functions.receive(me, (0.0, 0.0, x))
-            used.functions.fuse(me)
-            assert me.x == pytest.approx(0.5, abs=1e-12)
+@pytest.mark.parametrize("rounds", [1, 40])
+@pytest.mark.parametrize("trial", range(3))
+def test_of_equal_readings_it_is_the_pooled_maximum_likelihood(rounds, trial):
+    """Sensors alike, readings of one variance, a full network: y / Y is the maximum, cut to [0, 1]."""
+    used = INFORMATION.with_parameters({"least_variance": 0.25})
+    _, curves, blacks, b, w = lived(used, trial, robots=9, accuracy=APART, rounds=rounds, looks=5, topology="full")
+    found = most_likely(blacks[1:].sum(axis=0), 5 * rounds, b, w)
+    assert curves[-1] == pytest.approx(found, abs=1e-6)
 
 
-class TestConsensusInnovations:
-    @pytest.mark.parametrize("topology", ["full", "ring", "line"])
-    @pytest.mark.parametrize("pull", [0.25, 0.9])
-    def test_every_round_is_as_the_equation_says(self, topology, pull):
-        fields, _, blacks, b, w = lived(
-            INNOVATIONS.with_parameters({"pull": pull}), robots=6, accuracy=MIXED, rounds=30, looks=3, topology=topology
-        )
-        hears = adjacency(topology, 6)
-        many = hears.sum(axis=1)
-        x = np.full(6, 0.5)
-        for t in range(30):
-            z = (blacks[t + 1] / 3 + w - 1) / (b + w - 1)
-            x = x + np.minimum(pull, 1 / (1 + many)) * (hears @ x - many * x) + (z - x) / (t + 1)
-            assert fields["x"][t + 1] == pytest.approx(x, abs=1e-12)
+def test_who_saw_nothing_says_nothing():
+    me = INFORMATION.robot(0.9, 0.7)
+    assert INFORMATION.functions.broadcast(me) is None
+    INFORMATION.functions.observe(me, 1.0, 2.0)
+    assert INFORMATION.functions.broadcast(me) == pytest.approx((0.6 * (1 - 0.6) / 0.24, 0.36 * 2 / 0.24))
 
 
-class TestCovarianceIntersection:
-    @pytest.mark.parametrize("topology", ["full", "ring"])
-    def test_every_round_is_as_the_equations_say(self, topology):
-        """Own readings as a Kalman filter folds them in; then the surest of own and neighbours', as it is."""
-        used = INTERSECTION.with_parameters({"least_variance": 0.05})
-        fields, _, blacks, b, w = lived(used, robots=8, accuracy=MIXED, rounds=30, looks=2, topology=topology)
-        hears = adjacency(topology, 8) + np.eye(8)
-        x, sure = np.full(8, 0.5), np.zeros(8)
-        for k in range(1, 31):
-            spread = variances(b, w, np.clip(x, 0, 1), 0.05)
-            i, more = told(b, w, blacks[k], 2, spread)
-            x, sure = (x * sure + i) / (sure + more), sure + more
-            surest = [max(np.flatnonzero(row), key=lambda j: sure[j]) for row in hears]
-            x, sure = x[surest], sure[surest]
-            assert fields["x"][k] == pytest.approx(x, rel=1e-9)
-            assert fields["Y"][k] == pytest.approx(sure, rel=1e-9)
+@pytest.mark.parametrize("topology", ["full", "ring", "line"])
+@pytest.mark.parametrize(("pull", "noise"), [(1.0, 0.0), (3.0, 0.01), (0.0, 0.0), (50.0, 0.01)])
+def test_every_round_of_kalman_consensus_is_as_the_equations_say(topology, pull, noise):
+    used = KALMAN.with_parameters({"pull": pull, "noise": noise})
+    fields, _, blacks, b, w = lived(used, robots=6, accuracy=MIXED, rounds=25, looks=2, topology=topology)
+    hears = adjacency(topology, 6)
+    x, p = np.full(6, 0.5), np.full(6, 1 / 12)
+    for k in range(1, 26):
+        spread = variances(b, w, np.clip(x, 0, 1), 0.05)
+        u, sure = told(b, w, blacks[k], 2, spread)
+        u, sure = u + hears @ u, sure + hears @ sure
+        m = 1 / (1 / p + sure)
+        g = np.minimum(pull * p / (1 + p), (m / p) / (1 + hears.sum(axis=1)))
+        x = x + m * (u - x * sure) + g * (hears @ x - hears.sum(axis=1) * x)
+        p = m + noise
+        assert fields["x"][k] == pytest.approx(x, abs=1e-12)
+        assert fields["P"][k] == pytest.approx(p, rel=1e-12)
+
+
+def test_a_crowd_does_not_make_it_swing():
+    """Blind sensors, so that P stays, and a strong pull: what is said lies between what was said before."""
+    used = KALMAN.with_parameters({"pull": 100.0})
+    me = used.robot(0.5, 0.5)
+    for _ in range(50):
+        for x in (0.1, 0.9) * 100:
+            used.functions.receive(me, (0.0, 0.0, x))
+        used.functions.fuse(me)
+        assert me.x == pytest.approx(0.5, abs=1e-12)
+
+
+@pytest.mark.parametrize("topology", ["full", "ring", "line"])
+@pytest.mark.parametrize("pull", [0.25, 0.9])
+def test_every_round_of_consensus_and_innovations_is_as_the_equation_says(topology, pull):
+    fields, _, blacks, b, w = lived(
+        INNOVATIONS.with_parameters({"pull": pull}), robots=6, accuracy=MIXED, rounds=30, looks=3, topology=topology
+    )
+    hears = adjacency(topology, 6)
+    many = hears.sum(axis=1)
+    x = np.full(6, 0.5)
+    for t in range(30):
+        z = (blacks[t + 1] / 3 + w - 1) / (b + w - 1)
+        x = x + np.minimum(pull, 1 / (1 + many)) * (hears @ x - many * x) + (z - x) / (t + 1)
+        assert fields["x"][t + 1] == pytest.approx(x, abs=1e-12)
+
+
+@pytest.mark.parametrize("topology", ["full", "ring"])
+def test_every_round_of_covariance_intersection_is_as_the_equations_say(topology):
+    """Own readings as a Kalman filter folds them in; then the surest of own and neighbours', as it is."""
+    used = INTERSECTION.with_parameters({"least_variance": 0.05})
+    fields, _, blacks, b, w = lived(used, robots=8, accuracy=MIXED, rounds=30, looks=2, topology=topology)
+    hears = adjacency(topology, 8) + np.eye(8)
+    x, sure = np.full(8, 0.5), np.zeros(8)
+    for k in range(1, 31):
+        spread = variances(b, w, np.clip(x, 0, 1), 0.05)
+        i, more = told(b, w, blacks[k], 2, spread)
+        x, sure = (x * sure + i) / (sure + more), sure + more
+        surest = [max(np.flatnonzero(row), key=lambda j: sure[j]) for row in hears]
+        x, sure = x[surest], sure[surest]
+        assert fields["x"][k] == pytest.approx(x, rel=1e-9)
+        assert fields["Y"][k] == pytest.approx(sure, rel=1e-9)
 
 
 def test_what_is_said_means_what_its_roles_say():

@@ -52,79 +52,74 @@ def lived(brain, rounds, readings, begin=0.0):
     return np.array(curve)
 
 
-class TestRests:
-    @pytest.mark.parametrize("name", LONG_LIVED)
-    def test_short_lives_are_those_of_the_plain_rule_to_the_bit(self, name, tmp_path):
-        brain = brains.load(name)
-        assert (lived(brain, 800, 10) == lived(forgetful(name, tmp_path), 800, 10)).all()
-
-    @pytest.mark.parametrize("name", LONG_LIVED)
-    def test_long_lives_are_in_double_precision_up_to_rounding(self, name, tmp_path):
-        """Sums are so large from the first round on, or with swift soon, that what rounding takes is remembered."""
-        begin, rounds = (0.0, 3000) if name == "swift" else (1e6, 300)
-        one, other = (lived(brain, rounds, 1, begin) for brain in (brains.load(name), forgetful(name, tmp_path)))
-        assert one == pytest.approx(other, abs=1e-9)
-        assert (one != other).any()
-
-    def test_nothing_of_a_reading_is_lost_in_single_precision(self, tmp_path):
-        """Of 1000 readings of evidence 0.36, float32 adds 0.375 each to a sum of a million."""
-        for brain, added in ((brains.load("commons"), 360.0), (forgetful("commons", tmp_path), 375.0)):
-            single = brain.with_numbers(Numbers("single"))
-            me = single.robot(rounded_to_single(0.8), rounded_to_single(0.8))
-            me.v = 1e6
-            for _ in range(1000):
-                single.functions.observe(me, 1.0, 1.0)
-            assert me.v + me.v_rest == pytest.approx(1e6 + added, abs=1e-3)
+@pytest.mark.parametrize("name", LONG_LIVED)
+def test_short_lives_are_those_of_the_plain_rule_to_the_bit(name, tmp_path):
+    brain = brains.load(name)
+    assert (lived(brain, 800, 10) == lived(forgetful(name, tmp_path), 800, 10)).all()
 
 
-class TestDays:
-    """A day of a swarm at 10 Hz, a fifth of the messages lost; `swift` keeps its momentum only if none is."""
-
-    @pytest.mark.long
-    @pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
-    def test_a_swarm_lives_a_day_in_single_precision(self, name):
-        loss = 0.0 if name == "swift" else 0.2
-        assert ring_recordings.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.001
-
-    @pytest.mark.long
-    @pytest.mark.parametrize(("name", "least"), [("swift", 0.01), ("commons", 0.002)])
-    def test_it_would_not_without_the_rests(self, name, least, tmp_path):
-        loss = 0.0 if name == "swift" else 0.2
-        assert ring_recordings.median_error(forgetful(name, tmp_path), "single", single_life.DAY, loss) > least
+@pytest.mark.parametrize("name", LONG_LIVED)
+def test_long_lives_are_in_double_precision_up_to_rounding(name, tmp_path):
+    """Sums are so large from the first round on, or with swift soon, that what rounding takes is remembered."""
+    begin, rounds = (0.0, 3000) if name == "swift" else (1e6, 300)
+    one, other = (lived(brain, rounds, 1, begin) for brain in (brains.load(name), forgetful(name, tmp_path)))
+    assert one == pytest.approx(other, abs=1e-9)
+    assert (one != other).any()
 
 
-class TestLives:
-    def test_the_very_reading_is_named(self, tmp_path):
-        """At the reading 5,000 the sum is 2^24 + 1, which float32 has not."""
-        source = brains.load("alone").source.partition("def estimate")[0]
-        late = "def estimate(me):\n    return 1.0 if 16777216.0 + (me.t - 4999.0) > 16777216.5 else 0.0\n"
-        file = tmp_path / "late.py"
-        file.write_text(source + late)
-        assert single_life.life(brains.load(file), 6000) == (5000, 5000)
-        assert single_life.life(brains.load(file), 4999) == (None, None)
-
-    @pytest.mark.long(but=["minimalistic"])
-    @pytest.mark.parametrize("name", brains.shipped())
-    def test_the_table_is_what_is_found(self, name):
-        assert single_life.life(brains.load(name), beyond=True).first == single_lives()[name]
-
-    def test_the_table_has_all(self):
-        assert [*single_lives()] == brains.shipped()
-        assert 2**24 < single_lives()["minimalistic"] < 2**24 + 250_000  # where counts end
-        assert all(single_lives()[name] is None or single_lives()[name] > single_life.DAY for name in LONG_LIVED)
+def test_nothing_of_a_reading_is_lost_in_single_precision(tmp_path):
+    """Of 1000 readings of evidence 0.36, float32 adds 0.375 each to a sum of a million."""
+    for brain, added in ((brains.load("commons"), 360.0), (forgetful("commons", tmp_path), 375.0)):
+        single = brain.with_numbers(Numbers("single"))
+        me = single.robot(rounded_to_single(0.8), rounded_to_single(0.8))
+        me.v = 1e6
+        for _ in range(1000):
+            single.functions.observe(me, 1.0, 1.0)
+        assert me.v + me.v_rest == pytest.approx(1e6 + added, abs=1e-3)
 
 
-class TestShell:
-    @pytest.mark.long
-    def test_check_says_at_which_reading(self, tmp_path, monkeypatch, capsys):
-        monkeypatch.setattr(suite, "check", lambda path, wrapping="": [suite.Check(suite.KEEPS, None)])
-        assert main(["brains", "--check", "minimalistic", "--single", "--json"]) == 0
-        found = json.loads(capsys.readouterr().out)
-        assert found["single"] == {"alone": None, "hearing": None}
-        assert found["notes"] == [
-            "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
-        ]
+@pytest.mark.long
+@pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
+def test_a_swarm_lives_a_day_in_single_precision(name):
+    loss = 0.0 if name == "swift" else 0.2
+    assert ring_recordings.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.001
 
-    def test_it_needs_a_file(self, capsys):
-        assert main(["brains", "--single"]) == 2
-        assert "--single needs --check" in capsys.readouterr().err
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "least"), [("swift", 0.01), ("commons", 0.002)])
+def test_it_would_not_without_the_rests(name, least, tmp_path):
+    loss = 0.0 if name == "swift" else 0.2
+    assert ring_recordings.median_error(forgetful(name, tmp_path), "single", single_life.DAY, loss) > least
+
+
+def test_the_very_reading_is_named(tmp_path):
+    """At the reading 5,000 the sum is 2^24 + 1, which float32 has not."""
+    source = brains.load("alone").source.partition("def estimate")[0]
+    late = "def estimate(me):\n    return 1.0 if 16777216.0 + (me.t - 4999.0) > 16777216.5 else 0.0\n"
+    file = tmp_path / "late.py"
+    file.write_text(source + late)
+    assert single_life.life(brains.load(file), 6000) == (5000, 5000)
+    assert single_life.life(brains.load(file), 4999) == (None, None)
+
+
+@pytest.mark.long(but=["minimalistic"])
+@pytest.mark.parametrize("name", brains.shipped())
+def test_the_table_is_what_is_found(name):
+    assert single_life.life(brains.load(name), beyond=True).first == single_lives()[name]
+
+
+def test_the_table_has_all():
+    assert [*single_lives()] == brains.shipped()
+    assert 2**24 < single_lives()["minimalistic"] < 2**24 + 250_000  # where counts end
+    assert all(single_lives()[name] is None or single_lives()[name] > single_life.DAY for name in LONG_LIVED)
+
+
+@pytest.mark.long
+def test_check_says_at_which_reading(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(suite, "check", lambda path, wrapping="": [suite.Check(suite.KEEPS, None)])
+    assert main(["brains", "--check", "minimalistic", "--single", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["single"] == {"alone": None, "hearing": None}
+    assert found["notes"] == [
+        "single precision stays within 0.01 of double precision for a day at 10 Hz, which is 864,000 readings"
+    ]

@@ -29,15 +29,6 @@ def test_the_quantile_is_student_s(alpha, degrees):
     assert SURE.quantile(alpha, degrees) == pytest.approx(stats.t.ppf(1.0 - alpha / 2.0, degrees), rel=1e-9)
 
 
-def test_streams_alike_give_the_interval_of_a_mean():
-    """Equal weights: Student's interval of eight ratios, by SciPy."""
-    ratios = np.random.default_rng(4).normal(0.5, 0.1, 8)
-    me = state(s=list(2.0 * ratios), v=[2.0] * 8, looks=10**6, voices=3.0, rounds=1.0)
-    low, high = stats.t.interval(0.95, 7, ratios.mean(), stats.sem(ratios))
-    assert SURE.interval(me) == pytest.approx((low, high))
-    assert SURE.half(me, 0.2) == pytest.approx(stats.t.ppf(0.9, 7) * stats.sem(ratios))
-
-
 def test_unequal_streams_have_fewer_degrees_of_freedom():
     """Those of Satterthwaite, from the covariance of what the spread is made of: (tr M)^2 / tr M^2."""
     v = np.array([5.0, 1.0, 1.0, 2.0, 0.5, 1.0, 3.0, 1.0])
@@ -133,7 +124,6 @@ def test_streams_change_slowly_on_patches():
 
 
 def covered(alpha, trials, robots, **world):
-    """Each trial's share of robots whose interval holds f, at each checkpoint."""
     brain = {"file": "sure", "alpha": alpha, "within": 1e-9}
     study = study_of(
         brain, robots=robots, accuracy=[0.7, "U(0.525, 0.975)"], rounds=120, trials=trials, seed=21,

@@ -67,12 +67,10 @@ def changed(path, *changes):
 
 
 def fault_in(path, name):
-    """What one check finds."""
     return conformance.fault_of(PROMISES[name], brains.load(path))
 
 
 def faults_of(path):
-    """What the checks that do not compile find."""
     return {one.name: one.fault for one in conformance.examine(path, PROMISES) if one.fault}
 
 

@@ -273,19 +273,6 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert_fits(sc.plot.lines(never, y="stop_round"))
 
 
-def test_trials_that_were_not_run_are_left_out_of_lines():
-    results = forget(forget(robots(), setting=1), trial=slice(7, None), setting=0)
-    (ax,) = sc.plot.lines(results).axes
-    (line,) = (line for line in ax.lines if line.get_label() == "line ")
-    there = results.convergence_error.values
-    np.testing.assert_allclose(line.get_ydata(), [np.median(there[0, :7]), np.nan, np.median(there[2])])
-    padded = forget(robots(), robot=slice(5, None))
-    (ax,) = sc.plot.lines(padded).axes
-    assert ax.lines[0].get_ydata()[0] == pytest.approx(np.median(padded.convergence_error.values[0, :, :5]))
-    with pytest.raises(InputError, match="nothing to draw"):
-        sc.plot.lines(forget(robots(), trial=slice(None)))
-
-
 def test_lines_that_lie_upon_one_another_are_all_seen():
     """Flat stretches would hide each other; steep ones lie side by side, and whoever shares none is drawn as ever."""
     values = {"twin": [0.2, 0.6, 1.0, 1.0, 1.0], "other": [0.2, 0.6, 1.0, 1.0, 1.0], "low": [0.1, 0.1, 0.2, 0.3, 0.4]}

@@ -134,21 +134,3 @@ def test_what_cannot_be_compared_in_a_figure_is_told():
         sc.plot.compare(many, by="robots")
     with pytest.raises(InputError, match="ax holds one panel, not 5: name one metric"):
         sc.plot.compare(made_up(brains=2), ax=subplots(1))
-
-
-def test_a_difference_without_end_is_an_arrow_at_the_edge():
-    results = made_up(brains=2, worlds=("ring",))
-    results["consensus_right"] = (("setting", "trial"), np.ones((2, 20)))
-    results["consensus_round"] = (("setting", "trial"), np.stack([np.full(20, 9.0), np.full(20, np.inf)]))
-    (ax,) = sc.plot.compare(results, metric="consensus_round").axes
-    np.testing.assert_array_equal(drawn(ax, "infinite "), [[1.0, 0.0]])
-    assert "infinite" in texts(ax.figure)
-
-
-def test_what_are_no_axes_and_no_trials_are_told(small_results):
-    with pytest.raises(InputError, match="ax = int"):
-        sc.plot.scatter(small_results, ax=3, panels=[])
-    nothing = small_results.isel(trial=[])
-    for draw in (sc.plot.lines, sc.plot.scatter, sc.plot.curves):
-        with pytest.raises(InputError, match=r"no trial|nothing to draw"):
-            draw(nothing)

@@ -29,7 +29,6 @@ def asked(session, **words):
 
 
 def test_log_read_byte_by_byte(whole, tmp_path):
-    """Also where a block was cut in the middle, and another life follows it."""
     path = tmp_path / "robot-1.log"
     reader = LogReader(path)
     assert not reader.more()
@@ -44,24 +43,6 @@ def test_log_read_byte_by_byte(whole, tmp_path):
     assert any(isinstance(block, Gap) for block in known.blocks)
     assert tuple(reader.blocks) == known.blocks
     assert reader.log.number == known.number
-
-
-def test_a_page_that_comes_late_gets_the_day_in_parts(whole, tmp_path, monkeypatch):
-    """Also where a block is longer than a part."""
-    monkeypatch.setattr(LogReader.more, "__defaults__", (150,))
-    recording = Recording(whole, tmp_path / "day")
-    session = Session(offer_of(recording.folder))
-    asked(session, do="begin", ask={})
-    recording.grow(1.0)
-    recording.tell({})
-    rounds, news = [], {"wait": 0.0}
-    while news["wait"] is not None:
-        _, news = asked(session, do="news", since=0)
-        rounds.append(news["rounds"])
-        assert news["wait"] in (0.0, None)
-    assert len(rounds) > 5
-    assert rounds == sorted(rounds)
-    assert session.shows[0].life.clock.rounds == Clock(read_recording(whole).members).rounds
 
 
 def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
@@ -170,7 +151,6 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
 
 @pytest.mark.parametrize("robot", [0, 2])
 def test_two_logs_of_one_robot_are_refused(whole, tmp_path, robot):
-    """Also a second one that comes while the day is watched."""
     recording = Recording(whole, tmp_path / "day")
     session = Session(offer_of(recording.folder))
     asked(session, do="begin", ask={})

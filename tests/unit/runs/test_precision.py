@@ -58,16 +58,6 @@ def test_each_setting_gets_what_it_needs(rule, variable):
         assert data["half_width"].values[k] <= width or trials == 200
 
 
-def test_the_trials_are_those_of_a_plain_study():
-    data = sc.run(study("convergence_error median +- 0.004"), jobs=2)
-    plain = sc.run(study("convergence_error median +- 0.004").with_(trials=data.sizes["trial"]), jobs=2)
-    for k, trials in enumerate(needed(data)):
-        for name in ("convergence_round", "convergence_error", "final_estimate"):
-            assert np.array_equal(data[name].values[k, :trials], plain[name].values[k, :trials])
-    assert plain.sizes["trial"] == needed(data).max()
-    assert "half_width" not in plain
-
-
 def test_it_does_not_depend_on_threads_or_on_being_cut_off(tmp_path, monkeypatch):
     monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
     asked = study("convergence_error median +- 0.003")

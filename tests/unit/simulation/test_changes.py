@@ -122,15 +122,6 @@ def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
     assert np.array_equal(whole.readings, parts.readings, equal_nan=True)
 
 
-def test_members_whose_sensors_wear():
-    members = [{"robots": 3, "accuracy": {"start": 0.9, "drift": -0.01, "least": 0.6}}]
-    wrapped, sound = sc.run(changing(0.3, members=members)), sc.run(changing(0.3))
-    assert wrapped["members"].values.tolist() == ["3 accuracy 0.9 drift=-0.01 least=0.6"]
-    trace, other = sc.replay(wrapped, 0, 0), sc.replay(sound, 0, 0)
-    same = (trace["blacks"].values == other["blacks"].values).all(axis=0)
-    assert same.tolist() == (trace["member"] == 0).values.tolist()
-
-
 # ---- what is asked and told later
 
 

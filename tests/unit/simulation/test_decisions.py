@@ -31,7 +31,6 @@ TABLE = [  # by round, then by robot
     [3, 2, 1],
     [0, 2, 1],
 ]
-NEVER = np.inf
 
 
 def told(source, **world):
@@ -62,16 +61,6 @@ def test_decisions_by_hand():
     assert data["decision_change"].values.tolist() == [6, 5, 4]
     assert (data["consensus"], data["consensus_round"]) == (3, 3)
     assert (data["consensus_right"], data["right_option"]) == (1, 3)
-
-
-@pytest.mark.interpreted
-def test_no_decision_by_hand():
-    """Robot 1 never decides, robot 0 but for a while: nobody agrees."""
-    data = told(listed([[1, -1, 2], [1, -1, 2], [-1, -1, 2]] + [[-1, -1, 2]] * 3))
-    assert data["decision"].values.tolist() == [-1, -1, 2]
-    assert data["decision_round"].values.tolist() == [1, NEVER, 1]
-    assert data["decision_change"].values.tolist() == [3, NEVER, 1]
-    assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (-1, NEVER, 0)
 
 
 @pytest.mark.parametrize("options", [2, 3, 7, 10, 100])
@@ -120,18 +109,6 @@ def test_what_nobody_decides_is_not_in_the_results():
     only = told(ENDS)
     assert "consensus" not in only
     assert "done_estimate" in only
-
-
-@pytest.mark.interpreted
-def test_of_brains_of_which_one_decides_the_other_has_none():
-    study = study_of(
-        ["minimalistic", brain(listed(TABLE))], robots=3, accuracy=0.7, rounds=6, looks=1, trials=1, topology="line",
-        fill_ratio=0.8,
-    )  # fmt: skip
-    data = sc.run(study)
-    assert np.isnan(data["decision"].values[0]).all()
-    assert np.isnan(data["consensus_round"].values[0]).all()
-    assert data["decision"].values[1].tolist() == [[0, 2, 1]]
 
 
 @pytest.mark.parametrize("wrong", [0.01, 0.05])

@@ -91,7 +91,6 @@ def test_wrong_stops_use_the_done_estimate(here):
 @pytest.mark.long(only=["ring"])
 @pytest.mark.parametrize("world", [{"rounds": 3}, {"ticks": 3, "density": 1}], ids=["ring", "moving"])
 def test_interval_that_fails_in_a_replay_is_reported(world, here, capsys):
-    """A replay asks before the first observation too, where no run does."""
     timid = "def interval(me):\n    half = 0.1 / me.t\n    return max(0.0, 0.5 - half), min(1.0, 0.5 + half)\n"
     Path("timid.py").write_text(f"{MEANS}\n\n{timid}")
     study = study_of("timid.py", robots=3, trials=1, measure={"checkpoints": [3]}, **world)

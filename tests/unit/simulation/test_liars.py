@@ -183,7 +183,6 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.long
 def test_merged_results_with_liars_are_verified(tmp_path, capsys):
-    """What is joined of the parts belongs to them all, whichever comes first."""
 
     def part(name, **tables):
         return sc.Study(

@@ -35,14 +35,12 @@ def liars(robots):
 
 
 def who(robots=20, members=(), trials=40, **world):
-    """Who is who (trial, robot)."""
     (setting,) = fixed(brain(MEANS), robots=robots, members=members, **world)
     return sampling.groups(setting, SEED, 0, trials)
 
 
 @pytest.mark.parametrize(("share", "count"), [(1, 1), (3, 3), (0.1, 2), (0.29, 6), (1.0, 20)])
 def test_there_are_as_many_as_the_study_says_in_each_trial(share, count):
-    """And no binomial number of them."""
     assert (who(members=[{"robots": share, "accuracy": 0.9}]).sum(axis=1) == count).all()
     if count < 20:
         (setting,) = fixed(brain(MEANS), robots=20, members=liars(share))
@@ -64,7 +62,6 @@ def test_tables_share_the_swarm_out_and_nobody_is_of_two():
 
 
 def test_they_are_the_same_robots_whatever_else_differs():
-    """The brain, the network, the faults: so that settings meet the same swarm."""
     one = who(members=liars(6))
     for other in (
         who(members=[{"robots": 6, "accuracy": 0.9}]),

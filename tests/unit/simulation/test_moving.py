@@ -169,14 +169,6 @@ def test_run_equals_replay_and_inference(moving):
             assert (again["estimate"].values == curves).all()
 
 
-def test_minds_share_walks_and_differ(moving):
-    study, results = moving
-    alike = [k for k, s in enumerate(study.settings()) if s.robots == 8 and s.density == 6.0]
-    one, other = sc.replay(results, alike[0], 0), sc.replay(results, alike[-1], 0)
-    assert one["position"].equals(other["position"])
-    assert not one["estimate"].equals(other["estimate"])
-
-
 def test_jobs_and_subsets_give_the_same_bits(moving):
     study, results = moving
     assert sc.run(study, jobs=1).equals(results)

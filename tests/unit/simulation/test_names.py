@@ -61,7 +61,6 @@ def test_partly_named_swarm_is_not_anonymous():
 
 @pytest.mark.interpreted
 def test_a_field_of_ones_own_may_be_called_name():
-    """Then it is that field, and nothing is given."""
     own = changed(("MEMORY = {", 'MEMORY = {"name": 7.0, '), ("me.n += blacks", "me.n += blacks\n    me.name += 1.0"))
     assert not brain(own).uses.name
     (setting,) = fixed(brain(own), rounds=3)

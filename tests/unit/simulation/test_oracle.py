@@ -52,7 +52,6 @@ def pooled(made, results, setting, trial, honest=None):
 
 @pytest.mark.parametrize("topology", ["ring", "scale-free", "full", "moving"])
 def test_it_finds_the_maximum_of_the_pooled_likelihood(topology):
-    """Once nobody sees anything new, all robots come to hold it, to the last digits."""
     hindered = {"link_success": 0.3} | ({"body": {"message_delay": 5}} if topology == "moving" else {})
     made = study(topology, swarm={"assumed_accuracy": 0.95}, world=hindered)
     results = sc.run(made)
@@ -76,28 +75,6 @@ def test_oracle_ignores_networks_and_beliefs():
     assert (final == final[0]).all()
     assert len(set(results["topology"].values.tolist())) == 3  # and is called by what was asked for
     assert len(set(results["link_success"].values.tolist())) == 2
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("topology", ["ring", "moving"])
-def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch):
-    """A liar's brain is not even run; a robot that stops talking is heard all the same."""
-    monkeypatch.chdir(tmp_path)  # below it a member's file may be read again
-    (tmp_path / "liar.py").write_text(
-        brains.load("minimalistic").source.replace("return me.x_hat, me.alpha", "return 1.0, 1e9")
-    )
-    made = study(
-        topology, members=[{"robots": 4, "brain": str(tmp_path / "liar.py"), "accuracy": 0.9, "honest": False}],
-        faults=[{"at": 5, "robots": 6, "stop": "talking"}, {"at": 30, "robots": 1.0, "stop": "sensing"}],
-        swarm={"brain": ["oracle", "minimalistic"]},
-    )  # fmt: skip
-    results = sc.run(made)
-    for trial in range(3):
-        honest = sampling.groups(made.settings()[0], made.seed, trial, 1)[0] == 0
-        best, trace = pooled(made, results, 0, trial, honest)
-        assert (trace["t"].values[-1] > 0).tolist() == honest.tolist()
-        assert results["final_estimate"].values[0, trial, :8] == pytest.approx(best, abs=1e-12)
-    assert np.abs(results["final_estimate"].values[1, :, :8] - 0.3).max() > 0.5  # what they do to others
 
 
 def test_a_message_by_hand():

@@ -87,7 +87,6 @@ def test_other_values_need_no_other_machine_code():
 @pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
 def test_receive_may_read_them_though_it_only_adds(topology):
-    """What a message adds is found by a state of zeros, which has the parameters all the same."""
     listens = changed(
         ("MEMORY = {", 'PARAMETERS = {"weight": 0.5, "parts": (0.25, 2.0)}\nMEMORY = {"sum": 0.0, '),
         ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.sum += gain(me) * message[0]"),

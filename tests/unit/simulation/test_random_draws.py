@@ -58,10 +58,3 @@ def test_it_changes_nothing_else(world):
         one, other = lives(brain(asks), **world), lives(plain, **world)
         for name in plain.memory:
             assert (one[name] == other[name]).all()
-
-
-@pytest.mark.interpreted
-def test_a_field_of_ones_own_may_be_called_luck():
-    own = changed(("MEMORY = {", 'MEMORY = {"luck": 7.0, '), ("me.n += blacks", "me.n += blacks\n    me.luck += 1.0"))
-    assert not brain(own).uses.luck
-    assert (lives(own)["luck"][-1] == 15.0).all()

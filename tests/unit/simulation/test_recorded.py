@@ -251,7 +251,6 @@ def test_all_is_measured_of_the_honest_against_the_truth_of_the_round(world, tru
 
 
 def test_replays_of_trials_that_fail_say_what_the_run_says(here):
-    """A brain that now and then divides by zero."""
     study = study_of(
         "fails.py", robots=3, accuracy=0.6, rounds=6, looks=100, trials=TRIALS, fill_ratio=[0.55, 0.65, 0.7]
     )

@@ -54,7 +54,6 @@ def study_of(folder, *wants, **changes):
 
 
 def traces(folder, *wants, trials=2, **changes):
-    """Replays of all settings and trials of such a study, one after the other."""
     results = sc.run(study_of(folder, *wants, trials=trials, **changes))
     brain = folder / "steered.py"
     return [
@@ -84,7 +83,6 @@ def steered(folder):
 
 
 def test_run_equals_replay_and_inference(folder, steered):
-    """The compiled loop, the same tick by tick, and CPython on what was read and heard: one life, to the bit."""
     study, results = steered
     brain = folder / "steered.py"
     for k, setting in enumerate(study.settings()):
@@ -106,7 +104,6 @@ def test_large_arenas_are_lived_in_the_same_way(steered, monkeypatch):
 
 
 def test_wheels_have_limits(folder):
-    """However much is wanted: no way and no turn is longer than the wheels allow, nor both together."""
     for trace in traces(folder, "ABSURD", robots=1, density=1):
         load = steps_of(trace) / STEP + np.abs(turns_of(trace)) / TURN
         assert load.max() <= 1 + 1e-9
@@ -117,7 +114,6 @@ def test_wheels_have_limits(folder):
 
 
 def test_steering_walks_alone_and_leaves_other_settings_alone(folder, steered):
-    """Settings that steer begin alike and then differ; a setting run by itself gives the same bits."""
     study, results = steered
     k = [k for k, s in enumerate(study.settings()) if s.density == 6.0]
     begins = [sc.replay(results, n, 0, folder / "steered.py")["position"].values for n in k]
@@ -158,7 +154,6 @@ LONG = pytest.mark.long  # each takes a second, and there are many
     ],
 )
 def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, untraced):
-    """Once, by CPython's checks; those that compile are tested below."""
     (tmp_path / "bad.py").write_text(f"{brains.load('minimalistic').source}\n\n{steer}\n")
     found = conformance.examine(tmp_path / "bad.py", contract_checks.PROMISES)
     faults = {c.fault for c in found} - {None, "the same as above"}

@@ -13,7 +13,6 @@ READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
 
 
 def by_hand(readings, every, messages, b=0.8, w=0.8):
-    """The reference run, written out: messages[step] lists (sender, receiver)."""
     functions = brains.load("minimalistic").functions
     states = [brains.load("minimalistic").robot(b, w) for _ in readings.T]
     out = [[functions.estimate(me) for me in states]]

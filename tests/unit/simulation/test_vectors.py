@@ -11,7 +11,7 @@ from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.errors import InputError
-from tests.support.second import ALL, brain, changed, fixed
+from tests.support.second import brain, changed, fixed
 from tests.support.small import GO, SEED, study_of
 
 MEASURE = Metrics(0.01, 10, (2, 3), decides=True, ends=True)
@@ -43,7 +43,6 @@ def test_their_items_are_numbers_of_their_own():
 
 @pytest.mark.interpreted
 def test_a_message_is_what_it_was_when_it_was_said():
-    """A robot that changes its vector while it listens does not change what it has said."""
     source = changed(("me.heard[k] += message[0][k]", "me.seen[k] += message[0][k]"), source=COUNTS)
     for setting in fixed(brain(source), robots=3, rounds=1, topology=["line", "full"]):
         fields, _, blacks = record_trial(setting, SEED, 0)
@@ -63,7 +62,6 @@ BEYOND = {
 @pytest.mark.long(but=["before"])
 @pytest.mark.parametrize("what", BEYOND)
 def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, what):
-    """In CPython the check names the line, and compiled a run ends with a sentence that does."""
     monkeypatch.chdir(tmp_path)
     old, new, function = BEYOND[what]
     Path("beyond.py").write_text(changed((old, new), source=COUNTS))
@@ -95,25 +93,6 @@ def test_a_message_of_another_shape_is_told(message, given, said):
     with pytest.raises(InputError, match=said):
         run_batch(setting, SEED, 0, 1, MEASURE, GO)
     assert suite.fault_of(PROMISES["gives finite messages and estimates in [0, 1]"], brain(source))
-
-
-def test_a_list_may_be_repeated_too():
-    assert brain(changed(('"seen": (0.0, 0.5)', '"seen": [0.25] * 2'), source=COUNTS)).memory["seen"] == (0.25, 0.25)
-
-
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("p = me.weights\n    p *= 2", "a parameter is read-only"),
-        ("p = me.weights\n    me.x = (p + p)[0]", "a parameter is read-only"),
-        ("p = me.weights\n    me.x = p[0:1][0]", "a parameter is read-only"),
-        ("me.x = me.weights[0:1][0]", "takes a slice of a vector"),
-    ],
-)
-def test_a_vector_among_the_parameters_is_read_item_by_item(line, said, tmp_path):
-    (tmp_path / "b.py").write_text(changed(("    me.heard = 0.0\n", f"    {line}\n    me.heard = 0.0\n"), source=ALL))
-    found = [one.fault for one in suite.examine(tmp_path / "b.py", PROMISES) if one.fault]
-    assert said in found[0]
 
 
 @pytest.mark.interpreted

@@ -27,14 +27,6 @@ def test_interval_of_a_binary_share(trials, level):
             assert end * trials == pytest.approx(other * trials, abs=0.5 if level == 0.95 else 1.5)
 
 
-def test_correlated_robots_widen_intervals():
-    alone = RNG.binomial(100, 0.9, (100, 1)) / 100
-    together = (RNG.random((100, 1)) < 0.9).astype(float)
-    half = [np.ptp(estimate(values, "mean", share=True)[1:]) / 2 for values in (alone, together)]
-    assert half[0] == pytest.approx(1.96 * np.sqrt(0.09 / 10_000), rel=0.25)
-    assert half[1] == pytest.approx(1.96 * np.sqrt(0.09 / 100), rel=0.25)
-
-
 def test_the_mean_of_what_is_symmetric_has_students_interval():
     for trials in (8, 30, 300):
         values = np.concatenate([NORMAL[: trials // 2, 0], -NORMAL[: trials // 2, 0]])[:, np.newaxis]
@@ -206,13 +198,6 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         )
         hits += low < 0 < high
     assert 333 <= hits <= 372
-
-
-def test_the_mean_of_resamples_has_the_error_that_theory_gives():
-    values = np.random.default_rng(4).normal(size=30)
-    means = intervals.means(values, intervals.resample(30, 4000))
-    assert means[0] == pytest.approx(values.mean())
-    assert means[1:].std() == pytest.approx(values.std() / np.sqrt(30), rel=0.05)  # 4.5 standard errors
 
 
 def test_shares_have_wilsons_interval():

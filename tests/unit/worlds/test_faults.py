@@ -114,7 +114,6 @@ def test_rows_say_when_parts_work_by_definition():
 
 
 def test_who_fails_is_who_failed_before_there_was_an_end():
-    """Lots, fingerprints and walks of faults for good are what they were; with an end they are of other walks."""
     faults = [{"at": 20, "robots": 3, "stop": ["moving", "talking"]}]
     text = MOVING.replace('faults = [{at = 20, robots = 3, stop = "STOP"}]', "")
     never, ends = (

@@ -181,7 +181,6 @@ def test_stripes_have_period_width_axis_and_phase(period, share):
 
 
 def covered(x, period, share, phase):
-    """The share of tiles around x that stripes cover."""
     fine = x[:, np.newaxis] + (np.arange(50) + 0.5) / 50 * 0.01 - 0.005
     return ((fine / period + phase) % 1.0 < share).mean(axis=1)
 
@@ -285,7 +284,6 @@ truth = "floor"
 
 @pytest.mark.long
 def test_an_image_is_needed_once(tmp_path, gradient):
-    """Replays and copies of a study take the pixels from where they were kept; their address is what is in them."""
     file = tmp_path / "pic.png"
     file.write_bytes(gradient.read_bytes())
     (tmp_path / "s.toml").write_text(STUDY.replace("gradient.png", "pic.png"))

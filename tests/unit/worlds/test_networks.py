@@ -93,7 +93,6 @@ def test_networkx_graph(tmp_path):
 
 
 def heard(topology, robots, graph=0):
-    """Who hears whom, as pairs of sender and receiver."""
     links = links_of(topology, robots, graph + 1)
     part = slice(links.starts[graph], links.starts[graph + 1])
     assert (np.diff(links.receivers[part].astype(int) * robots + links.senders[part]) > 0).all()  # as the engine wants

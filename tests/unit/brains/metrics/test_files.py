@@ -59,7 +59,6 @@ def study(text=STUDY, names=LIBRARY):
 
 
 def by_hand(curves, truth, bins=10):
-    """The shipped metrics by their definitions, of estimates (round, robot) from round 1 on."""
     low, high = right_bin(truth, bins)
     right, near = (curves >= low) & (curves < high), np.abs(curves - truth) < 0.05
     rounds = len(curves)
@@ -263,7 +262,6 @@ def test_faults_of_a_file_are_named(old, new, said, tmp_path):
 
 
 def test_names_of_one_function_are_known(tmp_path):
-    """Those that an annotation or a case binds."""
     for body in ("now: Number = estimate\n    my.last = now",
                  "match int(estimate):\n        case n:\n            my.last = n"):  # fmt: skip
         (tmp_path / "mine.py").write_text(MINE.replace("my.last = estimate", body))
@@ -336,7 +334,6 @@ def test_a_metric_that_fails_is_named(old, new, said, checked, tmp_path, monkeyp
     ],
 )
 def test_what_python_refuses_or_finds_otherwise_is_refused(body, said, tmp_path, monkeypatch):
-    """Also where that is so after some rounds only."""
     monkeypatch.chdir(tmp_path)
     assert said in failing(MINE.replace("my.last = estimate", body), rounds=60)
 
@@ -359,7 +356,6 @@ def test_a_result_beyond_its_bounds_is_refused(tmp_path, monkeypatch):
 
 
 def test_a_file_says_which_way_is_better_and_what_it_is_called(tmp_path, monkeypatch):
-    """And is then compared unasked, in its own words, and drawn under them."""
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE.replace("def begin", 'BETTER = "high"\nLABEL = "last word"\n\n\ndef begin'))
     data = sc.run(study_of(["minimalistic", "alone"], rounds=20, trials=8, measure={"metrics": ["mine.py"]}))
