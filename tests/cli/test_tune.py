@@ -11,9 +11,11 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from filelock import FileLock
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.search.tuning.training import Training
 from tests.support.tunable import SOURCE, text_of
 
 TUNE = ["tune", "s.toml", "--parameter", "a=0:1", "--parameter", "idle=1:9:log", "--trials", "2"]
@@ -159,6 +161,35 @@ def test_ctrl_c_before_the_first_evaluation(where, here, capsys, monkeypatch):
     assert main(TUNE) == 130
     assert "kept" not in capsys.readouterr().err
     assert sorted(os.listdir()) == ["s.toml", "tunable.py"]
+
+
+@pytest.mark.long
+def test_ctrl_c_keeps_finished_evaluations(here, capsys, monkeypatch):
+    through, calls = Training.run, []
+
+    def stop(*given):
+        calls.append(1)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return through(*given)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Training, "run", stop)
+        assert main([*TUNE, "--budget", "37"]) == 130
+    said = capsys.readouterr().err
+    assert "kept finished evaluations in tunable-tuned.csv: the same command continues" in said
+    assert sorted(os.listdir()) == ["s.toml", "tunable-tuned.csv", "tunable.py"]
+    kept = lines_of("tunable-tuned.csv")
+    for out in ("tunable-tuned.toml", "whole.toml"):
+        assert main([*TUNE, "--budget", "37", "--out", out]) == 0
+    assert 3 < len(kept) < len(lines_of("whole.csv"))
+    assert kept == lines_of("whole.csv")[: len(kept)]
+    assert lines_of("tunable-tuned.csv") == lines_of("whole.csv")
+
+
+def test_two_searches_on_one_output(refused):
+    with FileLock(".tunable-tuned.csv.lock"):
+        assert "tunable-tuned.csv: another search is writing it" in refused(*TUNE, "--budget", "13")
 
 
 def test_explanation_as_json(here, capsys):

@@ -266,3 +266,13 @@ def test_lines_that_lie_upon_one_another_are_all_seen():
     assert shared.style[1] == (6.0, 6.0)
     np.testing.assert_array_equal(np.stack([shared.x, shared.y], 1), flat)
     np.testing.assert_array_equal(found["low"][0].y, values["low"])
+
+
+def test_the_interval_of_a_median_may_reach_to_never():
+    results = robots((10,))
+    when = np.tile(np.arange(1.0, 9.0), (1, 12, 1))
+    when[0, :5] = np.inf  # 5 of 12 trials: the median is finite, and might not be
+    results["stop_round"] = (("setting", "trial", "robot"), when)
+    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
+    ((low, high),) = intervals(ax, "")
+    assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]

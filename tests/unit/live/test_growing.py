@@ -126,6 +126,17 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert refused["error"] == "do = 'news': only of a recording in logs, without another brain beside it"
 
 
+def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):
+    recording = Recording(whole, tmp_path / "day")
+    recording.grow(1.0)
+    assert growing.may_grow(recording.folder)
+    later = growing.time.time() + 100.0
+    monkeypatch.setattr(growing.time, "time", lambda: later)
+    assert not growing.may_grow(recording.folder)
+    _, begun = asked(Session(offer_of(recording.folder)), do="begin", ask={"beside": "voter"})
+    assert "beside" not in begun["form"]["fixed"]
+
+
 @pytest.mark.parametrize("robot", [0, 2])
 def test_two_logs_of_one_robot_are_refused(whole, tmp_path, robot):
     recording = Recording(whole, tmp_path / "day")

@@ -231,6 +231,18 @@ class TestTrialsThatAreHidden:
         assert [(d.setting, d.trial, d.stored) for d in found.differences] == [(2, 1, -1)]
 
 
+def test_half_a_trial_is_not_merged(files):
+    """As Ctrl-C may leave a trial without its local estimates."""
+    half = sc.load(files / "measures.nc")
+    for name in ("local_convergence_step", "local_convergence_error"):
+        half[name].loc[{"trial": 1}] = np.nan
+    half.attrs["trials_done"] = half.sizes["setting"]
+    merged = sc.merge([half])
+    assert not (merged["convergence_round"].values[:, 1] >= 0).any()
+    assert merged.attrs["trials_done"] == half.sizes["setting"]
+    assert sc.verify(merged, 1.0).labels == []
+
+
 def test_a_round_trip_changes_no_type(files, tmp_path):
     data = sc.merge([sc.load(files / "kinds.nc")])
     sc.save(data, tmp_path / "x.nc")

@@ -35,6 +35,14 @@ def test_the_mean_of_what_is_symmetric_has_students_interval():
         assert (low, high) == pytest.approx(exact, rel=1e-3)
 
 
+def test_rounding_is_no_spread():
+    robots = np.array([0.1, 0.2, 0.3, 0.7, 1e-3, 0.123])
+    values = np.array([np.random.default_rng(k).permutation(robots) for k in range(40)])
+    assert np.ptp(values.mean(axis=1)) > 0  # sums in another order
+    _, low, high = estimate(values, "mean")
+    assert high - low > 0.1
+
+
 def test_interval_of_a_median_is_the_sign_tests():
     """The 10th to the 21st of 30 values hold the median in 95.7 % of cases, the 11th to the 20th in 90.1 %."""
     values = RNG.permutation(30).astype(float)[:, np.newaxis]

@@ -207,3 +207,16 @@ def test_a_page_of_somebody_else_stays(small, refused):
     (small / "out").mkdir()
     (small / "out" / "leaderboard.md").write_text("my notes")
     assert "is not a page of leaderboard" in refused("leaderboard", "--out", "out")
+
+
+@pytest.mark.long
+def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys):
+    for board, worlds in (("honest", 12), ("liars", 24)):
+        words = ["leaderboard", "mine.py", "./mine.py", "--out", "out", "--trials", "2", "--board", board, "--json"]
+        assert main(words) == 0
+        shown = json.loads(capsys.readouterr().out)
+        assert (shown["board"], shown["worlds"]) == (board, worlds)
+        assert [loss["board"] for loss in shown["losses"]] == [board]
+        assert sorted(row["brain"] for row in shown["brains"]) == ["legacy", "mine.py", "minimalistic"]
+        assert ("10 % liars" in shown["brains"][0]["final_error_by_kind"]) == (board == "liars")
+    assert "is on it" in refused("leaderboard", "--out", "out", "--trials", "2", "--board", "change")
