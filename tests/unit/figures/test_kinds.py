@@ -12,7 +12,6 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.figures.kinds.lines import stretches
-from swarmcensus.results.selecting import TooMuch
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
@@ -172,24 +171,6 @@ def test_a_figure_says_what_is_pooled_in_it(kind, options, said, small_results, 
     assert foot == ([f"pooled over {said}"] if said else [])
     told = [f"settings that are drawn as one are pooled over {said}"] if said else []
     assert [one for one in caplog.messages if "pooled" in one] == told
-
-
-def test_a_heatmap_has_any_two_coordinates():
-    parts = [
-        study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "a_long_name_of_a_network") for n in (4, 1200)
-    ]
-    parts = [part.isel(robot=slice(4)) for part in parts]
-    results = xr.concat(parts, "setting")
-    error, _ = sc.plot.heatmap(results, x="topology", y="robots").axes
-    assert [t.get_text() for t in error.get_yticklabels()] == ["4", "1,200"]
-    assert error.get_xticklabels()[0].get_text() == "ring"
-    shown = np.asarray(error.images[0].get_array())
-    np.testing.assert_allclose(shown.T.ravel(), results.convergence_error.median(("trial", "robot")))
-    assert_fits(sc.plot.heatmap(results, x="topology", y="robots"))
-    chosen, _ = sc.plot.heatmap(results).axes  # the two that vary, in the order of captions
-    np.testing.assert_array_equal(chosen.images[0].get_array(), shown.T)
-    with pytest.raises(TooMuch, match=r"a heatmap shows accuracy and topology, but robots \(4, 1200\) varies too"):
-        sc.plot.heatmap(results, x="topology", y="accuracy")
 
 
 # ---- lines

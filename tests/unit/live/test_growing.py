@@ -12,9 +12,7 @@ from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import Show
 from swarmcensus.robots.logs import growing, lives
-from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
-from swarmcensus.robots.logs.growing import GrowingRecording
 from swarmcensus.robots.logs.logs import Gap, LogReader, read_log
 from swarmcensus.support.errors import InputError
 from tests.support.growing import Recording
@@ -77,27 +75,6 @@ def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
     for robot in range(4):
         for tick in ticks:
             assert robot_of(grown, tick, robot) == robot_of(static, tick, robot)
-
-
-def test_clock_of_a_growing_recording(whole, tmp_path):
-    recording = Recording(whole, tmp_path / "day")
-    grows = GrowingRecording(recording.folder)
-    known = {}
-    for step in range(0, 101, 7):
-        recording.grow(step / 100)
-        grows.go_on()
-        batch = Clock(grows.recording.members)
-        times = {
-            (member.number, at): grows.clock.time(member.number, at)
-            for member in grows.recording.members
-            for at in range(len(member.log.blocks))
-        }
-        assert times == {(number, at): batch.time(number, at) for number, at in times}
-        assert grows.clock.rounds == batch.rounds
-        assert grows.moved == any(times[place] != time for place, time in known.items())
-        known = times
-    assert grows.clock.is_common
-    assert grows.clock.time(3, 0) == 15  # it began late
 
 
 def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkeypatch):

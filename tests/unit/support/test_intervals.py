@@ -77,6 +77,15 @@ def test_what_is_missing_or_too_little_has_no_interval():
         estimate(NORMAL, "mode")
 
 
+def test_pooled_trials_have_the_robots_of_all_settings():
+    values = np.arange(12.0).reshape(2, 3, 2)
+    assert intervals.pooled(values).tolist() == [[0, 1, 6, 7], [2, 3, 8, 9], [4, 5, 10, 11]]
+    values[:, 2] = values[1, :, 1] = np.nan  # a trial that was not run, and a robot that there is not
+    assert intervals.pooled(values).tolist() == [[0, 1, 6], [2, 3, 8]]
+    values[0, 1] = np.nan
+    assert intervals.pooled(values) is None
+
+
 def test_memory_of_a_bootstrap_of_medians():
     """400 trials of 250 robots, against each of which were 160 MB."""
     values = np.random.default_rng(4).normal(size=(400, 250))
