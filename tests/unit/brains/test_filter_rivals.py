@@ -160,3 +160,16 @@ def test_what_is_said_means_what_its_roles_say():
     for name in ("linear-consensus", "w-msr", "gated-mean"):
         assert brains.load(name).roles == {"x": "estimate", "name": "name"}
     assert INNOVATIONS.uses.name is False
+
+
+def test_the_surest_are_copied_and_equals_averaged():
+    """Of covariances at their intersection; the own estimate stays where nobody is surer."""
+    me = INTERSECTION.robot(0.8, 0.8)
+    me.x, me.Y = 0.4, 5.0
+    INTERSECTION.functions.receive(me, (0.9, 5.0))
+    INTERSECTION.functions.fuse(me)
+    assert (me.x, me.Y) == (0.4, 5.0)
+    for x, sure in ((0.1, 2.0), (0.6, 7.0), (0.5, 3.0), (0.7, 7.0)):
+        INTERSECTION.functions.receive(me, (x, sure))
+    INTERSECTION.functions.fuse(me)
+    assert (me.x, me.Y) == (pytest.approx(0.65), 7.0)
