@@ -173,3 +173,15 @@ def test_the_surest_are_copied_and_equals_averaged():
         INTERSECTION.functions.receive(me, (x, sure))
     INTERSECTION.functions.fuse(me)
     assert (me.x, me.Y) == (pytest.approx(0.65), 7.0)
+
+
+def test_rounds_without_news_are_not_counted():
+    """Of consensus and innovations: neither those without readings nor those of a sensor that tells nothing."""
+    me, blind = INNOVATIONS.robot(0.9, 0.9), INNOVATIONS.robot(0.3, 0.7)
+    for looks in (0.0, 10.0, 0.0, 10.0):
+        for one in (me, blind):
+            if looks:
+                INNOVATIONS.functions.observe(one, 5.0, looks)
+            INNOVATIONS.functions.fuse(one)
+    assert (me.rounds, blind.rounds, blind.x) == (2.0, 0.0, 0.5)
+    assert me.x == pytest.approx(0.5, abs=1e-12)
