@@ -182,6 +182,8 @@ def test_ranks_figure():
             joined = any(min(x) <= min(ranks[[one, other]]) and max(ranks[[one, other]]) <= max(x) for x in bars)
             assert joined != apart[one, other]
     assert 0 < apart.sum() < 12
+    with pytest.raises(sc.InputError, match="no world in which all contenders"):
+        sc.plot.ranks(made_up().isel(setting=[0, 1, 4, 6]))
 
 
 def test_the_front_is_of_those_whom_none_beats_in_both():
@@ -199,6 +201,8 @@ def test_the_front_is_of_those_whom_none_beats_in_both():
                     for o in range(6)
                 )
                 assert found[k] == (not beaten and not np.isnan(value[k]))
+    near, far = np.array([2408.1, 2408.3]), np.array([2400.0, 2410.0])  # costs that chance alone tells apart, or not
+    assert [front(cost, np.array([0.2, 0.1]), True).tolist() for cost in (near, far)] == [[False, True], [True, True]]
 
 
 def test_pareto_draws_each_world_with_its_front_and_intervals():

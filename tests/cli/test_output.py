@@ -103,6 +103,11 @@ def test_status_and_verify(both):
     found, text = both("verify two.nc --all")
     assert (found["trials_checked"], found["differences"], found["labels"], found["seed"]) == (24, [], [], None)
     assert "24 of 24 trials run again: the same to the last bit" in text
+    data = sc.load("two.nc")
+    data["final_estimate"][2, 3, 1] = 0.125
+    sc.save(data, "bad.nc")
+    [one] = both("verify bad.nc --all")[0]["differences"]
+    assert (one["setting"], one["trial"], one["variable"], one["stored"]) == (2, 3, "final_estimate", 0.125)
 
 
 def test_theory(both):
@@ -147,6 +152,9 @@ def test_quiet_says_nothing_but_answers_and_errors(said, tmp_path):
     for line, answer in (("verify two.nc", "24 trials run again"), (PLAN, "mission: the shortest time")):
         code, out, error = said(f"{line} -q")
         assert (code, answer in out, error) == (0, True, "")
+    Path("edge.toml").write_text(STUDY.replace("0.55", "0.5").replace("[6, 9]", "6"))
+    assert "warning: " in said("run edge.toml")[2]
+    assert said("run edge.toml --fresh -q") == (0, "", "")
     assert said("show none.nc -q") == (2, "", "swarmcensus: results file none.nc: there is no such file\n")
 
 
@@ -217,6 +225,14 @@ def test_a_reader_that_goes_away_is_no_error(results):
     done = subprocess.run([*SHELL, "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
     os.close(write)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
+def test_closed_streams_change_no_exit_code(results):
+    for words, code in (("studies >&-", 0), ("show none.nc 2>&-", 2), ("studies >&- 2>&-", 0)):
+        line = f"{' '.join(SHELL)} {words}"
+        done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
+        assert (done.returncode, done.stdout + done.stderr) == (code, ""), words
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")

@@ -143,3 +143,10 @@ def test_new_files_overwrite_nothing(here, capsys):
     assert (here / "my_brain-3.py").read_text().replace("my_brain-3", "my_brain") == (here / "my_brain.py").read_text()
     for name in ("compare", "ranking"):
         assert "my_brain-2.py" in [brain.name for brain in sc.Study.load(here / f"{name}.toml").brains]
+
+
+def test_a_link_that_leads_nowhere_is_not_written_through(here):
+    (here / "my_brain.py").symlink_to("gone.py")
+    assert main(["new", "brain"]) == 0
+    assert not (here / "gone.py").exists()
+    assert (here / "my_brain-2.py").is_file()

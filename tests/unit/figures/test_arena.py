@@ -170,23 +170,6 @@ def test_what_cannot_be_drawn_is_an_input_error(results, trace):
         drawn(sc.replay(results, 0, 0), tick=1)
 
 
-@pytest.mark.parametrize("name", ["a_very_long_name_of_a_study_" * 9, "of words " * 60])
-def test_the_title_names_brain_setting_and_trial_and_fits(results, trace, name):
-    number = moving(results, 9)
-    assert f"setting {number}, trial 1: minimalistic, moving, N = 9, D = 5" in texts(drawn(trace, tick=3))
-    title = trace.attrs["title"].replace("pictures for $2 or $3", name)
-    figure = drawn(trace.assign_attrs(title=title), tick=3)
-    figure.draw_without_rendering()
-    boxes = {t.get_text(): t.get_window_extent() for t in figure.axes[0].texts}
-    (written,) = (text for text in boxes if "setting" in text)
-    if "words" not in name:
-        assert f"setting {number}, trial 1: minimalistic, moving, N = 9" in written.replace("\n", " ")
-    box = boxes.pop(written)
-    assert box.x1 <= figure.bbox.x1
-    assert not any(box.overlaps(other) for other in boxes.values())
-    assert all(other.y1 <= figure.bbox.y1 for other in boxes.values())
-
-
 # ---- robots that fail
 
 FAULTS = """

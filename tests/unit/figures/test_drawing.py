@@ -441,3 +441,25 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     assert first[0].startswith(b"\x89PNG")
     assert b"<dc:date>" not in first[1]
     assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.png", "f0.55.svg"]
+
+
+def test_unknown_format_writes_nothing(tmp_path: Path):
+    with pytest.raises(InputError, match="'bmpp'"):
+        figures.save(figures.decisions(study()), tmp_path / "x", ["png", "bmpp"])
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    figure = figures.decisions(study())
+    (path,) = figures.save(figure, tmp_path / "decisions", ["png"])
+    before = path.read_bytes()
+
+    def fail(place, **_):
+        place.write(before[:100])
+        raise RuntimeError("the disk is full")
+
+    monkeypatch.setattr(figure, "savefig", fail)
+    with pytest.raises(RuntimeError):
+        figures.save(figure, tmp_path / "decisions", ["png"])
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]

@@ -49,21 +49,6 @@ def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
         getattr(sc.plot, kind)(two.isel(setting=[0]), ax=subplots(2))
 
 
-def test_a_heatmap_is_one_panel_or_two():
-    results = xr.concat([study(["0.6"], topology=t, seed=k) for k, t in enumerate(("ring", "full"))], "setting")
-    axes = subplots(2)
-    assert sc.plot.heatmap(results, x="topology", ax=axes) is axes[0].figure
-    (ax,) = axes[:1]
-    assert sc.plot.heatmap(results, x="topology", z="convergence_round", ax=ax) is ax.figure
-    shown = np.asarray(ax.images[-1].get_array()).ravel()
-    np.testing.assert_allclose(shown, results["convergence_round"].median(("trial", "robot")))
-    assert len(sc.plot.heatmap(results, x="topology", z="convergence_error").axes) == 1
-    with pytest.raises(InputError, match="ax holds one panel, not 2: choose z"):
-        sc.plot.heatmap(results, x="topology", ax=ax)
-    with pytest.raises(InputError, match="z 'error': should be one of convergence_error, convergence_round"):
-        sc.plot.heatmap(results, x="topology", z="error")
-
-
 @pytest.mark.parametrize("inches", [2.5, 7.0])
 def test_an_arena_is_square_in_any_axes_with_its_key_below(inches, moving):
     figure = Figure(figsize=(inches + 2, inches + 2), layout="constrained")

@@ -12,9 +12,7 @@ from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import Show
 from swarmcensus.robots.logs import growing, lives
-from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
-from swarmcensus.robots.logs.growing import GrowingRecording
 from swarmcensus.robots.logs.logs import Gap, LogReader, read_log
 from swarmcensus.support.errors import InputError
 from tests.support.growing import Recording
@@ -79,27 +77,6 @@ def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
             assert robot_of(grown, tick, robot) == robot_of(static, tick, robot)
 
 
-def test_clock_of_a_growing_recording(whole, tmp_path):
-    recording = Recording(whole, tmp_path / "day")
-    grows = GrowingRecording(recording.folder)
-    known = {}
-    for step in range(0, 101, 7):
-        recording.grow(step / 100)
-        grows.go_on()
-        batch = Clock(grows.recording.members)
-        times = {
-            (member.number, at): grows.clock.time(member.number, at)
-            for member in grows.recording.members
-            for at in range(len(member.log.blocks))
-        }
-        assert times == {(number, at): batch.time(number, at) for number, at in times}
-        assert grows.clock.rounds == batch.rounds
-        assert grows.moved == any(times[place] != time for place, time in known.items())
-        known = times
-    assert grows.clock.is_common
-    assert grows.clock.time(3, 0) == 15  # it began late
-
-
 def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkeypatch):
     recording = Recording(whole, tmp_path / "day")
     session = Session(offer_of(recording.folder))
@@ -147,6 +124,17 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert [scene["rounds"] for scene in begun["scenes"]] == [news["rounds"]] * 2
     _, refused = asked(session, do="news", since=0)
     assert refused["error"] == "do = 'news': only of a recording in logs, without another brain beside it"
+
+
+def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):
+    recording = Recording(whole, tmp_path / "day")
+    recording.grow(1.0)
+    assert growing.may_grow(recording.folder)
+    later = growing.time.time() + 100.0
+    monkeypatch.setattr(growing.time, "time", lambda: later)
+    assert not growing.may_grow(recording.folder)
+    _, begun = asked(Session(offer_of(recording.folder)), do="begin", ask={"beside": "voter"})
+    assert "beside" not in begun["form"]["fixed"]
 
 
 @pytest.mark.parametrize("robot", [0, 2])

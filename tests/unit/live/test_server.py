@@ -123,6 +123,21 @@ def test_pages_are_independent_of_each_other(served):
         assert frames(one, 5, 7) == first
 
 
+def test_pages_have_room_and_no_more_come(served, monkeypatch):
+    monkeypatch.setattr(server, "MOST_PAGES", 2)
+    with talk(served), talk(served), pytest.raises(InvalidStatus, match="403"):
+        talk(served)
+
+
+def test_too_much_at_once_closes_one_page_alone(served):
+    with talk(served) as other:
+        with contextlib.suppress(ConnectionClosed), talk(served) as page:
+            page.send("x" * 1_000_000)
+            with pytest.raises(ConnectionClosed):
+                page.recv(timeout=10)
+        ask(other, id=1, do="begin", ask={})
+
+
 @pytest.fixture
 def hasty(monkeypatch):
     """A server that wants a sign of life of its pages every fifth of a second, in place of 20 seconds."""

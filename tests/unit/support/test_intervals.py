@@ -35,6 +35,14 @@ def test_the_mean_of_what_is_symmetric_has_students_interval():
         assert (low, high) == pytest.approx(exact, rel=1e-3)
 
 
+def test_rounding_is_no_spread():
+    robots = np.array([0.1, 0.2, 0.3, 0.7, 1e-3, 0.123])
+    values = np.array([np.random.default_rng(k).permutation(robots) for k in range(40)])
+    assert np.ptp(values.mean(axis=1)) > 0  # sums in another order
+    _, low, high = estimate(values, "mean")
+    assert high - low > 0.1
+
+
 def test_interval_of_a_median_is_the_sign_tests():
     """The 10th to the 21st of 30 values hold the median in 95.7 % of cases, the 11th to the 20th in 90.1 %."""
     values = RNG.permutation(30).astype(float)[:, np.newaxis]
@@ -67,6 +75,15 @@ def test_what_is_missing_or_too_little_has_no_interval():
     assert np.isfinite(estimate(NORMAL[:6], "mean")).all()
     with pytest.raises(ValueError, match="should be 'median' or 'mean'"):
         estimate(NORMAL, "mode")
+
+
+def test_pooled_trials_have_the_robots_of_all_settings():
+    values = np.arange(12.0).reshape(2, 3, 2)
+    assert intervals.pooled(values).tolist() == [[0, 1, 6, 7], [2, 3, 8, 9], [4, 5, 10, 11]]
+    values[:, 2] = values[1, :, 1] = np.nan  # a trial that was not run, and a robot that there is not
+    assert intervals.pooled(values).tolist() == [[0, 1, 6], [2, 3, 8]]
+    values[0, 1] = np.nan
+    assert intervals.pooled(values) is None
 
 
 def test_memory_of_a_bootstrap_of_medians():

@@ -41,32 +41,6 @@ honest = false
 accuracy = 0.9
 link_success = 0.5
 """
-OPINION = '''"""An opinion: whichever colour was seen more often."""
-
-OPINION = True
-MEMORY = {"more": 0.0, "x": 0.5}
-MESSAGE = ("x",)
-
-
-def observe(me, blacks, looks):
-    me.more += 2.0 * blacks - looks
-
-
-def broadcast(me):
-    return (me.x,)
-
-
-def receive(me, message):
-    pass
-
-
-def fuse(me):
-    me.x = 0.5 if me.more == 0.0 else 1.0 if me.more > 0.0 else 0.0
-
-
-def estimate(me):
-    return me.x
-'''
 
 
 def honest():
@@ -82,7 +56,6 @@ def small(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     mine = brains.load("minimalistic").source
     (tmp_path / "mine.py").write_text(mine + "\n# a copy\n")
-    (tmp_path / "votes.py").write_text(OPINION)
     return tmp_path
 
 
@@ -170,7 +143,7 @@ def test_only_changed_brains_are_run_again(small, capsys):
     assert again.page.read_bytes() == page
     assert {path: path.stat().st_mtime_ns for path in times} == times
     assert sum("found" in line for line in said) == 2
-    (small / "mine.py").write_text(OPINION)
+    (small / "mine.py").write_text(brains.load("voter").source)
     said.clear()
     leaderboard(["mine.py"], "out", say=said.append)
     assert any("another version" in line for line in said)
@@ -234,3 +207,16 @@ def test_a_page_of_somebody_else_stays(small, refused):
     (small / "out").mkdir()
     (small / "out" / "leaderboard.md").write_text("my notes")
     assert "is not a page of leaderboard" in refused("leaderboard", "--out", "out")
+
+
+@pytest.mark.long
+def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys):
+    for board, worlds in (("honest", 12), ("liars", 24)):
+        words = ["leaderboard", "mine.py", "./mine.py", "--out", "out", "--trials", "2", "--board", board, "--json"]
+        assert main(words) == 0
+        shown = json.loads(capsys.readouterr().out)
+        assert (shown["board"], shown["worlds"]) == (board, worlds)
+        assert [loss["board"] for loss in shown["losses"]] == [board]
+        assert sorted(row["brain"] for row in shown["brains"]) == ["legacy", "mine.py", "minimalistic"]
+        assert ("10 % liars" in shown["brains"][0]["final_error_by_kind"]) == (board == "liars")
+    assert "is on it" in refused("leaderboard", "--out", "out", "--trials", "2", "--board", "change")

@@ -146,6 +146,20 @@ def test_a_stopped_robot_has_no_numbers_in_between(tmp_path):
     np.testing.assert_array_equal(trace, shown)
 
 
+def test_late_start_is_known(tmp_path):
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20)
+    swarm.kill(2)
+    (tmp_path / "day" / "robot-2.log").unlink()
+    swarm.run(10)
+    swarm.start(2)
+    swarm.run(10)
+    swarm.close()
+    clock = Clock(read_recording(tmp_path / "day").members)
+    assert not clock.restarted
+    assert [clock.time(robot, 0) for robot in range(3)] == [0, 0, 10]
+    assert {clock.last(robot) for robot in range(3)} == {20}
+
+
 @pytest.mark.parametrize("other", ["minimalistic", "voter"])
 def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
     killed(tmp_path / "day", damages=["memory-2"])
@@ -211,6 +225,22 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     assert (first.boot, first.tick) == (0, 19)
     assert "the log got another reading than the brain" in first.reason
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
+
+
+def test_numbers_of_another_precision_are_named(tmp_path):
+    _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
+    for robot in swarm.robots:
+        robot.log.close()
+    for path in (tmp_path / "day").glob("*.log"):
+        path.unlink()
+    for robot in swarm.robots:  # logs say double
+        robot.log.single = False
+        robot.log.file = None
+        robot.record(robot.log)
+    swarm.run()
+    swarm.close()
+    _, lives = lived(tmp_path / "day")
+    assert all("the robot computed in single precision" in life.breaks[0].reason for life in lives)
 
 
 def test_another_brains_file_is_named(tmp_path):

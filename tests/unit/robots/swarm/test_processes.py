@@ -94,6 +94,14 @@ def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
     assert not programs(tmp_path)
 
 
+@pytest.mark.long
+def test_a_partition_parts(tmp_path, capsys):
+    run(capsys, tmp_path / "out", "--topology", "full", "--fault", "0s partition 0-1")
+    for log in logs(tmp_path / "out"):
+        late = {message.sender // 2 for tick in log.ticks[10:] for message in tick.heard}
+        assert late == {log.number // 2}
+
+
 def test_crashed_robot_is_reported(tmp_path):
     process = started(tmp_path / "out", "--json", rounds=120)
     [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]
@@ -230,6 +238,14 @@ def test_faults_in_order():
 )
 def test_wrong_options_are_refused_in_a_sentence(refused, arguments, says):
     assert says in refused("swarm", *arguments)
+
+
+def test_folders_in_use_are_refused(here, refused):
+    assert "--out .: this is the folder that you are in" in refused("swarm", "commons", "--out", ".")
+    (here / "mine").mkdir()
+    (here / "mine" / "notes").write_text("my notes")
+    assert "the folder mine is not empty, it holds 'notes'" in refused("swarm", "commons", "--out", "mine")
+    assert "is a file: name a new folder" in refused("swarm", "commons", "--out", "mine/notes")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
