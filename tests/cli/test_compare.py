@@ -12,7 +12,7 @@ from swarmcensus.analysis.comparing.showing import as_text
 from swarmcensus.analysis.comparing.verdicts import findings
 from swarmcensus.brains.library import TITLES
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.kinds.pareto import draw_pareto, front
+from swarmcensus.figures.kinds.pareto import front
 from swarmcensus.results.labels import renamed
 from swarmcensus.support.readers import AS_TERMINAL
 from tests.support.contending import made_up
@@ -89,7 +89,6 @@ def test_only_some_worlds_are_shown(two, capsys):
 
 @pytest.mark.parametrize("against", [None, "minimalistic"])
 def test_worlds_are_counted_by_what_they_differ_in(against):
-    """By hand, from the table of worlds."""
     found = sc.compare(made_up(worlds=("a", "b", "c", "d"), gap=0.4), ["final_error", "correct"], against=against)
     for w, world in enumerate(found.grid.worlds):
         world["half"] = w // 2
@@ -183,6 +182,8 @@ def test_ranks_figure():
             joined = any(min(x) <= min(ranks[[one, other]]) and max(ranks[[one, other]]) <= max(x) for x in bars)
             assert joined != apart[one, other]
     assert 0 < apart.sum() < 12
+    with pytest.raises(sc.InputError, match="no world in which all contenders"):
+        sc.plot.ranks(made_up().isel(setting=[0, 1, 4, 6]))
 
 
 def test_the_front_is_of_those_whom_none_beats_in_both():
@@ -200,6 +201,8 @@ def test_the_front_is_of_those_whom_none_beats_in_both():
                     for o in range(6)
                 )
                 assert found[k] == (not beaten and not np.isnan(value[k]))
+    near, far = np.array([2408.1, 2408.3]), np.array([2400.0, 2410.0])  # costs that chance alone tells apart, or not
+    assert [front(cost, np.array([0.2, 0.1]), True).tolist() for cost in (near, far)] == [[False, True], [True, True]]
 
 
 def test_pareto_draws_each_world_with_its_front_and_intervals():
@@ -219,12 +222,3 @@ def test_pareto_draws_each_world_with_its_front_and_intervals():
         assert len(sc.plot.pareto(data, metric="correct", cost=cost).axes) == 2
     with pytest.raises(sc.InputError, match="no such cost; there are messages_sent, bytes_sent, memory_bytes"):
         sc.plot.pareto(data, cost="money")
-
-
-def test_pareto_marks_missing_events():
-    data = made_up()
-    data["consensus_round"][0] = np.inf
-    assert texts_of(sc.plot.pareto(data, metric="consensus_round"))
-    many = sc.compare(made_up(worlds=[f"w{k}" for k in range(25)], trials=7), "final_error")
-    with pytest.raises(sc.InputError, match="1 to 24 worlds, not 25"):
-        draw_pareto(many)

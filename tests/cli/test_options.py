@@ -47,7 +47,6 @@ def test_python_reads_of_its_arguments(ask, said):
 
 
 def test_no_message_that_python_may_read_has_a_shells_option():
-    """But where somebody is told to type a whole command."""
     found = []
     for path in PACKAGE.rglob("*.py"):
         if path.relative_to(PACKAGE).parts[0] in OF_A_SHELL:

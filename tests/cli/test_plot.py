@@ -31,7 +31,7 @@ MOVING = LOSSY.replace('"ring"', '["ring", "moving"]\ndensity = 1').replace("rou
 
 
 @pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain-file", "mine.py"]])
-def test_one_trial_means_nothing_to_pictures_of_all(option, small_file, refused):
+def test_options_of_one_trial_need_a_kind_of_one_trial(option, small_file, refused):
     said = refused("plot", small_file, "--kind", "heatmap", *option)
     assert f"{option[0]} goes with --kind arena or curves or film, not with heatmap" in said
 
@@ -47,7 +47,7 @@ def test_a_setting_that_where_leaves_out(small_file, here, refused):
     assert f"small, setting {ring}, trial 3: minimalistic, ring, N = " in (here / "x.svg").read_text()
 
 
-def test_advice_for_too_many_panels_is_a_shell_s(small_file, refused, monkeypatch):
+def test_shell_advice_for_too_many_panels(small_file, refused, monkeypatch):
     monkeypatch.setattr(panels, "MOST_PANELS", 4)
     for kind in ("decisions", "heatmap"):
         said = refused("plot", small_file, "--kind", kind)
@@ -110,32 +110,19 @@ def test_faults_of_film_options_come_first(here, refused, monkeypatch):
         assert said in refused("plot", "m.nc", "--kind", "film", *options.split())
 
 
-@pytest.mark.long(but_every=3)
-@pytest.mark.parametrize(
-    ("command", "where"),
-    [
-        (["plot", "FILE", "--kind", "curves", "--out", "x.png"], (replaying, "estimates")),
-        (["replay", "FILE", "--setting", "0", "--trial", "0"], (replaying, "replay")),
-        (["infer", "obs.csv", "--accuracy", "0.8"], (inferring, "infer")),
-    ],
-)
-def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, capsys, monkeypatch):
-    (here / "obs.csv").write_text("1,1\n0,1\n")
-    true = getattr(*where)
-
+def test_compilation_is_announced(small_file, here, capsys, monkeypatch):
     def compiles(*arguments: object) -> xr.Dataset:
         numba.njit(lambda x: x)(1)
-        return true(*arguments)
+        return replay(*arguments)
 
-    command = [str(small_file) if word == "FILE" else word for word in command]
+    replay, command = replaying.replay, ["replay", str(small_file), "--setting", "0", "--trial", "0"]
     assert main(command) == 0  # compiles, or finds it on disk
     capsys.readouterr()
     assert main(command) == 0
     assert "compiling" not in capsys.readouterr().err
-    monkeypatch.setattr(*where, compiles)
+    monkeypatch.setattr(replaying, "replay", compiles)
     assert main(command) == 0
-    what = "recorded data" if command[0] == "infer" else "replay"
-    assert capsys.readouterr().err == f"compiling what {what} needs for minimalistic, once on this machine\n"
+    assert capsys.readouterr().err == "compiling what replay needs for minimalistic, once on this machine\n"
 
 
 @pytest.mark.parametrize(
@@ -146,7 +133,6 @@ def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, c
     ],
 )
 def test_settings_of_matplotlib_that_would_break_figures(settings, says, small_file, here, capsys):
-    """As a person's matplotlibrc has them; LaTeX is not there, or does not know names with underscores."""
     command = ["plot", str(small_file), "--kind", "heatmap", "--where", 'topology == "ring" and robots == 5', "--out"]
     plain, drawn = ([*command, name] for name in ("plain.png", "drawn.png"))
     with mpl.rc_context(settings):

@@ -167,8 +167,7 @@ def test_error_inside_a_call_names_the_brain(function, tmp_path):
     assert np.isfinite(run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO).error).all()
 
 
-def test_what_was_not_compiled_is_told_and_not_called(monkeypatch):
-    """Were what a setting needs of a brain worked out wrongly: no crash."""
+def test_uncompiled_functions_are_not_called(monkeypatch):
     (setting,) = settings_of(rounds=8, looks=5, link_success=0.5)
     monkeypatch.setattr(type(setting), "use", "in sums")
     with pytest.raises(sc.InputError, match="SystemError: a function is called that was not compiled for this use"):

@@ -28,7 +28,6 @@ def test_a_new_study_runs_and_has_its_file_s_name(here, capsys):
 
 
 def test_what_a_new_study_has_in_comments_is_right_too(here):
-    """Each line that is no sentence may be taken in."""
     main(["new", "study"])
     lines = (here / "my_study.toml").read_text().splitlines()
     taken = [line.removeprefix("# ") if " = " in line or line.startswith("# [[") else line for line in lines]
@@ -58,7 +57,7 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
         ("studies ring --out x.nc", "--out x.nc: it is written as .toml"),
     ],
 )
-def test_what_cannot_be_written_is_said_and_nothing_is(arguments, said, here, refused):
+def test_refusals_write_nothing(arguments, said, here, refused):
     (here / "there.toml").write_text("mine")
     assert said in refused(*arguments.split())
 
@@ -132,7 +131,6 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
 
 
 def test_new_files_overwrite_nothing(here, capsys):
-    """The example's brain and a new one would have one name; two examples have the very same brain."""
     for words in ("new brain", "studies example/compare", "studies example/ranking", "new brain", "studies ring"):
         assert main(words.split()) == 0
     assert "my_brain-2.py: a different my_brain.py exists, and is kept\n" in capsys.readouterr().out
@@ -145,3 +143,10 @@ def test_new_files_overwrite_nothing(here, capsys):
     assert (here / "my_brain-3.py").read_text().replace("my_brain-3", "my_brain") == (here / "my_brain.py").read_text()
     for name in ("compare", "ranking"):
         assert "my_brain-2.py" in [brain.name for brain in sc.Study.load(here / f"{name}.toml").brains]
+
+
+def test_a_link_that_leads_nowhere_is_not_written_through(here):
+    (here / "my_brain.py").symlink_to("gone.py")
+    assert main(["new", "brain"]) == 0
+    assert not (here / "gone.py").exists()
+    assert (here / "my_brain-2.py").is_file()

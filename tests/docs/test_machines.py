@@ -69,6 +69,5 @@ def test_micropython(machines):
 @pytest.mark.long(but=["asdf"])
 @pytest.mark.parametrize("name", ["asdf", "commons", "sure", "bayes-cpf"])
 def test_machine_code(machines, name):
-    """Also brains with a field such as `mean`, vectors in messages, and luck."""
     brain = machines.in_numbers(load(name), "double")
     assert machines.in_machine_code(brain) == selftest.expected(brain)

@@ -107,7 +107,6 @@ def test_explanations_are_quoted_word_for_word():
 
 
 def test_numbers_in_the_prose():
-    """Intervals, decimals and shares; but for the names of settings, and for what the page itself defines."""
     prose = " ".join(line for line in TEXT.splitlines() if line[:1] not in ("|", ">", "!"))
     prose = re.sub(r"\]\([^)]*\)|U\(0\.525, 0\.975\)|\*?\b[fbw]\*? (= \*w\* )?= \*?[\d.]+(, [\d.]+)*", "", prose)
     found = {measured(s) for each in (FOUND, MORE) for c in each.values() for s in c["settings"]}

@@ -52,7 +52,6 @@ def test_the_table_has_every_shipped_brain_as_it_is():
 
 @pytest.mark.parametrize("name", brains.shipped())
 def test_pages_of_brains_list_deviations_and_parameters(name):
-    """And so does every parameter."""
     text = deviations(name)
     none = re.search(r"^None are listed by ([^:]*):", TEXT, re.MULTILINE)[1]
     assert (f"`{name}`" in none) == (not text)

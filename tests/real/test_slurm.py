@@ -119,6 +119,13 @@ def test_what_slurm_refuses_is_one_sentence(slurm, capsys):
     assert not Path("long.nc").exists()
 
 
+def test_jobs_that_end_before_a_worker_comes_end_the_run(slurm, capsys):
+    cluster = changed("two.toml", "logs ", 'prologue = ["exit 3"]\nlogs ')
+    assert main(["run", "long.toml", "--cluster", cluster]) == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "jobs ended or were cancelled before a worker came: the folder" in said
+
+
 def test_why_jobs_wait_is_said(slurm):
     """Slurm takes a job that asks for more time than its partition gives, and never starts it."""
     notes = []

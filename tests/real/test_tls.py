@@ -94,13 +94,6 @@ def test_scheduler_with_certificates(scheduler, right, here):
     assert same(sc.load("short.nc"), sc.run(study(SHORT), jobs=2))
 
 
-def half(folder):
-    """An authority, and no certificate of the client's own."""
-    found = certificates(folder)
-    del found["distributed"]["comm"]["tls"]["client"]
-    return found
-
-
 def lost(folder):
     found = certificates(folder)
     (folder / "client.pem").unlink()
@@ -121,9 +114,7 @@ def test_refused_certificate_is_one_clear_error(scheduler, here, monkeypatch, re
     assert error_of(here, monkeypatch, refused, known, address).startswith(said.format(address))
 
 
-@pytest.mark.parametrize(
-    ("known", "said"), [(lost, REFUSED + "[Errno 2] No such file or directory"), (half, NEEDS), (None, NEEDS)]
-)
+@pytest.mark.parametrize(("known", "said"), [(lost, REFUSED + "[Errno 2] No such file or directory"), (None, NEEDS)])
 def test_missing_certificate_is_found_first(here, monkeypatch, refused, known, said):
     address = "tls://127.0.0.1:1"
     assert error_of(here, monkeypatch, refused, known, address).startswith(said.format(address))

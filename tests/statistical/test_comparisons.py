@@ -71,6 +71,19 @@ def test_false_alarms_of_equal_contenders(kind, shape):
         assert uncorrected > MOST  # the test would notice if nothing were corrected
 
 
+@pytest.mark.long
+def test_false_alarms_of_equal_contenders_next_to_a_different_one():
+    random, alarms, seen = np.random.default_rng(8), 0, 0
+    for _ in range(TABLES):
+        numbers = table(random, "continuous", (1, 2, 4, 12))
+        numbers[:, :, 0] *= 9
+        [one] = judged(numbers)
+        alarms += bool(one.apart[:, 3:].any() or one.duels_apart[3:].any())  # pairs without the first
+        seen += bool(one.apart[:, :3].any())
+    assert alarms <= MOST
+    assert seen > 0.9 * TABLES
+
+
 def power(off, trials, tables=20_000):
     """The share of tables of two contenders in one world, and one measure, in which they are told apart.
 

@@ -11,9 +11,10 @@ from scipy import stats
 
 from swarmcensus.engine.constants import DRAW_ALONE, DRAW_ALONE_FUSE, DRAW_FUSE, DRAW_OBSERVE, DRAW_STEER
 from swarmcensus.simulation.oracle import own_draws
+from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies import addresses
-from tests.support.second import OURS, RANDOM, brain, changed, fixed
+from tests.support.second import OURS, RANDOM, brain, changed, fixed, moving
 from tests.support.small import SEED
 
 ROUNDS, ROBOTS = 1000, 6
@@ -31,6 +32,15 @@ def together(one, other, cells=8):
     return stats.chisquare(found.ravel()).pvalue
 
 
+def apart(values, which):
+    """The p of a test that numbers have one distribution, whatever else happens: `which` of a few things."""
+    values, which = np.ravel(values), np.ravel(which)
+    parts = [values[which == one] for one in np.unique(which)]
+    table = [np.histogram(part, bins=10, range=(0, 1))[0] for part in parts if len(part) > 200]
+    assert len(table) > 1
+    return stats.chi2_contingency(np.array(table)).pvalue
+
+
 @pytest.fixture(scope="module")
 def trials():
     """Two robots a link: on a line of six whose ends hear one message a round; the first rounds of two trials."""
@@ -41,12 +51,13 @@ def trials():
 
 
 def test_uniform_between_zero_and_one(trials):
-    """6,000 numbers of each call, and all together: 0.04 % in all."""
+    """6,000 numbers of each call, and all together: 0.07 % in all."""
     for name in OURS:
         values = trials[0][0][name]
         assert values.min() > 0.0
         assert values.max() < 1.0
         assert uniform(values) > P
+        assert uniform(values * 1024.0 % 1.0) > P  # the bits after the first ten
     assert uniform([trials[0][0][name] for name in OURS]) > P
 
 
@@ -101,3 +112,60 @@ def test_a_lot_by_luck_is_fair():
         found = np.bincount(fields["last"][1:, robot].astype(int), minlength=9)
         assert found[robot] == 0
         assert stats.chisquare(np.delete(found, robot)).pvalue > P
+
+
+def test_robots_and_trials_are_independent(trials):
+    """Of each call, all 15 pairs of robots, a robot and the next in another call, and two trials: 0.09 %."""
+    for name, other in zip(OURS, (*OURS[1:], OURS[0]), strict=True):
+        values = trials[0][0][name]
+        pairs = [(values[:, i], values[:, j]) for i, j in combinations(range(ROBOTS), 2)]
+        assert together(*map(np.concatenate, zip(*pairs[::5], strict=True))) > P
+        assert together(values[:, 0::2], trials[0][0][other][:, 1::2]) > P
+        assert together(values, trials[1][0][name]) > P
+
+
+def test_readings_are_independent_of_draws(trials):
+    """Black or white, of the robot, of its neighbour, of the round before and the next: 0.12 %."""
+    fields, blacks = trials[0]
+    for name in OURS:
+        assert apart(fields[name], blacks) > P
+        assert apart(fields[name], blacks[:, [1, 0, 3, 2, 5, 4]]) > P
+        assert apart(fields[name][1:], blacks[:-1]) > P
+        assert apart(fields[name][:-1], blacks[1:]) > P
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("topology", ["line", "full"])
+def test_losses_are_independent_of_draws(topology):
+    """Which messages get through depends on the same addresses, under another key: 0.08 % in all."""
+    ears = changed(
+        ("me.heard = me.luck", "me.heard = me.luck\n    me.ears += 1.0"),
+        ("MEMORY = {", 'MEMORY = {"ears": 0.0, '),
+        source=RANDOM,
+    )
+    (setting,) = fixed(brain(ears), robots=2, rounds=6000, topology=topology, link_success=0.5)
+    fields, *_ = record_trial(setting, SEED, 0)
+    heard = np.diff(fields["ears"], axis=0)
+    assert set(np.unique(heard)) == {0.0, 1.0}
+    for name in ("seen", "fused"):
+        assert apart(fields[name][1:], heard) > P
+    assert uniform(fields["heard"][1:][heard == 1]) > P
+    assert apart(fields["heard"][1:-1][heard[:-1] == 1], heard[1:][heard[:-1] == 1]) > P
+
+
+@pytest.mark.long
+def test_walks_are_independent_of_draws():
+    """Whether a robot turns or goes straight, whether it looks, and on which tile it stands: 0.12 % in all."""
+    ride = record_ride(moving(brain(RANDOM), robots=12, ticks=1500, density=3), SEED, 0)
+    steps = np.linalg.norm(np.diff(ride.poses[..., :2], axis=0), axis=2)
+    goes, looked = steps > 0.7 * steps.max(), ride.looked[1:]
+    for name, mine in (("fused", np.ones_like(looked)), ("seen", looked)):
+        values = ride.fields[name][1:]
+        assert uniform(values[mine]) > P
+        assert apart(values[mine], goes[mine]) > P
+        assert apart(values[mine], ride.colours[1:][mine]) > P
+        assert apart(values[looked], ride.readings[1:][looked]) > P
+    assert together(ride.fields["fused"][1:][looked], ride.fields["seen"][1:][looked]) > P
+    assert apart(ride.fields["fused"][1:], looked) > P
+    heard = ride.fields["heard"]
+    assert uniform(heard[1:][heard[1:] != heard[:-1]]) > P

@@ -74,3 +74,78 @@ def test_the_weighted_voter_copies_dancers_by_their_number():
         assert me.site in {2.0, 7.0}
         copied += me.site == 2.0
     assert stats.binomtest(copied, 2000, 0.75).pvalue > P
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
+def test_the_voters_exit_probability_is_the_first_share(share):
+    """Without qualities, all in reach: each robot's first opinion is as likely to be everybody's last. 0.1 %."""
+    trials = 1500
+    last = run("voter", trials, black_first=share, **UNWEIGHTED)["decision"].values
+    assert (last.min(axis=1) == last.max(axis=1)).mean() > 0.99
+    black = int((last.mean(axis=1) > 0.5).sum())
+    assert stats.binomtest(black, trials, share).pvalue > P
+
+
+@pytest.mark.long
+def test_the_majority_amplifies_the_first_share():
+    """6 of 10 begin with black, which wins in more than 60 % of trials, the voter's share: 10^-6."""
+    last = run("majority", 600, black_first=0.6, senders=3, **UNWEIGHTED)["decision"].values
+    black = int((last.mean(axis=1) > 0.5).sum())
+    assert stats.binomtest(black, 600, 0.6, alternative="greater").pvalue < 1e-6
+
+
+def mean_of(time):
+    """Of ceil(Exp(time)), which is geometric."""
+    return -1.0 / np.expm1(-1.0 / time)
+
+
+def fixed_point(wrong, quiet):
+    """Cross-inhibition at f = 0.5 in the mean field: the majority's share of opinions, and the share that has none.
+
+    With r robots of the majority for one of the minority, and p = ((1 - wrong) r + wrong) / (1 + r) of what is heard
+    saying the majority's, opinions are lost and won at equal rates where r = (p / (1 - p))^2, so that s^2 = r with
+    wrong s^2 - (1 - 2 wrong) s + wrong = 0. `quiet` is how long robots have none for, in times of having one.
+    """
+    s = (1.0 - 2.0 * wrong + np.sqrt(1.0 - 4.0 * wrong)) / (2.0 * wrong)
+    p = s / (1.0 + s)
+    majority = s * s / (1.0 + s * s)
+    lost = (majority * (1.0 - p) + (1.0 - majority) * p) * quiet
+    return majority, lost / (1.0 + lost)
+
+
+@pytest.mark.long
+def test_cross_inhibition_with_wrong_messages():
+    """15 of 100 messages are of the other opinion: within 4 standard errors and what a finite swarm loses, 0.02 %.
+
+    Direct switching stays near one half.
+    """
+    given = TIMES | {"miscommunication": 0.15, "weighted": 0.0, "disseminate": 4.0, "explore": 4.0}
+    opinions = run("cross-inhibition", 40, 200, 600, 1, 0.5, uncommitted=2.0, **given)["decision"].values
+    majority, none = fixed_point(0.15, mean_of(2.0) / mean_of(4.0))
+    assert majority == pytest.approx(0.9518, abs=1e-4)
+    has = (opinions >= 0).sum(axis=1)
+    black = (opinions == 1).sum(axis=1)
+    for found, expected in ((np.maximum(black, has - black) / has, majority), (1.0 - has / 200, none)):
+        assert abs(found.mean() - expected) < 4.0 * found.std(ddof=1) / np.sqrt(len(found)) + 1.0 / 200
+    switched = run("direct-switching", 40, 200, 600, 1, 0.5, **given)["decision"].values.mean(axis=1)
+    assert abs(switched.mean() - 0.5) < 4.0 * switched.std(ddof=1) / np.sqrt(40)
+    assert np.maximum(switched, 1.0 - switched).max() < 0.75
+
+
+@pytest.mark.long
+def test_cross_inhibition_breaks_the_deadlock():
+    """At f = 0.5 all agree in a time that grows as log N; direct switching's grows as N: 4 standard errors, 0.02 %.
+
+    From 10 robots to 40 the mean logarithm of the time grows by less than log 2.2, and by more than that.
+    """
+    given = TIMES | {"explore": 4.0, "weighted": 0.0, "fill_ratio": 0.5}
+    for brain, rounds, side, more in (
+        ("cross-inhibition", 600, -1.0, {"uncommitted": 2.0}),
+        ("direct-switching", 3000, 1.0, {}),
+    ):
+        few, many = (run(brain, 100, n, rounds, **given, **more)["consensus_round"].values for n in (10, 40))
+        assert np.isfinite([few, many]).all()
+        grown = np.log(many).mean() - np.log(few).mean()
+        error = np.sqrt((np.log(many).var(ddof=1) + np.log(few).var(ddof=1)) / 100)
+        assert side * (grown - np.log(2.2)) > 4.0 * error

@@ -18,7 +18,7 @@ from swarmcensus.brains.brain import Brain, parse, unloaded
 from swarmcensus.brains.contract import CONSTANTS, FUNCTIONS, MAY_HAVE, confidence_of
 from swarmcensus.brains.fields import length as length_of
 from swarmcensus.brains.syntax import GIVEN_ON_ASKING, never_speaks
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.safe_source import names_set_by
 
@@ -72,7 +72,7 @@ def {helper}pooled(information, confidence, parts):
 
 
 def lying_brain(adversary: Adversary, brain: Brain) -> Brain:
-    """The brain of a robot that lies in a swarm of `brain`. Raises ValueError if the two cannot be combined."""
+    """The brain of a robot that lies in a swarm of `brain`. Raises BrainError if the two cannot be combined."""
     return _lying_brain(adversary, brain, adversary.is_loaded and brain.is_loaded)
 
 
@@ -86,12 +86,14 @@ def _lying_brain(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
 @functools.lru_cache(maxsize=256)
 def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     if brain.is_oracle:
-        raise ValueError(f"brain {brain.name!r}: an oracle hears no liars, so no adversary can wrap it")
+        raise BrainError.named("brain", brain.name, "an oracle hears no liars, so no adversary can wrap it")
     fields = [Field(name, brain.roles.get(name, ""), items) for name, items in brain.message.items()]
     if not any(field.role in VALUES for field in fields):
-        raise ValueError(
+        raise BrainError(
             f"the adversary {adversary.name!r} cannot lie: the MESSAGE of {brain.name!r} is "
-            f"({', '.join(brain.message)}), and none is known to be one of {', '.join(VALUES)}: name a role in ROLES"
+            f"({', '.join(brain.message)}), and none is known to be one of {', '.join(VALUES)}: name a role in ROLES",
+            key="adversary",
+            value=adversary.name,
         )
     # as in the command line and in messages
     path = Path(f"{adversary.path} --wrapping {brain.path}")
@@ -106,7 +108,8 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
         reason = str(error)
     except RecursionError:
         reason = "its brackets or operators are nested too deep"
-    raise ValueError(f"the adversary {adversary.name!r} cannot wrap the brain {brain.name!r}: {reason}")
+    what = f"the adversary {adversary.name!r} cannot wrap the brain {brain.name!r}: {reason}"
+    raise BrainError(what, key="adversary", value=adversary.name)
 
 
 def _check_fit(adversary: Adversary, brain: Brain) -> None:

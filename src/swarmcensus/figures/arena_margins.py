@@ -73,10 +73,9 @@ def arena_on_page() -> tuple[tuple[float, float], tuple[float, float], ArenaSize
         side = width - (LEFT + TIGHT) * times
         side = side if height is None else min(side, height - (under + top) * times)
     if side < NARROWEST * times:
-        raise InputError(
-            f"an arena with its key needs {(NARROWEST + LEFT + TIGHT) * times:.1f} inches of width at least, and "
-            f"{(NARROWEST + under + top) * times:.1f} of height"
-        )
+        wide, high = ((NARROWEST + more) * times for more in (LEFT + TIGHT, under + top))
+        least = f"{wide:.1f} inches of width at least, and {high:.1f} of height"
+        raise InputError(f"an arena with its key needs {least}", key="width" if height is None else "height")
     high = side + (under + top) * times
     return (
         (width, high if height is None else height),

@@ -185,12 +185,15 @@ def recording(
     links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
     study, chosen = _find(results, setting, trial, brain_file)
-    if len(chosen.brains) > 1:
-        raise InputError("a recording is for one brain, and the robots of this setting have several")
-    if chosen.brain.is_oracle and chosen.body is not None:
-        raise InputError("a recording holds the messages between neighbours, and an oracle hears all robots")
-    if chosen.link_success < 1.0 or chosen.faults or chosen.message_delay > 0:
-        raise InputError("a recording holds no lost messages, no delays and no faults, and this setting has some")
+    moving_oracle = chosen.brain.is_oracle and chosen.body is not None
+    some_lost = chosen.link_success < 1.0 or chosen.faults or chosen.message_delay > 0
+    for wrong, why in (
+        (len(chosen.brains) > 1, "is for one brain, and the robots of this setting have several"),
+        (moving_oracle, "holds the messages between neighbours, and an oracle hears all robots"),
+        (some_lost, "holds no lost messages, no delays and no faults, and this setting has some"),
+    ):
+        if wrong:
+            raise InputError(f"a recording {why}", key="setting", value=setting)
     if chosen.body is not None:
         ride = record_ride(chosen, study.seed, trial)
         tick, i, j = ride.links.T

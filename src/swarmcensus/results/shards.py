@@ -61,7 +61,8 @@ class Identity:
             differ.remove("study")
         if differ:
             differences = "; ".join(f"{k} is {other.get(k)!r} there and {ours[k]!r} here" for k in differ)
-            raise InputError(f"{where} is of another run: {differences}. {hint}")
+            other_run = f"{where} is of another run: {differences}. {hint}"
+            raise ResultsError(other_run, file=where, key=differ[0], value=ours[differ[0]])
 
 
 @dataclass

@@ -25,7 +25,7 @@ def mixing_matrix(graph: Any, robots: int | None = None, *, directed: bool = Fal
     try:
         found = network(graph, robots, directed, MOST, "as a matrix has a row and a column for each robot")
     except ValueError as error:
-        raise InputError(str(error)) from None
+        raise InputError(str(error), key="graph") from None
     return from_links(found.robots, found.receivers, found.senders)
 
 

@@ -195,7 +195,8 @@ def _connected(matrix: Floats) -> Floats:
         if not reached.all():
             other = int(np.flatnonzero(~reached)[0])
             to, of = (0, other) if way is hears else (other, 0)
-            raise InputError(f"the network is not connected: nothing from robot {of} ever reaches robot {to}")
+            cut = f"the network is not connected: nothing from robot {of} ever reaches robot {to}"
+            raise InputError(cut, key="matrix")
     return matrix
 
 

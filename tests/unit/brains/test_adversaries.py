@@ -354,13 +354,14 @@ def few_with(name, used, topology):
 
 
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
-@pytest.mark.parametrize("often", [1.0, 0.4])
-def test_who_hears_a_jammer_hears_nothing(topology, often):
+@pytest.mark.parametrize(("often", "delay"), [(1.0, 0), (0.4, 0), (0.4, 3)])
+def test_who_hears_a_jammer_hears_nothing(topology, often, delay):
+    """With lost messages and parts that fail, one of them a jammer's radio; noise is as late as messages."""
     heard = []
     for robots in (0, 2):
         (setting,) = fixed(
             "minimalistic", robots=9, rounds=12, members=liars("jammer", [robots, 3], often=often)[:1],
-            topology=topology, link_success=0.8, faults=FAULTS,
+            topology=topology, link_success=0.8, faults=FAULTS, message_delay=delay,
         )[:1]  # fmt: skip
         if not robots:
             batch = run_batch(setting, SEED, 1, 1, MEASURE, GO)

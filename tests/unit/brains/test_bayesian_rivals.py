@@ -296,3 +296,111 @@ class TestBeliefSharing:
         assert (functions.decide(me), functions.broadcast(me)) == (7.0, (7.0,))
         functions.fuse(me)
         assert np.array(me.n) == pytest.approx(n / n.sum(), rel=1e-12)  # nothing heard: as it was
+
+
+# ---- bayes-bots and changing-floor, rule by rule
+
+
+@pytest.mark.interpreted
+def test_an_observation_is_told_until_the_next_is_due():
+    me, functions = robot(BAYES, every=2.0, name=3.0)
+    assert functions.broadcast(me) is None
+    functions.observe(me, 1.0, 1.0)
+    for said in ((1.0, 1.0, 3.0), (1.0, 1.0, 3.0), None, None):
+        assert functions.broadcast(me) == said
+        functions.fuse(me)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("order", [(133.0, 261.0), (261.0, 133.0)])
+def test_a_place_that_is_free_is_for_the_lowest_name_of_the_round(order):
+    """It is free `every` rounds after its observation counted, and then held for as long, also from lower names."""
+    me, functions = robot(BAYES, every=2.0)
+    functions.receive(me, (1.0, 1.0, 5.0))
+    functions.fuse(me)
+    functions.receive(me, (0.0, 1.0, 133.0))
+    assert me.heard == 1.0
+    functions.fuse(me)
+    for name in order:
+        functions.receive(me, (0.0 if name == 133.0 else 1.0, 1.0, name))
+    assert (me.black, me.white, me.heard, me.who[5]) == (1.0, 1.0, 2.0, 133.0)
+    functions.fuse(me)
+    for message in ((1.0, 2.0, 133.0), (0.0, 1.0, 5.0)):
+        functions.receive(me, message)
+    assert (me.black, me.white, me.who[5]) == (2.0, 1.0, 133.0)
+
+
+@pytest.mark.interpreted
+def test_patience_feedback_and_a_blind_sensor():
+    """It hears two observations before it decides, tells the decision, and never decides if readings mean nothing."""
+    me, functions = robot(BAYES, every=1.0, patience=2.0, feedback=1.0)
+    for heard in (0.0, 1.0, 2.0):
+        functions.observe(me, 0.0, 30.0)
+        assert functions.broadcast(me)[0] == 0.0
+        functions.fuse(me)
+        assert functions.decide(me) == (0.0 if heard == 2.0 else -1.0)
+        functions.receive(me, (1.0, heard, 4.0 + heard))
+    for feedback, told in ((1.0, 0.0), (0.0, 1.0)):
+        me.feedback = feedback
+        functions.observe(me, 1.0, 1.0)
+        assert functions.broadcast(me)[0] == told
+        functions.fuse(me)
+    me, functions = robot(BAYES, 0.7, 0.3, debiased=1.0, every=1.0)
+    functions.observe(me, 1000.0, 1000.0)
+    functions.fuse(me)
+    assert (me.p, functions.decide(me), functions.estimate(me)) == (0.5, -1.0, 0.5)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("by", ["itself", "tellers"])
+def test_after_a_change_the_detector_begins_anew(by):
+    me, functions = robot(CHANGING, every=1.0, detect=1.0, alarm=2.0)
+    me.t, me.n, me.up, me.down = 40.0, 30.0, 1.0, 1.9
+    if by == "itself":
+        functions.observe(me, 0.0, 1.0)  # 1.9 + 3/4 - 0.1 > 2
+    for name in (4.0, 5.0, 6.0) if by == "tellers" else ():
+        functions.receive(me, (1.0, 1.0, name, 1.0))
+    functions.fuse(me)
+    assert (me.t, me.n, me.up, me.down) == (0.0, 0.0, 0.0, 0.0)
+    assert (me.telling > 0.0) == (by == "itself")
+
+
+@pytest.mark.interpreted
+def test_a_change_is_told_and_tellers_are_known_for_so_long():
+    me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=3.0)
+    me.t, me.up = 100.0, 3.9
+    told = []
+    for _ in range(6):
+        functions.observe(me, 1.0, 1.0)
+        told.append(functions.broadcast(me)[3])
+        functions.fuse(me)
+    assert told == [0.0, 1.0, 1.0, 1.0, 0.0, 0.0]
+    me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=4.0)
+    for name in (7.0, 8.0, None, None, None, 9.0):  # the first is too old when the third speaks
+        if name:
+            functions.receive(me, (1.0, 1.0, name, 1.0))
+        functions.fuse(me)
+    assert (me.black, list(me.tellers)) == (3.0, [9.0, 1e30, 1e30])
+    me, functions = robot(CHANGING, every=1.0, alarm=0.0)  # without a detector
+    functions.observe(me, 0.0, 1.0)
+    for name in (1.0, 2.0, 3.0):
+        functions.receive(me, (0.0, 1.0, name, 1.0))
+    functions.fuse(me)
+    assert (me.white, me.telling) == (4.0, 0.0)
+
+
+@pytest.mark.interpreted
+def test_beliefs_are_told_once_a_step_and_blind_sensors_tell_nothing():
+    for brain in (SHARING, INDEXED):
+        me, functions = robot(brain, every=3.0)
+        functions.observe(me, 1.0, 1.0)
+        said = []
+        for _ in range(9):
+            functions.fuse(me)
+            said.append(functions.broadcast(me) is not None)
+        assert said == [False, False, True] * 3
+    for debiased, choice in ((0.0, 9.0), (1.0, -1.0)):
+        me, functions = robot(SHARING, 0.5, 0.5, debiased=debiased, every=1.0)
+        functions.observe(me, 40.0, 40.0)
+        functions.fuse(me)
+        assert functions.decide(me) == choice

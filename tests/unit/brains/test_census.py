@@ -259,3 +259,35 @@ def test_it_is_better_than_alone_among_liars(liar):
     errors = np.nanmedian(abs(results["final_estimate"] - 0.55), axis=(1, 2))
     is_ours = results["brain"].values == "census"
     assert (errors[is_ours] < errors[~is_ours]).all()
+
+
+# ---- what the limits are made of
+
+
+@pytest.mark.parametrize("repeats", [0.0, 0.7])
+@pytest.mark.parametrize("q", [0.1, 0.5])
+def test_alike_is_the_correlation_of_successive_readings(q, repeats):
+    """Each reading is the one before with this probability; over 20,000 rounds."""
+    random = np.random.default_rng(8)
+    (me,) = robots(1, 1.0, 1.0)
+    me.near, me.rounds, me.fresh, me.last = q, 2.0, 1.0, 0.0
+    known = []
+    for same in random.random(20000) < repeats:
+        me.fresh_s = me.last if same else float(random.random() < q)
+        DO.walk(me)
+        known.append(me.alike)
+    assert np.mean(known[5000:]) == pytest.approx(repeats, abs=0.05)
+
+
+@pytest.mark.parametrize(("times", "begins"), [(0.98, 0.0), (1.02, 1.0)])
+def test_noise_of_a_mixed_network_is_at_least_half_of_the_most(times, begins):
+    """(1.02 z)^2 times half of 0.25 / n is a change, (0.98 z)^2 is none, though the coins tell of no noise."""
+    (me,) = robots(1)
+    for _ in range(100):
+        round_of([me], [(5.0, 10.0)], [[]])
+    me.company, me.noise, me.coin, me.fresh, me.alone, me.coins = -2.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    me.short_v = 50.0 * 20.0
+    off = times * 3.5 * math.sqrt(0.5 * 0.25 / 20.0 / 50.0)
+    me.short_s = me.short_v * (me.ripe_s / me.ripe_v + off)
+    DO.compare(me, 1000.0, 20.0)
+    assert me.anew == begins

@@ -154,3 +154,13 @@ def test_robot_between_two_liars_keeps_its_bound():
     )  # fmt: skip
     most = abs(found["final_estimate"] - 0.55).max().item()
     assert most < (4.0 + 2.0) * math.sqrt(0.25 / 3000.0) / 0.5
+
+
+def test_what_cannot_be_true_is_not_counted():
+    """Evidence below 0, of none, of black alone or of white alone, and numbers beyond all reason."""
+    me = state()
+    STEADFAST.observe(me, 460.0, 1000.0)
+    STEADFAST.fuse(me)
+    before = me.s, me.v
+    told(me, (-me.s, -me.v), (me.s, 0.0), (me.v, me.v), (0.0, me.v), (1e300, 1e-300))
+    assert (me.s, me.v) == before

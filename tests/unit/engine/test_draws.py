@@ -3,13 +3,13 @@
 import itertools
 import math
 from dataclasses import replace
+from functools import partial
 
 import numba
 import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus import brains
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiler import compile_world
@@ -25,6 +25,7 @@ from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault, stops
 from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests.reference import rounds as reference
+from tests.support.second import ALL, RANDOM, brain
 from tests.support.small import SEED, heard_in, moving_of, settings_of, study_of
 
 # ---- random numbers
@@ -62,10 +63,11 @@ def test_an_address_is_of_all_that_it_is_made_of():
     assert [key.shape for key in keys] == [(2,)] * len(keys)
 
 
-READINGS, LOSSES, WALK, FLOOR = "readings_key", "losses_key", "walk_key", "floor_key"
+READINGS, LOSSES, WALK, FLOOR, DRAWS = "readings_key", "losses_key", "walk_key", "floor_key", "draw_keys"
+KEYS = (READINGS, LOSSES, WALK, FLOOR, DRAWS)
 CHANGES = {  # what is changed, and whose numbers are others then
-    "robots": (7, {READINGS, LOSSES, WALK, FLOOR}),
-    "density": (3.0, {READINGS, LOSSES, WALK, FLOOR}),
+    "robots": (7, {*KEYS}),
+    "density": (3.0, {*KEYS}),
     "fill_ratio": (0.3, {READINGS, FLOOR}),
     "change": (Change(0.55, 0.1, 3), set()),  # from what there is now: it begins as the same world
     "change's begin": (Change(0.3, 0.55, 3), {READINGS, FLOOR}),
@@ -75,7 +77,7 @@ CHANGES = {  # what is changed, and whose numbers are others then
     "link_success": (0.25, {LOSSES}),
     "rounds": (99, set()),
     "assumed_accuracy": (parse_accuracy(0.9), set()),
-    "brain": (brains.load("legacy"), set()),
+    "brain": (brain(ALL), set()),
     "faults": ((Fault(at=3, robots=1, stop="sensing"),), set()),
     "body": (Body(speed=0.1, tile=0.05), {WALK}),
     "body's tile": (Body(tile=0.06), {WALK, FLOOR}),
@@ -85,23 +87,28 @@ CHANGES = {  # what is changed, and whose numbers are others then
 
 @pytest.mark.parametrize("what", CHANGES)
 def test_draws_depend_on_just_what_they_are_said_to_depend_on(what):
-    setting = moving_of(link_success=0.5)
+    setting = moving_of(link_success=0.5, brain=brain(RANDOM))
     value, others = CHANGES[what]
     changed = replace(setting, **{what.partition("'")[0]: value})
-    for key in (READINGS, LOSSES, WALK, FLOOR):
+    for key in KEYS:
         assert (getattr(addresses, key)(setting, SEED) == getattr(addresses, key)(changed, SEED)).all() == (
             key not in others
         ), key
         assert (getattr(addresses, key)(setting, SEED) != getattr(addresses, key)(setting, SEED + 1)).all()
+    alone = [addresses.draw_keys(one, SEED, alone=True) for one in (setting, changed)]
+    assert (alone[0] == alone[1]).all() == (what != "robots")
 
 
 def test_purposes_share_no_numbers():
-    setting = moving_of(link_success=0.5)
+    setting = moving_of(link_success=0.5, brain=brain(RANDOM))
     keys = [getattr(addresses, key)(setting, SEED) for key in (READINGS, LOSSES, WALK, FLOOR)]
-    keys.append(addresses.readings_key(setting, SEED, "order"))
+    keys += [addresses.readings_key(setting, SEED, "order"), *addresses.draw_keys(setting, SEED).reshape(2, 2)]
     assert len({key.tobytes() for key in keys}) == len(keys)
-    ring, line = settings_of(topology=["ring", "line"], link_success=0.5)
-    assert (addresses.losses_key(ring, SEED) != addresses.losses_key(line, SEED)).all()
+    ring, line = settings_of(topology=["ring", "line"], link_success=0.5, brain=brain(RANDOM))
+    for key in (LOSSES, DRAWS):
+        assert (getattr(addresses, key)(ring, SEED) != getattr(addresses, key)(line, SEED)).all()
+    for same in (addresses.readings_key, partial(addresses.draw_keys, alone=True)):
+        assert (same(ring, SEED) == same(line, SEED)).all()
 
 
 # ---- readings
@@ -360,3 +367,12 @@ def test_fields_are_weighted_sums_of_nodes():
         for row in tiles.tolist()
     ]
     assert out == pytest.approx(np.array(expected), rel=1e-9, abs=1e-9)
+
+
+def test_chance_is_of_key_and_trial():
+    """And begins again whenever it is asked, in all of its forms."""
+    keys = address(SEED, "floor"), address(SEED, "topology")
+    chances = [Chance(key, trial) for key in keys for trial in (0, 1, 2**31 - 1)]
+    for draw in (lambda c: c.uniform(3), lambda c: c.generator().random(3), lambda c: c.generator().permutation(20)):
+        assert len({tuple(draw(chance)) for chance in chances}) == len(chances)
+        assert (draw(chances[0]) == draw(Chance(keys[0], 0))).all()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.figures.coordinates import from_nobody, varies
+from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.support.errors import InputError
 
@@ -54,17 +54,6 @@ def test_lines_against_liars_begin_at_zero_liars(data):
             for many, y in line.items():
                 rows = (data["brain"] == brain) & (data["liars"] == many) & data["adversary"].isin(["", name])
                 assert y == np.nanmedian(data["final_estimate"].values[rows.values])
-
-
-def test_those_of_a_world_without_liars_stay_as_they_are(data):
-    some = data.isel(setting=((data["brain"] == "legacy") | (data["liars"] == 0)).values)
-    joined = from_nobody(some)
-    of = list(zip(joined["brain"].values, joined["liars"].values, joined["adversary"].values, strict=True))
-    assert of == [
-        ("minimalistic", 0, ""), ("legacy", 0, "always-black"), ("legacy", 0, "opposite"),
-        ("legacy", 1, "always-black"), ("legacy", 1, "opposite"), ("legacy", 2, "always-black"),
-        ("legacy", 2, "opposite"),
-    ]  # fmt: skip
 
 
 @pytest.fixture(scope="module")

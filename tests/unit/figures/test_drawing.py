@@ -3,7 +3,6 @@
 import itertools
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 import pytest
@@ -238,22 +237,6 @@ def test_the_shaded_bin_holds_the_truth(truth, bottom, top):
     assert (low, high) == (pytest.approx(bottom), pytest.approx(top))
 
 
-def test_curves_of_one_robot_and_of_a_thousand():
-    alone = figures.curves(trace(1), title="alone")
-    assert not alone.axes[0].collections
-    assert "the robot" in texts(alone)
-    assert "true fill ratio" not in texts(alone)
-    run = trace(1000, fill_ratio=0.55)
-    crowd = figures.curves(run)
-    assert all(t in texts(crowd) for t in ("30 of 1,000 robots", "middle 90 %", "middle 50 %"))
-    band = next(c for c in crowd.axes[0].collections if c.get_label() == "90 %")
-    corners = band.get_paths()[0].vertices
-    expected = run.estimate.isel(round=3).quantile([0.05, 0.95])
-    np.testing.assert_allclose(
-        [corners[corners[:, 0] == 3][:, 1].min(), corners[corners[:, 0] == 3][:, 1].max()], expected
-    )
-
-
 # ---- heatmap
 
 
@@ -460,12 +443,18 @@ def test_files_are_the_same_bytes_from_any_thread(tmp_path: Path):
     assert sorted(p.name for p in (tmp_path / "0").iterdir()) == ["f0.55.png", "f0.55.svg"]
 
 
+def test_unknown_format_writes_nothing(tmp_path: Path):
+    with pytest.raises(InputError, match="'bmpp'"):
+        figures.save(figures.decisions(study()), tmp_path / "x", ["png", "bmpp"])
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     figure = figures.decisions(study())
     (path,) = figures.save(figure, tmp_path / "decisions", ["png"])
     before = path.read_bytes()
 
-    def fail(place: BinaryIO, **_: object) -> None:
+    def fail(place, **_):
         place.write(before[:100])
         raise RuntimeError("the disk is full")
 

@@ -12,7 +12,6 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.figures.kinds.lines import stretches
-from swarmcensus.results.selecting import TooMuch
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
@@ -174,24 +173,6 @@ def test_a_figure_says_what_is_pooled_in_it(kind, options, said, small_results, 
     assert [one for one in caplog.messages if "pooled" in one] == told
 
 
-def test_a_heatmap_has_any_two_coordinates():
-    parts = [
-        study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "a_long_name_of_a_network") for n in (4, 1200)
-    ]
-    parts = [part.isel(robot=slice(4)) for part in parts]
-    results = xr.concat(parts, "setting")
-    error, _ = sc.plot.heatmap(results, x="topology", y="robots").axes
-    assert [t.get_text() for t in error.get_yticklabels()] == ["4", "1,200"]
-    assert error.get_xticklabels()[0].get_text() == "ring"
-    shown = np.asarray(error.images[0].get_array())
-    np.testing.assert_allclose(shown.T.ravel(), results.convergence_error.median(("trial", "robot")))
-    assert_fits(sc.plot.heatmap(results, x="topology", y="robots"))
-    chosen, _ = sc.plot.heatmap(results).axes  # the two that vary, in the order of captions
-    np.testing.assert_array_equal(chosen.images[0].get_array(), shown.T)
-    with pytest.raises(TooMuch, match=r"a heatmap shows accuracy and topology, but robots \(4, 1200\) varies too"):
-        sc.plot.heatmap(results, x="topology", y="accuracy")
-
-
 # ---- lines
 
 
@@ -273,19 +254,6 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert_fits(sc.plot.lines(never, y="stop_round"))
 
 
-def test_trials_that_were_not_run_are_left_out_of_lines():
-    results = forget(forget(robots(), setting=1), trial=slice(7, None), setting=0)
-    (ax,) = sc.plot.lines(results).axes
-    (line,) = (line for line in ax.lines if line.get_label() == "line ")
-    there = results.convergence_error.values
-    np.testing.assert_allclose(line.get_ydata(), [np.median(there[0, :7]), np.nan, np.median(there[2])])
-    padded = forget(robots(), robot=slice(5, None))
-    (ax,) = sc.plot.lines(padded).axes
-    assert ax.lines[0].get_ydata()[0] == pytest.approx(np.median(padded.convergence_error.values[0, :, :5]))
-    with pytest.raises(InputError, match="nothing to draw"):
-        sc.plot.lines(forget(robots(), trial=slice(None)))
-
-
 def test_lines_that_lie_upon_one_another_are_all_seen():
     """Flat stretches would hide each other; steep ones lie side by side, and whoever shares none is drawn as ever."""
     values = {"twin": [0.2, 0.6, 1.0, 1.0, 1.0], "other": [0.2, 0.6, 1.0, 1.0, 1.0], "low": [0.1, 0.1, 0.2, 0.3, 0.4]}
@@ -298,3 +266,13 @@ def test_lines_that_lie_upon_one_another_are_all_seen():
     assert shared.style[1] == (6.0, 6.0)
     np.testing.assert_array_equal(np.stack([shared.x, shared.y], 1), flat)
     np.testing.assert_array_equal(found["low"][0].y, values["low"])
+
+
+def test_the_interval_of_a_median_may_reach_to_never():
+    results = robots((10,))
+    when = np.tile(np.arange(1.0, 9.0), (1, 12, 1))
+    when[0, :5] = np.inf  # 5 of 12 trials: the median is finite, and might not be
+    results["stop_round"] = (("setting", "trial", "robot"), when)
+    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
+    ((low, high),) = intervals(ax, "")
+    assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]

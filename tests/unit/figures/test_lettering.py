@@ -37,12 +37,6 @@ def test_a_text_too_long_keeps_its_ends():
     assert shortened("short", 80, 9) == "short"
 
 
-def test_of_too_many_lines_the_longest_parts_give_way():
-    lines = wrapped(f"{'long_name_' * 30}, setting 3, trial 0: mine.py, N = 4", 300, 9, 2)
-    assert len(lines) <= 2
-    assert "setting 3, trial 0: mine.py, N = 4" in " ".join(lines)
-
-
 def test_numbers_have_as_many_digits_as_tell_them_apart():
     assert distinct_texts(["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"]) == ["0.8", "0.6", "U(0.55,0.95)"]
     assert distinct_texts([0.12345671, 0.12345672, 1.0]) == ["0.12345671", "0.12345672", "1"]

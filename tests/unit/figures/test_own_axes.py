@@ -49,21 +49,6 @@ def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
         getattr(sc.plot, kind)(two.isel(setting=[0]), ax=subplots(2))
 
 
-def test_a_heatmap_is_one_panel_or_two():
-    results = xr.concat([study(["0.6"], topology=t, seed=k) for k, t in enumerate(("ring", "full"))], "setting")
-    axes = subplots(2)
-    assert sc.plot.heatmap(results, x="topology", ax=axes) is axes[0].figure
-    (ax,) = axes[:1]
-    assert sc.plot.heatmap(results, x="topology", z="convergence_round", ax=ax) is ax.figure
-    shown = np.asarray(ax.images[-1].get_array()).ravel()
-    np.testing.assert_allclose(shown, results["convergence_round"].median(("trial", "robot")))
-    assert len(sc.plot.heatmap(results, x="topology", z="convergence_error").axes) == 1
-    with pytest.raises(InputError, match="ax holds one panel, not 2: choose z"):
-        sc.plot.heatmap(results, x="topology", ax=ax)
-    with pytest.raises(InputError, match="z 'error': should be one of convergence_error, convergence_round"):
-        sc.plot.heatmap(results, x="topology", z="error")
-
-
 @pytest.mark.parametrize("inches", [2.5, 7.0])
 def test_an_arena_is_square_in_any_axes_with_its_key_below(inches, moving):
     figure = Figure(figsize=(inches + 2, inches + 2), layout="constrained")
@@ -134,21 +119,3 @@ def test_what_cannot_be_compared_in_a_figure_is_told():
         sc.plot.compare(many, by="robots")
     with pytest.raises(InputError, match="ax holds one panel, not 5: name one metric"):
         sc.plot.compare(made_up(brains=2), ax=subplots(1))
-
-
-def test_a_difference_without_end_is_an_arrow_at_the_edge():
-    results = made_up(brains=2, worlds=("ring",))
-    results["consensus_right"] = (("setting", "trial"), np.ones((2, 20)))
-    results["consensus_round"] = (("setting", "trial"), np.stack([np.full(20, 9.0), np.full(20, np.inf)]))
-    (ax,) = sc.plot.compare(results, metric="consensus_round").axes
-    np.testing.assert_array_equal(drawn(ax, "infinite "), [[1.0, 0.0]])
-    assert "infinite" in texts(ax.figure)
-
-
-def test_what_are_no_axes_and_no_trials_are_told(small_results):
-    with pytest.raises(InputError, match="ax = int"):
-        sc.plot.scatter(small_results, ax=3, panels=[])
-    nothing = small_results.isel(trial=[])
-    for draw in (sc.plot.lines, sc.plot.scatter, sc.plot.curves):
-        with pytest.raises(InputError, match=r"no trial|nothing to draw"):
-            draw(nothing)

@@ -235,23 +235,6 @@ def test_labels_change_names_only(here, capsys):
             sc.Study.parse(f"labels = {labels}\n{TWO}")
 
 
-def test_long_names_are_shortened_once_and_stay_different(draw):
-    data = made_up(trials=6)
-    long = "brains/of/the/second/experiment/with_a_very_long_name"
-    names = [f"{long}_{kind}_and_some_more_of_it.py" for kind in ("one", "two", "three")]
-    brains = dict(zip(("minimalistic", "bayes-bots", "voter"), names, strict=True))
-    data = data.assign_coords(brain=("setting", np.array([brains[name] for name in data["brain"].values.tolist()])))
-    data = data.isel(setting=[0, 1, 3, 4, 5, 7]).assign_coords(observations_per_round=("setting", [10] * 6))
-    for figure in (
-        sc.plot.lines(data, y="final_error", x="brain", color="topology", width="column"),
-        sc.plot.scatter(data, color="brain", panels=[], width="column"),
-        sc.plot.pareto(data, width="column"),
-    ):
-        assert_readable(figure)
-    labels = [t.get_text() for t in sc.plot.lines(data, y="final_error", x="brain").axes[0].get_xticklabels()]
-    assert len(set(labels)) == 3
-
-
 def test_equal_labels_of_two_brains():
     studies = [
         sc.Study.parse(f"labels.{brain} = 'Ours'\n{TWO}".replace('["minimalistic", "legacy"]', f'"{brain}"'))

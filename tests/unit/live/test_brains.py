@@ -12,10 +12,10 @@ from swarmcensus.live.offers import MOST_ZOOM, check_moment, offer_of, wanted
 from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.settling import Settling
-from swarmcensus.live.shows import COLUMNS, Show
+from swarmcensus.live.shows import Show
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.support.errors import InputError
-from tests.support.watching import parsed, save
+from tests.support.watching import save
 
 CENSUS = {"brain": "census", "topology": "ring", "robots": "6"}
 
@@ -134,13 +134,6 @@ def test_what_never_settles_or_is_too_large_has_no_k(monkeypatch):
         while not settling.on():
             pass
         assert settling.median() is None
-
-
-def test_before_any_reading_nobody_is_right():
-    found = wanted(offer_of(None), {"topology": "ring", "robots": "5", "fill_ratio": "0.55"})
-    show = Show(Simulated(found.settings[0], 1, 0), found.study.measure)
-    right = parsed(show.frames([0, 1]))["numbers"][:, COLUMNS.index("right")]
-    assert np.isnan(right).tolist() == [True, False]
 
 
 @pytest.mark.parametrize("asked", [{"topology": "full", "robots": "150"}, {"topology": "ring", "robots": "10001"}])

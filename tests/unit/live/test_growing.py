@@ -12,9 +12,7 @@ from swarmcensus.live.robots import robot_of
 from swarmcensus.live.sessions import Session
 from swarmcensus.live.shows import Show
 from swarmcensus.robots.logs import growing, lives
-from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
-from swarmcensus.robots.logs.growing import GrowingRecording
 from swarmcensus.robots.logs.logs import Gap, LogReader, read_log
 from swarmcensus.support.errors import InputError
 from tests.support.growing import Recording
@@ -29,7 +27,6 @@ def asked(session, **words):
 
 
 def test_log_read_byte_by_byte(whole, tmp_path):
-    """Also where a block was cut in the middle, and another life follows it."""
     path = tmp_path / "robot-1.log"
     reader = LogReader(path)
     assert not reader.more()
@@ -44,24 +41,6 @@ def test_log_read_byte_by_byte(whole, tmp_path):
     assert any(isinstance(block, Gap) for block in known.blocks)
     assert tuple(reader.blocks) == known.blocks
     assert reader.log.number == known.number
-
-
-def test_a_page_that_comes_late_gets_the_day_in_parts(whole, tmp_path, monkeypatch):
-    """Also where a block is longer than a part."""
-    monkeypatch.setattr(LogReader.more, "__defaults__", (150,))
-    recording = Recording(whole, tmp_path / "day")
-    session = Session(offer_of(recording.folder))
-    asked(session, do="begin", ask={})
-    recording.grow(1.0)
-    recording.tell({})
-    rounds, news = [], {"wait": 0.0}
-    while news["wait"] is not None:
-        _, news = asked(session, do="news", since=0)
-        rounds.append(news["rounds"])
-        assert news["wait"] in (0.0, None)
-    assert len(rounds) > 5
-    assert rounds == sorted(rounds)
-    assert session.shows[0].life.clock.rounds == Clock(read_recording(whole).members).rounds
 
 
 def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
@@ -96,27 +75,6 @@ def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
     for robot in range(4):
         for tick in ticks:
             assert robot_of(grown, tick, robot) == robot_of(static, tick, robot)
-
-
-def test_clock_of_a_growing_recording(whole, tmp_path):
-    recording = Recording(whole, tmp_path / "day")
-    grows = GrowingRecording(recording.folder)
-    known = {}
-    for step in range(0, 101, 7):
-        recording.grow(step / 100)
-        grows.go_on()
-        batch = Clock(grows.recording.members)
-        times = {
-            (member.number, at): grows.clock.time(member.number, at)
-            for member in grows.recording.members
-            for at in range(len(member.log.blocks))
-        }
-        assert times == {(number, at): batch.time(number, at) for number, at in times}
-        assert grows.clock.rounds == batch.rounds
-        assert grows.moved == any(times[place] != time for place, time in known.items())
-        known = times
-    assert grows.clock.is_common
-    assert grows.clock.time(3, 0) == 15  # it began late
 
 
 def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkeypatch):
@@ -168,9 +126,19 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert refused["error"] == "do = 'news': only of a recording in logs, without another brain beside it"
 
 
+def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):
+    recording = Recording(whole, tmp_path / "day")
+    recording.grow(1.0)
+    assert growing.may_grow(recording.folder)
+    later = growing.time.time() + 100.0
+    monkeypatch.setattr(growing.time, "time", lambda: later)
+    assert not growing.may_grow(recording.folder)
+    _, begun = asked(Session(offer_of(recording.folder)), do="begin", ask={"beside": "voter"})
+    assert "beside" not in begun["form"]["fixed"]
+
+
 @pytest.mark.parametrize("robot", [0, 2])
 def test_two_logs_of_one_robot_are_refused(whole, tmp_path, robot):
-    """Also a second one that comes while the day is watched."""
     recording = Recording(whole, tmp_path / "day")
     session = Session(offer_of(recording.folder))
     asked(session, do="begin", ask={})

@@ -54,7 +54,6 @@ def show_of(folder, request=None, given=()):
     ("brain", "message", "precision"), [("commons", "float32", "double"), ("voter", "ratio16", "single")]
 )
 def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precision):
-    """Robots in lockstep live what a simulation does: estimates, memories, readings, messages, links."""
     setting = made(tmp_path / "day", brain, message=message, precision=precision)
     [show] = show_of(tmp_path / "day")
     simulated = Show(Simulated(setting, SEED, 0), wanted(offer_of(tmp_path / "day"), {}).study.measure)
@@ -73,7 +72,7 @@ def test_recording_is_shown_like_its_simulation(tmp_path, brain, message, precis
             assert one == other
 
 
-def test_who_was_away_has_no_numbers_and_does_not_count(tmp_path):
+def test_absent_robots_have_no_numbers(tmp_path):
     study, _, swarm = logged(tmp_path / "day", "voter", robots=4, rounds=ROUNDS, more={"saves": 4})
     swarm.run(9)
     swarm.kill(1)
@@ -164,7 +163,6 @@ def test_what_cannot_be_watched_is_told_in_a_sentence(recording, here, refused, 
 
 @pytest.mark.parametrize("brain", ["commons", "minimalistic"])
 def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
-    """Each robot's memory is that of its own brain, also beside under another one."""
     folder, members = tmp_path / "day", [{"robots": 2, "brain": "forger", "honest": False}]
     study, setting, swarm = logged(folder, "commons", robots=6, rounds=ROUNDS, members=members, topology="full")
     swarm.run()
@@ -190,7 +188,6 @@ def test_liars_are_shown_as_they_are_simulated(tmp_path, brain):
 
 
 def test_own_brain_comes_from_the_folder_of_logs(here):
-    """Also where its file has changed since."""
     tmp_path, mine = here, here / "mine.py"
     mine.write_text(brains.load("commons").source)
     study, _, swarm = logged(tmp_path / "day", "mine.py", robots=4, rounds=ROUNDS)

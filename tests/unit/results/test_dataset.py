@@ -10,7 +10,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.results import measures, store as results
+from swarmcensus.results import hdf5, measures, store as results
 from swarmcensus.results.reading import packed, readable
 from swarmcensus.results.selecting import where
 from swarmcensus.studies.coordinates import NUMERIC
@@ -136,6 +136,30 @@ def test_export(kind, small_results, tmp_path):
     assert results.export(small_results, path, kind) == 1088
     read = pd.read_csv(path) if kind == "csv" else pd.read_parquet(path)
     assert np.allclose(read["final_estimate"], results.frame(small_results)["final_estimate"], rtol=0, atol=1e-15)
+
+
+def test_a_table_has_a_row_a_robot_and_trial(small_results):
+    data = small_results.copy()
+    shares = np.arange(data["true_fill_ratio"].size, dtype=float).reshape(data["true_fill_ratio"].shape)
+    data["true_fill_ratio"] = data["true_fill_ratio"].dims, shares
+    frame = results.frame(data)
+    assert len(frame) == 4 * 16 * (5 + 12)
+    row = frame.iloc[777]
+    place = {"setting": row.setting, "trial": row.trial, "robot": row.robot}
+    for name in ("convergence_round", "convergence_error", "final_estimate"):
+        assert row[name] == data[name].sel(place)
+    assert (frame["topology"].values == data["topology"].values[frame["setting"].values]).all()
+    assert (frame["true_fill_ratio"] == shares[frame["setting"], frame["trial"]]).all()
+
+
+def test_damaged_texts_are_found_wherever_they_are(small_file, tmp_path, monkeypatch):
+    whole = small_file.read_bytes()
+    at = whole.index(b"GCOL")
+    (tmp_path / "bad.nc").write_bytes(whole[: at + 16] + bytes(64) + whole[at + 80 :])
+    for size in (5, at + 1, at + 4, at + 5, 1 << 20):
+        monkeypatch.setattr(hdf5, "BLOCK", size)
+        assert hdf5.broken_texts(tmp_path / "bad.nc") == at
+        assert hdf5.broken_texts(small_file) is None
 
 
 def test_trials_that_were_not_run_are_left_out(small_results):

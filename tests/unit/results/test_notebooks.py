@@ -6,6 +6,7 @@ import types
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.figures.notebook import shown
 from swarmcensus.runs import progress
 from swarmcensus.runs.collect import Progress
 
@@ -46,6 +47,16 @@ def test_a_study_shows_the_keys_that_span_its_grid_first():
     assert keys[:3] == ["robots", "accuracy", "brain"]
     assert keys[-1] == "[[case]]"
     assert "2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, …" in text
+
+
+def test_results_show_the_numbers_of_their_summary(small_results):
+    text = shown(small_results)
+    row = sc.summary(small_results).iloc[0]
+    assert f"{row['convergence_error']:.3g}" in text
+    count = small_results.sizes["setting"]
+    assert text.count("<tr") == 1 + min(count, 20) + text.partition("<details>")[2].count("<tr")
+    assert "assumed_accuracy" not in text.partition("<details>")[0]
+    assert "<summary>the dataset" not in shown(small_results.drop_vars("convergence_round"))
 
 
 # ---- the bar

@@ -87,6 +87,16 @@ def test_convergence_at_checkpoints(kept):
             assert found["convergence_error"] == abs(curve[near[0]] - 0.55)
 
 
+def test_trials_that_are_missing_stay_missing(kept):
+    cut = kept.copy(deep=True)
+    for name in ("estimates", "correct", "convergence_round", "convergence_error", "final_estimate"):
+        cut[name].loc[{"trial": 1}] = np.nan
+    asked = sc.remeasure(cut, delta=0.2, bins=3)
+    assert np.isnan(asked["convergence_round"].sel(trial=1)).all()
+    assert np.isnan(asked["correct"].sel(trial=1)).all()
+    assert np.isfinite(asked["correct"].sel(trial=0, checkpoint=20)).all()
+
+
 @pytest.mark.long
 def test_what_was_asked_anew_is_said(here, capsys):
     kept = measured(FIXED | {"trials": 8}, estimates=True, checkpoints=[1, 2, 5, 20, 40])
@@ -106,6 +116,9 @@ def test_what_was_asked_anew_is_said(here, capsys):
     rounds = np.array([one["rounds"] for one in about["settings"]])
     assert (ends[:, 1] == rounds).any(), "some reach the end"
     assert (ends[:, 1] <= rounds).all(), "no convergence is after the last round"
+    sc.save(sc.remeasure(kept, delta=0.1), "asked.nc")
+    assert main(["export", "kept.nc", "--delta", "0.1"]) == main(["export", "asked.nc"]) == 0
+    assert (here / "kept.csv").read_bytes() == (here / "asked.csv").read_bytes()
 
 
 @pytest.mark.parametrize("asked", [{"bins": 0}, {"delta": 0.0}, {"delta": float("nan")}, {"bins": 2.5}])

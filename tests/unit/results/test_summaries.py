@@ -11,6 +11,7 @@ import swarmcensus as sc
 from swarmcensus.cli import tables
 from swarmcensus.cli.commands import main
 from swarmcensus.evaluation.paper.report import rounded
+from swarmcensus.results import summaries
 from swarmcensus.support import intervals, terminal
 from swarmcensus.support.printed_tables import Table
 
@@ -104,6 +105,26 @@ def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
     assert not any("…" in line or "..." in line for line in lines)
     assert len(lines) == 48 + 3
     assert same == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
+
+
+@pytest.mark.long
+def test_show_sorts(file, many, capsys):
+    def shown(*options):
+        assert main(["show", file, "--limit", "0", *options]) == 0
+        return [int(line.split()[0]) for line in capsys.readouterr().out.splitlines() if line.split()[0].isdigit()]
+
+    frame = sc.summary(many)
+    assert shown("--sort", "error") == frame.sort_values("convergence_error", kind="stable")["setting"].tolist()
+    assert (np.diff(frame["convergence_error"][shown("--sort", "error", "--reverse")]) <= 0).all()
+    last = frame["rounds"][shown("--sort", "right", "--checkpoint", "8", "--reverse")].tolist()
+    assert last == [8] * 24 + [5] * 24  # what is missing comes last, whichever way
+
+
+def test_large_results_are_summed_up_in_blocks(many, monkeypatch):
+    whole = summaries.points(many)
+    monkeypatch.setattr(summaries, "BLOCK", 50)
+    for name, values in summaries.points(many).items():
+        np.testing.assert_array_equal(values, whole[name])
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -19,7 +20,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
 from swarmcensus.studies import addresses
-from swarmcensus.support.errors import InputError
+from swarmcensus.support.errors import InputError, Interrupted
 from tests.support.clusters import LONG, Once, study
 from tests.support.places import EXAMPLE
 from tests.support.results import same
@@ -351,3 +352,58 @@ def test_a_study_is_read_as_it_was_sent(here):
     payload["versions"]["numpy"] = "0.1"
     with pytest.raises(InputError, match=r"numpy .* there, 0\.1 here"):
         clusters.read_payload(payload)
+
+
+@pytest.mark.long
+def test_another_edge_list_is_another_study(here, scheduler):
+    """Though its text is the same, and the workers know it."""
+    text = FIXED.replace('"ring", "scale-free", ', "").replace(', "mine.py"', "")
+    first = run(study(text), cluster=scheduler)
+    Path("links.csv").write_text("i,j\n" + "".join(f"{i},{i + 1}\n" for i in range(11)))
+    second = run(study(text), cluster=scheduler)
+    assert not np.array_equal(first["final_estimate"], second["final_estimate"])
+    assert same(second, sc.run(study(text), jobs=2))
+
+
+@pytest.mark.long
+def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
+    rule = 'trials = {until = "convergence_error median +- 0.02", at_least = 10, at_most = 20}'
+    ruled = study(MOVING.replace("trials   = 3", rule))
+    assert same(run(ruled, cluster=scheduler), sc.run(ruled, jobs=2))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped_run_keeps_its_work_and_cancels_its_jobs(slurm, number):
+    """The fixture sees that no job is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
+    before = signal.getsignal(number)
+    with pytest.raises(Interrupted) as stopped:
+        run(study(LONG), cluster="slurm.toml", progress=Once(lambda: signal.raise_signal(number)), out="s.nc")
+    assert sc.load("s.nc").attrs["trials_done"] == stopped.value.done
+    assert 0 < stopped.value.done < 800
+    assert signal.getsignal(number) is before
+
+
+@pytest.mark.long
+def test_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch, threads):
+    script = here / "bin" / "sbatch"
+    no = f'if ! mkdir {here}/taken 2> /dev/null; then echo "sbatch: error: no more" >&2; exit 1; fi'
+    script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
+    text = (here / "slurm.toml").read_text()
+    (here / "slurm.toml").write_text(text.replace("jobs      = 1\ncores     = 2", "jobs = 2\ncores = 1"))
+    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
+    with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
+        data = run(study(LONG), cluster="slurm.toml", progress=Once((here / "taken").rmdir))
+    assert len(slurm()) == 2
+    assert same(data, threads)
+
+
+@pytest.mark.long
+def test_a_plain_run_does_without_dask(here):
+    Path("s.toml").write_text(FIXED.replace(', "mine.py"', ""))
+    code = (
+        "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli.commands import main; "
+        "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.runs.clusters' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

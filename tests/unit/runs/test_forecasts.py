@@ -86,17 +86,19 @@ def test_what_takes_days_is_a_warning_and_threads_share_it(tried, caplog):
     assert 1 == tried[0][0] < tried[1][0] < 200_000
 
 
+def test_forecast_by_brain_and_kind_of_work(tried, caplog):
+    made = study(rounds=100_000_000, swarm={"brain": ["minimalistic", "commons"]}, measure={"local": True})
+    settings = made.settings()
+    every = np.ones((2, 1), np.bool_)
+    due = 3.0 * sum(task.cost for task in plan_tasks(settings, every, every, 0.1))
+    (line,), _ = said(made, 1, caplog)
+    assert line.startswith(f"long: {HEARD}{forecasts.duration_text(due)} in 1 thread if")
+    assert len(tried) == 8
+
+
 def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
     assert said(study(rounds=10_000, trials=100), 2, caplog) == ([], [])
     assert said(study(rounds=10_000, world=MOVING), 2, caplog) == ([], [])
-    assert not tried
-
-
-def test_on_a_cluster_the_prediction_is_told(tried, caplog):
-    made = study(trials=3)
-    (setting,) = made.settings()
-    (line,), _ = said(made, None, caplog)
-    assert f"{HEARD}{forecasts.duration_text(3 * seconds(setting))} of one core." in line
     assert not tried
 
 

@@ -2,12 +2,10 @@
 
 import tracemalloc
 
-import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.results import shards, store, values as arrays
-from swarmcensus.results.values import ArrayStore, Values
+from swarmcensus.results import shards, values as arrays
 from swarmcensus.runs import pools
 from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import record_trial
@@ -56,26 +54,6 @@ def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_arrays, tmp
     assert {path.name for path in tmp_path.iterdir()} == {"one.nc", "ten.nc"}
     assert sc.load(tmp_path / "ten.nc").equals(data)
     assert sc.load(tmp_path / "one.nc").equals(sc.load(tmp_path / "ten.nc").sel(setting=[0]))
-
-
-def test_arrays_in_files_grow_and_are_written_like_others(small_arrays, tmp_path):
-    """To the last bit, whatever was let go of meanwhile."""
-    study = crowds(2, 70_000, 2)
-    settings, marks = study.settings(), ["a", "b"]
-    written = []
-    for array_store in (ArrayStore(tmp_path), ArrayStore()):
-        values = Values(study, settings, 1, store=array_store)
-        random = np.random.default_rng(1)
-        for trial in (0, 1):
-            values.grow(trial + 1)
-            for setting in (0, 1):
-                numbers = random.random((1, 70_000))
-                values.put(setting, trial, {"final_estimate": numbers, "convergence_round": (9 * numbers).astype("i4")})
-        written.append(tmp_path / f"{len(written)}.nc")
-        store.save(store.dataset(study, settings, marks, values), written[-1])
-    one, other = (path.read_bytes() for path in written)
-    assert one == other
-    assert (store.dataset(study, settings, marks, values)["convergence_round"] >= 0).all()
 
 
 def test_a_folder_without_room_for_results_is_told(small_arrays, tmp_path, monkeypatch):

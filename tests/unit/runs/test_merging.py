@@ -55,6 +55,9 @@ def test_settings_and_trials_that_differ():
                 assert np.array_equal(found, source[name].values[k, :, :robots])
             for name in ("topology", "robots", "accuracy", "fill_ratio"):
                 assert merged[name].values[row] == source[name].values[k]
+    for k, robots in enumerate(merged["robots"].values):
+        last = sc.replay(merged, k, 3)["estimate"].values[-1]
+        assert np.array_equal(last, merged["final_estimate"].values[k, 3, :robots])
 
 
 def test_overlaps_that_disagree_are_refused():

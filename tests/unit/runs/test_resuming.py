@@ -458,6 +458,6 @@ def test_unfinished_output_is_recognised(here, refused):
 
 def test_what_cannot_be_shared(here, refused):
     for wrong in ("0/3", "4/3", "1/7"):
-        assert f"--share {wrong}" in refused("run", "s.toml", "--share", wrong)
+        assert f"share {wrong}" in refused("run", "s.toml", "--share", wrong)
     Path("s.toml").write_text(STUDY.replace("trials = 6", 'trials = {until = "convergence_error median +- 0.1"}'))
     assert "a study whose trials follow a rule cannot be shared" in refused("run", "s.toml", "--share", "1/2")

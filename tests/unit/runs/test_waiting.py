@@ -9,6 +9,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.runs import pools, progress
 from swarmcensus.runs.collect import Progress
+from swarmcensus.support.readers import AS_TERMINAL
 
 NAMES = ["minimalistic", "legacy", "voter"]
 
@@ -42,7 +43,7 @@ def test_compiling_many_brains_without_a_terminal(monkeypatch, capsys):
 def test_compiling_bar_on_a_terminal(monkeypatch):
     terminal = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setenv(AS_TERMINAL, "100")
     monkeypatch.setenv("TERM", "xterm")
     before = threading.active_count()
     with progress.bar_or_lines("board") as show:
@@ -88,21 +89,3 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
     told.clear()
     pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
     assert told == []
-
-
-def paces(monkeypatch, steps):
-    """What is shown of the time left after each of some steps, which are a second and a progress."""
-    now = [0.0]
-    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
-    pace, seen = progress._Pace(), []
-    for second, step in steps:
-        now[0] = float(second)
-        seen.append(pace.of(step)[1])
-    return seen
-
-
-def test_what_was_found_says_nothing_of_the_time_left(monkeypatch):
-    """Half is done already, and the other half takes 100 seconds."""
-    compiling = Progress(0, 0, 0.0, 0.0, "compiling")
-    steps = [(0, compiling), (30, compiling), (30, Progress(50, 100, 5.0, 10.0)), (40, Progress(55, 100, 5.5, 10.0))]
-    assert paces(monkeypatch, steps) == ["", "", "", "1:30 left"]

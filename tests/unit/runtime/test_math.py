@@ -202,3 +202,9 @@ def test_machine_code_raises_where_cpython_does():
                     else found == pytest.approx(expected, 1e-13, nan_ok=True)
                 )
                 assert same, (name, x, y, expected, found)
+
+
+@pytest.mark.parametrize(("head", "line"), [("from math import log1p", 1), ("from math import *", 8)])
+def test_it_is_refused_however_it_is_imported(head, line):
+    said = refused(TINY.replace("import math", head).replace("me.x = 0.5", "me.x = log1p(0.5)"))
+    assert f"line {line}: uses math.log1p" in said

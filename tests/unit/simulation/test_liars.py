@@ -16,6 +16,7 @@ from swarmcensus.runs import clusters
 from swarmcensus.runs.verifying import verify
 from swarmcensus.studies import addresses
 from tests.support.second import MEANS
+from tests.support.small import study_of
 
 pytestmark = pytest.mark.interpreted
 
@@ -199,3 +200,14 @@ def test_merged_results_with_liars_are_verified(tmp_path, capsys):
     sc.save(merged, tmp_path / "m.nc")
     assert main(["verify", str(tmp_path / "m.nc")]) == 0
     assert "the same to the last bit" in "".join(capsys.readouterr())
+
+
+def test_a_brain_file_of_members_is_not_run_unasked(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("ours.py").write_text(MEANS)
+    Path("theirs.py").write_text(f"{MEANS}\n\ndef decide(me):\n    return 1\n")
+    members = [{"robots": 1, "brain": "theirs.py", "honest": False}]
+    data = sc.run(study_of("ours.py", rounds=2, trials=1, members=members), jobs=1)
+    Path("theirs.py").unlink()
+    with pytest.raises(sc.InputError, match=r"the brain 'theirs\.py' is a file\. Files named in results are run only"):
+        sc.replay(data, setting=0, trial=0)

@@ -114,3 +114,19 @@ def test_who_fails_for_an_oracle_is_who_sees_nothing():
     stops = sampling.stops(made.settings()[0], 4, 0)
     assert (stops[SENSING] == 5).sum() == 3
     assert (stops == 5).sum() == 3
+
+
+@pytest.mark.parametrize(("black", "looks"), [((6.0, 0.0), (6.0, 1.0)), ((0.0, 1.0), (8.0, 2.0))])
+def test_steps_end_at_the_maximum_where_whole_ones_go_to_and_fro(black, looks):
+    """Of two robots, of which one sees perfectly, few readings."""
+    sides, own = (0.7, 1.0), ORACLE.functions
+    states = [ORACLE.robot(side, side) for side in sides]
+    for me, blacks, seen in zip(states, black, looks, strict=True):
+        own.observe(me, blacks, seen)
+    for _ in range(300):
+        said = [own.broadcast(me) for me in states]
+        for me, message in zip(states, reversed(said), strict=True):
+            own.receive(me, message)
+            own.fuse(me)
+    best = most_likely(*map(np.array, (sides, sides, looks, black)))
+    assert [own.estimate(me) for me in states] == pytest.approx([best] * 2, abs=1e-9)

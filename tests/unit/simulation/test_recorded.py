@@ -8,6 +8,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.brains.metrics import PLUGINS
 from swarmcensus.engine.constants import SENSING
 from swarmcensus.engine.failures import works
 from swarmcensus.results.replaying import honest_in
@@ -19,7 +20,7 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from tests.support.drawn import LIARS, TRIALS, drawn
 from tests.support.second import ADDS, ALL, STEER, TALKS, WALD
-from tests.support.small import FAILS, study_of
+from tests.support.small import FAILS, SLOW, study_of
 
 pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
 
@@ -232,6 +233,21 @@ def test_a_run_records_what_its_replays_show(here, monkeypatch):
     assert not found, "\n".join(found)
     assert compared >= 2 * len(names)
     assert short >= 3
+
+
+@pytest.mark.parametrize(
+    ("world", "truth"),
+    [({"rounds": 100}, "nominal"), ({"ticks": 100}, "nominal"), ({"ticks": 100, "body": {"tile": 0.2}}, "floor")],
+    ids=["ring", "moving", "floor"],
+)
+def test_all_is_measured_of_the_honest_against_the_truth_of_the_round(world, truth, here):
+    """Errors, shares of right robots, intervals and metrics of files, while the floor changes."""
+    measure = {"checkpoints": [10, 30, 31, 50, 71, 100], "truth": truth, "metrics": [*PLUGINS.shipped]}
+    liars = [{"robots": 3, "accuracy": 0.6, "honest": False}]
+    study = study_of("wald.py", 8, 0.9, trials=TRIALS, fill_ratio=SLOW, measure=measure, members=liars, **world)
+    found, compared = differences(study)
+    assert not found, "\n".join(found)
+    assert compared == TRIALS
 
 
 def test_replays_of_trials_that_fail_say_what_the_run_says(here):

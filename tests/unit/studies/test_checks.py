@@ -79,3 +79,20 @@ def test_whole_numbers_come_as_lists_of_any_kind(robots):
 def test_other_numbers_are_not_whole(value, shown):
     with pytest.raises(sc.InputError, match=f"schedule.rounds = {shown}: should be a valid integer"):
         study(schedule={"rounds": value})
+
+
+def test_numbers_of_numpy_are_numbers():
+    made = study(
+        MOVING | {"link_success": np.float32(0.5), "body": {"radius": np.float64(0.07)}}, trials=np.int64(2),
+        seed=np.uint16(3), robots=np.int32(5), schedule={"ticks": np.arange(5, 8)},
+        measure={"bins": np.int8(5), "checkpoints": np.array(5)}, faults=fault(at=np.int64(2), robots=np.float64(0.5)),
+    )  # fmt: skip
+    assert (made.trials, made.seed, made.measure.bins, made.checkpoints) == (2, 3, 5, [5])
+    assert sc.Study.parse(made.text).settings() == made.settings()
+    with pytest.raises(sc.InputError, match=r"world\.density = true"):
+        study(MOVING | {"density": True})
+
+
+def test_keys_of_fixed_networks_do_not_multiply_those_that_move():
+    settings = study(BOTH | {"message_delay": [0, 2]}).settings()
+    assert [(s.topology.name, s.delay) for s in settings] == [("ring", 0), ("ring", 2), ("moving", 0)]

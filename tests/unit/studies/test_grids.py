@@ -46,6 +46,8 @@ def test_each_case_adds_a_grid_of_its_own():
     assert [b.name for b in made.brains] == ["minimalistic", "legacy"]
     assert [t.name for t in made.topologies] == ["ring", "full", "line"]
     assert sc.Study.parse(made.text).settings() == made.settings()
+    again = study(case=[{"robots": [20, 30]}, {"robots": [30, 40]}])
+    assert [s.robots for s in again.settings()] == [10, 20, 30, 40]  # each once
 
 
 def test_a_case_may_move_where_the_rest_stands():

@@ -3,6 +3,7 @@
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.cli.commands import main
 from swarmcensus.studies import addresses
 from swarmcensus.support.times import parse_time
 
@@ -85,3 +86,24 @@ def test_rounds_have_no_clock():
     assert {s.rounds for s in study(both, schedule={"ticks": "1 s"}).settings()} == {1000, 10}
     with pytest.raises(sc.InputError, match="should be a valid integer"):
         study(both, schedule={"rounds": "5 s"})
+
+
+@pytest.mark.long
+def test_commands_take_times(here, refused, capsys):
+    made = study({"body": {"tick": 0.5}}, schedule={"ticks": 20}, measure={"checkpoints": [12, 20]})
+    sc.save(sc.run(made), "m.nc")
+
+    def shown(*command):
+        assert main(["show", "m.nc", *command]) == 0
+        return capsys.readouterr().out
+
+    assert shown("--checkpoint", "0.1 min") == shown("--checkpoint", "12") != shown()
+    plot = ["plot", "m.nc", "--kind"]
+    for name, tick in (("a.png", "4 s"), ("b.png", "8")):
+        assert main([*plot, "arena", "--tick", tick, "--out", name]) == 0
+    assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
+    capsys.readouterr()
+    assert main([*plot, "film", "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif"]) == 0
+    assert capsys.readouterr().out == "f.gif: 5 frames\n"
+    assert "that is 10.6 ticks of 0.5 s" in refused("show", "m.nc", "--checkpoint", "5.3 s")
+    assert "tick 7200: this trial has ticks 0 to 20" in refused(*plot, "arena", "--tick", "1 h")

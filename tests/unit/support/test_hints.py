@@ -24,7 +24,7 @@ KNOWN = [*structure.TEXTS, *structure.NUMBERS, "setting"]
         ("ROBOTS", "robots"), ("looks", "observations_per_round"),
     ],
 )  # fmt: skip
-def test_names_that_are_like_one_or_mean_one(written, meant):
+def test_similar_and_other_names_get_a_hint(written, meant):
     assert did_you_mean(written, KNOWN) == f"did you mean {meant!r}? "
 
 

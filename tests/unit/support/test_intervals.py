@@ -27,20 +27,20 @@ def test_interval_of_a_binary_share(trials, level):
             assert end * trials == pytest.approx(other * trials, abs=0.5 if level == 0.95 else 1.5)
 
 
-def test_correlated_robots_widen_intervals():
-    alone = RNG.binomial(100, 0.9, (100, 1)) / 100
-    together = (RNG.random((100, 1)) < 0.9).astype(float)
-    half = [np.ptp(estimate(values, "mean", share=True)[1:]) / 2 for values in (alone, together)]
-    assert half[0] == pytest.approx(1.96 * np.sqrt(0.09 / 10_000), rel=0.25)
-    assert half[1] == pytest.approx(1.96 * np.sqrt(0.09 / 100), rel=0.25)
-
-
 def test_the_mean_of_what_is_symmetric_has_students_interval():
     for trials in (8, 30, 300):
         values = np.concatenate([NORMAL[: trials // 2, 0], -NORMAL[: trials // 2, 0]])[:, np.newaxis]
         _, low, high = estimate(values, "mean")
         exact = stats.t.interval(0.95, len(values) - 1, 0.0, stats.sem(values[:, 0]))
         assert (low, high) == pytest.approx(exact, rel=1e-3)
+
+
+def test_rounding_is_no_spread():
+    robots = np.array([0.1, 0.2, 0.3, 0.7, 1e-3, 0.123])
+    values = np.array([np.random.default_rng(k).permutation(robots) for k in range(40)])
+    assert np.ptp(values.mean(axis=1)) > 0  # sums in another order
+    _, low, high = estimate(values, "mean")
+    assert high - low > 0.1
 
 
 def test_interval_of_a_median_is_the_sign_tests():
@@ -75,6 +75,15 @@ def test_what_is_missing_or_too_little_has_no_interval():
     assert np.isfinite(estimate(NORMAL[:6], "mean")).all()
     with pytest.raises(ValueError, match="should be 'median' or 'mean'"):
         estimate(NORMAL, "mode")
+
+
+def test_pooled_trials_have_the_robots_of_all_settings():
+    values = np.arange(12.0).reshape(2, 3, 2)
+    assert intervals.pooled(values).tolist() == [[0, 1, 6, 7], [2, 3, 8, 9], [4, 5, 10, 11]]
+    values[:, 2] = values[1, :, 1] = np.nan  # a trial that was not run, and a robot that there is not
+    assert intervals.pooled(values).tolist() == [[0, 1, 6], [2, 3, 8]]
+    values[0, 1] = np.nan
+    assert intervals.pooled(values) is None
 
 
 def test_memory_of_a_bootstrap_of_medians():
@@ -206,13 +215,6 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         )
         hits += low < 0 < high
     assert 333 <= hits <= 372
-
-
-def test_the_mean_of_resamples_has_the_error_that_theory_gives():
-    values = np.random.default_rng(4).normal(size=30)
-    means = intervals.means(values, intervals.resample(30, 4000))
-    assert means[0] == pytest.approx(values.mean())
-    assert means[1:].std() == pytest.approx(values.std() / np.sqrt(30), rel=0.05)  # 4.5 standard errors
 
 
 def test_shares_have_wilsons_interval():

@@ -278,10 +278,8 @@ WRONG = [
     # topologies
     ("topology", '"tours"', "did you mean 'torus'? a topology is one of full, line, moving, ring, scale-free, "),
     ("topology", '{name = "torus", columns = 2}', "'torus' of 12 robots, columns = 2: a torus has three full rows"),
-    ("topology", '{name = "pairs", share = 2}', "share = 2"),
     ("topology", '{name = "torus", columns = "x"}', "topology torus: columns = 'x': should be a valid integer"),
     ("topology", '{name = "torus", column = 4}', "no key column: did you mean 'columns'? it has columns"),
-    ("topology", '{name = "ring", columns = 4}', "topology ring has no key columns: it has none"),
     ("topology", '"broken"', "topology 'broken', meadow.broken of meadow: not Python: invalid syntax, at "),
     ("topology", '"gone"', "topology 'gone', meadow.gone of meadow: ModuleNotFoundError"),
     ("topology", '"empty"', "topology 'empty', meadow.empty: it has no function edges"),
@@ -298,7 +296,6 @@ WRONG = [
     ("floor", '"photo"', "floor photo needs the key file: write {photo = ..., bright = true}"),
     ("floor", '{photo = "none.png"}', "none.png: there is no such file"),
     ("floor", '{photo = "leaf.png"}', 'world.floor = {photo = "leaf.png", bright = true}'),
-    ("floor", '"empty"', "floor 'empty', meadow.empty: it has no function score"),
     ("floor", '"flat"', "floor flat: for tiles (1, 3, 2) it should give a finite number each, (1, 3)"),
     ("floor", "{dots = 0}", "floor dots(0): ZeroDivisionError"),
     ("floor", '"fickle"', "a tile should have the same value at each call, in any order"),
@@ -309,7 +306,6 @@ WRONG = [
     ("accuracy", '"wide(2)"', "a sensor accuracy lies in [0, 1], and wide(2.0) gives 2"),
     ("accuracy", '"wide(4)"', "wide(a): a should be 3 at the most"),
     ("accuracy", '"hole()"', "and hole() gives nan"),
-    ("accuracy", '"empty()"', "spread 'empty', meadow.empty: it has no function quantile"),
 ]  # fmt: skip
 
 

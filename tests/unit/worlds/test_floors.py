@@ -77,6 +77,15 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
             assert abs(sampling.ground(setting, 1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
 
 
+@pytest.mark.parametrize("body", [{}, {"sensor": (0.2, -0.1), "tile": 0.03}, {"sensor": (0.0, 0.0)}])
+def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(body):
+    """Also with a sensor that reaches beyond the body, and so up to the walls."""
+    for floor in ("tiles", {"clusters": 0.15}, {"stripes": 0.4}, "half"):
+        setting = setting_of(floor, 0.35, robots=6, density=5.0, **body)
+        found = sampling.ground(setting, 2, 1)
+        assert found.true_fill_ratio == found.all_tiles()[within_reach(setting)].mean()
+
+
 def test_of_very_many_tiles_a_regular_grid_is_counted():
     every = ground.reachable(3.0, 0.07, 0.06, 0.01)[0]
     some = ground.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
@@ -204,6 +213,21 @@ def test_a_picture_is_black_where_it_is_darkest(gradient):
     tie = below[:, int(0.51 * n) : int(0.59 * n)]  # one grey level: ties are broken tile by tile
     assert 0 < tie.mean() < 1
     assert abs(np.corrcoef(tie[:, 1:].ravel(), tie[:, :-1].ravel())[0, 1]) < 5 / math.sqrt(tie.size)
+
+
+def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
+    """Odds of black differ from odds of darkness by one factor, within 5 standard errors in each grey level."""
+    setting = setting_of({"image": str(gradient), "mode": "dither"}, 0.55)
+    floors = np.array([sampling.ground(setting, 1, trial).all_tiles() for trial in range(4)])
+    n = floors.shape[1]
+    bands = [floors[:, : -n // 9, int((k + 0.1) * n / 10) : int((k + 0.9) * n / 10)] for k in range(10)]
+    share = np.array([band.mean() for band in bands])
+    error = np.array([0.5 / math.sqrt(band.size) for band in bands]) / (share * (1 - share))
+    darkness = 1 - np.arange(30, 230, 20) / 255
+    odds = np.log(share / (1 - share) * (1 - darkness) / darkness)
+    assert (np.diff(share) < 0).all()
+    assert (np.abs(odds - odds[4]) < SIGMAS * np.hypot(error, error[4])).all()
+    assert (floors[0] != floors[1]).any()
 
 
 def write(path, array, **options):

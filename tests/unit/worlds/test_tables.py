@@ -118,6 +118,8 @@ BOTH = "line 1: '{}' may be names of columns or .*if names, write .* instead; if
         (recordings.read_observations, PAIR.to_csv(index=False, header=["0", "1"]) , BOTH.format("0,1")),
         (recordings.read_observations, PAIR.to_csv(header=["0", "1"]), BOTH.format(",0,1")),
         (recordings.read_observations, "0 1\n1 1\n", BOTH.format("0 1")),
+        (recordings.read_observations, "1,1\n0,2\n", "line 2: '2'"),
+        (recordings.read_observations, "", "no observations"),
         (recordings.read_observations, PAIR.to_csv(sep=" ", header=["0", "1"]), "line 2: 3 values where there were 2"),
         (recordings.read_observations, "step,robot,reading\n0,1,1\n", "no robot 0: .*seem to start at 1"),
         (recordings.read_observations, "step,robot,reading\n1,0,1\n", "steps are numbered from 0"),

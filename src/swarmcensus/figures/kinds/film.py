@@ -137,10 +137,8 @@ def _ticks(path: Path, clock: Clock, first: int, last: int | None, every: int, f
     if not ticks:
         raise InputError(f"no tick from {first} to {last}: a film needs one at least", key="last", value=last)
     if gif and len(ticks) > MOST_GIF_FRAMES:
-        raise InputError(
-            f"{len(ticks):,} frames: a GIF may have {MOST_GIF_FRAMES:,}; show a shorter stretch, fewer of its ticks, "
-            "or write an .mp4"
-        )
+        fewer = "show a shorter stretch, fewer of its ticks, or write an .mp4"
+        raise InputError(f"{len(ticks):,} frames: a GIF may have {MOST_GIF_FRAMES:,}; {fewer}", key="last", value=last)
     return ticks
 
 

@@ -99,6 +99,33 @@ def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
                 assert measures.numbers(data, name)[setting, trial] == pytest.approx(number, rel=1e-12), name
 
 
+def test_errors_are_those_against_the_truth_of_the_study():
+    data = made_up()
+    data.attrs["truth"] = "floor"
+    data["true_fill_ratio"][:] = 0.5
+    off = np.median(data["final_estimate"].values - 0.5, axis=2)
+    assert measures.numbers(data, "final_error") == pytest.approx(off)
+
+
+def test_right_is_at_the_last_checkpoint():
+    wide = made_up(brains=2).drop_vars("correct").drop_dims("checkpoint").assign_coords(checkpoint=[100, 500])
+    right = np.random.default_rng(1).uniform(size=(4, 2, 20))
+    wide["correct"] = (("setting", "checkpoint", "trial"), right)
+    wide["rounds"] = ("setting", [500, 100, 99, 600])
+    found = measures.numbers(wide, "correct")
+    assert (found[[0, 1, 3]] == right[[0, 1, 3], [1, 0, 1]]).all()
+    assert np.isnan(found[2]).all()
+
+
+def test_an_estimate_of_one_half_is_on_no_side():
+    data = made_up(brains=2)
+    data["final_estimate"][:] = 0.5
+    data["fill_ratio"] = ("setting", [0.3, 0.3, 0.5, 0.5])
+    found = measures.numbers(data, "right_side")
+    assert (found[:2] == 0.0).all()
+    assert np.isnan(found[2:]).all()
+
+
 METRIC = """UNIT = "1"
 MEANING = "lowest"
 
@@ -307,6 +334,39 @@ def test_trials_that_only_one_has_are_not_compared():
     assert row["p"] == sc.compare(data.isel(trial=kept), "final_error").pairs["p"][0]
     [said] = [one for one in found.cautions if "trials" in one]
     assert said.startswith("contenders have 17 to 18 trials: a pair is compared in the trials that both have, and over")
+
+
+def test_estimates_that_never_moved_and_names_are_cautions():
+    data = made_up()
+    data["convergence_round"].values[[3, 7]] = 0  # voter
+    said = "voter: in worlds 0, 1 at least half of the robots have K = 0: their estimates never moved by delta"
+    assert any(one.startswith(said) for one in sc.compare(data, ["convergence_round"]).cautions)
+    assert not any("K = 0" in one for one in sc.compare(data, ["final_error"]).cautions)
+    data["anonymous"] = data["anonymous"].where(data["brain"] != "voter", 0)
+    assert "voter is not anonymous: it uses its robot's name" in sc.compare(data).cautions
+
+
+def test_over_all_worlds_nobody_is_better_against_the_mean():
+    """In most trials better in one world of ten, and in few worse in all: ranks say one thing and the mean another."""
+    data = made_up(brains=2, worlds=tuple(f"w{k}" for k in range(10)), trials=34)
+    error = np.full((20, 34, 5), 0.1)
+    error[1, :30] = 0.05
+    error[1::2, 30:] = 0.2
+    data["final_estimate"] = data["final_estimate"] * 0 + 0.55 + error
+    for against in (None, "minimalistic"):
+        found = sc.compare(data, "final_error", against=against)
+        [row] = found.duels.to_dict("records")
+        assert row["p_holm"] < 0.05
+        assert not row["told_apart"]
+    assert "is not told apart (better in 9%, worse in 12% of trials, p = " in found.verdict[1]
+
+
+def test_who_alone_has_numbers_is_neither_first_nor_behind():
+    data = made_up(brains=2, worlds=("ring",), trials=10)
+    data["consensus_round"][1], data["consensus_right"][1] = np.nan, np.nan
+    found = sc.compare(data, ["final_error", "consensus_round"])
+    assert found.table["consensus_round_standing"].tolist() == ["", ""]
+    assert "right consensus: no two contenders have numbers of it in the same world" in found.verdict
 
 
 def test_too_few_trials_are_said_to_be():

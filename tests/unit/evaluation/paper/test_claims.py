@@ -10,7 +10,7 @@ from swarmcensus import brains
 from swarmcensus.checks import minimalism
 from swarmcensus.evaluation.paper import explanations, measures
 from swarmcensus.evaluation.paper.evaluations import PAPER
-from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, UNMEASURED, YES, check
+from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, check
 from swarmcensus.support import intervals
 
 KNOWN = {claim.id: claim for claim in PAPER.claims}
@@ -199,6 +199,27 @@ def test_one_wrong_setting_refutes_a_claim(name):
 def test_few_trials_decide_nothing_that_is_random(name):
     trials = intervals.FEWEST - 1
     assert verdict(name, trials=trials).verdict == f"not decided by {trials} trials"
+
+
+NEAR = {  # at the threshold, and noisy
+    "full-first": only(one("full"), K=5, noise=0.3),
+    "same-observations": only(study("same-observations"), error=0.8, noise=0.3),
+    "denser-first": only(mover(), K=1 / 0.9, noise=0.3),
+}
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_a_setting_near_the_threshold_leaves_a_claim_undecided(name):
+    outcome = verdict(name, NEAR[name])
+    assert outcome.verdict == "not decided by 30 trials"
+    assert (outcome.count(OPEN) >= 1, outcome.count(NO), outcome.worst.verdict) == (True, 0, OPEN)
+
+
+def test_pairs_use_trials_that_both_have_and_a_quotient_by_zero_decides_nothing():
+    evidence = Evidence(world("topologies") | world("local", trials=20))
+    assert evidence.trials == 20
+    nothing = measures.ratio(np.ones(1001), np.zeros(1001))
+    assert evidence.judge("", nothing, (-np.inf, 1.0)).verdict == OPEN
 
 
 def test_one_wrong_robot_refutes_consensus():

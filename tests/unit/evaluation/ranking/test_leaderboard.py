@@ -41,32 +41,6 @@ honest = false
 accuracy = 0.9
 link_success = 0.5
 """
-OPINION = '''"""An opinion: whichever colour was seen more often."""
-
-OPINION = True
-MEMORY = {"more": 0.0, "x": 0.5}
-MESSAGE = ("x",)
-
-
-def observe(me, blacks, looks):
-    me.more += 2.0 * blacks - looks
-
-
-def broadcast(me):
-    return (me.x,)
-
-
-def receive(me, message):
-    pass
-
-
-def fuse(me):
-    me.x = 0.5 if me.more == 0.0 else 1.0 if me.more > 0.0 else 0.0
-
-
-def estimate(me):
-    return me.x
-'''
 
 
 def honest():
@@ -82,7 +56,6 @@ def small(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     mine = brains.load("minimalistic").source
     (tmp_path / "mine.py").write_text(mine + "\n# a copy\n")
-    (tmp_path / "votes.py").write_text(OPINION)
     return tmp_path
 
 
@@ -106,44 +79,29 @@ def test_leaderboard_worlds_are_complete():
 
 def hold(scores, data, opinions):
     """Every number of some scores, worked out once more."""
-    lying = scores.division is DIVISIONS["liars"]
-    counted = data["honest"].values if "honest" in data else np.full(data.sizes["setting"], 20)
     final, truth = data["final_estimate"].values, data["fill_ratio"].values
     medians, sides = np.empty(final.shape[:2]), np.empty(final.shape[:2])
     for s, t in np.ndindex(final.shape[:2]):
-        some = final[s, t, : counted[s]]
+        some = final[s, t]
         medians[s, t] = np.median(np.abs(some - truth[s]))
         sides[s, t] = np.mean([(x > 0.5) == (truth[s] > 0.5) and x != 0.5 for x in some])
     of = data["brain"].values
     still = data["topology"].values == "ring"
-    plain = (data["link_success"].values == 1.0) & (counted == 20)
-    thirty = (data["link_success"].values == 1.0) & (counted == 14)
-    kinds = [(1, thirty)] if lying else [(0, plain & still), (1, plain & ~still)]
-    own = (counted < 20) == lying
+    plain = data["link_success"].values == 1.0
     for k, name in enumerate(scores.contenders):
-        for column, some in kinds:
+        for column, some in ((0, plain & still), (1, plain & ~still)):
             rows = some & (of == name)
             error = np.mean(np.median(medians[rows], axis=1))
             wanted = np.nan if name in opinions else error
             assert scores.error.values[k, column] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
             assert scores.side.values[k, column] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
-    by_brain = np.stack([sides[own & (of == name)] for name in scores.contenders])
+    by_brain = np.stack([sides[of == name] for name in scores.contenders])
     assert scores.side.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
     sure = np.array([name not in opinions for name in scores.contenders])
-    numbers = np.stack([medians[own & (of == name)] for name in np.array(scores.contenders)[sure]])
+    numbers = np.stack([medians[of == name] for name in np.array(scores.contenders)[sure]])
     numbers = numbers.round(14)  # the same but for rounding: a tie
     assert scores.error.ranks[sure] == pytest.approx(rankdata(numbers, axis=0).mean(axis=(1, 2)), abs=1e-9)
     assert np.isnan(scores.error.ranks[~sure]).tolist() == [True] * len(opinions)
-
-
-@pytest.mark.long
-def test_scores_are_what_they_say(small):
-    board = leaderboard(["mine.py", "votes.py"], "out")
-    assert board.scores.contenders == ["minimalistic", "legacy", "mine.py", "votes.py"]
-    hold(board.scores, board.data, ["votes.py"])
-    hold(scores_of(board.data, ["votes.py"], board="liars"), board.data, ["votes.py"])
-    assert scores_of(board.data, ["votes.py"], board="change") is None
-    assert board.scores.error.order[0] in (0, 2)
 
 
 def test_scores_of_numbers_that_are_known(small):
@@ -185,7 +143,7 @@ def test_only_changed_brains_are_run_again(small, capsys):
     assert again.page.read_bytes() == page
     assert {path: path.stat().st_mtime_ns for path in times} == times
     assert sum("found" in line for line in said) == 2
-    (small / "mine.py").write_text(OPINION)
+    (small / "mine.py").write_text(brains.load("voter").source)
     said.clear()
     leaderboard(["mine.py"], "out", say=said.append)
     assert any("another version" in line for line in said)
@@ -249,3 +207,16 @@ def test_a_page_of_somebody_else_stays(small, refused):
     (small / "out").mkdir()
     (small / "out" / "leaderboard.md").write_text("my notes")
     assert "is not a page of leaderboard" in refused("leaderboard", "--out", "out")
+
+
+@pytest.mark.long
+def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys):
+    for board, worlds in (("honest", 12), ("liars", 24)):
+        words = ["leaderboard", "mine.py", "./mine.py", "--out", "out", "--trials", "2", "--board", board, "--json"]
+        assert main(words) == 0
+        shown = json.loads(capsys.readouterr().out)
+        assert (shown["board"], shown["worlds"]) == (board, worlds)
+        assert [loss["board"] for loss in shown["losses"]] == [board]
+        assert sorted(row["brain"] for row in shown["brains"]) == ["legacy", "mine.py", "minimalistic"]
+        assert ("10 % liars" in shown["brains"][0]["final_error_by_kind"]) == (board == "liars")
+    assert "is on it" in refused("leaderboard", "--out", "out", "--trials", "2", "--board", "change")

@@ -1,5 +1,7 @@
 """Bags of ROS 2: `infer` of a bag is, to the bit, `infer` of the same data as CSV files."""
 
+import contextlib
+import sqlite3
 import sys
 
 import numpy as np
@@ -159,6 +161,24 @@ def test_of_a_damaged_bag_is_read_what_is_readable(tmp_path, storage, damage):
     wrong = first[known] != np.array(seen[: len(first)])[known]
     assert wrong.sum() <= (8 if (storage, damage) == ("SQLITE3", "flip") else 0)  # SQLite has no checksums
     assert "messages could be read" in recorded.notes[0]
+
+
+def test_what_cannot_be_decoded_is_left_out(tmp_path):
+    """Rows of other types, as damage leaves them."""
+    file, _ = long_bag(tmp_path / "bag", "SQLITE3")
+    with contextlib.closing(sqlite3.connect(file)) as base, base:
+        base.execute("UPDATE messages SET timestamp = x'00' WHERE id = 3")
+        base.execute("UPDATE messages SET data = 5 WHERE id = 4")
+        base.execute("UPDATE messages SET data = x'00' WHERE id = 5")
+    recorded = read_bag(tmp_path / "bag", FLOOR, None, 0.1)
+    assert recorded.notes == [f"{tmp_path / 'bag'}: 3 messages could not be decoded"]
+    assert np.isnan(recorded.readings).sum() == 3
+
+
+def test_no_reading_is_nan(tmp_path):
+    write(tmp_path / "bag", [(START + k * PERIOD, "/r0/f", "Float32", v) for k, v in enumerate([1.0, np.nan, 0.0])])
+    readings = read_bag(tmp_path / "bag", "/r{robot}/f", None, 0.1).readings
+    np.testing.assert_array_equal(readings, [[1], [np.nan], [0]])
 
 
 FLOOR = "/robot_{robot}/floor"

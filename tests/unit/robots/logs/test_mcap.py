@@ -131,6 +131,48 @@ def test_a_boot_begins_at_its_own_time_or_after_the_one_before(tmp_path, begun):
     assert times_of(tmp_path / "robot-1.log") == [now + 100 * k for now in starts for k in (1, 2, 3)]
 
 
+def test_a_boot_whose_start_is_lost_goes_on_later(tmp_path):
+    clock = Clock()
+    robots = [made(tmp_path, 1, clock)]
+    lives(robots, clock, 3)
+    closed(robots)
+    log = read_log(tmp_path / "robot-1.log")
+    state = log.states[0]._replace(starts=False, boot=5, tick=40, clock=9)
+    shown = list(timed([*log.blocks, state, log.ticks[0]._replace(tick=41, clock=109)]))
+    assert [now for now, _ in shown][-2:] == [4000, 4100]
+
+
+def test_robots_without_a_time_begin_with_the_others_and_messages_are_in_order(folder, tmp_path):
+    clock = Clock()
+    robots = [made(folder, 9, clock)]
+    lives(robots, clock, 2)
+    closed(robots)
+    _, _, messages, metadata = exported(folder, tmp_path)
+    assert messages["/robot_9/estimate"][0][0] == (NOW + 100) * 10**6
+    assert metadata["robot_9"]["times"] == "counted from the first tick"
+    from mcap.stream_reader import StreamReader
+
+    with (tmp_path / "day.mcap").open("rb") as file:
+        times = [record.log_time for record in StreamReader(file).records if type(record).__name__ == "Message"]
+    assert times == sorted(times)
+    assert len(set(times)) == 20
+
+
+def test_a_brain_that_is_not_there_leaves_bytes(folder, tmp_path):
+    robot, _ = made(folder, 9, Clock())
+    robot.log.close()
+    (folder / "robot-9.log").unlink()
+    robot.log.brain = bytes(8)
+    robot.record(robot.log)
+    robot.tick()
+    robot.log.close()
+    _, _, messages, metadata = exported(folder, tmp_path)
+    [(_, content)] = messages["/robot_9/said"]
+    assert content["numbers"] == {}
+    assert len(bytes.fromhex(content["code"])) == 3
+    assert metadata["robot_9"]["brain"] == ""
+
+
 def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatch, capsys):
     pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
     monkeypatch.chdir(tmp_path)

@@ -1,15 +1,59 @@
 """Lives lived again from robots' logs: to the bit, under another brain, and after all that can happen to a log."""
 
+import json
+import random
+import shutil
+import struct
+from binascii import crc32
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.robots.logs.clocks import Clock
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
+from swarmcensus.robots.logs.logs import Gap, Heard, Tick, read_log
 from swarmcensus.robots.logs.others import under
+from swarmcensus.robots.logs.traces import as_logged, as_trace
+from swarmcensus.runtime.log import ENDING, MAGIC, OPENING, STATE, TICK, block
 from swarmcensus.simulation.trials import record_trial
+from tests.support.lockstep import Swarm
 from tests.support.relived import SEED, estimates_of, logged, setting_of, told
 
 pytestmark = pytest.mark.interpreted
+
+
+def recorded(folder, brain="commons", **given):
+    """Logs of a swarm that lived to its end: its study, and what its robots showed."""
+    study, _, swarm = logged(folder, brain, **given)
+    swarm.run()
+    return study, swarm.close()
+
+
+def lived(folder):
+    """The recording of a folder, and its lives."""
+    recording = read_recording(folder)
+    return recording, [relive(member) for member in recording.members]
+
+
+def killed(folder, brain="commons", damages=(), now=True, waits=0, **given):
+    """A swarm in which robot 1 is killed after tick 23, and is back at tick 31; robot 2 at once after tick 12."""
+    _, _, swarm = logged(folder, brain, more={"saves": 5, "now": now, "waits": waits}, **given)
+    swarm.run(12)
+    swarm.kill(2)
+    for name in damages:
+        (folder / name).write_bytes(b"damaged")
+    swarm.start(2)
+    swarm.run(11)
+    swarm.kill(1)
+    swarm.run(7)
+    swarm.start(1)
+    swarm.run()
+    return swarm.close()
 
 
 CASES = [
@@ -24,13 +68,11 @@ CASES = [
 
 @pytest.mark.parametrize(("brain", "message", "precision"), CASES)
 def test_replay_of_logs_is_exact(tmp_path, brain, message, precision):
-    _, setting, swarm = logged(tmp_path / "day", brain, message=message, precision=precision)
-    swarm.run()
-    shown = swarm.close()
-    assert (shown == record_trial(setting, SEED, 0)[1]).all()
-    recording = read_recording(tmp_path / "day")
-    for member in recording.members:
-        life = relive(member)
+    formats = {"message": message, "precision": precision}
+    _, shown = recorded(tmp_path / "day", brain, **formats)
+    assert (shown == record_trial(setting_of(brain, **formats)[1], SEED, 0)[1]).all()
+    recording, lives = lived(tmp_path / "day")
+    for life in lives:
         assert life.to_the_bit, life.breaks
         assert (life.ticks, life.relived, life.lost) == (40, 40, [])
     same = under(recording, recording.brain)
@@ -49,14 +91,339 @@ OTHERS = [
 
 
 @pytest.mark.parametrize(("brain", "other", "message", "precision"), OTHERS)
-def test_another_brain_lives_the_day_as_its_simulation(tmp_path, brain, other, message, precision):
-    study, _, swarm = logged(tmp_path / "day", brain, message=message, precision=precision)
-    swarm.run()
-    shown = swarm.close()
+def test_another_brain_lives_a_recording_as_its_simulation(tmp_path, brain, other, message, precision):
+    formats = {"message": message, "precision": precision}
+    study, shown = recorded(tmp_path / "day", brain, **formats)
     told(tmp_path / "day", study)
     recording = read_recording(tmp_path / "day")
     result = under(recording, brains.load(other))
-    expected = record_trial(setting_of(other, message=message, precision=precision)[1], SEED, 0)[1]
+    expected = record_trial(setting_of(other, **formats)[1], SEED, 0)[1]
     found = estimates_of(recording, result, 40)
     assert (found == expected).all()
     assert (found != shown).any()
+
+
+@pytest.mark.parametrize(("now", "waits"), [(True, 370), (False, 0)])
+def test_robots_that_start_again_resume_what_they_had_saved(tmp_path, now, waits):
+    """Robots of a swarm wait for a common beginning; one that starts again does not."""
+    shown = killed(tmp_path / "day", now=now, waits=waits)
+    recording, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit and not life.lost for life in lives)
+    assert [(s.boot, s.tick, s.kind, s.source_boot) for s in lives[1].starts] == [
+        (0, 0, "blank", -1), (1, 20, "resumed", 0),
+    ]  # fmt: skip
+    assert [(s.tick, s.kind) for s in lives[2].starts] == [(0, "blank"), (10, "resumed")]
+    clock = Clock(recording.members)
+    trace = as_trace(recording, as_logged(recording, lives), clock)["estimate"].values
+    if now:  # the rounds are those of the world
+        assert len(trace) == 41
+        times = {clock.time(0, at) for at in range(len(recording.members[0].log.blocks))}
+        assert times == set(range(41))  # a robot that never started again has its own ticks
+        assert np.isnan(trace[24:30, 1]).all()
+        there = ~np.isnan(shown)
+        assert (trace[there] == shown[there]).all()
+    else:
+        assert (trace[31:34, 1] == shown[38:41, 1]).all()
+    same = under(recording, recording.brain, clock=clock)
+    assert not same.unknown
+    assert same.estimates[1] == as_logged(recording, lives).estimates[1]
+
+
+def test_a_stopped_robot_has_no_numbers_in_between(tmp_path):
+    """Its process misses ticks, and its count of them lags behind the clock."""
+    _, _, swarm = logged(tmp_path / "day", more={"saves": 5})
+    swarm.run(12)
+    stopped, swarm.robots[1] = swarm.robots[1], None
+    swarm.run(8)
+    swarm.robots[1] = stopped
+    swarm.kill(3)
+    swarm.start(3)
+    swarm.run()
+    shown = swarm.close()
+    recording, lives = lived(tmp_path / "day")
+    trace = as_trace(recording, as_logged(recording, lives), Clock(recording.members))["estimate"].values
+    assert np.isnan(trace[13:21, 1]).all()
+    np.testing.assert_array_equal(trace, shown)
+
+
+def test_late_start_is_known(tmp_path):
+    _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20)
+    swarm.kill(2)
+    (tmp_path / "day" / "robot-2.log").unlink()
+    swarm.run(10)
+    swarm.start(2)
+    swarm.run(10)
+    swarm.close()
+    clock = Clock(read_recording(tmp_path / "day").members)
+    assert not clock.restarted
+    assert [clock.time(robot, 0) for robot in range(3)] == [0, 0, 10]
+    assert {clock.last(robot) for robot in range(3)} == {20}
+
+
+@pytest.mark.parametrize("other", ["minimalistic", "voter"])
+def test_another_brain_goes_on_with_what_it_would_have_saved(tmp_path, other):
+    killed(tmp_path / "day", damages=["memory-2"])
+    told(tmp_path / "day", setting_of()[0])
+    expected = killed(tmp_path / "other", other, damages=["memory-2"])
+    recording = read_recording(tmp_path / "day")
+    result = under(recording, brains.load(other))
+    starts = relive(recording.members[2]).starts
+    assert [start.kind for start in starts] == ["blank", "blank"]  # its memory was damaged
+    clock = Clock(recording.members)
+    found = as_trace(recording, result, clock)["estimate"].values
+    if other == "voter":  # the luck of another boot is another one
+        expected, found = expected[:13], found[:13]
+    there = ~np.isnan(expected)
+    assert (found[there] == expected[there]).all()
+    assert result.counts["missing"] == result.counts["starts"] == result.counts["lost"] == 0
+
+
+def test_replay_of_a_cut_log(tmp_path):
+    _, shown = recorded(tmp_path / "day")
+    path = tmp_path / "day" / "robot-1.log"
+    path.write_bytes(path.read_bytes()[:-300])
+    recording, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit for life in lives)
+    kept = lives[1].ticks
+    (lost,) = lives[1].lost
+    assert kept < 40
+    assert (lost.after, lost.before) == (kept, None)
+    assert lost.reason.startswith("the file was cut")
+    same = under(recording, recording.brain)
+    found = estimates_of(recording, same, 40)
+    assert same.counts["missing"] > 0
+    assert (found[: kept + 1] == shown[: kept + 1]).all()
+    assert (found[kept + 1 :, [0, 2]] != shown[kept + 1 :, [0, 2]]).any()  # the neighbours of robot 1
+
+
+def test_replay_goes_on_after_a_flipped_byte(tmp_path):
+    recorded(tmp_path / "day", more={"saves": 8})
+    path = tmp_path / "day" / "robot-3.log"
+    data = bytearray(path.read_bytes())
+    blocks = read_log(path).blocks
+    where = data.find(struct.pack("<II", 18, 1800))  # the tick and its time
+    data[where + 9] ^= 4
+    path.write_bytes(data)
+    assert len([block for block in blocks if isinstance(block, Tick)]) == 40
+    recording, lives = lived(tmp_path / "day")
+    life = lives[3]
+    assert life.to_the_bit
+    assert (life.ticks, life.relived) == (33, 33)
+    ((boot, after, before, reason),) = life.lost
+    assert (boot, after, before) == (0, 17, 25)
+    assert "damaged" in reason
+    result = under(recording, recording.brain)
+    assert result.counts["lost"] == 7
+    assert any(isinstance(block, Gap) for block in recording.members[3].log.blocks)
+
+
+def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
+    recorded(tmp_path / "day", more={"saves": 8, "lies": lambda robot, tick: (robot, tick) == (2, 19)})
+    _, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit for life in lives if life.number != 2)
+    [first] = lives[2].breaks
+    assert (first.boot, first.tick) == (0, 19)
+    assert "the log got another reading than the brain" in first.reason
+    assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
+
+
+def test_numbers_of_another_precision_are_named(tmp_path):
+    _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
+    for robot in swarm.robots:
+        robot.log.close()
+    for path in (tmp_path / "day").glob("*.log"):
+        path.unlink()
+    for robot in swarm.robots:  # logs say double
+        robot.log.single = False
+        robot.log.file = None
+        robot.record(robot.log)
+    swarm.run()
+    swarm.close()
+    _, lives = lived(tmp_path / "day")
+    assert all("the robot computed in single precision" in life.breaks[0].reason for life in lives)
+
+
+def test_another_brains_file_is_named(tmp_path):
+    recorded(tmp_path / "day")
+    source = (tmp_path / "day" / "brain.py").read_text()
+    (tmp_path / "day" / "brain.py").write_text(source + "\n# changed\n")
+    assert all(life.to_the_bit for life in lived(tmp_path / "day")[1])  # a comment changes nothing
+    (tmp_path / "day" / "brain.py").write_text(brains.load("voter").source)
+    _, lives = lived(tmp_path / "day")
+    assert all("ran another brain: the hash" in life.breaks[0].reason for life in lives)
+
+
+def test_missing_robots_are_counted(tmp_path):
+    study, _ = recorded(tmp_path / "day")
+    told(tmp_path / "day", study, robots=[{"number": k, "log": f"robot-{k}.log"} for k in range(5)])
+    (tmp_path / "day" / "robot-4.log").unlink()
+    recording, lives = lived(tmp_path / "day")
+    assert len(recording.absent) == 1
+    assert all(life.to_the_bit for life in lives)
+    result = under(recording, recording.brain)
+    heard = sum(one.sender == 4 for member in recording.members for tick in member.log.ticks for one in tick.heard)
+    assert result.counts["missing"] == heard > 0
+
+
+@pytest.mark.parametrize(("first", "boot"), [(65_520, 0), (131_060, 255), (0, 300)])
+def test_ticks_and_boots_wrap_in_messages(tmp_path, first, boot):
+    _, setting = setting_of()
+    folder = tmp_path / "day"
+    swarm = Swarm(folder, setting, SEED, first=first)
+    for path in folder.glob("*.log"):
+        path.unlink()
+    for robot in swarm.robots:
+        robot.log.close()
+        robot.boot = boot
+        robot.record(robot.log)
+    swarm.run()
+    shown = swarm.close()
+    (folder / "brain.py").write_text(setting.brain.source)
+    recording, lives = lived(folder)
+    assert all(life.to_the_bit for life in lives)
+    same = under(recording, recording.brain)
+    assert not same.counts["missing"]
+    assert not same.counts["forged"]
+    last = [max(same.estimates[member.number].items())[1] for member in recording.members]
+    assert last == shown[-1].tolist()
+
+
+@pytest.mark.parametrize("brain", ["commons", "voter"])  # a voter says one of two things
+def test_a_message_is_of_the_nearest_tick_with_its_low_bytes(tmp_path, brain):
+    """After 65,536 ticks the low bytes are the same again."""
+    given = {"robots": 2, "rounds": 60, "topology": "full"}
+    _, _, swarm = logged(tmp_path / "day", brain, more={"now": False}, **given)
+    swarm.run(20)
+    for robot in swarm.robots:  # as if 65,536 ticks less some had passed, in which nothing was written
+        robot.ticks += 65_536 - 15
+        robot.log.state(robot, False)
+    swarm.run()
+    swarm.close()
+    recording, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit for life in lives)
+    same, was = under(recording, recording.brain), as_logged(recording, lives)
+    assert +same.counts == {"lost": 2 * (65_536 - 15)}
+    assert same.estimates == was.estimates
+
+
+def test_the_other_brain_speaks_where_the_first_was_silent(tmp_path):
+    recorded(tmp_path / "day", "voter")
+    recording = read_recording(tmp_path / "day")
+    result = under(recording, brains.load("commons"))
+    silent = sum(tick.said is None for member in recording.members for tick in member.log.ticks)
+    assert result.counts["unheard"] == silent > 0
+    back = under(recording, brains.load("voter"))
+    assert not +back.counts
+
+
+def test_forged_names_are_counted(tmp_path):
+    _, _, swarm = logged(tmp_path / "day")
+    swarm.run(20)
+    forged = bytearray(swarm.bodies[1].sent)
+    forged[4:6] = struct.pack("<H", 21)  # the next tick
+    forged[6] ^= 1
+    swarm.bodies[0].waiting.append(bytes(forged))
+    swarm.robots[0]._hear()
+    swarm.run()
+    swarm.close()
+    recording, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit for life in lives)
+    assert +under(recording, recording.brain).counts == {"forged": 1}
+
+
+def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
+    """Each of two robots heard a message that the other said only after it."""
+    recorded(tmp_path / "day", robots=2, rounds=9, topology="full")
+    recording = read_recording(tmp_path / "day")
+    changed = []
+    for member, other in zip(recording.members, recording.members[::-1], strict=True):
+        late = other.log.ticks[6]
+        early = [late.said and Heard(other.number, 0, 7, late.said)]
+        blocks = [
+            b._replace(heard=tuple(early)) if isinstance(b, Tick) and b.tick == 3 else b for b in member.log.blocks
+        ]
+        changed.append(replace(member, log=replace(member.log, blocks=tuple(blocks))))
+    result = under(replace(recording, members=tuple(changed)), brains.load("minimalistic"))
+    assert result.counts["missing"] >= 1
+    assert {len(estimates) for estimates in result.estimates.values()} == {10}
+
+
+def test_whatever_a_log_holds_it_is_read_and_told_of(tmp_path, capsys):
+    """Bytes are changed and parts are cut, also so that checksums are right: nothing is raised."""
+    recorded(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
+    path = tmp_path / "day" / "robot-1.log"
+    data, chance = path.read_bytes(), random.Random(5)
+    exact = len(data)
+    for _ in range(40):
+        changed = bytearray(data)
+        at = chance.randrange(exact)
+        changed[at] ^= 1 << chance.randrange(8)
+        if chance.random() < 0.7:  # the checksum of the block is made right
+            begin = 0
+            while begin < exact:
+                end = begin + 3 + struct.unpack_from("<H", data, begin + 1)[0]
+                if begin <= at < end:
+                    changed[end : end + 2] = struct.pack("<H", crc32(changed[begin:end]) & 0xFFFF)
+                begin = end + 2
+        if chance.random() < 0.3:
+            del changed[chance.randrange(exact) :]
+        path.write_bytes(changed)
+        assert main(["relive", str(tmp_path / "day"), "--brain", "commons", "--quiet"]) in (0, 1, 2)
+        said = capsys.readouterr()
+        assert "internal error" not in said.err, said.err
+
+
+# ---- logs and swarm.json that somebody has made up
+
+
+TOO_LATE = block(TICK, struct.pack(OPENING, 100_000_000, 5, 0, 0, 0, 0) + struct.pack(ENDING, 0.5, 7))
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("logs") / "day"
+    told(folder, recorded(folder)[0])
+    return folder
+
+
+@pytest.fixture
+def copied(whole, tmp_path):
+    return Path(shutil.copytree(whole, tmp_path / "day"))
+
+
+@pytest.mark.parametrize(
+    "added",
+    [TOO_LATE, block(STATE, b""), block(STATE, MAGIC + bytes(63)), block(9, b"?")],
+    ids=["late", "empty", "version", "kind"],
+)
+@pytest.mark.parametrize("command", ["relive", "relive --brain minimalistic --trace t.nc", "export --format mcap"])
+def test_no_block_ends_without_a_sentence(added, command, copied, here, capsys):
+    path = copied / "robot-1.log"
+    path.write_bytes(path.read_bytes() + added)
+    words = command.split()
+    assert main([words[0], str(copied), *words[1:]]) in (0, 1, 2)
+    assert "internal error" not in capsys.readouterr().err
+
+
+def test_ticks_before_the_first_state_are_lost(copied):
+    path = copied / "robot-1.log"
+    whole = read_log(path)
+    path.write_bytes(block(9, b"?") + TOO_LATE + path.read_bytes())
+    log = read_log(path)
+    assert log.blocks[1:] == whole.blocks
+    assert isinstance(log.blocks[0], Gap)
+
+
+@pytest.mark.parametrize(
+    ("brain", "says"),
+    [
+        ({"file": "../brain.py"}, "brain.file = '../brain.py'"),
+        ({"file": "/etc/passwd"}, "brain.file = '/etc/passwd'"),
+        ({"file": "b\0.py"}, "should be the name of a file in the folder"),
+        ({"file": "brain.py", "parameters": [1]}, "brain should be a table"),
+    ],
+)
+def test_a_folder_reads_nothing_outside(brain, says, copied, refused):
+    path = copied / "swarm.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"brain": brain}))
+    assert says in refused("relive", copied)

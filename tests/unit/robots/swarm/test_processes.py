@@ -3,10 +3,12 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,8 +17,10 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.robots import on_node
 from swarmcensus.robots.logs.logs import read_log
-from swarmcensus.robots.swarm import air
+from swarmcensus.robots.swarm import air, plans
 from swarmcensus.robots.swarm.faults import faults_of
+from swarmcensus.robots.swarm.plans import Air, plan_of
+from swarmcensus.robots.swarm.reports import Report, read_report
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies.study import Study
@@ -88,6 +92,14 @@ def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
     assert boots == [[0], [0], [0, 1], [0, 1]]
     assert len(logs(tmp_path / "out")[1].ticks) <= 65  # it started late
     assert not programs(tmp_path)
+
+
+@pytest.mark.long
+def test_a_partition_parts(tmp_path, capsys):
+    run(capsys, tmp_path / "out", "--topology", "full", "--fault", "0s partition 0-1")
+    for log in logs(tmp_path / "out"):
+        late = {message.sender // 2 for tick in log.ticks[10:] for message in tick.heard}
+        assert late == {log.number // 2}
 
 
 def test_crashed_robot_is_reported(tmp_path):
@@ -228,8 +240,122 @@ def test_wrong_options_are_refused_in_a_sentence(refused, arguments, says):
     assert says in refused("swarm", *arguments)
 
 
+def test_folders_in_use_are_refused(here, refused):
+    assert "--out .: this is the folder that you are in" in refused("swarm", "commons", "--out", ".")
+    (here / "mine").mkdir()
+    (here / "mine" / "notes").write_text("my notes")
+    assert "the folder mine is not empty, it holds 'notes'" in refused("swarm", "commons", "--out", "mine")
+    assert "is a file: name a new folder" in refused("swarm", "commons", "--out", "mine/notes")
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
 def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
     arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "0.0.0.0", "--out", str(tmp_path / "out")]
     assert main(["swarm", "commons", *arguments]) == 0
     assert "Anyone who can reach 0.0.0.0" in capsys.readouterr().err
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", range(5))
+def test_all_states_of_a_mixed_swarm_are_replayed(tmp_path, benchmark, number):
+    """Also from logs that are cut anywhere."""
+    robots, rounds, swarm = 8, 320, benchmark("swarm")
+    [(_, outcome, whole, logs, cut)] = swarm.rows(tmp_path, swarm.SWARMS[number : number + 1], robots, rounds)
+    assert outcome.died == {}
+    assert (whole.differences, cut.differences) == ([], [])
+    assert (whole.to_the_bit, cut.to_the_bit) == (robots, robots)
+    assert whole.starts == {"blank": robots + 1, "resumed": 2, "unknown": 0}
+    assert whole.ticks > robots * rounds * 0.5
+    assert whole.heard > whole.ticks / 2
+    assert logs > 0
+    assert cut.ticks < whole.ticks
+    assert (whole.relived, cut.relived) == (whole.ticks, cut.ticks)
+
+
+# ---- what is not believed or taken
+
+
+def test_reports_without_the_token_or_out_of_range_are_ignored():
+    assert read_report(b"secret 2 1 40000 0", "secret").port == 40000
+    forged = (b"2 1 40000 0", b"wrong 2 1 40000 0", b"", b"secret", b"secret 2 1 99999999 0", b"secret 2 1 0 0",
+              b"secret -1 1 40000 0", b"secret 2 1 40000 " + b"9" * 500, b"secret 2 1 40000 x",
+              b"\xff\x00 2 1 4 0")  # fmt: skip
+    for datagram in forged:
+        assert read_report(datagram, "secret") is None
+    report = "secret 2 1 40000 3 7 7 {} {} 1 2 3 4 5 6 7 8 9" + " 10" * (len(Report._fields) - 17)
+    assert read_report(report.format("0.5", "-1.0").encode(), "secret").ticks == 7
+    for wrong in (("nan", "-1.0"), ("1e999", "-1.0"), ("0.5", "inf")):
+        assert read_report(report.format(*wrong).encode(), "secret") is None
+
+
+def test_a_large_message_is_heard_whole():
+    here = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    here.bind(("127.0.0.1", 0))
+    here.setblocking(False)
+    messages = SimpleNamespace(size=9000, mark=1, unpack=lambda _: None)
+    heard = air.Air(here, messages, lambda: 0.0, 1, 7)
+    with here:
+        for size in (9000, 9100):
+            here.sendto(bytes(size), here.getsockname())
+        assert [len(heard.receive()), len(heard.receive())] == [9000, 9001]  # the longer one is refused as noise
+
+
+def small(observations=1):
+    schedule = {"rounds": 2, "observations_per_round": observations}
+    return Study(
+        name="small", trials=1, swarm={"robots": 2, "accuracy": 0.8, "brain": "commons"},
+        world={"topology": "full", "fill_ratio": 0.5, "message": "ratio16"}, schedule=schedule,
+    )  # fmt: skip
+
+
+def test_what_no_datagram_or_log_holds_is_refused(monkeypatch):
+    with pytest.raises(InputError, match="65,536 observations a round"):
+        plan_of(small(65536), 0, 0, 0, Air())
+    monkeypatch.setattr(plans, "MOST_BYTES", 8)
+    with pytest.raises(InputError, match="a message of 13 bytes: UDP carries up to 8 in a datagram"):
+        plan_of(small(), 0, 0, 0, Air())
+
+
+@pytest.mark.parametrize("hz", ["0", "0.0009", "501"])
+def test_periods_of_no_or_too_many_milliseconds_are_refused(refused, hz):
+    assert f"--hz {float(hz):g}: should be ticks a second, from 0.001 to 500" in refused("swarm", "commons", "--hz", hz)
+
+
+def test_a_delay_as_long_as_the_run_is_refused(refused):
+    assert "--delay 2s" in refused("swarm", "commons", "--hz", "20", "--rounds", "40", "--delay", "2s")
+    air = Air(hz=20.0, delay=99)
+    assert plan_of(small(), 0, 0, 0, air).air is air  # a run of 100 ms
+
+
+SUBREAPER = """
+import ctypes, subprocess, sys, time
+ctypes.CDLL(None).prctl(36, 1, 0, 0, 0)
+process = subprocess.Popen([sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "3", "--rounds", "900",
+                            "--hz", "20", "--quiet", "--fault", "0.1s stop 1", "--out", sys.argv[1]])
+input()
+process.kill()
+process.wait()
+input()
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs a subreaper, as process 1 of a container is")
+def test_stopped_robot_ends_with_the_command(tmp_path):
+    """The system then sends nothing to its group."""
+
+    def states():
+        found = subprocess.run(["ps", "-ww", "-eo", "stat,args"], capture_output=True, text=True, check=True).stdout
+        lines = [line for line in found.splitlines() if "import node" in line and str(tmp_path) in line]
+        return [line[0] for line in lines if line[0] != "Z"]
+
+    def comes(condition):
+        until = time.monotonic() + 20
+        while not condition() and time.monotonic() < until:
+            time.sleep(0.05)
+        return condition()
+
+    with subprocess.Popen([sys.executable, "-c", SUBREAPER, str(tmp_path / "out")], stdin=subprocess.PIPE) as parent:
+        assert comes(lambda: "T" in states())
+        os.write(parent.stdin.fileno(), b"\n")
+        assert comes(lambda: not states())
+        os.write(parent.stdin.fileno(), b"\n")

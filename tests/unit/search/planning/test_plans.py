@@ -148,15 +148,19 @@ def test_right_is_what_the_goal_says():
     assert share == pytest.approx((np.abs(near_0 - 0.02) <= 0.05).mean(), abs=0.005)
 
 
-def test_only_robots_that_work_are_counted():
-    mission = mission_of(RING | {"known": {"accuracy": 0.9, "fill_ratio": 0.9, "failing": 0.3}})
-    study = study_of(mission, 10, mission.brains, [Case(0.9)], [5, 40], 50, 3)
+@pytest.mark.long(only=["liars"])
+@pytest.mark.parametrize("liars", [{}, {"lying": 0.2, "lie": "opposite"}], ids=["honest", "liars"])
+def test_only_honest_robots_that_work_are_counted(liars):
+    mission = mission_of(RING | {"known": {"accuracy": 0.9, "fill_ratio": 0.9, "failing": 0.3} | liars})
+    case = Case(0.9, mission.lies[0] if liars else None)
+    study = study_of(mission, 10, mission.brains, [case], [5, 40], 50, 3)
     [curve] = curves(mission, study, 1, QUIET["progress"])
     estimates = sc.run(study)["estimates"].values[0]
     [setting] = study.settings()
     for trial in range(50):
-        works = sampling.stops(setting, 3, trial)[1] > 100
-        assert works.sum() == 7
+        honest = sampling.groups(setting, 3, trial, 1)[0] == 0
+        works = sampling.stops(setting, 3, trial)[1, honest] > 100
+        assert (honest.sum(), works.sum() >= 5) == (8, True) if liars else works.sum() == 7
         right = np.abs(estimates[:, trial] - 0.9) <= 0.05
         assert curve.shares[:, trial] == pytest.approx(right[:, works].mean(axis=1))
 

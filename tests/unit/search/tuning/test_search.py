@@ -11,8 +11,9 @@ import swarmcensus as sc
 from swarmcensus.brains import parse
 from swarmcensus.results.measures import Measure
 from swarmcensus.search.tuning import training
+from swarmcensus.search.tuning.generations import reset_idle
 from swarmcensus.search.tuning.optimiser import Search
-from swarmcensus.search.tuning.plans import budget_of
+from swarmcensus.search.tuning.plans import budget_of, plan_of
 from swarmcensus.search.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.search.tuning.training import COMPANIONS, loss, scales_of
 from swarmcensus.simulation import trials as simulated
@@ -300,3 +301,49 @@ def test_values_that_change_nothing_are_no_finding(tmp_path):
     assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
     assert found.notes[0] == "idle changes nothing in final_error, and stays at 1"
     assert all(one in found.text and one in str(found) for one in found.notes)
+
+
+def evaluations_of(path):
+    """The lines of a log that are evaluations, without the seconds."""
+    return [line.rpartition(",")[0] for line in path.read_text().splitlines()[3:]]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("flat", [False, True])
+def test_search_goes_on_from_any_part_of_its_log(flat, args, tmp_path):
+    """Also from half a line, from a smaller budget, and where nothing differed, so that new candidates are drawn."""
+    given = [study_of(tmp_path, NOWHERE), ["a=5:10"], None, "correct"] if flat else args
+    whole = sc.tune(*given, budget=61, trials=2, out=tmp_path / "whole.toml")
+    lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
+    for cut, torn in ((0, 9), (1, 0), (3, 9), (15, 9), (40, 0), (-1, 9)):
+        (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]) + lines[cut][:torn])
+        again = sc.tune(*given, budget=61, trials=2, out=tmp_path / "cut.toml")
+        assert again.values == whole.values
+        assert evaluations_of(tmp_path / "cut.csv") == evaluations_of(tmp_path / "whole.csv")
+    for budget in (37, 61):
+        again = sc.tune(*given, budget=budget, trials=2, out=tmp_path / "more.toml")
+    assert again.values == whole.values
+    assert evaluations_of(tmp_path / "more.csv") == evaluations_of(tmp_path / "whole.csv")
+
+
+def test_threads_change_nothing_and_python_keeps_no_files(args, tmp_path):
+    one, three = (sc.tune(*args, budget=37, trials=4, jobs=jobs) for jobs in (1, 3))
+    assert one.values == three.values
+    assert [e.losses for e in one.evaluations] == [e.losses for e in three.evaluations]
+    assert [path.name for path in tmp_path.iterdir()] == ["tunable.py"]
+
+
+def test_of_two_values_that_stand_for_one_another_one_is_kept(tmp_path):
+    """The estimate changes if one of the two changes, and not further if both do."""
+    plan = plan_of(study_of(tmp_path, "a = 0.1"), ["idle=0:10", "shift=0:1"], None, "final_error", budget_of(50), 2)
+
+    class Either:
+        def run(self, brains, seed, keep, show):
+            for place, one in enumerate(brains):
+                changed = one.parameters["idle"] != 1.0 or one.parameters["shift"] != 0.0
+                keep(place, np.full((1, 2), float(changed)))
+            return []
+
+    values, idle = reset_idle(plan, (5.0, 0.5), Either(), None)
+    assert values == (1.0, 0.5)
+    assert idle == ["idle"]
