@@ -81,11 +81,11 @@ print(tiny.double(21), sum(tiny.double.stats.cache_misses.values()))
     kept = with_numba(tmp_path / "cache")
     begun = [
         subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, env=kept, stdout=subprocess.PIPE, text=True)
-        for _ in range(3)
+        for _ in range(2)
     ]
-    assert [process.stdout.readline() for process in begun] == ["ready\n"] * 3
+    assert [process.stdout.readline() for process in begun] == ["ready\n"] * 2
     (tmp_path / "go").touch()
-    assert sorted(process.communicate()[0] for process in begun) == ["42 0\n", "42 0\n", "42 1\n"]
+    assert sorted(process.communicate()[0] for process in begun) == ["42 0\n", "42 1\n"]
 
 
 def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):

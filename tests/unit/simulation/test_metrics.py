@@ -27,15 +27,6 @@ def test_convergence_is_the_first_index_near_to_all_later_ones(curves, delta):
     assert metrics.convergence(curves, delta).tolist() == expected
 
 
-def test_convergence_is_not_monotone():
-    curve = np.array([[0.5], [0.508], [0.495], [0.5]])  # 0 qualifies, 1 does not
-    assert metrics.convergence(curve, 0.01)[0] == 0
-
-
-def test_curve_that_never_settles():
-    assert metrics.convergence(np.array([[0.0], [1.0], [0.0], [1.0]]))[0] == 3
-
-
 def test_error_at():
     curves = np.array([[0.5, 0.1], [0.6, 0.2]])
     assert metrics.error_at(curves, np.array([1, 0]), 0.55) == pytest.approx([0.05, 0.45])

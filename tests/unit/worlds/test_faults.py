@@ -135,13 +135,3 @@ def test_oracle_hears_absent_robots_but_no_liars():
     for tick in range(1, 9):
         assert all(works(heard, TALKING, i, tick) for i in range(4))
         assert [works(heard, SENSING, i, tick) for i in range(4)] == [True, not 2 <= tick < 5, True, False]
-
-
-def test_ends_are_times_where_robots_move():
-    text = MOVING.replace(
-        'at = 20, robots = 3, stop = "STOP"', 'at = "1 s", robots = 3, stop = "sensing", until = "2 s"'
-    )
-    (fault,) = sc.Study.parse(text).faults
-    assert (fault.at, fault.until) == (10, 20)
-    with pytest.raises(sc.InputError, match=r"faults\[0\]\.until = 10"):
-        sc.Study.parse(text.replace("2 s", "1 s"))
