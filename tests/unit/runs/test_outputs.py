@@ -115,3 +115,11 @@ def test_estimates_are_kept_in_all_trials_or_in_none():
         run(study(first), 2, out="a.nc", fresh=True)
         with pytest.raises(InputError, match=f"{said} this study"):
             run(study(second), out="a.nc")
+
+
+def test_merge_leaves_the_work_of_a_run_that_was_cut_off(whole, refused):
+    cut_off("m.nc", 40)
+    sc.save(whole, "a.nc")
+    assert "holds the work of a run that was cut off" in refused("merge", "a.nc", "--out", "m.nc")
+    assert main(["merge", "a.nc", "--out", "m.nc", "--fresh"]) == 0
+    assert same(sc.load("m.nc"), whole)
