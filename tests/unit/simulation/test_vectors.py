@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus import brains
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.errors import InputError
+from tests.support.places import EXAMPLE
 from tests.support.second import brain, changed, fixed
 from tests.support.small import GO, SEED, study_of
 
@@ -106,3 +108,19 @@ def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
     head = Path("t.csv").read_text().splitlines()[0]
     assert "seen[1]" in head
     assert "item_seen[2]" in head
+
+
+def test_a_belief_over_ten_bins_is_bayes_rule():
+    """The example by hand: logarithms of binomial likelihoods, of its own readings and of those that it hears of."""
+    used = brains.load(EXAMPLE / "histogram.py")
+    me, other = used.robot(0.8, 0.8), used.robot(0.8, 0.8)
+    used.functions.observe(me, 5.0, 7.0)
+    used.functions.observe(other, 6.0, 9.0)
+    used.functions.receive(me, used.functions.broadcast(other))
+    used.functions.fuse(me)
+    middles = (np.arange(10) + 0.5) / 10
+    p = 0.8 * middles + 0.2 * (1.0 - middles)
+    log = 11.0 * np.log(p) + 5.0 * np.log(1.0 - p)
+    assert list(me.belief) == pytest.approx(log, rel=1e-12)
+    assert used.functions.estimate(me) == pytest.approx((np.exp(log) @ middles) / np.exp(log).sum(), rel=1e-12)
+    assert used.functions.decide(me) == np.argmax(log)
