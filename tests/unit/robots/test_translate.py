@@ -421,3 +421,13 @@ def test_files_in_c_appear_together_or_not_at_all(tmp_path, monkeypatch, is_new)
         sc.deploy("alone", folder, "c")
     assert folder.exists() is not is_new
     assert list(tmp_path.rglob("*.*")) == []
+
+
+def test_parameters_are_constants_and_files_are_written_again(tmp_path):
+    text = header(load("tracking").with_parameters({"z": 3.0}).with_numbers(Numbers("single", "ratio16")))
+    assert "static const number parameter_z = 3.0f;" in text
+    sc.deploy("commons", tmp_path / "c", "c")
+    (tmp_path / "c" / "selftest").touch()
+    made = sc.deploy("commons", tmp_path / "c", "c", precision="double")
+    assert made.files == ("brain.h", "selftest.c", "expected.txt", "Makefile")
+    assert "typedef double number;" in (tmp_path / "c" / "brain.h").read_text()

@@ -385,7 +385,8 @@ def test_stopped_run_keeps_its_work_and_cancels_its_jobs(slurm, number):
 
 
 @pytest.mark.long
-def test_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch, threads):
+def test_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
+    longer = study(LONG).with_(trials=800)
     script = here / "bin" / "sbatch"
     no = f'if ! mkdir {here}/taken 2> /dev/null; then echo "sbatch: error: no more" >&2; exit 1; fi'
     script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
@@ -394,9 +395,9 @@ def test_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeyp
     monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
     monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
     with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
-        data = run(study(LONG), cluster="slurm.toml", progress=Once((here / "taken").rmdir))
+        data = run(longer, cluster="slurm.toml", progress=Once((here / "taken").rmdir))
     assert len(slurm()) == 2
-    assert same(data, threads)
+    assert same(data, sc.run(longer, jobs=2))
 
 
 @pytest.mark.long

@@ -257,6 +257,14 @@ def test_average_ranks_are_those_of_each_trial_and_world():
         assert duel["ahead"] == pytest.approx(ahead)
 
 
+def test_friedmans_tests_are_corrected_for_one_another_alone():
+    found = sc.compare(made_up(trials=6, gap=0.6), ["final_error", "consensus_round", "correct"])
+    ranks = found.ranks.drop_duplicates("measure")
+    once, corrected = ranks["friedman_p"].to_numpy(), ranks["friedman_p_corrected"].to_numpy()
+    assert corrected == pytest.approx(holm(once))
+    assert corrected[0] == pytest.approx(3 * once[0])
+
+
 def test_best_and_level_contenders():
     found = sc.compare(made_up(gap=0.6), "final_error")
     assert found.table["final_error_standing"].tolist() == ["best", "behind", "behind", "behind"] * 2

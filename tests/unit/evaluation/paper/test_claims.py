@@ -201,6 +201,22 @@ def test_few_trials_decide_nothing_that_is_random(name):
     assert verdict(name, trials=trials).verdict == f"not decided by {trials} trials"
 
 
+def test_explanations_have_the_numbers_of_their_settings():
+    early = why("mixed-095", quiet(mixed(0.95), K=0.5))
+    assert "ahead in 4 settings, by 50.0 % (convergence, full;" in early
+    assert "behind in none" in early
+    late = why("mixed-055", quiet(mixed(0.55), K=1.6, error=1.5))
+    assert "ahead in none and behind in 8 settings, by 50.0 to 60.0 %" in late
+    note = verdict("grows", only(one("ring", "0.725"), K=1.5)).note
+    assert note == "Of 72 single steps of accuracy, 1 slow the swarm: ring, f = 0.55, 0.675 to 0.725."
+
+
+def test_moving_robots_are_compared_after_as_many_observations():
+    """Their decisions with those at R = 10, and with no others."""
+    assert verdict("like-tree-moving", only(lambda study, **_: study == "same-observations", right=0.1)).holds
+    assert verdict("like-tree-moving", only(lambda study, **_: study == "topologies", right=0.1)).holds is False
+
+
 NEAR = {  # at the threshold, and noisy
     "full-first": only(one("full"), K=5, noise=0.3),
     "same-observations": only(study("same-observations"), error=0.8, noise=0.3),

@@ -9,7 +9,7 @@ from scipy.stats import rankdata
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.evaluation.ranking import board as entries
+from swarmcensus.evaluation.ranking import board as entries, losses
 from swarmcensus.evaluation.ranking.board import leaderboard
 from swarmcensus.evaluation.ranking.page import cell
 from swarmcensus.evaluation.ranking.scores import DIVISIONS, scores_of
@@ -220,3 +220,11 @@ def test_each_board_ranks_its_own_worlds_and_a_brain_once(small, refused, capsys
         assert sorted(row["brain"] for row in shown["brains"]) == ["legacy", "mine.py", "minimalistic"]
         assert ("10 % liars" in shown["brains"][0]["final_error_by_kind"]) == (board == "liars")
     assert "is on it" in refused("leaderboard", "--out", "out", "--trials", "2", "--board", "change")
+
+
+def test_place_counts_those_that_are_better():
+    values = np.array([2.0, 1.0, 2.0, np.nan, 3.0])
+    for low, best in ((True, ("b", 1.0)), (False, ("e", 3.0))):
+        behind = losses._behind("ring", values, 0, [1, 2, 3, 4], [*"abcde"], low)
+        assert (behind.place, behind.of, behind.best, behind.best_value) == (2, 4, *best)
+    assert losses._behind("ring", values, 3, [0, 1], [*"abcde"], True) is None

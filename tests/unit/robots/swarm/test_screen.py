@@ -9,8 +9,9 @@ import pytest
 from rich.console import Console
 
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.swarm_table import screen
+from swarmcensus.cli.swarm_table import screen, summary
 from swarmcensus.robots.swarm.faults import faults_of
+from swarmcensus.robots.swarm.outcomes import outcome_of
 from swarmcensus.robots.swarm.plans import Air, plan_of
 from swarmcensus.robots.swarm.reports import Known, Report
 from swarmcensus.robots.swarm.running import RunningSwarm, Stopped, run
@@ -95,3 +96,16 @@ def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypat
     assert "the mean over the " in told.out
     assert told.out.splitlines()[-1].endswith(f"next: swarmcensus relive {tmp_path / 'out'}")
     assert "swarmcensus: stopped after " in told.err
+
+
+def test_means_are_of_honest_robots_at_work():
+    some = swarm(liars=5)
+    out = Console(file=io.StringIO(), width=100, height=40)
+    out.print(screen(some, 100, 40))
+    assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in out.file.getvalue()
+    some.robots[7].state = "killed"
+    counted = sum(m.honest and some.robots[m.number].state == "runs" for m in some.plan.members)
+    told = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0, 1)))
+    assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in told
+    nobody = "\n".join(summary(plan(), outcome_of(plan(), [Known() for _ in range(20)], 1.0, 1.0, 1)))
+    assert "error     unknown: no robot was at work at the end" in nobody

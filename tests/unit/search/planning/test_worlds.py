@@ -12,6 +12,7 @@ from swarmcensus.search.planning.areas import capacity, fewest
 from swarmcensus.search.planning.mission import mission_of
 from swarmcensus.search.planning.predictions import (
     inner_fill_ratios,
+    predict,
     readings_needed,
     with_worst_accuracy,
     worst_fill_ratios,
@@ -163,3 +164,9 @@ def test_an_oracle_hears_no_liar():
     [row] = sc.plan(among_liars(brain="oracle"), **QUIET).rows
     assert row.answer == "reached"
     assert row.minutes_low <= 1.2 * row.theory.pooled
+
+
+def test_theory_is_of_the_others_as_if_nobody_lied():
+    honest, lying = (mission_of(changed(known={"accuracy": 0.7, "lying": x})) for x in (0.0, 0.5))
+    assert predict(lying, 10, 1000.0).pooled == pytest.approx(2 * predict(honest, 10, 1000.0).pooled)
+    assert predict(lying, 10, 1000.0).alone == predict(honest, 10, 1000.0).alone

@@ -115,6 +115,15 @@ def test_search_of_a_flat_metric(brain):
     assert found >= 18
 
 
+def test_a_flat_generation_makes_the_next_one_wider(brain):
+    search, asked = searched(brain, lambda a, w: (abs(a - 0.5) + abs(w - 0.5),), 20)
+    for _ in range(8):
+        asked.append(search.ask())
+        search.tell([(0.3,)] * search.size)
+    before, after = (np.std(asked[k], axis=0).max() for k in (19, -1))
+    assert 4 * before < after < 0.4
+
+
 def test_search_ends_at_a_single_candidate(brain):
     search, asked = searched(brain, lambda a, w: (abs(a - 0.25) + abs(w - 0.75),), 60)
     assert search.ended
