@@ -51,14 +51,6 @@ def test_what_is_absent_is_not_tried(machines, monkeypatch):
     assert machines.bits("commons") == ["same bits", *["not tried"] * 5]
 
 
-def test_a_cell_tells_the_largest_difference(machines):
-    wanted = "1 0 3f000000 silent\n2 0 3f000000 silent\n"
-    assert machines.told(wanted, wanted) == "same bits"
-    assert machines.told(wanted, "1 0 3f800000 silent\n", 1) == "5e-01"
-    assert machines.told(wanted, "1 0 3f000000 silent\n") == "inf"
-    assert machines.told("1 0 3f000000 00ff\n", "1 0 3f000000 01ff\n") == "messages differ"
-
-
 @needs_micropython
 def test_micropython(machines):
     brain = load("commons").with_numbers(Numbers("double", "ratio16"))

@@ -2,7 +2,6 @@
 
 import functools
 import html.parser
-import json
 import os
 import re
 import runpy
@@ -82,14 +81,6 @@ def test_every_table_has_its_head(page):
     text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
     for table in re.findall(r"(?:^\| .*\n)(?:^\|.*\n)*", text, re.MULTILINE):
         assert re.fullmatch(r"[|: -]+", table.splitlines()[1] if table.count("\n") > 1 else ""), table
-
-
-@pytest.mark.long
-def test_search_prefers_explaining_pages(site):
-    boosts = runpy.run_path(str(ROOT / "docs_hooks" / "boosts.py"))["BOOSTS"]
-    entries = json.loads((site / "search" / "search_index.json").read_text(encoding="utf-8"))["docs"]
-    found = {entry["location"].partition("#")[0]: entry["boost"] for entry in entries if "boost" in entry}
-    assert found == {f"{uri.removesuffix('.md')}/".replace("index/", ""): boost for uri, boost in boosts.items()}
 
 
 @pytest.mark.long

@@ -87,14 +87,6 @@ def test_the_voters_exit_probability_is_the_first_share(share):
     assert stats.binomtest(black, trials, share).pvalue > P
 
 
-@pytest.mark.long
-def test_the_majority_amplifies_the_first_share():
-    """6 of 10 begin with black, which wins in more than 60 % of trials, the voter's share: 10^-6."""
-    last = run("majority", 600, black_first=0.6, senders=3, **UNWEIGHTED)["decision"].values
-    black = int((last.mean(axis=1) > 0.5).sum())
-    assert stats.binomtest(black, 600, 0.6, alternative="greater").pvalue < 1e-6
-
-
 def mean_of(time):
     """Of ceil(Exp(time)), which is geometric."""
     return -1.0 / np.expm1(-1.0 / time)

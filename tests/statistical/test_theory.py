@@ -86,3 +86,11 @@ def test_heterogeneous_robots_are_weighed_by_their_information():
     p = b * 0.55 + (1 - b) * 0.45
     information = (2000 * (2 * b - 1) ** 2 / (p * (1 - p))).sum(axis=1)
     assert stats.kstest((estimates - 0.55) * np.sqrt(information), "norm").pvalue > 1e-3
+
+
+def test_readings_of_rounds_and_robots_are_independent():
+    """Black counts of consecutive rounds and of two robots are uncorrelated: 4 standard errors, error rate 0.02 %."""
+    trial = study(trials=1, schedule={"rounds": 2000}, swarm={"robots": 2}).settings()[0]
+    blacks = record_readings(trial, 42, 0).reshape(2000, 10, 2).sum(axis=1)
+    for one, other in ((blacks[:-1, 0], blacks[1:, 0]), (blacks[:, 0], blacks[:, 1])):
+        assert abs(np.corrcoef(one, other)[0, 1]) < 4 / np.sqrt(2000)

@@ -291,3 +291,91 @@ def test_noise_of_a_mixed_network_is_at_least_half_of_the_most(times, begins):
     me.short_s = me.short_v * (me.ripe_s / me.ripe_v + off)
     DO.compare(me, 1000.0, 20.0)
     assert me.anew == begins
+
+
+# ---- whom it hears
+
+
+def test_a_neighbour_with_other_readings_is_not_heard():
+    honest = met([(50.0, 100.0), (50.0, 100.0), (86.0, 100.0)])  # apart by 5.1 standard errors
+    pair = met([(50.0, 100.0), (50.0, 100.0)])
+    for me, other in zip(honest, pair, strict=False):
+        assert (me.ripe_s, me.ripe_v, me.near) == (other.ripe_s, other.ripe_v, other.near)
+
+
+@pytest.mark.parametrize(("blacks", "counted"), [(50.0, "whole"), (54.0, "clipped"), (80.0, "not")])
+def test_far_readings_are_clipped(blacks, counted):
+    """Of two robots with v = 36: 0.6 standard errors of a reading and r, and none from 2.5 on."""
+    (me,), (other,) = met([(50.0, 100.0)], rounds=10), met([(blacks, 100.0)], rounds=10)
+    f, error = (blacks / 100 - 0.2) / 0.6, math.sqrt(0.25 / 360 + me.error**2)
+    DO.receive(me, DO.broadcast(other))
+    assert (me.near_heard_v == 0.0) == (counted == "not")
+    if counted != "not":
+        due = f if counted == "whole" else me.near + 0.6 * error
+        assert me.near_heard_s / me.near_heard_v == pytest.approx(due)
+
+
+@pytest.mark.parametrize(
+    ("own_trial", "its_trial", "looks", "heard"),
+    [(0.0, 4.0, 100.0, 1.0), (4.0, 4.0, 100.0, 0.0), (0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 1.0)],
+)
+def test_who_tries_a_change_need_not_agree(own_trial, its_trial, looks, heard):
+    """Its readings are old; but two that both try hear each other only if they agree, and who reads nothing hears."""
+    me, other = met([(50.0, 100.0)] * 2, rounds=10)
+    other.own_s, other.trial, me.trial = 0.9 * other.own_v, its_trial, own_trial
+    if looks:
+        DO.observe(me, looks / 2.0, looks)
+    DO.receive(me, DO.broadcast(other))
+    assert me.voices == heard
+
+
+def test_a_robot_that_has_begun_anew_hears_all_again():
+    """Once it has seen enough, or where it reads nothing."""
+    for v, looks in ((31.0, 10.0), (1.0, 0.0)):
+        me, other = met([(50.0, 100.0)] * 2, rounds=10)
+        DO.begin_anew(me)
+        me.s = me.v = v
+        for _ in range(2):
+            round_of([me, other], [(looks / 2.0, looks), (50.0, 100.0)], [[1], [0]])
+        assert me.anew == 0.0
+        assert me.v > v + 10.0
+
+
+def test_a_robot_on_guard_leans_on_what_was_read_near_it():
+    (me,) = met([(50.0, 100.0)], rounds=10)
+    me.ripe_s += 8.0 * me.error * me.ripe_v
+    DO.fuse(me)
+    assert me.x == me.near
+    assert me.s / me.v == me.ripe_s / me.ripe_v == pytest.approx(me.near)
+    assert me.guard == me.rounds == 11.0
+    me.s, before = me.v, me.near
+    DO.observe(me, 50.0, 100.0)
+    me.company = -1.0
+    DO.doubt(me)
+    lean = 3.0 * 100.0 / 1100.0
+    assert me.s / me.v == pytest.approx(1.0 - lean * (1.0 - before), rel=0.1)
+
+
+def test_refuted_changes_cost_trust_and_one_that_holds_restores_it():
+    (me,) = met([(50.0, 100.0)], rounds=50)
+    for trust, pause in ((2.0, 8.0), (1.0, 16.0)):
+        DO.begin_anew(me)
+        while me.trial > 0.0:
+            me.ripe_s, me.s = 0.2 * me.ripe_v, 0.2 * me.v  # what others say
+            DO.observe(me, 5.0, 10.0)
+            DO.fuse(me)
+        assert (me.trust, me.pause) == (trust, pause)
+    DO.begin_anew(me)
+    assert me.trial == 1.0
+    DO.observe(me, 2.0, 10.0)
+    me.ripe_s = me.s = me.guess = 0.0
+    DO.fuse(me)
+    trial = me.trial
+    assert trial > 1.0
+    DO.begin_anew(me)
+    assert me.trial == trial  # it goes on
+    while me.trial > 0.0:
+        DO.observe(me, 2.0, 10.0)
+        me.ripe_s = me.s = 0.0
+        DO.fuse(me)
+    assert me.trust == 4.0

@@ -92,3 +92,15 @@ def test_dancing_listening_and_waiting(name):
     if name == "weighted-voter":
         assert rule.decide(me) == 4.0
         assert rule.estimate(me) == 0.45
+
+
+@pytest.mark.parametrize("name", DANCERS)
+def test_the_faulty_never_listen(name):
+    me, rule = robot(name, every=1.0, dance=1.0, width=50.0, faulty=1.0)
+    said = (1.0, 4.0, (0.0,) * 4 + (1.0,) + (0.0,) * 5)[: len(brains.load(name).message)]
+    sites = set()
+    for draws in np.random.default_rng(8).random(60):
+        rounds(me, rule, [said], draws=float(draws))
+        assert rule.broadcast(me)[0] == 1.0
+        sites.add(me.site)
+    assert len(sites) == 10

@@ -160,3 +160,28 @@ def test_what_is_said_means_what_its_roles_say():
     for name in ("linear-consensus", "w-msr", "gated-mean"):
         assert brains.load(name).roles == {"x": "estimate", "name": "name"}
     assert INNOVATIONS.uses.name is False
+
+
+def test_the_surest_are_copied_and_equals_averaged():
+    """Of covariances at their intersection; the own estimate stays where nobody is surer."""
+    me = INTERSECTION.robot(0.8, 0.8)
+    me.x, me.Y = 0.4, 5.0
+    INTERSECTION.functions.receive(me, (0.9, 5.0))
+    INTERSECTION.functions.fuse(me)
+    assert (me.x, me.Y) == (0.4, 5.0)
+    for x, sure in ((0.1, 2.0), (0.6, 7.0), (0.5, 3.0), (0.7, 7.0)):
+        INTERSECTION.functions.receive(me, (x, sure))
+    INTERSECTION.functions.fuse(me)
+    assert (me.x, me.Y) == (pytest.approx(0.65), 7.0)
+
+
+def test_rounds_without_news_are_not_counted():
+    """Of consensus and innovations: neither those without readings nor those of a sensor that tells nothing."""
+    me, blind = INNOVATIONS.robot(0.9, 0.9), INNOVATIONS.robot(0.3, 0.7)
+    for looks in (0.0, 10.0, 0.0, 10.0):
+        for one in (me, blind):
+            if looks:
+                INNOVATIONS.functions.observe(one, 5.0, looks)
+            INNOVATIONS.functions.fuse(one)
+    assert (me.rounds, blind.rounds, blind.x) == (2.0, 0.0, 0.5)
+    assert me.x == pytest.approx(0.5, abs=1e-12)

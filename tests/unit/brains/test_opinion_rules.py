@@ -162,3 +162,30 @@ def test_what_their_messages_mean():
     assert found["cross-inhibition"].roles == found["direct-switching"].roles == {"opinion": "opinion"}
     assert found["three-state"].roles == {"site": "option", "beliefs": "belief"}
     assert found["weighted-voter"].roles == {"site": "option"}
+
+
+@pytest.mark.parametrize("name", TELLERS)
+def test_only_the_last_rounds_are_listened_to(name):
+    other = (0.0, 1.0) if name == "direct-comparison" else (0.0,)
+    heard = [(*other, float(sender)) for sender in (7, 8, 9)]
+    for left, adopts in ((4.0, False), (3.0, False), (2.0, True), (1.0, True)):
+        me, rule = telling(name)
+        me.left = left
+        rounds(me, rule, heard)
+        rounds(me, rule, count=int(left) - 1)
+        assert rule.broadcast(me) is None
+        assert me.opinion == (0.0 if adopts else 1.0)
+    me, rule = robot(name)  # who explores does not listen
+    rounds(me, rule, heard, count=2)
+    assert (me.opinion, me.t) == (1.0, 2.0)
+
+
+@pytest.mark.parametrize(("best", "blacks", "quality"), [(0.0, 0.0, 2.0 / 3.0), (0.9, 0.0, 0.9), (0.9, 1.0, 0.9)])
+def test_direct_comparison_tells_for_as_long_as_the_best_is_good(best, blacks, quality):
+    """Black at first, on a floor where it reads nothing but white or black; or by the quality that it is told."""
+    me, rule = robot("direct-comparison", best=best)
+    rounds(me, rule, blacks=blacks)
+    me.left = 1.0
+    rounds(me, rule, blacks=blacks)
+    assert me.quality == blacks * 2.0 / 3.0
+    assert me.left == math.ceil(-6.0 * quality * math.log(0.5)) + 2.0

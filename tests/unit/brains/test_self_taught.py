@@ -120,3 +120,25 @@ def test_six_of_twenty_that_are_wrong_do_no_harm(told, truth, fill):
     assert error.max() < 0.05
     assert np.median(error) < 0.01
     assert np.median(plain) > 3.0 * np.median(error)
+
+
+def test_evidence_comes_back_when_it_fits_again():
+    states = [robot(1.0, 1.0) for _ in range(5)]
+    for k, me in enumerate(states):
+        RUN.observe(me, 90.0 if k == 0 else 400.0, 100.0 if k == 0 else 1000.0)
+    talk(states, 300, everyone(5))
+    assert states[0].out == 1.0
+    RUN.observe(states[0], 310.0, 900.0)  # 0.4 of all
+    talk(states, 300, everyone(5))
+    assert states[0].out == 0.0
+    assert states[0].given_v == pytest.approx(states[1].given_v, rel=0.01)
+
+
+@pytest.mark.long
+def test_one_honest_robot_against_impossible_readings():
+    """Told 0.55, but 0.95 at f = 0.95: 0.905 black is more than an all-black floor gives: nineteen step back."""
+    study = study_of(
+        "self-taught", robots=20, accuracy=0.95, rounds=1200, trials=10,
+        members=[{"robots": 19, "assumed_accuracy": 0.55}], topology="full", fill_ratio=0.95,
+    )  # fmt: skip
+    assert abs(sc.run(study)["final_estimate"].values - 0.95).max() < 0.03

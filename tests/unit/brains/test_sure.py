@@ -158,3 +158,42 @@ def test_few_robots_stop_on_a_wrong_answer_and_all_stop():
     assert np.all(wrong.mean(axis=1) <= 0.05 + 4.0 * wrong.std(axis=1) / 60**0.5)
     assert np.all(wrong.mean(axis=1) < 0.05)
     assert np.all(found["done_round"].values % 8 == 0)
+
+
+@pytest.mark.parametrize("degrees", [1.5, 3.5, 5.5, 6.9])
+def test_the_quantile_between_whole_degrees_is_hardly_too_large(degrees):
+    ratio = SURE.quantile(0.01, degrees) / stats.t.ppf(0.995, degrees)
+    assert 1.0 <= ratio < (1.02 if degrees > 3.0 else 1.4)
+
+
+def test_robots_that_cannot_tell_say_all():
+    """Nearly all evidence in one stream, a sensor that tells nothing, and no share of intervals that may miss f."""
+    one = state(s=[0.5] + [5e-5] * 7, v=[1.0] + [1e-4] * 7, looks=10**6, voices=3.0, rounds=1.0)
+    assert SURE.interval(one) == (0.0, 1.0)
+    for me in (state(b=0.5, w=0.5), state(alpha=0.0, s=[0.5] * 8, v=[1.0] * 8)):
+        for _ in range(40):
+            SURE.observe(me, 3.0, 5.0)
+            SURE.fuse(me)
+        assert SURE.interval(me) == (0.0, 1.0)
+        assert not SURE.done(me)
+
+
+def test_blocks_double_for_independent_readings():
+    """In the third stream first: a robot named 10."""
+    me, fed = state(name=10.0, pairs=1e6, looks=1e7), []
+    for _ in range(24):
+        fed.append(SURE.stream(me))
+        SURE.fuse(me)
+    assert fed[:8] == [2, 3, 4, 5, 6, 7, 0, 1]
+    assert fed[8:] == [(2 + k // 2) % 8 for k in range(16)]
+
+
+@pytest.mark.parametrize("look", [1, 2, 5])
+def test_a_look_spends_its_share_of_alpha(look):
+    """4 / ((j + 3) (j + 4)) of it, of which all together make 1: Student's quantile times the standard error."""
+    ratios = np.random.default_rng(4).normal(0.5, 0.1, 8)
+    half = stats.t.isf(2.0 * 0.05 / ((look + 3.0) * (look + 4.0)), 7) * stats.sem(ratios)
+    for within, done in ((0.999 * half, False), (1.001 * half, True)):
+        me = state(s=list(ratios), v=[1.0] * 8, looks=1e9, left=1.0, look=look - 1.0, within=within)
+        SURE.fuse(me)
+        assert SURE.done(me) == done

@@ -153,3 +153,52 @@ def test_the_local_functions_are_those_of_the_paper():
         for me in (mends, follows):
             assert (me.x_hat, me.alpha) == pytest.approx((paper.x_hat, paper.alpha), rel=2e-4, abs=1e-4)
         assert lonely.x == pytest.approx(paper.x_hat, abs=1e-9)
+
+
+def test_at_one_half_asdf_mends_nothing():
+    """(n/t + x_bar - 1)/(2 x_bar - 1) has no value there; next to it the accuracy is at the end of its range."""
+    me = robot(ASDF, 0.9, 0.9, every=1.0)
+    ASDF.functions.observe(me, 20.0, 100.0)
+    for x in (0.49, 0.51):
+        ASDF.functions.receive(me, (x, 1.0))
+    ASDF.functions.fuse(me)
+    assert me.x_bar == 0.5
+    assert ASDF.functions.is_apart(me)
+    assert me.mended == 0.0
+    me.x_bar = 0.5 + 1e-9
+    ASDF.functions.mend(me)
+    assert me.accuracy == 1e-6
+
+
+def test_the_filter_learns_nothing_of_few_readings():
+    me = robot(CPF, 0.9, 0.9)
+    me.t, me.n, me.past_x = 49.0, 40.0, 0.9  # 4.9 whites at the most
+    CPF.functions.learn(me)
+    assert me.mu == pytest.approx(0.9 - 5e-5)
+
+
+@pytest.mark.parametrize(("b", "w"), [(0.9, 0.6), (0.6, 0.9)])
+def test_told_b_and_w_apart_the_filter_begins_at_their_mean(b, w):
+    """Half of eight readings black: too few to learn of, so that the step is that of the drift alone."""
+    me = robot(CPF, b, w, every=2.0, drift=-1e-3)
+    CPF.functions.observe(me, 4.0, 8.0)
+    for _ in range(2):
+        assert me.x_hat == pytest.approx((0.5 + w - 1.0) / 0.5)  # until the first step it believes what it was told
+        CPF.functions.fuse(me)
+    assert me.mu == pytest.approx(0.75 - 2e-3, abs=1e-12)
+    assert me.x_hat == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("looks", [1, 24, 190])
+@pytest.mark.parametrize("black", [True, False])
+def test_a_perfect_sensor_that_sees_one_colour_alone_is_borne(looks, black):
+    """Readings are forgotten bit by bit, and still none of a colour is none; the last ones of the other fade away."""
+    me, run = robot(CPF, 1.0, 1.0, drift=0.0, noise=0.0, doubt=0.0), CPF.functions
+    run.observe(me, float(looks * (not black)), float(looks))
+    for _ in range(40_000 // looks):
+        run.observe(me, float(looks * black), float(looks))
+        run.fuse(me)
+        assert math.isfinite(me.alpha)
+    assert me.x_hat == float(black)
+    assert me.n == (me.t if black else 0.0)
+    assert me.alpha == pytest.approx(me.t)

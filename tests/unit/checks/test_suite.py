@@ -349,13 +349,17 @@ def test_what_does_not_compile_is_found(tmp_path):
 
 
 @pytest.mark.long
-def test_disagreement_is_found(tmp_path):
+@pytest.mark.parametrize("in_", ["observe", "steer"])
+def test_disagreement_is_found(in_, tmp_path):
     """Integers wrap in machine code and grow in CPython: the suite sees it."""
     wrap = "    me.t += looks\n    if (1 << (62 + int(me.t))) > 0:\n        me.n += 0.25 * looks\n"
     source = TINY.replace("    me.t += looks\n", wrap).replace("me.n / me.t", "min(me.n / me.t, 1.0)")
+    if in_ == "steer":
+        source = f"{TINY}\n\ndef steer(me):\n    return 0.1 * ((1 << (58 + int(me.t))) > 0), 0.0\n"
     (tmp_path / "wraps.py").write_text(source)
     tests = {conformance.AGREES: checks()[conformance.AGREES]}
-    assert any(c.fault and "compiled" in c.fault for c in conformance.examine(tmp_path / "wraps.py", tests))
+    faults = [one.fault for one in conformance.examine(tmp_path / "wraps.py", tests) if one.fault]
+    assert any("compiled, steer gives" in one if in_ == "steer" else "compiled" in one for one in faults)
 
 
 @pytest.mark.long

@@ -1,21 +1,18 @@
 """The figures show the data, all of it, and nothing else; and their files are whole."""
 
-import itertools
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 
 from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.kinds.decisions import decisions_grid
-from swarmcensus.figures.kinds.scatter import label_dots, scatter_grid
+from swarmcensus.figures.kinds.scatter import scatter_grid
+from swarmcensus.figures.lettering import width_of, wrapped
 from swarmcensus.figures.looks import looks_of, palette
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.selecting import TooMuch, where
@@ -33,15 +30,6 @@ def luminance(colour: str) -> float:
 # ---- looks
 
 
-@pytest.mark.parametrize("count", [2, 5, 10, 20])
-def test_palette_gets_lighter_and_stays_off_black_and_white(count):
-    lightness = np.array([116 * luminance(c) ** (1 / 3) - 16 for c in palette(count)])
-    steps = np.diff(lightness)
-    assert steps.min() > 0.6 * steps.mean() > 0  # evenly, so that grey print keeps neighbours apart
-    assert lightness[0] > 15
-    assert lightness[-1] < 88
-
-
 def test_looks_of_accuracies():
     looks = looks_of(["U(0.5,0.9)", "0.975", "0.6", "0.525", "N(0.75,0.1)", "black=0.9 white=0.6"], "o")
     assert list(looks) == ["0.525", "0.6", "0.975", "N(0.75,0.1)", "U(0.5,0.9)", "black=0.9 white=0.6"]
@@ -51,23 +39,6 @@ def test_looks_of_accuracies():
     assert spread[0].colour == "#000000"  # as in the paper
     many = looks_of([f"U(0.5,0.{i})" for i in range(6, 10)], "d").values()
     assert len({(look.colour, look.marker) for look in many}) == 4
-
-
-def test_labels_keep_the_order_of_their_dots_and_do_not_touch():
-    figure = Figure(figsize=(4, 3))
-    FigureCanvasAgg(figure)
-    ax = figure.add_subplot()
-    ax.set(xlim=(0, 100), ylim=(0, 1))
-    dots = [(50, 0.2), (50.1, 0.3), (50.2, 0.1), (0, 0.5), (0.1, 0.5), (100, 0.5), (99, 0.1), (70, 2.0)]
-    label_dots(ax, dots, [str(i) for i in range(len(dots))])
-    figure.draw_without_rendering()
-    boxes = [t.get_window_extent() for t in sorted(ax.texts, key=lambda t: t.get_position()[0])]
-    assert [t.get_text() for t in sorted(ax.texts, key=lambda t: t.get_position()[0])] == list("34012765")
-    assert all(left.x1 <= right.x0 for left, right in itertools.pairwise(boxes))
-    assert all(box.y0 >= ax.bbox.y1 for box in boxes)  # above the data
-    (lines,) = (c for c in ax.collections if isinstance(c, LineCollection))
-    ends = {tuple(np.round(path.vertices[-1], 9)) for path in lines.get_paths()}
-    assert {(0.5, 0.2), (0.501, 0.3), (1.0, 0.5), (0.7, 1.0)} <= ends
 
 
 # ---- scatter
@@ -374,6 +345,19 @@ def test_pictures_of_a_part_say_so():
 
 
 # ---- names of any length
+
+NAMES = "watts_strogatz_graph(k=4,p=0.1), my_quite_long_brain_name_of_2024.py, N = 10, f = 0.55"
+
+
+@pytest.mark.parametrize("width", [20, 60, 200])
+@pytest.mark.parametrize("text", [NAMES, "w" * 500, "a b " * 100, "", "$x^2$", "tab\tand\nline"])
+def test_lines_are_no_wider_than_their_room_and_few(text, width):
+    lines = wrapped(text, width, 9, 6)
+    assert len(lines) <= 6
+    assert all(0 < width_of(line, 9) <= width for line in lines)
+    if not any("…" in line for line in lines):
+        assert "".join(lines).replace(" ", "") == "".join(text.split())
+
 
 LONG = ("watts_strogatz_graph(k=4,p=0.1)", "warehouse_measured_links_2024-05-17_north_wing_final_v2", "w" * 300)
 

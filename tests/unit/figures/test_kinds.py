@@ -11,7 +11,6 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
-from swarmcensus.figures.kinds.lines import stretches
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
@@ -252,20 +251,6 @@ def test_what_never_happens_is_marked_and_not_drawn():
     assert "the mean is infinite" in texts(sc.plot.lines(results, y="stop_round", statistic="mean"))
     never = results.assign(stop_round=results["stop_round"] * np.inf)
     assert_fits(sc.plot.lines(never, y="stop_round"))
-
-
-def test_lines_that_lie_upon_one_another_are_all_seen():
-    """Flat stretches would hide each other; steep ones lie side by side, and whoever shares none is drawn as ever."""
-    values = {"twin": [0.2, 0.6, 1.0, 1.0, 1.0], "other": [0.2, 0.6, 1.0, 1.0, 1.0], "low": [0.1, 0.1, 0.2, 0.3, 0.4]}
-    flat = [(3.0, 1.0), (4.0, 1.0), (5.0, 1.0)]
-    x = np.arange(1.0, 6.0)
-    found = stretches({name: (x, np.array(y)) for name, y in values.items()}, lambda piece: piece[1] == piece[3])
-    assert [part.style for part in found["twin"]] == [part.style for part in found["low"]] == ["-"]
-    steep, shared = found["other"]
-    assert steep.style == "-"
-    assert shared.style[1] == (6.0, 6.0)
-    np.testing.assert_array_equal(np.stack([shared.x, shared.y], 1), flat)
-    np.testing.assert_array_equal(found["low"][0].y, values["low"])
 
 
 def test_the_interval_of_a_median_may_reach_to_never():

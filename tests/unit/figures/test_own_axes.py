@@ -49,20 +49,6 @@ def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
         getattr(sc.plot, kind)(two.isel(setting=[0]), ax=subplots(2))
 
 
-@pytest.mark.parametrize("inches", [2.5, 7.0])
-def test_an_arena_is_square_in_any_axes_with_its_key_below(inches, moving):
-    figure = Figure(figsize=(inches + 2, inches + 2), layout="constrained")
-    ax = figure.subplots()
-    assert sc.plot.arena(moving, tick=7, ax=ax) is ax.figure
-    figure.draw_without_rendering()
-    assert ax.bbox.width == pytest.approx(ax.bbox.height)
-    key, box = ax.get_legend().get_window_extent(), figure.bbox
-    assert key.y1 < ax.bbox.y0
-    assert key.y0 >= box.y0
-    assert ax.child_axes[0].bbox.x0 > ax.bbox.x1
-    assert "tick 7, 0.7 s" in texts(figure)
-
-
 def test_a_film_in_axes_of_one_s_own_is_an_animation(moving, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     ax, told = subplots(1), []

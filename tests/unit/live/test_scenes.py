@@ -200,6 +200,14 @@ def test_what_a_robot_heard_is_what_its_neighbours_said():
 
 
 @pytest.mark.interpreted
+def test_lost_messages_are_not_shown():
+    show = show_of({"topology": "ring", "robots": "40", "link_success": "0.3"})
+    shown = parsed(show.frames(list(range(1, 101))))
+    carried = np.array([links.sum() for links in shown["links"]])
+    assert carried.tolist() == np.diff(shown["numbers"][:, COLUMNS.index("heard")], prepend=0).tolist()
+    assert carried.mean() == pytest.approx(0.3 * 80, rel=0.1)  # 8,000 messages: six standard deviations are a tenth
+
+
 def test_a_session_answers(offer):
     session = Session(offer)
     [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"beside": "commons"}}))

@@ -152,6 +152,12 @@ def test_a_table_has_a_row_a_robot_and_trial(small_results):
     assert (frame["true_fill_ratio"] == shares[frame["setting"], frame["trial"]]).all()
 
 
+def test_names_in_any_letters(small_results, tmp_path):
+    named = small_results.assign_coords(brain=("setting", np.full(small_results.sizes["setting"], "bräin.py", object)))
+    sc.save(named, tmp_path / "x.nc")
+    assert results.read(tmp_path / "x.nc")["brain"].values.tolist() == named["brain"].values.tolist()
+
+
 def test_damaged_texts_are_found_wherever_they_are(small_file, tmp_path, monkeypatch):
     whole = small_file.read_bytes()
     at = whole.index(b"GCOL")

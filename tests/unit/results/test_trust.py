@@ -12,10 +12,10 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.results import check_against_study
+from swarmcensus.results import check_against_study, structure
 from swarmcensus.results.reading import WHOLE
 from swarmcensus.results.store import stored
-from swarmcensus.results.values import EVERY
+from swarmcensus.results.values import ENDLESS, EVERY
 from swarmcensus.runs import verifying
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import networks, pictures
@@ -410,3 +410,14 @@ class TestFormat:
         sc.save(sc.load(files / "kinds.nc").assign_attrs(format="swarmcensus results 2"), tmp_path / "x.nc")
         with pytest.raises(InputError, match=r"x\.nc: its format is 'swarmcensus results 2', and this version"):
             sc.load(tmp_path / "x.nc")
+
+
+def test_what_is_missing_or_infinite_has_one_form(files):
+    """Other forms are refused wherever results are read, not only where trials are run again."""
+    data = stored(files / "measures.nc")
+    assert structure.wrong(data) is None
+    forms = ("nan", "inf", "-1", "-2", "as ", "all NaN", "all -1")
+    ways = [(w, d) for w, d in alterations(data, {*EVERY}) if any(form in w for form in forms) and ": " not in w]
+    ways = [(w, d) for w, d in ways if not (w.split()[0] in ENDLESS and w.endswith("= inf"))]  # never, or not
+    assert len(ways) > 100
+    assert [what for what, changed in ways if structure.wrong(changed) is None] == []

@@ -68,10 +68,11 @@ def test_oracle_ignores_networks_and_beliefs():
     made = study_of(
         "oracle", robots=8, accuracy=MIXED, assumed_accuracy=[0.7, {"error": "N(0, 0.2)"}], rounds=30, looks=2,
         trials=2, seed=9, topology=["full", "ring", "line"], fill_ratio=0.6, link_success=[1.0, 0.2],
+        message_delay=[0, 5], missing_links=[0.0, 0.9],
     )  # fmt: skip
     results = sc.run(made)
     final = results["final_estimate"].values
-    assert len(final) == 12
+    assert len(final) == 48
     assert (final == final[0]).all()
     assert len(set(results["topology"].values.tolist())) == 3  # and is called by what was asked for
     assert len(set(results["link_success"].values.tolist())) == 2

@@ -1,6 +1,7 @@
 """Times with a unit, wherever a study counts ticks."""
 
 import pytest
+from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
@@ -103,7 +104,10 @@ def test_commands_take_times(here, refused, capsys):
         assert main([*plot, "arena", "--tick", tick, "--out", name]) == 0
     assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
     capsys.readouterr()
-    assert main([*plot, "film", "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif"]) == 0
+    size = ["--width", "4", "--height", "5", "--dpi", "50"]
+    assert main([*plot, "film", *size, "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif"]) == 0
     assert capsys.readouterr().out == "f.gif: 5 frames\n"
+    with Image.open("f.gif") as picture:
+        assert picture.size == (200, 250)
     assert "that is 10.6 ticks of 0.5 s" in refused("show", "m.nc", "--checkpoint", "5.3 s")
     assert "tick 7200: this trial has ticks 0 to 20" in refused(*plot, "arena", "--tick", "1 h")

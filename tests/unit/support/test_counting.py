@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swarmcensus.support.formatting import counted, grouped
+from swarmcensus.support.formatting import counted, distinct_texts, grouped
 
 
 @pytest.mark.parametrize(
@@ -20,3 +20,12 @@ def test_one_is_singular_and_thousands_have_commas(count, said):
 )
 def test_whole_numbers_have_commas_and_nothing_else_changes(value, said):
     assert grouped(value) == said
+
+
+def test_numbers_have_as_many_digits_as_tell_them_apart():
+    assert distinct_texts(["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"]) == ["0.8", "0.6", "U(0.55,0.95)"]
+    assert distinct_texts([0.12345671, 0.12345672, 1.0]) == ["0.12345671", "0.12345672", "1"]
+    assert distinct_texts(["0.500", "b=0.6"]) == ["0.5", "b=0.6"]
+    assert distinct_texts([0.1, 0.1]) == ["0.1", "0.1"]
+    assert distinct_texts([0.3, 0.1 + 0.2]) == ["0.29999999999999999", "0.30000000000000004"]
+    assert distinct_texts([]) == []

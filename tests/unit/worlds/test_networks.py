@@ -6,6 +6,7 @@ import re
 import networkx as nx
 import numpy as np
 import pytest
+from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
@@ -269,3 +270,12 @@ def test_deterministic_generator_makes_one_graph(tmp_path):
     )  # fmt: skip
     assert np.array_equal(one, other)
     assert len({trial.tobytes() for trial in one[0]}) == 6
+
+
+def test_degrees_of_scale_free_networks(tmp_path):
+    """P(k) = 4 / (k (k + 1) (k + 2)) for m = 1 (Bollobas et al. 2001): chi-square, 0.1 % level, fixed seed."""
+    receivers = links_of(parse("scale-free", tmp_path), 20_000).receivers
+    degrees, k = np.bincount(receivers, minlength=20_000), np.arange(1, 9)
+    law = 4 / (k * (k + 1) * (k + 2))
+    found = np.append([(degrees == j).sum() for j in k], (degrees > 8).sum())
+    assert stats.chisquare(found, np.append(law, 1 - law.sum()) * 20_000).pvalue > 1e-3

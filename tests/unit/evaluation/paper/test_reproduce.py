@@ -99,9 +99,9 @@ def test_every_figure_names_claims_and_studies_that_exist():
 
 def test_a_part_runs_only_what_it_needs(tmp_path):
     said, bars = [], []
-    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", progress=bars.append, say=said.append)
+    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", pdf=True, progress=bars.append, say=said.append)
     assert list(done.datasets) == ["moving"]
-    assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg"}
+    assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg", "fig5.pdf"}
     assert not (tmp_path / "claims.json").exists()
     assert "--trials 1 --seed 5 --only fig5" in needs_nothing_from_outside(done)
     assert [line.partition(":")[0] for line in said] == ["compile", "simulate", "figures", "page"]

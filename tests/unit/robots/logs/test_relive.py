@@ -227,6 +227,17 @@ def test_a_sensor_that_lies_to_the_log_is_found(tmp_path):
     assert lives[2].relived == 40 - 6  # it starts again from the state after tick 24
 
 
+def test_readings_that_were_not_made_are_counted(tmp_path):
+    """Of a robot that was done, where the other brain is not."""
+    own = tmp_path / "ends.py"
+    own.write_text(brains.load("commons").source + "\n\ndef done(me):\n    return me.v > 4.0\n")
+    recorded(tmp_path / "day", str(own))
+    recording, lives = lived(tmp_path / "day")
+    assert all(life.to_the_bit for life in lives)
+    without = sum(not tick.looks for member in recording.members for tick in member.log.ticks)
+    assert under(recording, brains.load("minimalistic")).counts["unread"] == without > 0
+
+
 def test_numbers_of_another_precision_are_named(tmp_path):
     _, _, swarm = logged(tmp_path / "day", precision="single", message="ratio8")
     for robot in swarm.robots:
