@@ -90,7 +90,7 @@ def test_heterogeneous_robots_are_weighed_by_their_information():
 
 def test_readings_of_rounds_and_robots_are_independent():
     """Black counts of consecutive rounds and of two robots are uncorrelated: 4 standard errors, error rate 0.02 %."""
-    trial = study(trials=1, schedule={"rounds": 2000}, swarm={"robots": 2}).settings()[0]
+    (trial,) = study_of(robots=2, accuracy=0.675, rounds=2000, trials=1, seed=42).settings()
     blacks = record_readings(trial, 42, 0).reshape(2000, 10, 2).sum(axis=1)
     for one, other in ((blacks[:-1, 0], blacks[1:, 0]), (blacks[:, 0], blacks[:, 1])):
         assert abs(np.corrcoef(one, other)[0, 1]) < 4 / np.sqrt(2000)
