@@ -102,8 +102,7 @@ def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '
     (tmp_path / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
-    swarm, world = {"robots": 3, "accuracy": 0.7, "brain": "b.py"}, {"topology": "line", "fill_ratio": 0.8}
-    sc.save(sc.run(sc.Study(trials=1, swarm=swarm, world=world, schedule={"rounds": 2}), jobs=1), "r.nc")
+    sc.save(sc.run(study_of("b.py", robots=3, rounds=2, trials=1), jobs=1), "r.nc")
     assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--out", "t.csv"]) == 0
     head = Path("t.csv").read_text().splitlines()[0]
     assert "seen[1]" in head
