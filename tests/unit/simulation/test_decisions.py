@@ -143,7 +143,7 @@ WRONG = {
 
 @pytest.mark.interpreted
 @pytest.mark.parametrize("choice", WRONG)
-def test_what_is_no_option_is_told(choice):
+def test_what_is_no_option_is_refused(choice):
     source = changed(("MEMORY =", "import math\n\nMEMORY ="), source=DECIDES.replace("CHOICE", choice))
     said = rf"brain 'brain.py' fails in trial 1 of .*: decide gives {WRONG[choice]}: -1 \(undecided\) or an opt"
     (setting,) = fixed(brain(source))

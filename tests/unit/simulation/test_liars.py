@@ -170,7 +170,7 @@ def test_wrong_liars_are_named(tmp_path, old, new, said):
 
 
 @pytest.mark.long
-def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
+def test_a_lie_that_fails_is_named_with_its_line(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("grey.py").write_text(MINE.replace("0.5 + me.k", "0.5 / (me.k - 0.02)"))
     study = STUDY.replace('["minimalistic", "legacy"]', '"minimalistic"').replace('"always-black", ', "")

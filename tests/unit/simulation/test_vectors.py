@@ -86,7 +86,7 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
         ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
     ],
 )
-def test_a_message_of_another_shape_is_told(message, given, said):
+def test_a_message_of_another_shape_is_refused(message, given, said):
     source = changed(
         ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS
     )
