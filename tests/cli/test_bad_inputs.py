@@ -114,7 +114,7 @@ def test_numbers_too_large_to_compare(small_results):
         where(small_results, f"accuracy == 0x{'f' * 300}")
 
 
-def test_a_full_disk_is_told_in_one_line(tmp_path):
+def test_a_full_disk_is_reported_in_one_line(tmp_path):
     said = r"^cannot write .*x\.nc: No space left on device$"
     with pytest.raises(sc.InputError, match=said), files.atomic_write(tmp_path / "x.nc"):
         raise OSError(28, "No space left on device")

@@ -236,7 +236,7 @@ def test_closed_streams_change_no_exit_code(results):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
-def test_a_full_disk_is_told_in_a_sentence(results):
+def test_a_full_disk_is_reported_in_a_sentence(results):
     with open("/dev/full", "w") as full:
         done = subprocess.run([*SHELL, "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
     assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")

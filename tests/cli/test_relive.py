@@ -40,7 +40,7 @@ def test_what_differs_is_named_and_the_code_is_1(tmp_path, capsys):
     assert "robot 1, boot 0, tick 9: the log got another reading than the brain" in said
 
 
-def test_another_brain_is_told_once(tmp_path, capsys):
+def test_another_brain_is_reported_once(tmp_path, capsys):
     _, _, swarm = logged(tmp_path / "day", robots=3, rounds=20, more={"saves": 4})
     swarm.run()
     swarm.close()

@@ -95,7 +95,7 @@ def test_a_node_that_crashes_and_comes_back_costs_nothing(slurm, threads):
     assert same(data, threads)
 
 
-def test_a_job_that_hits_its_walltime_is_submitted_anew(slurm, threads, monkeypatch):
+def test_a_job_that_hits_its_walltime_is_submitted_again(slurm, threads, monkeypatch):
     """The work lasts for longer than Slurm takes to look at the clock; trials are the same however many there are."""
     monkeypatch.setattr(queues, "GRACE_SECONDS", 30.0)
     ids = set()

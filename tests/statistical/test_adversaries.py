@@ -56,7 +56,7 @@ def test_each_name_is_as_likely():
 @pytest.mark.long(but=["0.75-quick"])
 @in_two_sizes("rounds", 1000, 4000)
 @pytest.mark.parametrize("often", [0.2, 0.75])
-def test_noise_is_as_frequent_as_it_is_told(often, rounds):
+def test_noise_is_as_frequent_as_its_parameter_says(often, rounds):
     """Of a pair the honest one hears the other but for the noise: binomial, in all rounds after the first."""
     batch = run_batch(setting("jammer", 2, rounds, "line", often=often), SEED, 0, 1, Metrics(0.01, 10, ()), GO)
     heard = int(batch.counts[0, HEARD, 0])

@@ -37,7 +37,7 @@ def test_the_oracles_error_is_as_small_as_can_be(topology):
     assert 2 * min(stats.chi2.cdf(ratio, trials), stats.chi2.sf(ratio, trials)) > 5e-4
 
 
-def test_bayes_cpf_follows_sensors_that_are_worse_than_told():
+def test_bayes_cpf_follows_sensors_worse_than_assumed():
     """True 0.75, told 0.8, and the floor known by others: the filter's mean and variance, against theory.
 
     Of one robot that hears the truth with endless confidence, the update is a Kalman filter on mu: after T updates that

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import swarmcensus as sc
 from swarmcensus.simulation.trials import record_trial
+from tests.support.small import settings_of
 
 SWITCH = {"from": 0.9, "to": 0.2, "at": 13}
 SLOW = {"from": 0.1, "to": 0.7, "at": 6, "until": 25}
@@ -33,13 +33,10 @@ def of_sensors(accuracy, k):
     return np.clip(start + accuracy["drift"] * (k - 1), least, most)
 
 
-def setting_of(change, accuracy, **world):
-    schedule = {"ticks": ROUNDS} if world else {"rounds": ROUNDS, "observations_per_round": 10}
-    study = sc.Study(
-        trials=100, seed=17, swarm={"robots": 40, "accuracy": accuracy}, schedule=schedule,
-        world={"topology": "line", "fill_ratio": change} | world,
-    )  # fmt: skip
-    (setting,) = study.settings()
+def setting_of(change, accuracy):
+    (setting,) = settings_of(
+        40, accuracy=accuracy, looks=10, rounds=ROUNDS, trials=100, seed=17, topology="line", fill_ratio=change
+    )
     return setting
 
 

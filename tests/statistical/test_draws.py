@@ -94,7 +94,7 @@ def test_all_purposes_are_independent():
     assert together(values[DRAW_FUSE], (keyed >> np.uint64(12)) / 2.0**52) > P
 
 
-def test_a_lot_by_luck_is_fair():
+def test_a_random_choice_is_fair():
     """One of eight neighbours kept by lot, whatever their number and order: chi-square of who, 0.02 %."""
     kept = changed(
         ("MEMORY = {", 'MEMORY = {"heard": 0.0, "kept": -1.0, "last": -1.0, '),

@@ -7,7 +7,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.support.small import SEED
+from tests.support.small import SEED, study_of
 
 PLACES = brains.load("linear-consensus").functions
 P = 1e-3
@@ -15,14 +15,7 @@ P = 1e-3
 
 def finals(used, trials, rounds, looks, robots=10, accuracy=0.8, topology="ring", f=0.4, **more):
     """Final estimates (trial, robot), not a number where a robot lies."""
-    study = sc.Study(
-        trials=trials,
-        seed=SEED,
-        swarm={"brain": used, "robots": robots, "accuracy": accuracy},
-        world={"topology": topology, "fill_ratio": f},
-        schedule={"rounds": rounds, "observations_per_round": looks},
-        **more,
-    )
+    study = study_of(used, robots, accuracy, rounds, looks, trials, topology=topology, fill_ratio=f, **more)
     return sc.run(study)["final_estimate"].values[0], study.settings()[0]
 
 

@@ -13,20 +13,10 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.simulation.trials import record_readings
+from tests.support.small import study_of
 
 FUNCTIONS = brains.load("minimalistic")
-
-
-def study(**changes):
-    tables = {
-        "trials": 200,
-        "swarm": {"robots": 50, "accuracy": 0.675},
-        "world": {"topology": "ring", "fill_ratio": 0.55},
-        "schedule": {"rounds": 1, "observations_per_round": 10},
-    }
-    for table, values in changes.items():
-        tables[table] = tables[table] | values if isinstance(values, dict) else values
-    return sc.Study(seed=42, **tables)
+NOBODY = {"name": "nobody", "edges": []}
 
 
 def chi_square(found, expected):
@@ -46,11 +36,8 @@ def chi_square(found, expected):
 )  # fmt: skip
 def test_exact_distribution_of_the_local_estimator(t, b, w, f):
     """Binomial pushed through Eq. 4: chi-square over the estimates that can occur, error rate 0.1 %."""
-    lonely = study(
-        swarm={"accuracy": {"black": b, "white": w}},
-        world={"topology": {"name": "nobody", "edges": []}, "fill_ratio": f},
-        schedule={"observations_per_round": t},
-    )  # fmt: skip
+    sensor = {"black": b, "white": w}
+    lonely = study_of(robots=50, accuracy=sensor, rounds=1, looks=t, trials=200, seed=42, topology=NOBODY, fill_ratio=f)
     estimates = sc.run(lonely)["final_estimate"].values.ravel()
     p = b * f + (1 - w) * (1 - f)
     law: dict[float, float] = {}
@@ -74,7 +61,7 @@ def test_single_readings_are_coin_flips(looks):
     Chi-square, error rate 0.1 %; windows cross the round's parts where R is larger than one word serves.
     """
     p = 0.675 * 0.55 + 0.325 * 0.45
-    flips = study(schedule={"rounds": 400, "observations_per_round": looks}).settings()[0]
+    (flips,) = study_of(robots=50, accuracy=0.675, rounds=400, looks=looks).settings()
     readings = record_readings(flips, 3, 0).reshape(400, looks, 50)
     windows = readings[:, :4] if looks == 4 else readings[:, 12:16]
     codes = (windows * np.array([8, 4, 2, 1])[:, np.newaxis]).sum(axis=1).astype(int).ravel()
@@ -84,10 +71,7 @@ def test_single_readings_are_coin_flips(looks):
 
 def test_long_runs_converge_at_the_fisher_rate():
     """A lone robot's error over its Fisher standard error is N(0, 1): KS against it, error rate 0.1 %."""
-    lonely = study(
-        trials=40, swarm={"accuracy": 0.8}, world={"topology": {"name": "nobody", "edges": []}},
-        schedule={"rounds": 4000},
-    )  # fmt: skip
+    lonely = study_of(robots=50, accuracy=0.8, rounds=4000, trials=40, seed=42, topology=NOBODY)
     estimates = sc.run(lonely)["final_estimate"].values.ravel()
     p = 0.8 * 0.55 + 0.2 * 0.45
     information = 40_000 * 0.6**2 / (p * (1 - p))
@@ -96,10 +80,7 @@ def test_long_runs_converge_at_the_fisher_rate():
 
 def test_heterogeneous_robots_are_weighed_by_their_information():
     """The pooled estimate of robots with known, differing sensors has the variance 1 / (sum of informations)."""
-    mixed = study(
-        trials=400, swarm={"robots": 20, "accuracy": "U(0.525, 0.975)"}, world={"topology": "full"},
-        schedule={"rounds": 200},
-    )  # fmt: skip
+    mixed = study_of(robots=20, accuracy="U(0.525, 0.975)", rounds=200, trials=400, seed=42, topology="full")
     estimates = sc.run(mixed)["final_estimate"].values[0, :, 0]
     b, _ = mixed.settings()[0].accuracy.draw(42, "accuracy", 0, 400, 20)
     p = b * 0.55 + (1 - b) * 0.45
@@ -109,7 +90,7 @@ def test_heterogeneous_robots_are_weighed_by_their_information():
 
 def test_readings_of_rounds_and_robots_are_independent():
     """Black counts of consecutive rounds and of two robots are uncorrelated: 4 standard errors, error rate 0.02 %."""
-    trial = study(trials=1, schedule={"rounds": 2000}, swarm={"robots": 2}).settings()[0]
+    (trial,) = study_of(robots=2, accuracy=0.675, rounds=2000, trials=1, seed=42).settings()
     blacks = record_readings(trial, 42, 0).reshape(2000, 10, 2).sum(axis=1)
     for one, other in ((blacks[:-1, 0], blacks[1:, 0]), (blacks[:, 0], blacks[:, 1])):
         assert abs(np.corrcoef(one, other)[0, 1]) < 4 / np.sqrt(2000)

@@ -32,7 +32,7 @@ def shared():
 
 @pytest.mark.interpreted
 @pytest.mark.parametrize("k", range(3))
-def test_beside(shared, k):
+def test_besides(shared, k):
     assert numba.config.DISABLE_JIT
     assert made == [1]
 

@@ -190,7 +190,7 @@ def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
         _check(settings[1], study, rounds)
     elif theirs:
         key = next(iter(theirs))[:40]
-        raise InputError(f"{key}: there is no brain beside: name one with beside", key=key)
+        raise InputError(f"{key}: no second brain is selected: name one with beside", key=key)
     given = {key: value for key, value in request.items() if value != "" and key not in lost}
     return Wanted(study, tuple(settings), tuple(chosen), seed, trial, given, rounds, mark)
 

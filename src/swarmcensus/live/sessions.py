@@ -134,7 +134,7 @@ class Session:
         """What is new in growing logs since the version that the page knows."""
         recording = self.offer.logged
         if recording is None or len(self.shows) != 1:
-            raise InputError.at("do", "'news'", "only of a recording in logs, without another brain beside it")
+            raise InputError.at("do", "'news'", "only of a recording in logs, without a second brain")
         news = recording.news(_whole(request, "since", 0, 2**53))
         return [{**news, "fixed": fixed(self.offer)}]
 

@@ -85,5 +85,5 @@ def _filled(sketch: xr.Dataset, paths: list[Path]) -> xr.Dataset:
     data.attrs["trials_total"] = max(data.attrs["trials_total"], data.attrs["trials_done"])
     wrong = structure.wrong(data)
     if wrong:
-        raise InputError(f"what a run keeps beside its output is damaged or changed: {wrong}")
+        raise InputError(f"what a run keeps next to its output is damaged or changed: {wrong}")
     return data

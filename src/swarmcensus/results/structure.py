@@ -101,7 +101,7 @@ def _metrics(data: xr.Dataset) -> str | None:
         return "the attribute metrics does not name metrics and their sources"
     for variable, name, sha256, source in named:
         if digest(source) != sha256:
-            return f"the source of the metric {name!r} is not the one that the hash beside it is of"
+            return f"the source of the metric {name!r} does not match its hash"
         dims = PER_TRIAL if parse(source, name, Path(name)).of_swarm else PER_ROBOT
         if variable != variable_of(name) or variable not in data or data.variables[variable].dims != dims:
             return f"{variable} should be what the metric {name!r} says, ({', '.join(dims)})"
@@ -308,7 +308,7 @@ def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise _unknown_origin(key, error) from None
     if changed:
-        why = f"the source of the {what} {changed[0]!r} is not the one that the hash beside it is of"
+        why = f"the source of the {what} {changed[0]!r} does not match its hash"
         raise ResultsError(why, key=key, value=changed[0])
     return sources
 

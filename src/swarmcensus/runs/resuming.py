@@ -38,7 +38,7 @@ from swarmcensus.support.version import __version__
 
 def hint() -> str:
     """What to do about existing results that a run cannot continue."""
-    return f"Run with {option('fresh', True)} to begin anew, or write elsewhere with {option('out')}"
+    return f"Run with {option('fresh', True)} to start again, or write elsewhere with {option('out')}"
 
 
 def identity_of(study: Study) -> Identity:

@@ -112,7 +112,7 @@ def test_a_forger_has_another_name_each_round():
     assert said == [3.0, 5.0, 25.0, 49.0, 0.0]
 
 
-def test_a_jammer_makes_noise_as_often_as_it_is_told():
+def test_a_jammer_jams_as_often_as_its_parameter_says():
     used = wrapped("jammer", often=0.3)
     me, honest = robot(used, 7, 10), brains.load("minimalistic")
     assert used.functions.jam(me)  # in the first round, if ever
@@ -170,7 +170,7 @@ def test_the_source_can_be_read_and_is_what_runs():
     assert str(used.path).endswith(f"noisy_mirror.py --wrapping {brains.load('minimalistic').path}")
 
 
-def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
+def test_draws_of_the_brain_and_of_the_adversary_are_independent():
     """Of the 33 low bits: what the brain makes of the first 20 does not say what the adversary does."""
     random = np.random.default_rng(SEED)
     words = random.integers(0, 2**52, 20_000, dtype=np.uint64)
@@ -202,7 +202,7 @@ def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
         ("def lie(me, x):\n    return lie(me, x)\n", "line 2: lie calls itself: functions of an adversary may not"),
     ],
 )
-def test_what_is_no_adversary_is_told(source, said):
+def test_what_is_no_adversary_is_refused(source, said):
     with pytest.raises(InputError, match=r"^adversary file liar\.py") as error:
         adversary_of(source)
     assert said in str(error.value)

@@ -302,7 +302,7 @@ class TestBeliefSharing:
 
 
 @pytest.mark.interpreted
-def test_an_observation_is_told_until_the_next_is_due():
+def test_an_observation_is_sent_until_the_next_is_due():
     me, functions = robot(BAYES, every=2.0, name=3.0)
     assert functions.broadcast(me) is None
     functions.observe(me, 1.0, 1.0)
@@ -353,7 +353,7 @@ def test_patience_feedback_and_a_blind_sensor():
 
 @pytest.mark.interpreted
 @pytest.mark.parametrize("by", ["itself", "tellers"])
-def test_after_a_change_the_detector_begins_anew(by):
+def test_after_a_change_the_detector_starts_again(by):
     me, functions = robot(CHANGING, every=1.0, detect=1.0, alarm=2.0)
     me.t, me.n, me.up, me.down = 40.0, 30.0, 1.0, 1.9
     if by == "itself":
@@ -366,7 +366,7 @@ def test_after_a_change_the_detector_begins_anew(by):
 
 
 @pytest.mark.interpreted
-def test_a_change_is_told_and_tellers_are_known_for_so_long():
+def test_changes_are_announced_and_their_senders_remembered():
     me, functions = robot(CHANGING, every=1.0, detect=1.0, tell=3.0)
     me.t, me.up = 100.0, 3.9
     told = []
@@ -390,7 +390,7 @@ def test_a_change_is_told_and_tellers_are_known_for_so_long():
 
 
 @pytest.mark.interpreted
-def test_beliefs_are_told_once_a_step_and_blind_sensors_tell_nothing():
+def test_beliefs_are_sent_once_a_step_and_blind_sensors_send_nothing():
     for brain in (SHARING, INDEXED):
         me, functions = robot(brain, every=3.0)
         functions.observe(me, 1.0, 1.0)

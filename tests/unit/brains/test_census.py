@@ -93,7 +93,7 @@ def test_coins_vary_as_the_short_ratio_does():
 
 
 @pytest.mark.parametrize("topology", ["ring", "full"])
-def test_robots_hardly_ever_begin_anew_where_nothing_changes(topology):
+def test_robots_hardly_ever_restart_where_nothing_changes(topology):
     """Then estimates are those of a brain that finds no change, to the bit: in 18 of 20 trials or more."""
     study = study_of(["census", NEVER], robots=30, accuracy=0.75, rounds=400, trials=20, seed=4, topology=topology)
     found, never = sc.run(study)["final_estimate"].values
@@ -144,7 +144,7 @@ def test_restarted_robot_ignores_old_sums():
     ("voices", "begun", "least"),
     [(3, 1, 1.5**2), (8, 1, 1.5**2), (21, 1, 1.5**2 + 1.9302), (84, 2, 1.5**2 + 3.3165), (9001, 1, 3.5**2)],
 )
-def test_the_fewer_have_begun_anew_the_more_confirms_them(voices, begun, least):
+def test_few_restarted_robots_need_more_confirmation(voices, begun, least):
     """2 ln(n / 8 m) by hand: 2 ln 2.625 and 2 ln 5.25; never more than for a change of its own."""
     for times, begins in ((0.98, 0.0), (1.02, 1.0)):
         me, _ = settled()
@@ -266,7 +266,7 @@ def test_it_is_better_than_alone_among_liars(liar):
 
 @pytest.mark.parametrize("repeats", [0.0, 0.7])
 @pytest.mark.parametrize("q", [0.1, 0.5])
-def test_alike_is_the_correlation_of_successive_readings(q, repeats):
+def test_correlation_of_successive_readings(q, repeats):
     """Each reading is the one before with this probability; over 20,000 rounds."""
     random = np.random.default_rng(8)
     (me,) = robots(1, 1.0, 1.0)
@@ -329,7 +329,7 @@ def test_who_tries_a_change_need_not_agree(own_trial, its_trial, looks, heard):
     assert me.voices == heard
 
 
-def test_a_robot_that_has_begun_anew_hears_all_again():
+def test_a_robot_that_started_again_hears_all_again():
     """Once it has seen enough, or where it reads nothing."""
     for v, looks in ((31.0, 10.0), (1.0, 0.0)):
         me, other = met([(50.0, 100.0)] * 2, rounds=10)

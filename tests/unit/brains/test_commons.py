@@ -11,9 +11,13 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.support.small import study_of
 
 COMMONS, SWIFT = (brains.load(name).functions for name in ("commons", "swift"))
-TEN = {"rounds": 500, "observations_per_round": 10}
+FAILING = [
+    {"at": 40, "robots": 0.3, "stop": ["sensing", "talking"]},
+    {"at": 90, "robots": 3, "stop": "talking"},
+]
 PATH = np.eye(4) + np.diag([1.0] * 3, 1) + np.diag([1.0] * 3, -1)  # who is heard, the robot itself among them
 
 
@@ -36,16 +40,6 @@ def one_round(functions, robots, blacks, looks, heard):
     return [functions.estimate(me) for me in robots]
 
 
-def study(brain, trials=60, robots=12, accuracy=0.7, seed=5, faults=(), **tables):
-    world = {"topology": "ring", "fill_ratio": 0.55} | tables.pop("world", {})
-    schedule = tables.pop("schedule", {"rounds": 200, "observations_per_round": 5})
-    swarm = {"brain": brain, "robots": robots, "accuracy": accuracy}
-    return sc.Study(
-        trials=trials, seed=seed, swarm=swarm, world=world, schedule=schedule, faults=list(faults),
-        measure=tables.pop("measure", {}),
-    )  # fmt: skip
-
-
 def test_commons_is_a_matrix_of_means_that_mixes_both_sums():
     """Four robots on a path, sensors apart: s and v by powers of one matrix, f their ratio with the prior."""
     rng = np.random.default_rng(1)
@@ -63,28 +57,20 @@ def test_commons_is_a_matrix_of_means_that_mixes_both_sums():
 
 @pytest.mark.long(only=["losses"])
 @pytest.mark.parametrize(
-    "tables",
+    "given",
     [
-        {"world": {"link_success": 0.1}},
-        {"world": {"topology": "scale-free", "link_success": 0.5}, "accuracy": "U(0.55, 0.95)"},
-        {
-            "faults": [
-                {"at": 40, "robots": 0.3, "stop": ["sensing", "talking"]},
-                {"at": 90, "robots": 3, "stop": "talking"},
-            ]
-        },
-        {
-            "world": {"topology": "moving", "density": 3, "body": {"message_delay": 4}, "link_success": 0.5},
-            "schedule": {"ticks": 1000},
-        },
+        {"link_success": 0.1},
+        {"topology": "scale-free", "link_success": 0.5, "accuracy": "U(0.55, 0.95)"},
+        {"faults": FAILING},
+        {"ticks": 1000, "density": 3, "body": {"message_delay": 4, "tile": 0.01}, "link_success": 0.5},
     ],
     ids=["losses", "unequal", "failing", "moving and late"],
 )
-def test_the_ratio_has_no_bias_whatever_becomes_of_messages(tables):
+def test_the_ratio_has_no_bias_whatever_becomes_of_messages(given):
     """The mean over trials is f within its standard error, 4 of them: fails by 6 in 100,000."""
-    found = sc.run(study("commons", **tables))
+    found = sc.run(study_of("commons", **{"robots": 12, "rounds": 200, "looks": 5, "trials": 60, "seed": 5} | given))
     mean = found["final_estimate"].mean("robot").values[0]
-    off = mean - found["true_fill_ratio"].values[0] if "density" in tables.get("world", {}) else mean - 0.55
+    off = mean - found["true_fill_ratio"].values[0] if "density" in given else mean - 0.55
     assert abs(off.mean()) < 4.0 * off.std(ddof=1) / off.size**0.5 + 0.0005  # and what the prior may leave
 
 
@@ -114,7 +100,7 @@ def test_momentum_is_given_up_in_full_networks(topology, keeps):
     """Where everyone hears everyone, to the last digit: it is commons there."""
     if not isinstance(topology, str):
         topology.name = "wheel"
-    found = sc.run(study(["commons", "swift"], trials=5, robots=7, world={"topology": topology}, schedule=TEN))
+    found = sc.run(study_of(["commons", "swift"], robots=7, rounds=500, trials=5, seed=5, topology=topology))
     assert np.array_equal(*found["final_estimate"].values) != keeps
 
 

@@ -104,7 +104,7 @@ def test_machine_code_says_and_knows_the_same(untraced):
         ),
     ],
 )
-def test_a_brain_that_it_does_not_fit_is_told_with_the_line(lies, source, said):
+def test_an_unfit_brain_is_refused_with_its_line(lies, source, said):
     with pytest.raises(ValueError, match=r"the adversary 'liar\.py' cannot wrap the brain 'brain\.py': ") as error:
         brains.lying_brain(lies, brain(source))
     assert said in str(error.value)

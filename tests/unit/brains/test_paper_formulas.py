@@ -178,7 +178,7 @@ def test_both_brains_share_the_local_estimate(b, w):
         assert (one.x_hat, one.alpha) == (other.x_hat, other.alpha)
 
 
-def test_a_mind_holds_its_memory_and_nothing_else():
+def test_a_state_holds_its_memory_and_nothing_else():
     me = MINIMALISTIC.robot(0.8, 0.8)
     with pytest.raises(AttributeError):
         me.diary = 1.0

@@ -80,7 +80,7 @@ def test_nothing_of_a_reading_is_lost_in_single_precision(tmp_path):
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
-def test_a_swarm_lives_a_day_in_single_precision(name):
+def test_a_swarm_runs_for_a_day_in_single_precision(name):
     loss = 0.0 if name == "swift" else 0.2
     assert ring_recordings.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.001
 

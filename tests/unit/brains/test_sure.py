@@ -47,7 +47,7 @@ def test_unequal_streams_have_fewer_degrees_of_freedom():
     assert (high - low) / 2.0 > stats.t.ppf(0.975, 7) * error
 
 
-def test_readings_all_alike_are_no_certainty():
+def test_equal_readings_are_no_certainty():
     """Perfect sensors that saw only black: what share of white would not have shown, with 95 %."""
     me = state(b=1.0, w=1.0, s=[10.0] * 8, v=[10.0] * 8, looks=80.0, voices=8.0, rounds=8.0)
     low, high = SURE.interval(me)

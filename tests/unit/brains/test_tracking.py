@@ -30,7 +30,7 @@ def test_a_round_by_hand():
 
 
 @pytest.mark.parametrize(("off", "anew"), [(0.9999, False), (1.0001, True)])
-def test_where_the_sums_part_it_begins_anew(off, anew):
+def test_it_restarts_where_the_sums_differ(off, anew):
     """z^2 (1/v - 1/V) / (4 n) with v = 25, V = 100, n = 2 and z = 2.5."""
     me = robot()
     gap = off * 2.5 * ((1.0 / 25.0 - 1.0 / 100.0) / 8.0) ** 0.5

@@ -178,7 +178,7 @@ def test_the_filter_learns_nothing_of_few_readings():
 
 
 @pytest.mark.parametrize(("b", "w"), [(0.9, 0.6), (0.6, 0.9)])
-def test_told_b_and_w_apart_the_filter_begins_at_their_mean(b, w):
+def test_with_b_and_w_given_the_filter_begins_at_their_mean(b, w):
     """Half of eight readings black: too few to learn of, so that the step is that of the drift alone."""
     me = robot(CPF, b, w, every=2.0, drift=-1e-3)
     CPF.functions.observe(me, 4.0, 8.0)

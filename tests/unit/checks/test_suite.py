@@ -291,7 +291,7 @@ def test_rounding_and_fair_draws_are_no_faults(changes, tmp_path):
         ),
     ],
 )
-def test_nothing_is_kept_outside_of_a_mind(change, said, tmp_path):
+def test_nothing_is_kept_outside_of_a_state(change, said, tmp_path):
     calls = ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nCALLS = [0.0]')
     fault = faults_of(changed(tmp_path / "bad.py", change, calls, CLIP))["the same history gives the same state"]
     assert said in fault
@@ -417,7 +417,7 @@ def test_from_python_a_check_is_an_answer(tmp_path, monkeypatch):
     assert repr(good).splitlines()[0] == "three-state keeps the contract"
 
 
-def test_a_fault_that_several_checks_meet_is_told_once(tmp_path):
+def test_a_fault_of_several_checks_is_reported_once(tmp_path):
     first, *others = faults_of(changed(tmp_path / "mine.py", *own("me.seen[3] = looks"))).values()
     assert "IndexError" in first
     assert len(others) > 2

@@ -61,7 +61,7 @@ def folder(tmp_path_factory):
     [("tiny.py", "flip"), ("tiny.py", "cut"), ("*.nbi", "empty"), ("*.nbi", "other"), ("*.1.nbc", "flip"),
      ("*.1.nbc", "cut"), ("*.sha256", "other")],
 )  # fmt: skip
-def test_damaged_files_are_made_anew(name, damage, folder):
+def test_damaged_files_are_made_again(name, damage, folder):
     (path,) = folder.rglob(name)
     DAMAGE[damage](path)
     assert ran() == ["42", "3.0", "0"]

@@ -46,7 +46,7 @@ def test_all_kinds_of_ours_are_found_in_their_folder():
         assert draw.__doc__.count("\n") > 3
 
 
-def test_an_unknown_kind_is_told_with_what_was_meant(small_file, refused):
+def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
     with pytest.raises(AttributeError, match=r"did you mean 'scatter'\? there are arena, beliefs"):
         sc.plot.scater  # noqa: B018
     assert not hasattr(sc.plot, "__wrapped__")
@@ -66,7 +66,7 @@ def test_an_unknown_kind_is_told_with_what_was_meant(small_file, refused):
         ("--kind lines --set statistic=mode", "statistic = 'mode'"),
     ],
 )
-def test_options_that_cannot_be_are_told_in_a_line(options, said, small_file, refused):
+def test_impossible_options_are_refused_in_a_line(options, said, small_file, refused):
     assert said in refused("plot", small_file, *options.split())
 
 

@@ -95,7 +95,7 @@ def test_pooled_differences():
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
 
 
-def test_what_cannot_be_compared_in_a_figure_is_told():
+def test_what_cannot_be_compared_in_a_figure_is_refused():
     many = made_up(brains=2, worlds=[f"net {k}" for k in range(41)], trials=6, robots=1)
     with pytest.raises(InputError, match=r"41 worlds are more than the 40 rows that have room: .*in topology"):
         sc.plot.compare(many)

@@ -140,7 +140,7 @@ def test_height_and_font_size(draw):
         ("pareto", {"labels": {"bayes-bots": "Voter model"}}, "bayes-bots and voter would both be called 'Voter model"),
     ],
 )
-def test_pages_that_cannot_be_are_told_in_a_line(kind, options, said, draw):
+def test_impossible_pages_are_refused_in_a_line(kind, options, said, draw):
     with pytest.raises(sc.InputError, match=said):
         draw(kind, **options)
 

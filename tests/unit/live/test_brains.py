@@ -44,11 +44,11 @@ def test_parameters_are_set_and_shown():
         ({"momentun": "0.5"}, "momentun: did you mean 'momentum'? known here: setting"),
         ({"beside": "census", "beside.z": "nan"}, "beside.z = nan: not a number"),
         ({"momentum": "[1, 2]"}, "momentum = [1, 2]: "),
-        ({"beside.z": "1"}, "beside.z: there is no brain beside"),
+        ({"beside.z": "1"}, "beside.z: no second brain is selected"),
         ({"brain": "minimalistic", "momentum": "0.5"}, "momentum: known here: setting"),
     ],
 )
-def test_a_wrong_parameter_is_told(asked, said):
+def test_a_wrong_parameter_is_named(asked, said):
     with pytest.raises(InputError) as told:
         wanted(offer_of(None), CENSUS | asked)
     assert str(told.value).startswith(said)
@@ -79,7 +79,7 @@ def test_the_command_takes_parameters(here, refused):
         ({"speed": "0"}, "speed = 0: should be a number from 1 to 10000"),
     ],
 )
-def test_a_wrong_view_is_told(played, said):
+def test_a_wrong_view_is_refused(played, said):
     found = wanted(offer_of(None), {})
     check_moment(found, {"zoom": "3", "centre": "0.25,1", "follow": "1", "log": "1", "full": "0", "speed": "20"})
     check_moment(found, {"speed": "Infinity"})  # what the page calls as fast as possible

@@ -123,7 +123,7 @@ def test_another_brain_is_compared_when_the_swarm_has_ended(whole, tmp_path, cap
     assert [scene["brain"] for scene in begun["scenes"]] == ["commons", "voter"]
     assert [scene["rounds"] for scene in begun["scenes"]] == [news["rounds"]] * 2
     _, refused = asked(session, do="news", since=0)
-    assert refused["error"] == "do = 'news': only of a recording in logs, without another brain beside it"
+    assert refused["error"] == "do = 'news': only of a recording in logs, without a second brain"
 
 
 def test_a_swarm_that_was_killed_long_ago_counts_as_ended(whole, tmp_path, monkeypatch):

@@ -34,7 +34,7 @@ def grown(shown, recording, share, before):
 
 
 @pytest.mark.parametrize("size", [(1280, 900), (390, 844)])
-def test_it_follows_is_wound_back_and_is_told_of_the_end(watched, size):
+def test_it_follows_rewinds_and_learns_of_the_end(watched, size):
     shown, recording = watched
     shown.set_viewport_size({"width": size[0], "height": size[1]})
     clock, live = shown.locator("#clock"), shown.locator("#live")

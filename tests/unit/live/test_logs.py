@@ -147,7 +147,7 @@ def test_the_exported_page_holds_the_recording(recording, tmp_path, capsys):
         ("DAY --brain oracle", "the brain 'oracle' is a bound"),
     ],
 )
-def test_what_cannot_be_watched_is_told_in_a_sentence(recording, here, refused, arguments, says):
+def test_what_cannot_be_watched_is_refused_in_a_sentence(recording, here, refused, arguments, says):
     about = json.loads((recording / "swarm.json").read_text())
     moves = about["study"].replace('topology = "ring"', 'topology = "moving"\ndensity = 1.0')
     changes = {

@@ -133,7 +133,7 @@ def test_a_brain_that_fails_is_asked_once(page, folder):
 
 
 @pytest.mark.long
-def test_a_crowd_is_a_picture_whose_robots_are_clicked(page, served):
+def test_a_crowd_is_a_picture_with_robots_to_click(page, served):
     come(page, served.address("setting=1&robots=500&tick=2"), 2)
     assert "each square a robot" in page.inner_text("#legend-text")
     stage = page.locator("#stages .stage")

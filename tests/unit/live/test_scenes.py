@@ -95,7 +95,7 @@ def test_values_are_changed(offer, asked, line):
         ({"topology": "full", "brain": "voter", "robots": "9000"}, "fully connected: at most 2,000 can be watched"),
     ],
 )
-def test_what_is_wrong_is_told(offer, asked, said):
+def test_wrong_input_is_refused(offer, asked, said):
     with pytest.raises(InputError) as told:
         wanted(offer, asked)
     assert said in str(told.value)
@@ -179,7 +179,7 @@ def test_decided_and_done_robots_in_every_stretch(brain, monkeypatch):
                 assert robot_of(show, tick, robot)["blacks"] == trace["blacks"].values[tick, robot]
 
 
-def test_what_cannot_be_watched_is_told(small_results):
+def test_what_cannot_be_watched_is_refused(small_results):
     for chosen in ([], 2):
         with pytest.raises(InputError, match="no setting"):
             offer_of(small_results.isel(setting=chosen))

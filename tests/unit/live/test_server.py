@@ -223,7 +223,7 @@ def test_random_bytes_on_every_route(served, requests, pages):
     assert get(served, f"/?token={served.token}")[0] == 200
 
 
-def test_a_port_that_is_taken_is_told(served):
+def test_a_port_in_use_is_reported(served):
     with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1, port {served.port}: Address already in use"):
         listen(served.offer, port=served.port)
 
@@ -250,7 +250,7 @@ def test_it_listens_on_loopback_alone(served):
         ("--out folder/none/run.html --set robots=99999", "robots = 99999: should be"),
     ],
 )
-def test_mistakes_are_told_in_a_sentence(given, said, refused):
+def test_mistakes_are_refused_in_a_sentence(given, said, refused):
     assert said in refused("watch", "--no-browser", *given.split())
 
 

@@ -98,7 +98,7 @@ def test_trials_that_are_missing_stay_missing(kept):
 
 
 @pytest.mark.long
-def test_what_was_asked_anew_is_said(here, capsys):
+def test_repeated_requests_are_reported(here, capsys):
     kept = measured(FIXED | {"trials": 8}, estimates=True, checkpoints=[1, 2, 5, 20, 40])
     sc.save(kept, "kept.nc")
 

@@ -53,7 +53,7 @@ def test_other_parameters_are_not_those_that_were_measured(deploying):
     assert told.endswith("(0.0001 in double precision) with default parameters, docs/formats.md")
 
 
-def test_a_brain_that_was_not_measured_is_told_how(deploying, tmp_path):
+def test_an_unmeasured_brain_is_named_with_a_way_to_measure_it(deploying, tmp_path):
     study = ", and studies/formats.toml with it among the brains"
     [told], warned = deploying(OWN, "udp", "ratio16")
     assert (told, warned) == (f"unknown in ratio16: try swarmcensus brains --check {OWN} --single{study}", "")

@@ -72,7 +72,7 @@ def test_a_study_of_2_to_the_31_rounds_says_so(world, tried, caplog):
     ]
 
 
-def test_what_takes_days_is_a_warning_and_threads_share_it(tried, caplog):
+def test_a_run_of_days_is_a_warning_and_threads_share_it(tried, caplog):
     made = study(rounds=70_000_000, trials=3000)
     (setting,) = made.settings()
     for jobs, cores in ((1, 1), (2, 2), (8, 2)):  # this machine has two cores
@@ -116,7 +116,7 @@ def test_long_times(seconds, text):
     assert forecasts.duration_text(seconds) == text
 
 
-def test_a_person_is_told_before_the_first_trial(here, monkeypatch, capsys):
+def test_a_warning_comes_before_the_first_trial(here, monkeypatch, capsys):
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     (here / "small.toml").write_text(FEW)
     assert main(["run", "small.toml", "--jobs", "1"]) == 0

@@ -56,7 +56,7 @@ def test_the_numbers_of_large_settings_do_not_add_up_in_memory(small_arrays, tmp
     assert sc.load(tmp_path / "one.nc").equals(sc.load(tmp_path / "ten.nc").sel(setting=[0]))
 
 
-def test_a_folder_without_room_for_results_is_told(small_arrays, tmp_path, monkeypatch):
+def test_a_folder_without_space_for_results_is_reported(small_arrays, tmp_path, monkeypatch):
     def full(**_):
         raise OSError(28, "No space left on device")
 

@@ -370,7 +370,7 @@ def test_forged_messages_leave_a_robot_that_works(name, format_):
     assert robot.stuck < runtime.PATIENCE
 
 
-def test_a_mind_that_no_round_can_end_starts_blank(tmp_path):
+def test_a_state_that_no_round_can_end_starts_blank(tmp_path):
     brain = brains.parse(POISON.replace("me.v[1] = 0.0", "me.v[0] /= me.v[0] - 3.0"), "poison", tmp_path / "poison.py")
     robot = robot_of(brain, readings=itertools.chain([True], NOTHING), message="float32")
     robot.me.v[0] = 2.0

@@ -143,7 +143,7 @@ WRONG = {
 
 @pytest.mark.interpreted
 @pytest.mark.parametrize("choice", WRONG)
-def test_what_is_no_option_is_told(choice):
+def test_what_is_no_option_is_refused(choice):
     source = changed(("MEMORY =", "import math\n\nMEMORY ="), source=DECIDES.replace("CHOICE", choice))
     said = rf"brain 'brain.py' fails in trial 1 of .*: decide gives {WRONG[choice]}: -1 \(undecided\) or an opt"
     (setting,) = fixed(brain(source))
@@ -178,11 +178,8 @@ def test_an_infinite_interval_has_no_width():
 @pytest.mark.parametrize("topology", ["line", "full", "moving"])
 def test_done_in_round_0(topology):
     source = changed(("me.t >= 3.0", "me.t >= 0.0"), source=ENDS) + "\n\ndef decide(me):\n    return 1\n"
-    world = {"density": 1.0, "body": {"tile": 0.05}} if topology == "moving" else {}
-    schedule = {"schedule": {"ticks": 3}} if topology == "moving" else {"schedule": {"rounds": 3}}
-    swarm = {"brain": brain(source), "robots": 3, "accuracy": 0.7}
-    world = {"topology": topology, "fill_ratio": 0.8} | world
-    found = sc.run(sc.Study(trials=2, seed=SEED, swarm=swarm, world=world, **schedule), jobs=1)
+    world = {"ticks": 3, "density": 1.0} if topology == "moving" else {"rounds": 3, "topology": topology}
+    found = sc.run(study_of(brain(source), robots=3, trials=2, fill_ratio=0.8, **world), jobs=1)
     assert (found["done_round"] == 0).all()
     assert (found["decision_round"] == 1).all()
     assert (found["consensus_round"] == 1).all()

@@ -52,7 +52,7 @@ def test_without_a_delay_all_is_as_before():
     assert str(late[0]) == str(plain[0]).replace(", C =", ", delay 2, C =")
 
 
-def test_late_messages_meet_the_same_luck_and_losses():
+def test_late_messages_have_the_same_draws_and_losses():
     """Settings that differ in the delay alone see the same tiles, and lose the messages of the same rounds."""
     now, late = settings_of(robots=8, rounds=60, link_success=0.5, message_delay=[0, 5])
     for key in ("readings_key", "losses_key"):

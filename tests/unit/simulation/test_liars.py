@@ -170,7 +170,7 @@ def test_wrong_liars_are_named(tmp_path, old, new, said):
 
 
 @pytest.mark.long
-def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
+def test_a_lie_that_fails_is_named_with_its_line(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("grey.py").write_text(MINE.replace("0.5 + me.k", "0.5 / (me.k - 0.02)"))
     study = STUDY.replace('["minimalistic", "legacy"]', '"minimalistic"').replace('"always-black", ', "")
@@ -185,10 +185,7 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
 def test_merged_results_with_liars_are_verified(tmp_path, capsys):
 
     def part(name, **tables):
-        return sc.Study(
-            name=name, trials=2, swarm={"robots": 5, "accuracy": 0.8, "brain": tables.pop("brain", "minimalistic")},
-            world={"topology": "ring", "fill_ratio": 0.3}, schedule={"rounds": 8}, **tables,
-        )  # fmt: skip
+        return study_of(trials=2, accuracy=0.8, fill_ratio=0.3, **tables).with_(name=name)
 
     plain = sc.run(part("plain"), jobs=1)
     lying = sc.run(part("lying", brain="w-msr", members=[{"robots": 1, "brain": "opposite", "honest": False}]), jobs=1)

@@ -252,21 +252,6 @@ def test_wrong_tables_of_members_are_named():
         sc.Study(trials=1, swarm={"robots": 5, "accuracy": 0.7}, world=RING, members=3)
 
 
-STUDY = """
-trials = 1
-[swarm]
-brain = "mine.py"
-robots = [5, 8]
-accuracy = 0.7
-[[members]]
-robots = 2
-brain  = "liar.py"
-[world]
-topology = "ring"
-fill_ratio = 0.5
-[schedule]
-rounds = 3
-"""
 FAULTY = {
     "fails": ("blacks / (me.n * 0.0)", r"brain 'mine.py' or 'liar.py' fails in .*ZeroDivisionError.*liar.py, line 9"),
     "does not compile": ("'a' + blacks", r"brain 'liar.py' fails in .*swarmcensus brains --check .*liar.py says why"),
@@ -280,8 +265,9 @@ def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
     new, said = FAULTY[what]
     Path("mine.py").write_text(DECIDES)
     Path("liar.py").write_text(changed(("me.n += blacks", f"me.n += {new}"), source=LIAR))
+    study = study_of("mine.py", robots=[5, 8], rounds=3, trials=1, members=[{"robots": 2, "brain": "liar.py"}])
     with pytest.raises(sc.InputError, match=said):
-        sc.run(sc.Study.parse(STUDY), jobs=1)
+        sc.run(study, jobs=1)
 
 
 @pytest.mark.long
@@ -302,8 +288,7 @@ def test_the_line_that_fails_is_found_whatever_brains_use(tmp_path, monkeypatch)
         + STEER
     )
     Path("mine.py").write_text(bad)
-    study = STUDY.replace('[[members]]\nrobots = 2\nbrain  = "liar.py"\n', "").replace("rounds = 3", "rounds = 100")
     with pytest.raises(
         sc.InputError, match=r"ZeroDivisionError: division by zero, at .*mine.py, line 23: me.n = 1.0 / "
     ):
-        sc.run(sc.Study.parse(study), jobs=1)
+        sc.run(study_of("mine.py", robots=[5, 8], rounds=100, trials=1), jobs=1)

@@ -23,7 +23,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("what", WRONG)
-def test_what_is_no_interval_is_told(what):
+def test_what_is_no_interval_is_refused(what):
     given, shown = WRONG[what]
     used = brain(SAYS).with_parameters(given | {"since": 3.0})
     right = r"two numbers, 0 <= low <= high <= 1, are right, or \(0.0, 1.0\) if nothing is known"

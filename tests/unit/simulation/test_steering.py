@@ -124,7 +124,7 @@ def test_steering_walks_alone_and_leaves_other_settings_alone(folder, steered):
     assert (alone["final_estimate"].values[0] == results["final_estimate"].values[k[-1]]).all()
 
 
-def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatch):
+def test_a_command_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatch):
     for _ in range(2):
         with pytest.raises(sc.InputError) as caught:
             sc.run(study_of(folder, "BROKEN", density=1))
@@ -162,11 +162,11 @@ def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, untraced):
 
 
 @pytest.mark.parametrize("command", [None, (0.1, -0.2), (1, 0), (0.1, 2)])
-def test_a_wish_is_read(command):
+def test_a_command_is_read(command):
     assert numba.njit(lambda: chosen(command))() == chosen(command) == ((0, 0, 0) if command is None else (1, *command))
 
 
 @pytest.mark.parametrize("command", [(0.1, 0.0, 0.0), (0.1,), (True, 0.1), ("a", "b"), 0.1, "left"])
-def test_what_is_no_wish_is_not_compiled(command):
+def test_what_is_no_command_is_not_compiled(command):
     with pytest.raises(TypeError, match=r"steer gives .*, neither two numbers, a speed and a turn, nor None"):
         numba.njit(lambda: chosen(command))()

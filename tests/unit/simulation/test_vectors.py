@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus import brains
 from swarmcensus.checks import suite
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.cli.commands import main
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from swarmcensus.support.errors import InputError
+from tests.support.places import EXAMPLE
 from tests.support.second import brain, changed, fixed
 from tests.support.small import GO, SEED, study_of
 
@@ -84,7 +86,7 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
         ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
     ],
 )
-def test_a_message_of_another_shape_is_told(message, given, said):
+def test_a_message_of_another_shape_is_refused(message, given, said):
     source = changed(
         ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS
     )
@@ -100,9 +102,24 @@ def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '
     (tmp_path / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
-    swarm, world = {"robots": 3, "accuracy": 0.7, "brain": "b.py"}, {"topology": "line", "fill_ratio": 0.8}
-    sc.save(sc.run(sc.Study(trials=1, swarm=swarm, world=world, schedule={"rounds": 2}), jobs=1), "r.nc")
+    sc.save(sc.run(study_of("b.py", robots=3, rounds=2, trials=1), jobs=1), "r.nc")
     assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--out", "t.csv"]) == 0
     head = Path("t.csv").read_text().splitlines()[0]
     assert "seen[1]" in head
     assert "item_seen[2]" in head
+
+
+def test_a_belief_over_ten_bins_is_bayes_rule():
+    """The example by hand: logarithms of binomial likelihoods, of its own readings and of those that it hears of."""
+    used = brains.load(EXAMPLE / "histogram.py")
+    me, other = used.robot(0.8, 0.8), used.robot(0.8, 0.8)
+    used.functions.observe(me, 5.0, 7.0)
+    used.functions.observe(other, 6.0, 9.0)
+    used.functions.receive(me, used.functions.broadcast(other))
+    used.functions.fuse(me)
+    middles = (np.arange(10) + 0.5) / 10
+    p = 0.8 * middles + 0.2 * (1.0 - middles)
+    log = 11.0 * np.log(p) + 5.0 * np.log(1.0 - p)
+    assert list(me.belief) == pytest.approx(log, rel=1e-12)
+    assert used.functions.estimate(me) == pytest.approx((np.exp(log) @ middles) / np.exp(log).sum(), rel=1e-12)
+    assert used.functions.decide(me) == np.argmax(log)

@@ -55,7 +55,7 @@ def test_what_means_something_somewhere_is_taken(world, tables):
     assert sc.Study.parse(made.text).settings() == made.settings()
 
 
-def test_results_whose_study_has_such_keys_are_still_read(tmp_path):
+def test_results_with_such_keys_are_still_read(tmp_path):
     results = sc.run(study(schedule={"rounds": 5}), jobs=1)
     results.attrs["study"] = results.attrs["study"].replace("rounds = 5", "rounds = 5\nticks = 20")
     files.save(results, tmp_path / "old.nc")

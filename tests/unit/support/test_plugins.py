@@ -310,7 +310,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("key", "value", "said"), WRONG)
-def test_what_is_wrong_is_told_in_a_line(key, value, said, installed, refused):
+def test_wrong_input_is_refused_in_a_line(key, value, said, installed, refused):
     plain = {"accuracy": "0.7", "topology": '"ring"', "more": "", "length": "rounds"}
     if key == "floor":
         plain |= {"topology": '"moving"', "more": f"side = 10\nfloor = {value}", "length": "ticks"}
@@ -330,7 +330,7 @@ def test_graph_that_fails_in_one_trial(installed, capsys):
     assert sc.load("s.nc").attrs["trials_done"] == 3
 
 
-def test_a_file_that_was_changed_under_way_is_told(installed, package):
+def test_a_file_changed_during_a_run_is_reported(installed, package):
     study = sc.Study.parse(FIXED)
     path = package / "meadow" / "torus.py"
     before = path.read_text()

@@ -217,7 +217,7 @@ def test_a_topology_is_a_file_of_its_name(tmp_path):
             parse({"name": name, "columns": 3}, tmp_path)
 
 
-def test_a_file_beside_the_study_comes_before_other_packages(tmp_path, monkeypatch):
+def test_a_file_next_to_the_study_comes_before_other_packages(tmp_path, monkeypatch):
     monkeypatch.setattr(plugins, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
     wiring.PLUGINS.__dict__.pop("outside", None)
     (tmp_path / "torus").write_text("i,j\n0,1\n")

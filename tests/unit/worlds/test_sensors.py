@@ -67,7 +67,7 @@ def test_what_is_refused(value):
         ("unifrom(0.5, 0.6)", "did you mean 'uniform'. a sensor accuracy is"),
     ],
 )
-def test_what_is_wrong_with_a_spread_is_told(value, said):
+def test_a_wrong_distribution_is_refused(value, said):
     with pytest.raises(ValueError, match=said):
         sensors.parse_accuracy(value)
 

@@ -75,7 +75,7 @@ def _sizes(made: "Deployed") -> list[str]:
         f"memory    {brain.memory_bytes * size // 4:,} bytes of numbers, {size} a number",
     ]
     if made.flash_bytes is not None:
-        lines.append(f"flash     {made.flash_bytes:,} bytes, beside Kilobot's own library")
+        lines.append(f"flash     {made.flash_bytes:,} bytes, besides Kilobot's own library")
         lines.append(f"RAM       {made.ram_bytes:,} bytes, with messages that wait")
     return lines
 

@@ -65,7 +65,7 @@ def _as_dict(board: "Board") -> dict[str, Any]:
 
 COMMANDS = (
     Command(
-        "leaderboard", "Run the shipped brains, and your own beside them, in one fixed set of worlds.",
+        "leaderboard", "Run the shipped brains, and your own with them, in one fixed set of worlds.",
         Group.BRAINS, leaderboard, add_leaderboard_options, table=True,
     ),
 )  # fmt: skip

@@ -43,7 +43,7 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="BRAIN",
-        help="another brain to choose from; the first is shown beside a recording in logs; may be repeated",
+        help="another brain to choose from; the first is shown next to a recording in logs; may be repeated",
     )
     sub.add_argument(
         "--out", type=Path, metavar="FILE.html", help="write the page with this trial as one file, and exit"

@@ -54,7 +54,7 @@ def check_fits(order: Order, texts: Mapping[str, str]) -> tuple[int | None, int 
         flash, ram = avr_size(program)
     if flash > FLASH or ram > RAM:
         needs = f"needs {flash:,} bytes of flash and {ram:,} of memory"
-        raise _too_large(name, f"{needs}, and a Kilobot has {FLASH:,} and {RAM:,} beside its own library")
+        raise _too_large(name, f"{needs}, and a Kilobot has {FLASH:,} and {RAM:,} besides its own library")
     return flash, ram
 
 

@@ -81,11 +81,9 @@ class Evidence:
                 f"world {row['world']}{_world_text(self.comparison, row)}: {self._of_world(row)}" for row in pairs
             ]
         if self.all_brains is not None and self.harms:
-            lines.append(f"beside the study's other liars: {_harm_of_each(self.all_brains)}")
+            lines.append(f"with the study's other liars: {_harm_of_each(self.all_brains)}")
         elif self.all_brains is not None:
-            lines += [
-                f"beside the study's others: {line}" for line in self.all_brains.verdict[:2] if "cost" not in line
-            ]
+            lines += [f"with the study's others: {line}" for line in self.all_brains.verdict[:2] if "cost" not in line]
         return lines
 
     def _of_world(self, row: dict[str, Any]) -> str:

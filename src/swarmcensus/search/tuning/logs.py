@@ -28,7 +28,7 @@ TO_DISK = 0.5  # seconds between waits for the disk: a power cut loses as much, 
 
 def hint() -> str:
     """What to do about an existing log that the search cannot continue."""
-    return f"Tune with {option('fresh', True)} to begin anew, or write elsewhere with {option('out')}"
+    return f"Tune with {option('fresh', True)} to start again, or write elsewhere with {option('out')}"
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ def test_a_world_is_all_else_that_settings_are():
     assert cautions == []
 
 
-def test_what_does_not_pair_is_told():
+def test_what_does_not_pair_is_named():
     data = made_up()
     lacking = sc.compare(data.isel(setting=[0, 1, 2, 3, 4, 5]))
     assert any("voter is not in 1 of 2 worlds" in one for one in lacking.cautions)
@@ -288,7 +288,7 @@ def test_difference_without_distinct_pairs_is_reported():
     assert f"{said}no two are told apart"[2:] in " ".join(panel.get_title("left").split())
 
 
-def test_the_cost_is_said_beside():
+def test_the_cost_is_shown_too():
     found = sc.compare(made_up(brains=2, worlds=("ring",)))
     one, other = measures.numbers(made_up(brains=2, worlds=("ring",)), "bytes_sent").mean(axis=1)
     assert found.verdict[-1] == (
@@ -430,7 +430,7 @@ def test_latex_escapes_names_and_marks_the_best():
     assert escaped("\n line ") == "line"
 
 
-def test_contenders_that_are_the_same_are_told():
+def test_equal_contenders_are_reported():
     data = made_up(brains=3, worlds=("ring", "full"), trials=10)
     data["final_estimate"][1::3] = data["final_estimate"][2::3].values
     [said] = [one for one in sc.compare(data, "final_error").cautions if "same" in one]

@@ -119,7 +119,7 @@ def test_names_are_numbered_in_their_order(tmp_path, capsys):
     assert recorded.notes == [f"{tmp_path / 'bag'}: robots 0 to 3 are 9, 12, a, b"]
 
 
-def test_the_last_reading_of_a_step_counts_and_it_is_told(tmp_path):
+def test_the_last_reading_of_a_step_counts_and_is_sent(tmp_path):
     values = [True, False, True, True, False]
     times = [0, 20, 100, 110, 120]  # ms
     events = [(START + t * 10**6, "/robot_0/floor", "Bool", v) for t, v in zip(times, values, strict=True)]

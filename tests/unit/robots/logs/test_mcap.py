@@ -131,7 +131,7 @@ def test_a_boot_begins_at_its_own_time_or_after_the_one_before(tmp_path, begun):
     assert times_of(tmp_path / "robot-1.log") == [now + 100 * k for now in starts for k in (1, 2, 3)]
 
 
-def test_a_boot_whose_start_is_lost_goes_on_later(tmp_path):
+def test_a_boot_without_its_start_goes_on_later(tmp_path):
     clock = Clock()
     robots = [made(tmp_path, 1, clock)]
     lives(robots, clock, 3)

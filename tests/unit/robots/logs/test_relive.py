@@ -359,7 +359,7 @@ def test_logs_that_contradict_each_other_come_to_an_end(tmp_path):
     assert {len(estimates) for estimates in result.estimates.values()} == {10}
 
 
-def test_whatever_a_log_holds_it_is_read_and_told_of(tmp_path, capsys):
+def test_any_log_is_read_or_reported(tmp_path, capsys):
     """Bytes are changed and parts are cut, also so that checksums are right: nothing is raised."""
     recorded(tmp_path / "day", "voter", robots=3, rounds=12, more={"saves": 4})
     path = tmp_path / "day" / "robot-1.log"

@@ -249,7 +249,7 @@ def test_folders_in_use_are_refused(here, refused):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
-def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
+def test_who_can_reach_other_addresses_is_said(tmp_path, capsys):
     arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "0.0.0.0", "--out", str(tmp_path / "out")]
     assert main(["swarm", "commons", *arguments]) == 0
     assert "Anyone who can reach 0.0.0.0" in capsys.readouterr().err

@@ -62,7 +62,7 @@ def test_it_fits_a_terminal(width, height, robots):
         assert ("more" in text) == (robots + 8 > height)
 
 
-def test_what_a_robot_begins_with_again_is_told(tmp_path):
+def test_the_memory_of_a_restarted_robot_is_reported(tmp_path):
     given = plan_of(plan(4).study, 0, 0, 0, Air(hz=100))
     texts = ["2.3s kill 1", "2.4s restart 1", "2.5s kill 2", "2.6s restart 2 blank"]
     seen = []

@@ -228,7 +228,7 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     assert data.sizes["setting"] == 4
     assert sorted(set(data["brain"].values)) == ["minimalistic", "tunable.py"]
     assert data.attrs["seed"] == 1
-    assert "beside the study's others" in str(found)
+    assert "with the study's others" in str(found)
     kept = [0.1, 0.3, found.values["a"]]
     assert sorted(data["a"].values[data["brain"].values == "tunable.py"]) == sorted(kept)
     pasted = sc.Study.parse(
@@ -237,7 +237,7 @@ def test_others_of_the_study_are_evaluated_and_not_searched(tmp_path):
     assert pasted.swarm.brain == [found.brain]
 
 
-def test_several_worlds_weigh_alike_and_are_told_one_by_one(tmp_path):
+def test_several_worlds_have_equal_weight_and_are_listed(tmp_path):
     study = study_of(tmp_path, "a = 0.1, noise = 0.02", accuracy="[0.8, 0.9]", seed=3)
     found = sc.tune(study, ["a=0:1"], budget=61, trials=3)
     said = found.evidence.sentences

@@ -134,7 +134,7 @@ def test_worst_lie_is_found_and_written(here, capsys):
     assert sc.Study.parse(pasted, context={"base": here}).members[0].brain[0].parameters["at"] != 0.2
 
 
-def test_a_liar_that_does_no_more_harm_is_told(here):
+def test_a_liar_that_does_no_more_harm_is_reported(here):
     Path("s.toml").write_text(STUDY.replace("at = 0.2", "at = 0.6"))
     found = sc.tune("s.toml", ["at=0.7:0.9"], "heard.py", budget=13, trials=1, adversary="bump.py")
     assert found.verdict == "better"
