@@ -62,10 +62,14 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, *arguments: Any, **more: Any) -> None:
         """Refuse shortened options: a later option could change their meaning."""
         super().__init__(*arguments, **{"allow_abbrev": False, **more})
+        self.stored: dict[str, Any] = {}  # values of options so far
+        for name in (None, "store"):
+            self.register("action", name, _StoreOnce)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse unknown arguments here, because this command's options are known and one can be suggested."""
         self.given = [argument for argument in args or [] if argument.startswith("--")]
+        self.stored.clear()
         parsed, rest = super().parse_known_args(args, namespace)
         if rest:
             unknown = next((argument for argument in rest if argument.startswith("-")), rest[0])
@@ -115,6 +119,18 @@ class Parser(argparse.ArgumentParser):
             right = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
             text = f"{_shown(value)}: {did_you_mean(str(value), choices)}should be {right}"
             raise argparse.ArgumentError(action, text)
+
+
+class _StoreOnce(argparse._StoreAction):
+    """Refuses an option that is given twice, of which argparse would silently take the last."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        if option_string in parser.stored:
+            both = f"{_shown(parser.stored[option_string])} and {_shown(values)}"
+            raise argparse.ArgumentError(self, f"is given twice, with {both}: give it once")
+        if option_string:
+            parser.stored[option_string] = values
+        super().__call__(parser, namespace, values, option_string)
 
 
 MISSING = "is missing"

@@ -17,7 +17,7 @@ STRICT = """
 from swarmcensus.engine.strict import make_strict
 make_strict(brain)
 """
-MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
+ROBOT = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
 from swarmcensus.engine.calling import blank_state, word_at
 from swarmcensus.engine.compiling import compiled
@@ -249,7 +249,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
         for start, long in _starts(brain.message)
         if not sums
     )
-    return MIND.format(
+    return ROBOT.format(
         files=", ".join(files),
         chance=chance,
         strict="" if is_shipped(brain) else STRICT,

@@ -96,6 +96,25 @@ def test_forecast_by_brain_and_kind_of_work(tried, caplog):
     assert len(tried) == 8
 
 
+def test_many_short_trials_are_tried_together(tried, caplog):
+    made = study(rounds=100, trials=20_000_000)
+    cost = seconds(made.settings()[0])
+    (line,), _ = said(made, 1, caplog)
+    [(rounds, trials)] = tried
+    assert rounds == 100
+    assert trials > 1
+    due = made.trials * cost * (1.0 + 3.0 * trials * cost) / (trials * cost)
+    assert line == f"long: {HEARD}{forecasts.duration_text(due)} in 1 thread if nothing else keeps the machine busy"
+
+
+def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(tried, caplog):
+    rule = {"until": "convergence_error median +- 0.02", "at_least": 10, "at_most": 20}
+    made = study(rounds=100_000_000).with_(trials=rule)
+    (line,), _ = said(made, None, caplog)
+    due = made.trials * seconds(made.settings()[0])
+    assert line == f"long: this takes at least {forecasts.duration_text(due)} of one core"
+
+
 def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
     assert said(study(rounds=10_000, trials=100), 2, caplog) == ([], [])
     assert said(study(rounds=10_000, world=MOVING), 2, caplog) == ([], [])

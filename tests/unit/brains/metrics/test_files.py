@@ -94,6 +94,7 @@ def test_shipped_metrics_against_numpy(fixed):
             np.testing.assert_allclose(measured, expected, rtol=1e-12, err_msg=variable)
             seen |= {(variable, bool(np.isinf(expected).any()))}
     assert {("first_right", True), ("first_right", False), ("swarm_right", True), ("swarm_right", False)} <= seen
+    assert {variable for variable, _ in seen} == {metrics.load(name).variable for name in LIBRARY}
 
 
 @pytest.mark.parametrize("name", LIBRARY)
