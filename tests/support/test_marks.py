@@ -114,7 +114,7 @@ def test_a_run(tmp_path, workers):
         outcome = next((word for word in words if word in outcomes), None)
         if outcome and "::" in line and " - " not in line:
             outcomes[outcome].add(next(word for word in words if "::" in word).partition("::")[2])
-    passed = "beside[0] beside[1] beside[2] here is_the_last often_long[0] seldom_long[1] seldom_long[2]"
+    passed = "besides[0] besides[1] besides[2] here is_the_last often_long[0] seldom_long[1] seldom_long[2]"
     passed += " long_but_now_and_then[0] long_but_now_and_then[3]"
     failed = "fails ends_the_process wrong_ids[0] wrong_ids[1] no_parameters"
     assert outcomes == {
