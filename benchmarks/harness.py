@@ -60,6 +60,8 @@ def answer(module):
     for name, it in questions.items():
         about = inspect.getdoc(it) or ""
         one = below.add_parser(name, help=about.partition("\n")[0], description=about)
+        if "quick" not in inspect.signature(it).parameters:
+            one.add_argument("--quick", action="store_true", default=argparse.SUPPRESS)
         for key, given in inspect.signature(it).parameters.items():
             if given.kind is given.VAR_POSITIONAL:
                 one.add_argument(key, nargs="*", metavar=key.upper())

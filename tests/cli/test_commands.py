@@ -175,7 +175,7 @@ def test_bad_commands(command, said, here, refused, small_file):
         ("brains --show a --check b", "brains: --check does not go with --show"),
         ("brains --show commons --json", "--json does not go with --show"),
         ("show x.nc --quiet --verbose", "show: --verbose does not go with --quiet"),
-        ("run x.toml --trials 3 --trials 4", "run: --trials is given twice, with 3 and 4: give it once"),
+        ("show x.nc --where a==1 --where b==2", "show: --where is given twice: join conditions, as in EXPR and EXPR"),
     ],
 )
 def test_errors_of_options_are_one_sentence(command, said, refused):

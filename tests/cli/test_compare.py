@@ -133,7 +133,7 @@ def test_the_table_as_text_is_that_of_the_terminal_and_fits(two, width, capsys, 
     [
         ("--metric corect", "--metric corect"),
         ("--latex a.csv", "--latex a.csv"),
-        ("--csv a.txt", "--csv a.txt: it is written as .csv"),
+        ("--csv a.txt", "--csv a.txt: what this writes ends in .csv"),
         ("--plot a.gif", "a-ranks.gif: figures are written as .png, .svg or .pdf"),
         ("--plot /dev/null/a.png", "cannot write /dev/null/a-ranks.png"),
         ("--where brain=='legacy'", "there is nothing to compare: all settings are of legacy"),

@@ -100,7 +100,7 @@ def test_a_folder_from_boards_needs_no_more_than_logs(recording, tmp_path, capsy
         ("DAY --brain everyone", "everyone"),
         ("DAY --brain voter --parameter x=1", "--parameter"),
         ("DAY --brain voter --brain sure --plot r.png", "own relive, or --out FILE.nc and"),
-        ("DAY --out r.csv", "--out r.csv: it is written as .nc"),
+        ("DAY --out r.csv", "--out r.csv: what this writes ends in .nc"),
         ("DAY --brain commons --out r.nc", "commons would be there twice"),
         ("DAY --out r.nc --trace ./r.nc", "--out and --trace both name r.nc: they should name two files"),
         ("BLANK", "robot-0.log: the file is empty: should be a robot's log"),

@@ -54,7 +54,7 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
         ("new brain there.toml/x.py", "cannot write there.toml/x.py"),
         ("studies rng", "rng: no such study comes with swarmcensus: did you mean 'ring'? `swarmcensus studies`"),
         ("studies ring --out there.toml", "there.toml already exists"),
-        ("studies ring --out x.nc", "--out x.nc: it is written as .toml"),
+        ("studies ring --out x.nc", "--out x.nc: what this writes ends in .toml"),
     ],
 )
 def test_refusals_write_nothing(arguments, said, here, refused):

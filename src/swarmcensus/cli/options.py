@@ -62,14 +62,10 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, *arguments: Any, **more: Any) -> None:
         """Refuse shortened options: a later option could change their meaning."""
         super().__init__(*arguments, **{"allow_abbrev": False, **more})
-        self.stored: dict[str, Any] = {}  # values of options so far
-        for name in (None, "store"):
-            self.register("action", name, _StoreOnce)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse unknown arguments here, because this command's options are known and one can be suggested."""
         self.given = [argument for argument in args or [] if argument.startswith("--")]
-        self.stored.clear()
         parsed, rest = super().parse_known_args(args, namespace)
         if rest:
             unknown = next((argument for argument in rest if argument.startswith("-")), rest[0])
@@ -121,16 +117,15 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, text)
 
 
-class _StoreOnce(argparse._StoreAction):
-    """Refuses an option that is given twice, of which argparse would silently take the last."""
+class _Once(argparse.Action):
+    """Stores a condition, and refuses a second one: of two, argparse would silently take the last."""
 
-    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
-        if option_string in parser.stored:
-            both = f"{_shown(parser.stored[option_string])} and {_shown(values)}"
-            raise argparse.ArgumentError(self, f"is given twice, with {both}: give it once")
-        if option_string:
-            parser.stored[option_string] = values
-        super().__call__(parser, namespace, values, option_string)
+    def __call__(self, _: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        if getattr(namespace, self.dest) is not None:
+            raise argparse.ArgumentError(
+                self, f"is given twice: join conditions, as in {self.metavar} and {self.metavar}"
+            )
+        setattr(namespace, self.dest, values)
 
 
 MISSING = "is missing"
@@ -318,7 +313,10 @@ SHARED: dict[str, dict[str, Any]] = {  # options that several commands have, wit
     "setting": {"type": from_zero, "metavar": "N", "help": "number of the setting, as 'show' prints it"},
     "trial": {"type": from_zero, "metavar": "N", "help": "number of the trial, from 0"},
     "trials": {"type": positive, "help": "trials per setting, instead of the study's own number"},
-    "where": {"metavar": "EXPR", "help": "only these settings, such as 'topology == \"ring\" and robots == 100'"},
+    "where": {
+        "metavar": "EXPR", "action": _Once,
+        "help": "only these settings, such as 'topology == \"ring\" and robots == 100'",
+    },
 }  # fmt: skip
 
 OF_RUNS = ("jobs", "trials", "seed", "fresh")  # of all commands that run studies and write their results

@@ -12,6 +12,7 @@ from swarmcensus.robots.folders import check_free, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution
 from swarmcensus.robots.target import Order, order_of
 from swarmcensus.robots.targets import find
+from swarmcensus.translation import owed_numbers
 
 
 @dataclass(frozen=True)
@@ -25,14 +26,20 @@ class Deployed:
     ram_bytes: int | None = None
 
     @property
+    def memory_bytes(self) -> int:
+        """The bytes of a robot's numbers, 4 a number, with those that its program keeps of rounded messages."""
+        brain = self.order.brain
+        return brain.memory_bytes + 4 * (owed_numbers(brain) - len(brain.owed))
+
+    @property
     def as_dict(self) -> dict[str, Any]:
         """What was made, for JSON; the brain's numbers take `memory_bytes`, and more on MicroPython."""
         order, brain = self.order, self.order.brain
         return {
             "brain": brain.label, "target": order.name, "folder": self.folder, "files": self.files,
-            "message": brain.numbers.message, "precision": brain.numbers.precision,
+            "message": brain.numbers.message, "precision": brain.numbers.precision if order.target.precisions else None,
             "message_bytes": brain.message_bytes, "datagram_bytes": order.datagram_bytes,
-            "memory_bytes": brain.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
+            "memory_bytes": self.memory_bytes, "flash_bytes": self.flash_bytes, "ram_bytes": self.ram_bytes,
             "mark": order.mark,
         }  # fmt: skip
 

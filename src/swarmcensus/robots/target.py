@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Numbers
@@ -77,9 +78,14 @@ def order_of(
     for key, why in target.refuses.items():
         if asked[key] is not None:
             raise misplaced(key, asked[key], f"does not go with {option('target', name)}: {why}")
+    for key, value in asked.items():
+        if key != "precision" and value is not None and not isinstance(value, Real):
+            raise wrong_option(key, value, "should be a number")
+    if not isinstance(parameters or {}, Mapping):
+        raise wrong_option("parameters", parameters, "should be values by name")
     message = message or target.message
     if message not in SENT:
-        raise wrong_option("message", message, f"{did_you_mean(message, SENT)}should be one of {', '.join(SENT)}")
+        raise wrong_option("message", message, f"{did_you_mean(str(message), SENT)}should be one of {', '.join(SENT)}")
     if precision is not None and precision not in target.precisions:
         raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
     for key in ("b", "w"):

@@ -154,12 +154,12 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
     last, until, known = last_round(grids), tables.trials, tables.measure.checkpoints
     if isinstance(until, Until) and until.checkpoint is not None:
         if known is not None and until.checkpoint not in known:
-            raise StudyError.at("trials.until", repr(until.until), f"{until.checkpoint} is no checkpoint")
+            raise StudyError.at("trials.until", until.until, f"{until.checkpoint} is no checkpoint")
         if until.checkpoint > (shortest := min(length for grid in grids for length in grid.lengths)):
             which = (
                 "the last round" if shortest == last else f"the last round of settings of {counted(shortest, 'round')}"
             )
-            raise StudyError.at("trials.until", repr(until.until), f"that comes after {which}")
+            raise StudyError.at("trials.until", until.until, f"that comes after {which}")
     late = [c for c in known or () if c > last]
     if late:
         after = f"measure.checkpoints = {late[0]} comes after the last round, {last}"

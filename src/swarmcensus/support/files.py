@@ -115,7 +115,7 @@ def check_output(name: str, path: str | Path | None, suffixes: tuple[str, ...], 
     if path is None:
         return
     if Path(path).suffix.lower() not in suffixes:
-        raise wrong_option(name, str(path), f"it is written as {' or '.join(suffixes)}")
+        raise wrong_option(name, str(path), f"what this writes ends in {' or '.join(suffixes)}")
     check_writable(path, *inputs)
 
 

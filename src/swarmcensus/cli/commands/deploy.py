@@ -72,7 +72,7 @@ def _sizes(made: "Deployed") -> list[str]:
     size = 8 if made.order.name == "c" and brain.numbers.precision == "double" else 4
     lines = [
         f"message   {counted(brain.message_bytes, 'byte')}{within}",
-        f"memory    {brain.memory_bytes * size // 4:,} bytes of numbers, {size} a number",
+        f"memory    {made.memory_bytes * size // 4:,} bytes of numbers, {size} a number",
     ]
     if made.flash_bytes is not None:
         lines.append(f"flash     {made.flash_bytes:,} bytes, besides Kilobot's own library")

@@ -116,7 +116,9 @@ def _cluster(options: argparse.Namespace) -> str | None:
     if options.scheduler and options.cluster:
         raise misplaced("scheduler", None, "and --cluster exclude each other: give one of them")
     if options.jobs and (options.scheduler or options.cluster):
-        raise misplaced("jobs", options.jobs, "is of this machine: it does not go with --scheduler or --cluster")
+        raise misplaced(
+            "jobs", options.jobs, "sets the threads of this machine: it does not go with --scheduler or --cluster"
+        )
     if options.scheduler and "://" not in options.scheduler:
         raise wrong_option("scheduler", options.scheduler, "should be an address such as tcp://host:8786")
     return options.scheduler or options.cluster  # type: ignore[no-any-return]

@@ -150,6 +150,9 @@ def _query(options: argparse.Namespace) -> dict[str, str]:
             known = f"{did_you_mean(key, (*KEYS, *PLAYED))}there are {', '.join((*KEYS, *PLAYED))}"
             raise wrong_option("set", key, f"{known}; {option('parameter')} is for parameters of the brain")
     numbers = once("parameter", options.parameter)
+    for key in numbers:
+        if key in (*KEYS, *PLAYED):
+            raise wrong_option("parameter", key, f"is no parameter of a brain: {option('set')} is for it")
     return query | controls | {key: str(list(x) if isinstance(x, tuple) else x) for key, x in numbers.items()}
 
 

@@ -11,7 +11,7 @@ PLUGINS = Plugins("target", "swarmcensus.targets", "swarmcensus.robots.targets")
 def find(name: str) -> Target:
     """The target of this name. Raises InputError."""
     if name not in PLUGINS:
-        hint = did_you_mean(name, PLUGINS.names)
+        hint = did_you_mean(str(name), PLUGINS.names)
         raise wrong_option("target", name, f"{hint}should be one of {', '.join(PLUGINS.names)}")
     target = PLUGINS.module(name)
     found: Target = getattr(target, "TARGET", target)

@@ -85,7 +85,7 @@ def check_consistency(mission: Any) -> None:
     for brain in mission.brains if wanted.half_width is not None else ():
         if brain.is_opinion:
             opinions = "its robots have opinions of 0 or 1, so it needs right"
-            raise StudyError.at("free.brain", repr(brain.name), opinions)
+            raise StudyError.at("free.brain", brain.name, opinions)
     for key, values in (
         ("known.accuracy", known.accuracy),
         ("known.lie", [lie.label for lie in known.lie or ()]),
@@ -138,7 +138,7 @@ def check_liars(mission: Any) -> None:
     for entry in known.lie or ():
         if not isinstance(entry, Adversary):
             a_brain = "that is a brain, and not an adversary, such as shouter"
-            raise StudyError.at("known.lie", repr(entry.name), a_brain)
+            raise StudyError.at("known.lie", entry.name, a_brain)
     if known.lying + known.failing >= 1.0:
         both = f"known.lying = {known.lying:g} and known.failing = {known.failing:g}"
         less = "leave no robot that works and is honest: together they should be less than 1"
@@ -150,4 +150,4 @@ def check_liars(mission: Any) -> None:
             try:
                 lying_brain(lie, brain)
             except ValueError as error:
-                raise StudyError.at("known.lie", repr(lie.label), error) from None
+                raise StudyError.at("known.lie", lie.label, error) from None
