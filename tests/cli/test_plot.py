@@ -60,7 +60,7 @@ def test_shell_advice_for_too_many_panels(small_file, refused, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("replay --setting 0 --trial 0 --out x.txt", "written as .csv or .nc"),
+        ("replay --setting 0 --trial 0 --out x.txt", "ends in .csv or .nc"),
         ("replay --setting 0 --trial 0 --plot x.bmp", "figures are written as"),
         ("replay --setting 0 --trial 0 --plot file/x.png", "cannot write file/x.png"),
         ("replay --setting 0 --trial 0 --recording file/rec", "cannot write file/rec"),
