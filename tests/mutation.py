@@ -55,8 +55,11 @@ TESTS: dict[str, tuple[str, str]] = {
     "engine/draws": (f"{DRAWS} unit/engine/test_random {NETS}", f"{BATCHES} statistical/test_theory"),
     "engine/world": (f"{DRAWS} {NETS} {WALKS}", FLOORS),
     "engine/scores": (DRAWS, FLOORS),
-    "engine/kernel": (f"{NETS} {FOLLOW}", f"{BATCHES} {FAULTS} {TRACES}"),
-    "engine/rounds": (f"{NETS} {FOLLOW}", f"{BATCHES} {FAULTS} {TRACES} unit/simulation/test_delays"),
+    "engine/kernel": (f"{NETS} {FOLLOW}", f"{BATCHES} {FAULTS} {TRACES} unit/simulation/test_intervals"),
+    "engine/rounds": (
+        f"{NETS} {FOLLOW}",
+        f"{BATCHES} {FAULTS} {TRACES} unit/simulation/test_delays unit/simulation/test_silence",
+    ),
     "engine/watching": (WATCHED, METRICS),
     "simulation/watches": (WATCHED, METRICS),
     "engine/failures": (FAULTS, f"{NETS} {WALKS}"),
