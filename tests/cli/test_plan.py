@@ -21,11 +21,11 @@ def mission(here):
 
 def test_plan_prints_and_writes(capsys):
     assert main(["plan", "m.toml", "--out", "p.json", "--plot", "p.svg", "--robots", "5:20"]) == 0
-    told = capsys.readouterr()
-    assert "95 % of robots within 0.05 of the truth" in told.out
-    assert told.out.count("\ncommons ") == told.out.count("\nminimalistic ") == 5
-    assert all(f" {column} = " in told.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
-    assert "p.json, p.svg: " in told.err
+    printed = capsys.readouterr()
+    assert "95 % of robots within 0.05 of the truth" in printed.out
+    assert printed.out.count("\ncommons ") == printed.out.count("\nminimalistic ") == 5
+    assert all(f" {column} = " in printed.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
+    assert "p.json, p.svg: " in printed.err
     rows = json.loads(Path("p.json").read_text())["rows"]
     assert {row["robots"] for row in rows} == {5, 7, 10, 14, 20}
     assert {row["trials"] for row in rows} == {40}

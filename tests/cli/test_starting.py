@@ -65,10 +65,10 @@ def test_refusals_write_nothing(arguments, said, here, refused):
 def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
     assert main(["studies"]) == 0
     _, *lines = capsys.readouterr().out.splitlines()
-    told = dict(line.split(maxsplit=1) for line in lines)
-    assert list(told) == list(shipped_studies())
-    assert all(len(words.split()) >= 3 for words in told.values())
-    assert told["paper/local"].rstrip().endswith("Fig. 2a")
+    printed = dict(line.split(maxsplit=1) for line in lines)
+    assert list(printed) == list(shipped_studies())
+    assert all(len(words.split()) >= 3 for words in printed.values())
+    assert printed["paper/local"].rstrip().endswith("Fig. 2a")
 
 
 @pytest.mark.long(but_every=4)
@@ -102,18 +102,18 @@ def test_bash_completes(words, offered, here, capsys):
         f"_shtab_swarmcensus swarmcensus {shlex.quote(typed[-1])} {typed[-2]}; echo ${{COMPREPLY[@]}}"
     )
     script = f"{capsys.readouterr().out}\n{asked}"
-    told = subprocess.run(["bash"], input=script, check=True, capture_output=True, encoding="utf-8").stdout
-    assert told.split() == offered
+    printed = subprocess.run(["bash"], input=script, check=True, capture_output=True, encoding="utf-8").stdout
+    assert printed.split() == offered
 
 
 def test_a_doctor_names_what_there_is(capsys):
     assert main(["doctor"]) == 0
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     assert main(["doctor", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["swarmcensus"] == sc.__version__
     assert found["python"] == ".".join(map(str, sys.version_info[:3]))
-    assert all(name in told and version in told for name, version in found["libraries"].items())
+    assert all(name in printed and version in printed for name, version in found["libraries"].items())
     assert found["faults"] == []
     assert found["extras"] == dict.fromkeys(start.EXTRAS, True)  # as the tests' own extra has them all
 
@@ -124,10 +124,10 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
     monkeypatch.setattr(start, "LIBRARIES", ("numpy", "swarmcensus-of-bees"))
     monkeypatch.setitem(start.EXTRAS, "film", ("no_such_thing",))
     assert main(["doctor"]) == 2
-    told = capsys.readouterr().out
-    assert "not installed: pip install 'swarmcensus[film]'" in told
-    assert "swarmcensus-of-bees is not installed: pip install swarmcensus" in told
-    assert "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE" in told
+    printed = capsys.readouterr().out
+    assert "not installed: pip install 'swarmcensus[film]'" in printed
+    assert "swarmcensus-of-bees is not installed: pip install swarmcensus" in printed
+    assert "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE" in printed
 
 
 def test_new_files_overwrite_nothing(here, capsys):

@@ -194,10 +194,10 @@ def test_two_searches_on_one_output(refused):
 
 def test_explanation_as_json(here, capsys):
     assert main([*TUNE, "--budget", "13", "--json"]) == 0
-    told = capsys.readouterr()
-    found = json.loads(told.out, parse_constant=pytest.fail)
+    printed = capsys.readouterr()
+    found = json.loads(printed.out, parse_constant=pytest.fail)
     assert found["format"] == "swarmcensus tuning 1"
     brain = tomllib.loads(Path("tunable-tuned.toml").read_text())["swarm"]["brain"][0]
     assert found["values"]["a"] == brain["a"]
-    assert "tunable-tuned.toml: 13 evaluations" in told.err
+    assert "tunable-tuned.toml: 13 evaluations" in printed.err
     assert {pair["world"] for pair in found["pairs"]} == {*range(len(found["worlds"]))}

@@ -96,9 +96,9 @@ def test_a_shell_measures_brains(capsys, monkeypatch):
     assert lines[2].startswith("bayes-bots*")
     assert lines[-1].startswith("*: its memory has no room")
     assert main(["brains", "--json", "--cost", own]) == 0
-    told = json.loads(capsys.readouterr().out)
-    [one] = told["costs"]
-    assert (told["format"], one["name"], one["fits_kilobot"]) == ("swarmcensus costs 1", own, True)
+    printed = json.loads(capsys.readouterr().out)
+    [one] = printed["costs"]
+    assert (printed["format"], one["name"], one["fits_kilobot"]) == ("swarmcensus costs 1", own, True)
     assert one["milliseconds"] == one["coded_cycles"] / 8000
 
 

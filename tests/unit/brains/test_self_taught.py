@@ -42,7 +42,7 @@ def test_a_first_round_by_hand():
     assert RUN.estimate(me) == pytest.approx((x / e + e / 2) / (1 / e + e))
     RUN.receive(me, (5.0, 10.0, 3.0))
     RUN.fuse(me)
-    s, v, m = (0.999 / 2 * (own / e + told) for own, told in ((x, 5.0), (1.0, 10.0), (x * x - e, 3.0)))
+    s, v, m = (0.999 / 2 * (own / e + expected) for own, expected in ((x, 5.0), (1.0, 10.0), (x * x - e, 3.0)))
     d = 0.02 * max(m / v - (s / v) ** 2, 0.0)
     assert me.spread == pytest.approx(d)
     assert me.v == pytest.approx(v + 1 / (e + d) - 0.999 / e)
@@ -103,20 +103,20 @@ def test_what_the_swarm_makes_of_a_sensor_is_what_it_is():
     assert RUN.estimate(states[0]) == pytest.approx(0.8, abs=1e-4)
 
 
-def swarm_of(wrong, told, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):
+def swarm_of(wrong, expected, truth, fill, brain="self-taught", trials=10, topology="full", rounds=600):
     return sc.run(
         study_of(
             brain, robots=20, accuracy=truth, assumed_accuracy=truth, rounds=rounds, trials=trials, seed=8,
-            members=[{"robots": wrong, "assumed_accuracy": told}], topology=topology, fill_ratio=fill,
+            members=[{"robots": wrong, "assumed_accuracy": expected}], topology=topology, fill_ratio=fill,
         )
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(("told", "truth", "fill"), [(0.95, 0.75, 0.75), (0.95, 0.75, 0.95), (0.75, 0.95, 0.75)])
-def test_six_of_twenty_that_are_wrong_do_no_harm(told, truth, fill):
+@pytest.mark.parametrize(("expected", "truth", "fill"), [(0.95, 0.75, 0.75), (0.95, 0.75, 0.95), (0.75, 0.95, 0.75)])
+def test_six_of_twenty_that_are_wrong_do_no_harm(expected, truth, fill):
     """All robots of ten swarms are right within 0.05, and their median error is a third of commons' at the most."""
-    error = abs(swarm_of(6, told, truth, fill)["final_estimate"].values - fill)
-    plain = abs(swarm_of(6, told, truth, fill, "commons")["final_estimate"].values - fill)
+    error = abs(swarm_of(6, expected, truth, fill)["final_estimate"].values - fill)
+    plain = abs(swarm_of(6, expected, truth, fill, "commons")["final_estimate"].values - fill)
     assert error.max() < 0.05
     assert np.median(error) < 0.01
     assert np.median(plain) > 3.0 * np.median(error)

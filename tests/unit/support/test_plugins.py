@@ -435,8 +435,8 @@ def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
         del sys.modules[name]
     assert main(["list"]) == 0
     assert {name for name in sys.modules if name.startswith("meadow.")} == set()
-    told = capsys.readouterr()
-    rows = [line.split() for line in told.out.splitlines() if line]
+    printed = capsys.readouterr()
+    rows = [line.split() for line in printed.out.splitlines() if line]
     assert [row[0] for row in rows if row[1:3] == ["keys", "what"]] == [
         "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures", "targets",
     ]  # fmt: skip
@@ -449,7 +449,7 @@ def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
     assert by["broken"][1:4] == ["cannot", "be", "read:"]
     assert by["torus"][1:3] == ["columns", "A"]
     assert by["beta"][1:4] == ["a,", "b", "Beta:"]
-    assert told.err == ""
+    assert printed.err == ""
 
 
 def test_shipped_names_need_no_package_search(monkeypatch):

@@ -185,7 +185,7 @@ FLOOR = "/robot_{robot}/floor"
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "expected"),
     [
         (["bag"], "bag: a bag needs --readings and --period"),
         (["bag", "--readings", FLOOR], "bag: a bag needs --period"),
@@ -210,7 +210,7 @@ FLOOR = "/robot_{robot}/floor"
         (["o.csv", "--period", "1"], "--period"),
     ],
 )
-def test_wrong_input_is_one_sentence(tmp_path, refused, arguments, told):
+def test_wrong_input_is_one_sentence(tmp_path, refused, arguments, expected):
     events = [(START + k * 10**9, "/robot_0/floor", "Bool", True) for k in range(2)]
     events += [(START, "/robot_0/grey", "UInt8", 7), (START, "/robot_0/far", "Int32MultiArray", [9])]
     events += [(START, "/robot_0/heard", "Int32", 0), (START, "/picture_0", "String", "a cat")]
@@ -219,7 +219,7 @@ def test_wrong_input_is_one_sentence(tmp_path, refused, arguments, told):
     for name in ("text.db3", "text.mcap"):
         (tmp_path / name).write_text("hello")
     (tmp_path / "o.csv").write_text("1\n")
-    assert told in refused("infer", *arguments, "--accuracy", "0.8")
+    assert expected in refused("infer", *arguments, "--accuracy", "0.8")
 
 
 def test_a_missing_library_says_what_to_install(tmp_path, monkeypatch):

@@ -185,7 +185,7 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatc
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "expected"),
     [
         (["day", "--format", "csv"], "day: robots' logs are written as mcap, not by --format csv"),
         (["day", "--out", "x.txt"], "--out x.txt"),
@@ -200,7 +200,7 @@ def test_a_cut_log_is_written_as_far_as_it_is_whole(folder, tmp_path, monkeypatc
         (["torn"], "swarm.json: cannot be read as JSON"),
     ],
 )
-def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, refused, arguments, told):
+def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, refused, arguments, expected):
     pytest.importorskip("mcap", reason="pip install 'swarmcensus[ros]'")
     log = (folder / "robot-0.log").read_bytes()
     files = {
@@ -216,7 +216,7 @@ def test_wrong_input_is_one_sentence(folder, tmp_path, small_file, refused, argu
         (tmp_path / name).write_bytes(data)
     (tmp_path / "empty").mkdir()
     (tmp_path / "small.nc").write_bytes(small_file.read_bytes())
-    assert told in refused("export", *arguments)
+    assert expected in refused("export", *arguments)
 
 
 def test_a_missing_library_says_what_to_install(folder, tmp_path, monkeypatch):

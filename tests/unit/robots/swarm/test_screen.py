@@ -92,10 +92,10 @@ def test_a_swarm_that_is_stopped_tells_what_there_is(tmp_path, capsys, monkeypat
 
     monkeypatch.setattr(running, "_bury", bury)
     assert main(["swarm", "commons", *SMALL, "--out", str(tmp_path / "out")]) == 130
-    told = capsys.readouterr()
-    assert "the mean over the " in told.out
-    assert told.out.splitlines()[-1].endswith(f"next: swarmcensus relive {tmp_path / 'out'}")
-    assert "swarmcensus: stopped after " in told.err
+    printed = capsys.readouterr()
+    assert "the mean over the " in printed.out
+    assert printed.out.splitlines()[-1].endswith(f"next: swarmcensus relive {tmp_path / 'out'}")
+    assert "swarmcensus: stopped after " in printed.err
 
 
 def test_means_are_of_honest_robots_at_work():
@@ -105,7 +105,7 @@ def test_means_are_of_honest_robots_at_work():
     assert "honest estimates 0.500, 90 % from 0.500 to 0.500" in out.file.getvalue()
     some.robots[7].state = "killed"
     counted = sum(m.honest and some.robots[m.number].state == "runs" for m in some.plan.members)
-    told = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0, 1)))
-    assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in told
+    printed = "\n".join(summary(some.plan, outcome_of(some.plan, some.robots, 1.0, 1.0, 1)))
+    assert f"error     0.0500, the mean over the {counted} honest robots at work at the end" in printed
     nobody = "\n".join(summary(plan(), outcome_of(plan(), [Known() for _ in range(20)], 1.0, 1.0, 1)))
     assert "error     unknown: no robot was at work at the end" in nobody
