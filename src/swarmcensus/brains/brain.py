@@ -11,6 +11,7 @@ from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, Contents, read_contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
 from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
+from swarmcensus.brains.needs import values_of
 from swarmcensus.brains.packing import PLAIN, Numbers, Part, bytes_of, parts
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.single import in_single, rounded_to_single
@@ -92,6 +93,11 @@ class Brain(Program):
     def is_opinion(self) -> bool:
         """Whether its estimate is an opinion, 0 or 1, so that its error means little."""
         return self.contents.opinion
+
+    @functools.cached_property
+    def needs(self) -> dict[str, float]:
+        """What it needs of a study, with the values of its parameters. See `needs.KEYS`."""
+        return ({"binary": 1.0} if self.is_opinion else {}) | values_of(self.contents.needs, self.parameters)
 
     @property
     def is_oracle(self) -> bool:
@@ -224,5 +230,5 @@ def unloaded(name: str, source: str) -> Brain:
     try:
         _, contents = _read(source, Path(name))
     except InputError:
-        contents = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset(), {}, False, False)
+        contents = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset(), {}, False, False, {})
     return Brain(name, Path(name), source, contents, types.ModuleType(UNLOADED))
