@@ -1,6 +1,7 @@
 """Each contender's standing in each world: best, level with the first, or behind; and which pairs differ."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,8 @@ class Standings:
     """Contenders in worlds, by several measures, with a contest for each measure.
 
     `costs` are means over robots and trials (world, contender), `sizes` are bytes (world, contender), `cautions` say
-    what could not be compared, or limits the comparison.
+    what could not be compared, or limits the comparison, `pairing` says which trials are paired, and why. `margins`
+    are the differences of measures, by name, that make no difference in practice.
     """
 
     title: str
@@ -31,6 +33,8 @@ class Standings:
     sizes: dict[str, Floats]
     settings: NDArray[np.int64]  # (world, contender), -1 if there is none
     cautions: list[str]
+    pairing: list[str] = field(default_factory=list)
+    margins: Mapping[str, float] = field(default_factory=dict)
     against: int | None = None  # the contender that all others are compared with; None compares every pair
 
     @property

@@ -27,7 +27,24 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
         help="a measure to compare by, such as correct, or my_metric:low if low is good (default: the usual measures); "
         "may be repeated",
     )
-    sub.add_argument("--against", metavar="NAME", help="compare all brains with this one only, which needs fewer tests")
+    sub.add_argument(
+        "--factor",
+        action="append",
+        default=[],
+        metavar="AXIS",
+        help="compare the values of topology, robots or another coordinate, where all else is equal (default: brains); "
+        "may be repeated for combinations",
+    )
+    sub.add_argument("--against", metavar="NAME", help="compare all others with this one only, which needs fewer tests")
+    sub.add_argument(
+        "--margin",
+        action="append",
+        default=[],
+        type=_margin,
+        metavar="[NAME=]X",
+        help="a difference of a measure that makes no difference in practice: pairs with an interval within it are "
+        "called equal; may be repeated",
+    )
     sub.add_argument(
         "--by",
         action="append",
@@ -35,7 +52,8 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
         metavar="AXIS",
         help="count wins by topology, robots or another coordinate of the worlds; may be repeated",
     )
-    sub.add_argument("--pairs", action="store_true", help="also show each pair of brains: difference, effect, p-values")
+    sub.add_argument("--pairs", action="store_true", help="also show each pair: difference, effect, p-values")
+    sub.add_argument("--sentences", action="store_true", help="also show a sentence on each pair, for a paper")
     add_shared(sub, "label")
     add_limit_option(sub, "; in a pipe: all")
     sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, one row each")
@@ -43,8 +61,22 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
     add_shared(sub, plot="two of them, FILE-ranks and FILE-pareto")
 
 
+def _margin(text: str) -> tuple[str, float]:
+    """The name of a measure, or nothing, and its margin."""
+    name, _, number = text.rpartition("=")
+    return name, float(number)
+
+
+def _margins(given: list[tuple[str, float]]) -> float | dict[str, float] | None:
+    """The margins as `sc.compare` takes them. Raises InputError for a measure given twice."""
+    names = [name for name, _ in given]
+    if len(set(names)) < len(names) or ("" in names and len(names) > 1):
+        raise misplaced("margin", None, "is given twice for one measure: write --margin NAME=X for each")
+    return None if not given else given[0][1] if names == [""] else dict(given)
+
+
 def compare(options: argparse.Namespace) -> int:
-    """Compare brains within each world."""
+    """Compare brains, or levels of another factor, within each world."""
     from swarmcensus.analysis import compare as compare_results, write_csv, write_latex
     from swarmcensus.cli import compare_tables
     from swarmcensus.cli.commands.plot import figure_files
@@ -61,9 +93,13 @@ def compare(options: argparse.Namespace) -> int:
     for path in figures.values():
         figure_files(path, ("png", "svg"), options.results)
     stored = read(options).stored
-    comparison = compare_results(stored, options.metric, options.where, options.against)
+    margins = _margins(options.margin)
+    comparison = compare_results(stored, options.metric, options.where, options.against, options.factor, margins)
     limit = MOST_ROWS if options.limit is None else options.limit
-    title, line = head(stored, options.results), again(options, "compare", ("against", "metric", "by", "label"))
+    title, line = (
+        head(stored, options.results),
+        again(options, "compare", ("factor", "against", "metric", "by", "label")),
+    )
     axes = list(dict.fromkeys(options.by))
     frame = comparison.by(*axes) if axes else comparison.pairs if options.pairs else comparison.table
     present(
@@ -74,9 +110,9 @@ def compare(options: argparse.Namespace) -> int:
         lambda: (
             compare_tables.show_groups(comparison, title, line, axes, limit)
             if axes
-            else compare_tables.show(comparison, title, line, limit, options.pairs)
+            else compare_tables.show(comparison, title, line, limit, options.pairs, options.sentences)
         ),
-        lambda: str(comparison).splitlines(),
+        lambda: [*str(comparison).splitlines(), *(comparison.sentences if options.sentences else ())],
     )
     if options.csv:
         wrote(f"{options.csv}: {counted(write_csv(comparison, options.csv), 'row')}")
@@ -101,6 +137,8 @@ def _as_dict(comparison: "Comparison", axes: list[str]) -> dict[str, Any]:
         "title": comparison.title,
         "measures": comparison.measures,
         "verdict": comparison.verdict,
+        "pairing": comparison.pairing,
+        "sentences": comparison.sentences,
         "cautions": comparison.cautions,
     }
     return about | {name: table.to_dict("records") for name, table in tables.items()}
@@ -121,7 +159,7 @@ def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Pat
 
 COMMANDS = (
     Command(
-        "compare", "Rank brains within each world, paired trial by trial, and test their differences.",
+        "compare", "Rank brains, or levels of another factor, within each world, and test their differences.",
         Group.LOOK, compare, add_compare_options, table=True,
     ),
 )  # fmt: skip
