@@ -20,6 +20,7 @@ from swarmcensus.analysis.comparing.pair_tests import (
     pairs_of,
 )
 from swarmcensus.analysis.comparing.pairing import pairing_of
+from swarmcensus.analysis.comparing.profiles import profiles
 from swarmcensus.analysis.comparing.sentences import sentences
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.verdicts import verdict
@@ -94,6 +95,15 @@ class Comparison(Standings):
     def duels(self) -> "pd.DataFrame":
         """A pandas table with a row for each measure and pair: the share of common worlds in which one is ahead."""
         return tables.duels(self)
+
+    @property
+    def profiles(self) -> "pd.DataFrame":
+        """A pandas table of times that may never come: the `share` of trials in which each has come by a round.
+
+        It has a row for each measure, world, contender and round in which the share changes, and the ends of the 95 %
+        interval.
+        """
+        return profiles(self)
 
     def by(self, *axes: str) -> "pd.DataFrame":
         """A pandas table: for each combination of these axes' values and contender, the number of each standing.
@@ -180,8 +190,9 @@ def compare_dataset(
     settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
     cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs)]
     title = str(data.attrs.get("title", ""))
+    rounds = grid.spread(data["rounds"].values)
     return Comparison(
-        title, grid, measured, all_contests, costs, sizes, settings, cautions, pairing, margins, reference
+        title, grid, measured, all_contests, costs, sizes, settings, rounds, cautions, pairing, margins, reference
     )
 
 

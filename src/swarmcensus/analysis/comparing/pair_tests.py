@@ -60,6 +60,7 @@ class Contest:
     """
 
     low: bool  # whether low values are better
+    numbers: Floats  # of each trial, (world, contender, trial)
     values: Floats
     value_ends: tuple[Floats, Floats]
     trials: NDArray[np.int64]
@@ -229,6 +230,7 @@ def _contest(
     )  # in one world, its own tests are enough
     return Contest(
         low=low,
+        numbers=numbers,
         values=centres(numbers, statistic),
         value_ends=_ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most),
         trials=np.asarray((~np.isnan(numbers)).sum(axis=2)),

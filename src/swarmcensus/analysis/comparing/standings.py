@@ -32,6 +32,7 @@ class Standings:
     costs: dict[str, Floats]
     sizes: dict[str, Floats]
     settings: NDArray[np.int64]  # (world, contender), -1 if there is none
+    rounds: Floats  # how long each ran, (world, contender)
     cautions: list[str]
     pairing: list[str] = field(default_factory=list)
     margins: Mapping[str, float] = field(default_factory=dict)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.cli.options import Command, Group, add_shared
 from swarmcensus.cli.output import present, say, wrote
 from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import misplaced
 
@@ -58,7 +59,7 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
     add_limit_option(sub, "; in a pipe: all")
     sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, one row each")
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
-    add_shared(sub, plot="two of them, FILE-ranks and FILE-pareto")
+    add_shared(sub, plot="FILE-ranks, FILE-pareto, and FILE-profiles of times that may never come")
 
 
 def _margin(text: str) -> tuple[str, float]:
@@ -89,7 +90,8 @@ def compare(options: argparse.Namespace) -> int:
     check_output("latex", options.latex, (".tex",), options.results)
     figures: dict[str, Path] = {}  # comparison.png becomes comparison-ranks.png and comparison-pareto.png
     if out := options.plot:
-        figures = {kind: out.with_name(f"{out.stem}-{kind}{out.suffix}") for kind in ("ranks", "pareto")}
+        kinds = ("ranks", "pareto", "profiles")
+        figures = {kind: out.with_name(f"{out.stem}-{kind}{out.suffix}") for kind in kinds}
     for path in figures.values():
         figure_files(path, ("png", "svg"), options.results)
     stored = read(options).stored
@@ -145,16 +147,23 @@ def _as_dict(comparison: "Comparison", axes: list[str]) -> dict[str, Any]:
 
 
 def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Path]) -> None:
-    """Draw ranks and the Pareto front; with --against, say why there are no ranks."""
+    """Draw ranks, the Pareto front and profiles of times; with --against, say why there are no ranks."""
+    from swarmcensus.analysis import is_time
     from swarmcensus.cli.commands.plot import save_figure
     from swarmcensus.figures.kinds.pareto import draw_pareto
+    from swarmcensus.figures.kinds.profiles import draw_profiles
     from swarmcensus.figures.kinds.ranks import draw_ranks
 
     if comparison.against is None:
         save_figure(draw_ranks(comparison, results=[stored]), figures["ranks"])
     else:
         say(f"{figures['ranks']} is not drawn: --against does not rank all brains")
-    save_figure(draw_pareto(comparison, results=[stored]), figures["pareto"])
+    try:
+        save_figure(draw_pareto(comparison, results=[stored]), figures["pareto"])
+    except InputError as error:  # no finite number, no cost, or too many worlds
+        say(f"{figures['pareto']} is not drawn: {error}")
+    if any(is_time(measure.name) for measure in comparison.measures):
+        save_figure(draw_profiles(comparison, results=[stored]), figures["profiles"])
 
 
 COMMANDS = (
