@@ -15,7 +15,7 @@ from swarmcensus.brains.needs import values_of
 from swarmcensus.brains.packing import PLAIN, Numbers, Part, bytes_of, parts
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.single import in_single, rounded_to_single
-from swarmcensus.brains.syntax import BELIEFS, Uses
+from swarmcensus.brains.syntax import BELIEFS, Uses, never_speaks
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.plugins import Plugins
@@ -108,6 +108,11 @@ class Brain(Program):
     def uses(self) -> Uses:
         """Which optional parts of the contract it uses."""
         return self.contents.uses
+
+    @functools.cached_property
+    def never_speaks(self) -> bool:
+        """Whether it plainly sends nothing, ever."""
+        return never_speaks(ast.parse(self.source))
 
     @property
     def steers(self) -> bool:
