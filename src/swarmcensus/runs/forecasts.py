@@ -30,11 +30,15 @@ LOG = logging.getLogger(__name__)
 
 
 def announce_length(
-    study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None, least: float = LONG
+    study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None, least: float | None = None
 ) -> None:
-    """Announce how long these tasks take in `jobs` threads, or on one core if None; nothing below `least` seconds."""
+    """Announce how long these tasks take in `jobs` threads, or on one core if None.
+
+    Nothing is said of less than `least` seconds, by default `LONG`.
+    """
     if not tasks:
         return
+    least = LONG if least is None else least
     whole, trial = _forecast(study, settings, tasks, jobs, least)
     if whole < least:
         return

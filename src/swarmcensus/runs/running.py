@@ -17,7 +17,7 @@ from swarmcensus.engine import LeavableThreads
 from swarmcensus.results import ArrayStore, Values, readable, store, warn_of
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
-from swarmcensus.runs.forecasts import LONG, announce_length
+from swarmcensus.runs.forecasts import announce_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
@@ -41,7 +41,7 @@ def run(
     share: tuple[int, int] | None = None,
     say: Callable[[str], None] | None = None,
     cautions: bool = True,
-    announce_from: float = LONG,
+    announce_from: float | None = None,
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
@@ -52,7 +52,7 @@ def run(
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
-    A run that takes `announce_from` seconds or more logs beforehand how long it will take.
+    A run that takes `announce_from` seconds or more (default: five minutes) logs beforehand how long it will take.
 
     Unless `cautions` is False, warnings name brains that need another study than this one, and settings with results
     that are easily misread, such as a fill ratio on the edge between two bins. A trial that fails is missing in the
@@ -219,7 +219,7 @@ def _is_complete(state: State) -> bool:
     return state.study.until is None and bool(state.values.done().all())
 
 
-def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from: float) -> bool:
+def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from: float | None) -> bool:
     """Run all trials, in stages if they follow a rule. Returns whether Ctrl-C ended the run; `jobs` is None on a
     cluster.
     """
