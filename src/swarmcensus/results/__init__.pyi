@@ -86,6 +86,7 @@ from .table_of_summary import (
     varied_and_same as varied_and_same,
 )
 from .values import (
+    AGREEMENT as AGREEMENT,
     ESTIMATES as ESTIMATES,
     EVERY as EVERY,
     INTERVALS as INTERVALS,

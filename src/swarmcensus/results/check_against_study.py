@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
 from swarmcensus.results.structure import BRAIN_FACTS, failures, finished
-from swarmcensus.results.values import Values, additions_in, edited, is_missing, metrics_in, same_bits
+from swarmcensus.results.values import AGREEMENT, Values, additions_in, edited, is_missing, metrics_in, same_bits
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -135,7 +135,7 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     stored, expected = ({str(name) for name in dataset.variables} for dataset in (data, want))
     for name in sorted(stored - expected):
         yield f"{name} is in the file, and no run of its study writes it"
-    for name in sorted(expected - stored):
+    for name in sorted(expected - stored - {*AGREEMENT}):
         yield f"{name} is not in the file"
     for name in sorted(stored & expected):
         if (name in data.coords) != (name in want.coords):

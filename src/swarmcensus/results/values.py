@@ -33,15 +33,18 @@ def _group(name: str) -> dict[str, Kind]:
 
 
 VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
+AGREEMENT = _group("agreement")  # of every run of this version; files of earlier ones lack it
 DECISIONS = _group("decisions")
 ENDINGS = _group("endings")
 CLIPPED = _group("formats")
 INTERVALS = _group("intervals")
 LOCAL = _group("local")
 ESTIMATES = _group("estimates")
-EVERY = VARIABLES | DECISIONS | ENDINGS | CLIPPED | INTERVALS | LOCAL | ESTIMATES  # apart from metric files
+EVERY = VARIABLES | AGREEMENT | DECISIONS | ENDINGS | CLIPPED | INTERVALS | LOCAL | ESTIMATES  # apart from metric files
 # A trial has either all variables of such a group or none: the first variable of the group shows which.
-LEADS = {name: next(iter(group)) for group in (DECISIONS, ENDINGS, CLIPPED, INTERVALS, LOCAL) for name in group}
+LEADS = {
+    name: next(iter(group)) for group in (AGREEMENT, DECISIONS, ENDINGS, CLIPPED, INTERVALS, LOCAL) for name in group
+}
 ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # infinite stands for "never"
 MARKS = "convergence_round", "local_convergence_step"  # present once a trial is done, and its local part
 MISSING = -1  # in whole numbers; NaN in others
@@ -270,7 +273,7 @@ class Values:
         optional |= CLIPPED if study.has_formats else {}
         optional |= ENDINGS if any(brain.ends for brain in study.brains) else {}
         optional |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
-        self.kinds = VARIABLES | optional | kinds_of(study.measure.metrics)
+        self.kinds = VARIABLES | AGREEMENT | optional | kinds_of(study.measure.metrics)
         self.store = store or ArrayStore()
         self.arrays: Columns = {
             name: self.store.full(tuple(sizes[d] for d in dims), blank(kind), kind)
