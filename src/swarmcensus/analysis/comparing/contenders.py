@@ -149,7 +149,7 @@ def _of_worlds(data: xr.Dataset, parameters: Mapping[str, list[str]], factor: Se
     """The coordinates that tell worlds apart: all but the factor, and what follows from it or from others."""
     repeated: set[str] = set().union(*(REPEATED.get(name, set()) for name in factor))
     left_out = {"setting", *factor, *repeated, *NUMERIC}
-    left_out |= {name for name in restated(data) if not REPEATED.get(name, set()) & {*factor}}
+    left_out |= {name for name in restated(data) if not REPEATED.get(name, set()) & {*factor, *repeated}}
     left_out |= {name for several in parameters.values() for name in several}  # parts of brains' names
     left_out |= {BRAIN} if not factor else set()
     return [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
