@@ -144,7 +144,7 @@ MEASURES = ("final_error", "convergence_round", "correct")
 def alike(name, studies, trials, seed):
     """A comparison of each of so many studies of a factor without effect, by one measure each."""
     factor, world = ALIKE[name]
-    swarm, schedule = {"robots": 12, "accuracy": 0.7}, {"rounds": 60, "observations_per_round": 2}
+    swarm, schedule = {"robots": 20, "accuracy": 0.7}, {"rounds": 200, "observations_per_round": 5}
     results = sc.run(sc.Study(trials=studies * trials, seed=seed, swarm=swarm, world=world, schedule=schedule))
     for first in range(0, studies * trials, trials):
         part = results.isel(trial=slice(first, first + trials))

@@ -135,6 +135,7 @@ def _as_dict(comparison: "Comparison", axes: list[str]) -> dict[str, Any]:
         "duels": comparison.duels,
     }
     tables |= {"groups": comparison.by(*axes)} if axes else {}
+    tables |= {"profiles": profiles} if len(profiles := comparison.profiles) else {}
     about = {
         "title": comparison.title,
         "measures": comparison.measures,
