@@ -33,6 +33,7 @@ from .measures import (
     with_measure as with_measure,
 )
 from .merging import merge as merge
+from .out_of_range import cautions_of_needs as cautions_of_needs
 from .partial import opened as opened, say_partial as say_partial
 from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable
