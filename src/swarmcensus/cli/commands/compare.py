@@ -65,7 +65,10 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
 def _margin(text: str) -> tuple[str, float]:
     """The name of a measure, or nothing, and its margin."""
     name, _, number = text.rpartition("=")
-    return name, float(number)
+    try:
+        return name, float(number)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} should be a number, or NAME=number") from None
 
 
 def _margins(given: list[tuple[str, float]]) -> float | dict[str, float] | None:
