@@ -21,7 +21,7 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.version import __version__
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
-SOURCES = ("brains", "adversaries", "metrics", "merged", "parameters")  # attributes in JSON
+SOURCES = ("brains", "adversaries", "plugin_files", "metrics", "merged", "parameters")  # attributes in JSON
 UNCHECKED = (  # attributes that cannot be checked, and why
     (("python_version", "library_versions", "machine", "processor"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
@@ -87,7 +87,7 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             raise InputError(f"two of the studies have two different {name}", key=str(name))
         else:
             variables[name] = variable
-    keys = ("brains", "adversaries", "metrics", "additions")
+    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions")
     sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
     parameters = [json.loads(part.attrs.get("parameters", "{}")) for part in parts]
     if any(parameters):
@@ -109,7 +109,7 @@ def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
     for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
         if known.setdefault(name, source)["sha256"] != source["sha256"]:
             raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
-    return json.dumps(known, sort_keys=key in ("brains", "adversaries")) if known else None
+    return json.dumps(known, sort_keys=key in ("brains", "adversaries", "plugin_files")) if known else None
 
 
 def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.brains.metrics import Metric, parse
+from swarmcensus.results.plugin_files import plugin_files_in
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
@@ -199,7 +200,12 @@ def additions_in(data: Any) -> dict[str, dict[str, str]]:
 
 
 def edited(data: Any, study: Study) -> str:
-    """A sentence that names an addition which has changed since the results were made; empty if none has."""
+    """A sentence that names a file of others which has changed since the results were made; empty if none has."""
+    stored = plugin_files_in(data)
+    for file in study.plugin_files:
+        title = f"{file.kind} {file.name}"
+        if stored.get(title, {}).get("sha256", file.sha256) != file.sha256:
+            return f"the {title} was changed since these results were made"
     for name, addition in additions_in(data).items():
         if study.additions.get(name, addition)["sha256"] != addition["sha256"]:
             return f"the {name} of {addition['package']} was changed since these results were made"

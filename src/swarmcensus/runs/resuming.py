@@ -128,7 +128,7 @@ class HeldOutput:
         if fingerprint not in self._setting_numbers:
             raise InputError(
                 f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
-                f"a brain, body, fault, edge list, image or file of another package been changed? {hint()}",
+                f"a brain, body, fault, edge list, image or file of a topology, floor or spread been changed? {hint()}",
                 file=path,
             )
         return self._setting_numbers[fingerprint]

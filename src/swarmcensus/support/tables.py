@@ -204,7 +204,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> ReadTable:
     comments = [line.lstrip("".join(COMMENTS) + " ") for line in lines[: numbers[0] - 1] if line]
     rows, heads = (_cells(path, some, separator) for some in (texts, comments[-1:]))
     names = None
-    if not all(map(_is_number, rows[0])):
+    if not all(map(is_number, rows[0])):
         names, rows, numbers = rows[0], rows[1:], numbers[1:]
     elif heads and len(heads[0]) == len(rows[0]):
         are_known = [known(plain(name)) for name in heads[0]]
@@ -262,7 +262,8 @@ def _without_attributes(path: str | Path, line: int, text: str) -> str:
     return text[: found.start()]
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, or empty."""
     try:
         number(cell, True)
     except ValueError:
