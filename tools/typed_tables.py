@@ -26,8 +26,8 @@ WIDTH = 120
 PLAIN = {"integer": "Whole", "number": "Real", "boolean": "bool", "string": "str", "object": "Mapping[str, Any]"}
 OBJECTS = {  # Python objects that a key takes, beside what a study file may hold
     "brain": "Path | Brain", "accuracy": "Accuracy", "assumed_accuracy": "Accuracy | Misjudgement",
-    "topology": "Path | nx.Graph | Topology", "floor": "Path | Floor", "fill_ratio": "Change",
-    "metrics": "Path | Metric",
+    "floor": "Path | Floor",
+    "topology": "Path | nx.Graph | Topology", "fill_ratio": "Change", "metrics": "Path | Metric",
 }  # fmt: skip
 OF_MEMBERS = {"brain": "Path | Brain | Adversary"}
 MODELS: tuple[type[BaseModel], ...] = (Until, Body, Swarm, World, Schedule, Case, Measure, Fault, Members, Tables)

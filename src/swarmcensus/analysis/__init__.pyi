@@ -22,6 +22,7 @@ from .comparing.pair_tests import (
     test_count as test_count,
     too_few as too_few,
 )
+from .comparing.profiles import is_time as is_time
 from .comparing.showing import (
     fitting as fitting,
     pairs_table as pairs_table,

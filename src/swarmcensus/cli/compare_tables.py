@@ -23,10 +23,13 @@ from swarmcensus.support.formatting import counted, grouped
 from swarmcensus.support.printed_tables import Column, Table
 
 
-def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
+def show(
+    comparison: Comparison, title: str, again: str, limit: int, with_pairs: bool, with_sentences: bool = False
+) -> None:
     """Print the worlds of a comparison: as many as fit into `limit` rows, at least one (0: all), then the verdict.
 
-    `again` is the shell line of the command. On a narrow terminal each measure has its own table.
+    A table of pairs and sentences on them follow if wanted. `again` is the shell line of the command. On a narrow
+    terminal each measure has its own table.
     """
     out = terminal.console()
     terminal.show(worlds_table(comparison, limit, f"show all: {again} --limit 0", title), out)
@@ -34,6 +37,10 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         out.print()
         terminal.show(pairs_table(comparison, fitting(comparison, limit)), out)
     print_verdict(comparison, out)
+    if with_sentences:
+        out.print()
+        for sentence in comparison.sentences:
+            out.print(sentence, soft_wrap=True)
     if not with_pairs:
         count = test_count(comparison.contests)
         out.print(

@@ -22,6 +22,7 @@ if TYPE_CHECKING:  # so that editors and type checkers know the signatures
     from swarmcensus.figures.kinds.heatmap import heatmap as heatmap
     from swarmcensus.figures.kinds.lines import lines as lines
     from swarmcensus.figures.kinds.pareto import pareto as pareto
+    from swarmcensus.figures.kinds.profiles import profiles as profiles
     from swarmcensus.figures.kinds.ranks import ranks as ranks
     from swarmcensus.figures.kinds.scatter import scatter as scatter
 

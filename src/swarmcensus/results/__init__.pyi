@@ -33,6 +33,7 @@ from .measures import (
     with_measure as with_measure,
 )
 from .merging import merge as merge
+from .out_of_range import cautions_of_needs as cautions_of_needs
 from .partial import opened as opened, say_partial as say_partial
 from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable
@@ -85,6 +86,7 @@ from .table_of_summary import (
     summary_table as summary_table,
     varied_and_same as varied_and_same,
 )
+from .tails import TAIL as TAIL, TIMES as TIMES, far_off as far_off, has_tail as has_tail, shows_tail as shows_tail
 from .values import (
     ESTIMATES as ESTIMATES,
     EVERY as EVERY,

@@ -16,7 +16,7 @@ from swarmcensus.results.values import metric_of, metrics_in, robots_in
 from swarmcensus.support.bootstrap import Statistic, centres
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
-from swarmcensus.support.quantities import QUANTITIES, TRUTH, Quantity
+from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES, TRUTH, Quantity
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
@@ -158,16 +158,24 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
     array = data[inputs_of(name)[0]]
     if "robot" not in array.dims:
         return _known(array.transpose("setting", "trial").values)
-    statistic = statistic_of(name)
-    values = array.transpose("setting", "trial", "robot").values
-    robots = robots_in(data).values
-    out = np.empty(values.shape[:2])
-    step = max(1, BLOCK // max(1, values[0].size))
-    for first in range(0, len(values), step):
+    robots, sizes = robots_in(data).values, data.sizes
+    out = np.empty((sizes["setting"], sizes["trial"]))
+    step = max(1, BLOCK // max(1, sizes["trial"] * sizes["robot"]))
+    for first in range(0, len(out), step):
         rows = slice(first, first + step)
-        made = _made(data, name, rows)
-        exists = np.arange(made.shape[2]) < robots[rows, np.newaxis, np.newaxis]
-        out[rows] = centres(np.where(exists, made, np.nan), statistic)
+        out[rows] = _over_robots(name, _made(data, name, rows), robots[rows])
+    return out
+
+
+def _over_robots(name: str, values: Floats, robots: NDArray[np.int64]) -> Floats:
+    """The number of each trial, (setting, trial), from values (setting, trial, robot) of `robots` robots each."""
+    reduced = QUANTITIES[name].over_robots if name in QUANTITIES else None
+    if reduced is None:
+        exists = np.arange(values.shape[2]) < robots[:, np.newaxis, np.newaxis]
+        return centres(np.where(exists, values, np.nan), statistic_of(name))
+    out = np.empty(values.shape[:2])
+    for count in np.unique(robots).tolist():
+        out[robots == count] = reduced(values[robots == count, :, :count])
     return out
 
 
@@ -180,11 +188,13 @@ def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
     """Results with a derived quantity as a new variable; unchanged if it is stored or cannot be derived."""
     if name not in derivable(data):
         return data
+    about = {"units": OURS[name].unit, "long_name": OURS[name].meaning}
+    if "robot" not in QUANTITIES[name].dims:
+        return data.assign({name: (PER_TRIAL, numbers(data, name), about)})
     robots = robots_in(data).values[:, np.newaxis, np.newaxis]
     made = _made(data, name, slice(None))
     made = np.where(np.arange(made.shape[2]) < robots, made, np.nan)
-    about = {"units": OURS[name].unit, "long_name": OURS[name].meaning}
-    return data.assign({name: (("setting", "trial", "robot"), made, about)})
+    return data.assign({name: (PER_ROBOT, made, about)})
 
 
 def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:

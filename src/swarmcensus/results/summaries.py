@@ -44,7 +44,8 @@ def summary(
     Columns are the setting's coordinates, `trials` (done) and `failed`, and for each measured quantity its value and
     its interval, with the suffixes `_low` and `_high` (NaN for fewer than 6 trials). Times and errors are medians over
     robots and trials: `convergence_round`, `convergence_error`, `final_error`, those of the local estimate, decisions,
-    consensus and `done` where they exist, and metric files. `correct` is the mean over trials after round `checkpoint`
+    consensus and `done` where they exist, and metric files. `error_90`, `worst_error` and `final_disagreement` are
+    medians over trials. `correct` is the mean over trials after round `checkpoint`
     (default: the last one that the setting reaches); so are `coverage` (a mean) and `interval_width` (a median) if
     brains have intervals. `done` is the share of robots that were done. `where` selects settings, as in
     `swarmcensus show`. The coordinates that vary come first, and values, each before its interval, last: pandas shows
@@ -76,8 +77,10 @@ def medians_in(data: xr.Dataset) -> list[str]:
 
 
 def _ready(data: xr.Dataset) -> xr.Dataset:
-    """Results with the final error as a variable."""
-    return measures.with_measure(data, "final_error")
+    """Results with the derived quantities of a summary as variables."""
+    for name in MEDIANS:
+        data = measures.with_measure(data, name)
+    return data
 
 
 def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:

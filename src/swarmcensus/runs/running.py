@@ -22,7 +22,7 @@ from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.simulation import seconds
-from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.studies import Setting, Study, addresses, unmet_needs
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
@@ -51,9 +51,10 @@ def run(
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
-    Unless `cautions` is False, warnings name settings with results that are easily misread, such as a fill ratio on the
-    edge between two bins. A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C
-    raises Interrupted, which carries the dataset of the finished trials. Raises InputError if nothing could be run.
+    Unless `cautions` is False, warnings name brains that need another study than this one, and settings with results
+    that are easily misread, such as a fill ratio on the edge between two bins. A trial that fails is missing in the
+    dataset and named in its attribute `failed`. Ctrl-C raises Interrupted, which carries the dataset of the finished
+    trials. Raises InputError if nothing could be run.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.check_trials()
@@ -65,6 +66,9 @@ def run(
 
         check(cluster)
     settings = study.settings()
+    if cautions:
+        for unmet in unmet_needs(settings, study.measure.bins):
+            warnings.warn(unmet, stacklevel=2)
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)

@@ -128,3 +128,26 @@ def walk_group(setting: Setting) -> str:
     speeds = [(m.robots, m.speed) for m in members] if any(m.speed is not None for m in members) else []
     lame = [(n, f.at, f.until, f.robots) for n, f in faults if "moving" in f.stop]
     return repr((_walk(setting), setting.rounds, lame, *speeds))
+
+
+def streams(setting: Setting, seed: int) -> dict[str, object]:
+    """What chance decides in trials of a setting, and what that depends on.
+
+    Two settings share, trial by trial, the random numbers of which these contents are equal.
+    """
+    robots = setting.robots
+    found: dict[str, object] = {"readings": readings_key(setting, seed).tolist()}
+    if setting.body is not None:
+        found |= {"trajectories": walk_key(setting, seed).tolist(), "floors": floor_key(setting, seed).tolist()}
+    elif setting.topology.varies:
+        found["networks"] = (seed, setting.topology.content, robots)
+    for what, of in (("accuracies", setting.accuracy.start), ("assumed accuracies", setting.assumed_accuracy)):
+        if of is not None and not all(distribution.is_number for distribution in of.distributions):
+            found[what] = (seed, str(of), robots)
+    found |= {"lost messages": losses_key(setting, seed).tolist()} if setting.link_success < 1.0 else {}
+    if setting.missing_links:
+        found["missing links"] = (seed, setting.topology.content, robots)
+    found |= {"which robots differ": (seed, robots)} if setting.members else {}
+    found |= {"faults": (seed, len(setting.faults), robots)} if setting.faults else {}
+    draws = draw_keys(setting, seed)
+    return found | ({"random numbers of brains": draws.tolist()} if draws.size else {})

@@ -30,9 +30,9 @@ class Quantity:
 
     `group` says which runs store it ("always", "messages" and "setting": all runs; other groups: with which kind of
     brain or key of a study); "derived" is stored by none: `derive` computes it from the arrays of `inputs`, robot
-    by robot. `statistic` is what is taken over robots and over trials, `share` is whether it is a share, which is
-    printed in percent. `low` is whether less is better; None is not compared. `summary` is whether `swarmcensus show
-    --json` and `sc.summary` have it.
+    by robot. `statistic` is what is taken over robots and over trials; `over_robots` makes one number a trial of an
+    array (..., robot) in another way. `share` is whether it is a share, which is printed in percent. `low` is whether
+    less is better; None is not compared. `summary` is whether `swarmcensus show --json` and `sc.summary` have it.
     """
 
     name: str
@@ -55,6 +55,7 @@ class Quantity:
     compared: str = ""  # what a comparison's legend says; by default the meaning
     inputs: tuple[str, ...] = ()
     derive: Callable[..., Floats] | None = None  # by default the input itself
+    over_robots: Callable[[Floats], Floats] | None = None  # by default `statistic`
     factor: str = ""  # a quantity of settings by which that is multiplied
     page: str = ""  # what docs/data-format.md says; by default the meaning
 
@@ -87,6 +88,20 @@ def _done(done_round: Floats) -> Floats:
     return np.where(np.isnan(done_round), np.nan, np.isfinite(done_round))
 
 
+def _ninetieth(errors: Floats) -> Floats:
+    return np.asarray(np.quantile(errors, 0.9, axis=-1))
+
+
+def _worst(errors: Floats) -> Floats:
+    return np.asarray(errors.max(axis=-1))
+
+
+def _half_width(estimates: Floats) -> Floats:
+    """Half the width of the interval that the middle 90 % of the estimates are in."""
+    low, high = np.quantile(estimates, [0.05, 0.95], axis=-1)
+    return np.asarray((high - low) / 2.0)
+
+
 ALL = (
     Quantity(
         "convergence_round", "K, the convergence of the informed estimate", "always", unit="rounds", kind=np.int32,
@@ -107,6 +122,20 @@ ALL = (
     Quantity(
         "final_error", "|x - f| after the last round", inputs=("final_estimate", TRUTH), derive=_error,
         column="final error", axis=r"final error $|x - f\,|$", low=True, summary=True, decimals=4,
+    ),
+    Quantity(
+        "error_90", "|x - f| after the last round that 90 % of the robots do not exceed", dims=PER_TRIAL,
+        inputs=("final_estimate", TRUTH), derive=_error, over_robots=_ninetieth,
+        axis=r"90th percentile of final error $|x - f\,|$", low=True, summary=True, decimals=4,
+    ),
+    Quantity(
+        "worst_error", "|x - f| of the worst robot after the last round", dims=PER_TRIAL,
+        inputs=("final_estimate", TRUTH), derive=_error, over_robots=_worst,
+        axis=r"worst final error $|x - f\,|$", low=True, summary=True, decimals=4,
+    ),
+    Quantity(
+        "final_disagreement", "half the width of the middle 90 % of estimates after the last round", dims=PER_TRIAL,
+        inputs=("final_estimate",), over_robots=_half_width, low=True, summary=True, decimals=4,
     ),
     Quantity(
         "correct", "fraction of robots in the correct bin", "always", PER_CHECKPOINT,

@@ -115,7 +115,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             if twice := [one.id for one in node.targets if isinstance(one, ast.Name) and one.id in functions]:
                 raise error(node, f"{twice[0]} is also the name of a function: the constant needs another")
             try:
-                value = _constant(node.value, constants)
+                value = constant(node.value, constants)
             except ArithmeticError as fault:
                 raise error(node, f"a constant has no value: {fault}") from None
             except ValueError as fault:
@@ -218,7 +218,7 @@ def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
     return {name: getattr(math, origin) for name, origin in names.items() if hasattr(math, origin)}
 
 
-def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
+def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:
     """The value of a constant, evaluated here so that no file takes long to load. Raises ValueError."""
     value: Any = None
     if isinstance(node, ast.Constant):
@@ -228,19 +228,19 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and known.get(node.value.id) is math:
         value = getattr(math, node.attr, None)
     elif isinstance(node, SEVERAL):
-        return _bounded([_constant(item, known) for item in node.elts])
+        return _bounded([constant(item, known) for item in node.elts])
     elif isinstance(node, ast.Dict) and None not in node.keys:
-        keys = [_constant(key, known) for key in node.keys]
+        keys = [constant(key, known) for key in node.keys]
         if not all(isinstance(key, int | float | str) for key in keys):
             raise ValueError("keys of a dict should be numbers or texts")
-        return dict(zip(keys, _bounded([_constant(item, known) for item in node.values]), strict=True))
+        return dict(zip(keys, _bounded([constant(item, known) for item in node.values]), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
         times = _number(node.right, known)
         if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
             raise ValueError(f"a tuple may be repeated a whole number of times, to {LONGEST:,} items at most")
-        return _bounded([_constant(item, known) for item in node.left.elts], times) * times
+        return _bounded([constant(item, known) for item in node.left.elts], times) * times
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = _number(node.left, known), _number(node.right, known)
         if isinstance(node.op, ast.Pow) and float(abs(left)) > 1.0 and right * math.log2(abs(left)) > 1023.0:
@@ -271,8 +271,8 @@ def _size(value: Any) -> int:
     return max(sum(map(_size, parts)), 1)
 
 
-def _number(node: ast.expr, known: dict[str, Any]) -> Any:
-    value = _constant(node, known)
+def _number(node: ast.expr, known: Mapping[str, Any]) -> Any:
+    value = constant(node, known)
     if not isinstance(value, int | float):
         raise ValueError("arithmetic of constants needs numbers")
     return value

@@ -8,6 +8,7 @@ rejective multiple test procedure", 1979. Ranks: Friedman,
 in several worlds, the ranks of a trial are summed over the worlds, because worlds may share its readings and networks.
 """
 
+import itertools
 import math
 from statistics import NormalDist
 from typing import NamedTuple
@@ -38,24 +39,26 @@ def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
     return corrected.reshape(p.shape)
 
 
-def fewest_trials(tests: int, level: float) -> int:
-    """The fewest trials with which one of `tests` sign-flip tests can reach `level` after Holm's correction.
+def fewest_trials(tests: int, level: float, paired: bool = True) -> int:
+    """The fewest trials with which one of `tests` tests can reach `level` after Holm's correction.
 
-    All n differences have the same sign by chance in 2 of 2^n cases.
+    All n differences of paired trials have the same sign by chance in 2 of 2^n cases. All n trials of one sample
+    exceed all n of the other by chance in 2 of (2n choose n) cases.
     """
-    return int(np.ceil(1 + np.log2(max(tests, 1) / level)))
+    least = level / max(tests, 1)
+    return next(n for n in itertools.count(1) if 2 / (2**n if paired else math.comb(2 * n, n)) <= least * (1 + 1e-9))
 
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 
-class SignedRanks(NamedTuple):
-    """Results of the signed-rank test; each array has the shape of the differences without their last axis.
+class RankTest(NamedTuple):
+    """Results of signed-rank tests; each array has the shape of the differences without their last axis.
 
     `below`, `equal` and `above` count the trials with negative, zero and positive differences. `balance` is the
     matched rank-biserial correlation in [-1, 1]: positive if differences mostly are, 0 if there are none. `p` is
-    two-sided.
+    two-sided. `swarmcensus.support.rank_sums` has the same of rank-sum tests, for pairs of trials.
     """
 
     below: Counts
@@ -91,7 +94,7 @@ def midranks(values: Floats) -> Floats:
     return np.where(np.isnan(values), np.nan, ranks)
 
 
-def signed_ranks(off: Floats) -> SignedRanks:
+def signed_ranks(off: Floats) -> RankTest:
     """The two-sided test that differences `off` (..., trial) are symmetric about 0; NaN is ignored.
 
     The null hypothesis is that the sign of each difference is random, as it is if two contenders are exchangeable in
@@ -111,7 +114,7 @@ def signed_ranks(off: Floats) -> SignedRanks:
     shape = off.shape[:-1]
     counts = [(flat < 0).sum(axis=1), (flat == 0).sum(axis=1), (flat > 0).sum(axis=1)]
     below, equal, over = (count.reshape(shape) for count in counts)
-    return SignedRanks(below, equal, over, balance.reshape(shape), p.reshape(shape))
+    return RankTest(below, equal, over, balance.reshape(shape), p.reshape(shape))
 
 
 def _tails(weights: Counts, least: Counts) -> Floats:

@@ -11,12 +11,26 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import PLUGINS, find
+from swarmcensus.results import numbers
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
 from tests.support.places import ROOT
 
-OURS = ["arena", "beliefs", "compare", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
+OURS = [
+    "arena",
+    "beliefs",
+    "compare",
+    "curves",
+    "decisions",
+    "film",
+    "heatmap",
+    "lines",
+    "pareto",
+    "profiles",
+    "ranks",
+    "scatter",
+]
 
 
 def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:
@@ -226,6 +240,9 @@ def test_any_variable_that_has_trials_is_drawn_with_its_unit():
     for options, statistic in ({}, "mean"), ({"statistic": "median"}, "median"):
         (ax,) = sc.plot.lines(results, y="messages_sent", **options).axes
         assert ax.get_ylabel() == f"messages sent by a robot, {statistic}"
+    results["final_estimate"] = results["convergence_error"]
+    (ax,) = sc.plot.lines(results, y="worst_error").axes
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), np.median(numbers(results, "worst_error"), axis=1))
 
 
 def test_what_never_happens_is_marked_and_not_drawn():

@@ -221,5 +221,7 @@ def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):
     bytes_sent = data["messages_sent"].values * data["message_bytes"].values[:, np.newaxis, np.newaxis]
     np.testing.assert_array_equal(sent.values, np.where(of, bytes_sent, np.nan))
     np.testing.assert_allclose(sent.mean("robot"), measures.numbers(data, "bytes_sent"), rtol=1e-12)
+    worst = measures.with_measure(data, "worst_error")["worst_error"]
+    np.testing.assert_array_equal(worst, found.max("robot"))
     for name in ("final_estimate", "decided", "nothing"):  # is there, lacks variables, is none
         assert measures.with_measure(data, name) is data

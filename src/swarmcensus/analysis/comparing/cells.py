@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.pair_tests import pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results import Measure
+from swarmcensus.results import OURS, Measure
 from swarmcensus.support.formatting import decimals_for, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import INTERVAL, Column
@@ -18,7 +18,7 @@ LEAST_P = 0.001  # smaller p-values are shown as "< 0.001"
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
 COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads
 PAIR_HEADS = (
-    *("measure", "world", "one", "other", "one - other", INTERVAL, "one is better in"),
+    *("measure", "world", "one", "other", "one - other", INTERVAL, "P(one better)", INTERVAL),
     *("effect", "p", "p, corrected", "told apart"),
 )
 Floats = NDArray[np.float64]
@@ -46,7 +46,17 @@ def columns(standings: Standings, worlds: int) -> list[Column]:
             column_head(measure), [value for value, _ in texts], intervals=[interval for _, interval in texts],
             marks=[MARKS.get(way, "") for way in ways], strong=[way in ("best", "better") for way in ways],
         ))  # fmt: skip
+        if measure.name == "final_error":
+            found += [_tail_column(name, [part[at] for part in of], contest.trials[at])
+                      for name, of in standings.tails.items()]  # fmt: skip
     return found
+
+
+def _tail_column(name: str, of: list[Floats], trials: NDArray[np.int64]) -> Column:
+    """The column of a tail, which has no marks."""
+    value, low, high = of
+    texts = numbers(value, low, high, trials, OURS[name])
+    return Column(OURS[name].label, [value for value, _ in texts], intervals=[interval for _, interval in texts])
 
 
 def cost_columns(standings: Standings, worlds: int) -> list[Column]:
@@ -123,26 +133,31 @@ def p_equals(p: float) -> str:
     return text if (text := p_value(p)).startswith("<") else f"= {text}"
 
 
+def probability(value: float, low: float, high: float) -> tuple[str, str]:
+    """A probability and its interval as text."""
+    return f"{value:.2f}", "" if np.isnan(low) else f"[{low:.2f}, {high:.2f}]"
+
+
 def pair_rows(standings: Standings, worlds: int) -> list[tuple[str, ...]]:
     """A row of texts for each measure, world and pair, with the columns `PAIR_HEADS`."""
     rows: list[tuple[str, ...]] = []
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
-        trials = (contest.tests.below + contest.tests.equal + contest.tests.above)[:worlds]
+        trials = contest.pair_trials.min(axis=0)
         world, pair = at = np.nonzero(~np.isnan(contest.corrected[:worlds]))
-        better = contest.tests.below if contest.low else contest.tests.above
+        equal = contest.within(standings.margins.get(measure.name))
         low, high = (ends[at] for ends in contest.difference_ends)
         texts = numbers(contest.difference[at], low, high, trials[at], measure, differences=True)
         for k, (w, p) in enumerate(zip(world.tolist(), pair.tolist(), strict=True)):
             first, second = (standings.contenders[c] for c in pairs_of(len(standings.contenders))[p])
-            equal = contest.tests.equal[w, p]
+            apart = "yes" if contest.apart[w, p] else "no"
             rows.append(
                 (
                     *(column_head(measure), str(w), first, second, *texts[k]),
-                    f"{better[w, p]}" + (f" + {equal} equal" if equal else "") + f" of {trials[w, p]}",
+                    *probability(contest.better[w, p], *(end[w, p] for end in contest.better_ends)),
                     f"{(-1 if contest.low else 1) * contest.tests.balance[w, p] + 0.0:.2f}",
                     p_value(contest.tests.p[w, p]),
                     p_value(contest.corrected[w, p]),
-                    "yes" if contest.apart[w, p] else "no",
+                    f"{apart}, equal in practice" if equal[w, p] else apart,
                 )
             )
     return rows

@@ -1,4 +1,4 @@
-"""Which brain is better in which world, by how much and at what cost, and with which cautions: `sc.compare`."""
+"""Which brain, or level of another factor, is better in which world, by how much and at what cost: `sc.compare`."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -19,28 +19,37 @@ from swarmcensus.analysis.comparing.pair_tests import (
     overall_too_few,
     pairs_of,
 )
+from swarmcensus.analysis.comparing.pairing import pairing_of
+from swarmcensus.analysis.comparing.profiles import profiles
+from swarmcensus.analysis.comparing.sentences import sentences
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.verdicts import verdict
 from swarmcensus.results import (
     COSTS,
     SIZES,
+    TAIL,
+    TIMES,
     Measure,
     asked_anew,
+    cautions_of_needs,
     cells,
     done,
     failed_trials,
+    far_off,
+    has_tail,
     labels_in,
     loaded,
     measures,
     renamed,
     selecting,
     settled_at_start,
+    shows_tail,
 )
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import wrong_option
+from swarmcensus.support.options import in_shell, option, wrong_option
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,6 +70,11 @@ class Comparison(Standings):
     def verdict(self) -> list[str]:
         """Who is best in how many worlds, who does not differ from the best, and the costs: one sentence each."""
         return verdict(self)
+
+    @property
+    def sentences(self) -> list[str]:
+        """One sentence on each difference, for a paper: values, difference and probability with intervals, the test."""
+        return sentences(self)
 
     @property
     def table(self) -> "pd.DataFrame":
@@ -87,6 +101,15 @@ class Comparison(Standings):
     def duels(self) -> "pd.DataFrame":
         """A pandas table with a row for each measure and pair: the share of common worlds in which one is ahead."""
         return tables.duels(self)
+
+    @property
+    def profiles(self) -> "pd.DataFrame":
+        """A pandas table of times that may never come: the `share` of trials in which each has come by a round.
+
+        It has a row for each measure, world, contender and round in which the share changes, and the ends of the 95 %
+        interval.
+        """
+        return profiles(self)
 
     def by(self, *axes: str) -> "pd.DataFrame":
         """A pandas table: for each combination of these axes' values and contender, the number of each standing.
@@ -115,16 +138,21 @@ def compare(
     metric: str | Sequence[str] = (),
     where: str | None = None,
     against: str | None = None,
+    factor: str | Sequence[str] = (),
+    margin: float | Mapping[str, float] | None = None,
 ) -> Comparison:
-    """Compare brains, and a brain's parameters, within each world, paired trial by trial (docs/comparing.md).
+    """Compare brains, or the levels of any other factor, within each world (docs/comparing.md).
 
     `metric` names the measures that are compared and corrected for, such as "correct" or ["final_error",
     "my_metric:low"]. By default they are the final error, the convergence, the right decisions, consensus if brains
     decide, and metrics from files. `where` selects settings, as in `swarmcensus show`. With `against`, the name of a
     contender, or of a brain with one contender only, all others are compared with it alone, which takes fewer tests.
-    Raises InputError, for example if there is nothing to compare.
+    `factor` names one or several coordinates of settings, such as "topology": their levels are compared where all else
+    is equal. Trials are paired where they share random numbers. `margin` is a difference that makes no difference in
+    practice, in the measure's unit, or several by the names of measures; differences with intervals within it are
+    called equal for practical purposes. Raises InputError, for example if there is nothing to compare.
     """
-    return compare_dataset(loaded(results), metric, where, against, {})
+    return compare_dataset(loaded(results), metric, where, against, {}, factor, margin)
 
 
 def compare_dataset(
@@ -133,15 +161,18 @@ def compare_dataset(
     where: str | None,
     against: str | None,
     shown: Mapping[str, Collection[str]],
+    factor: str | Sequence[str] = (),
+    margin: float | Mapping[str, float] | None = None,
 ) -> Comparison:
     """Compare as `compare` does; `shown` names, by brain, parameters that appear in contenders' names in any case."""
     data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
-    grid, cautions = grid_of(data, whole, shown)
+    grid, cautions = grid_of(data, whole, shown, [factor] if isinstance(factor, str) else factor)
     if not isinstance(against, str | None):
         raise wrong_option("against", against, "should be the name of a contender")
     reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
     measured, notes_on_measures = measures.chosen(data, metric)
+    margins = _margins(margin, measured)
     numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
         labels = ", ".join(measure.label for measure in measured)
@@ -151,9 +182,10 @@ def compare_dataset(
         ContestInput(each, measure.statistic, measure.low, measure.share)
         for each, measure in zip(numbers, measured, strict=True)
     ]
+    paired, pairing = pairing_of(data, grid)
     all_contests = [
         _as_shown(contest, measure.name, data, grid)
-        for contest, measure in zip(contests(inputs, against=reference), measured, strict=True)
+        for contest, measure in zip(contests(inputs, against=reference, paired=paired), measured, strict=True)
     ]
     costs = {
         name: centres(grid.spread(measures.numbers(data, name)), "mean")
@@ -162,9 +194,47 @@ def compare_dataset(
     }
     sizes = {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
+    names = [measure.name for measure in measured]
+    tails: dict[str, tuple[Floats, Floats, Floats]] = {}
+    if "final_error" in names and TAIL not in names and shows_tail(data):
+        value, low, high = map(grid.spread, cells(data, TAIL))
+        tails[TAIL] = value, low, high
+        cautions += _of_tails(data, grid)
     cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs)]
     title = str(data.attrs.get("title", ""))
-    return Comparison(title, grid, measured, all_contests, costs, sizes, settings, cautions, reference)
+    return Comparison(
+        title=title,
+        grid=grid,
+        measures=measured,
+        contests=all_contests,
+        costs=costs,
+        sizes=sizes,
+        settings=settings,
+        rounds=grid.spread(data["rounds"].values),
+        cautions=cautions,
+        tails=tails,
+        pairing=pairing,
+        margins=margins,
+        against=reference,
+    )
+
+
+def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]) -> dict[str, float]:
+    """The margin of each measure that has one. Raises InputError."""
+    names = [measure.name for measure in measured]
+    if margin is None:
+        return {}
+    if not isinstance(margin, Mapping):
+        if len(names) > 1:
+            example = option("margin", f"{names[0]}={margin}") if in_shell() else f"margin={{{names[0]!r}: {margin}}}"
+            raise wrong_option("margin", margin, f"there are {len(names)} measures: name one, as {example}")
+        margin = {names[0]: margin}
+    for name, value in margin.items():
+        if name not in names:
+            raise wrong_option("margin", name, f"{did_you_mean(name, names)}the measures are {', '.join(names)}")
+        if not (isinstance(value, int | float) and 0.0 < value < np.inf):
+            raise wrong_option("margin", value, "should be a number above 0")
+    return {name: float(value) for name, value in margin.items()}
 
 
 def _as_shown(contest: Contest, name: str, data: xr.Dataset, grid: Grid) -> Contest:
@@ -182,6 +252,9 @@ def _contender_index(name: str, contenders: list[str], labels: Mapping[str, str]
         name = renamed(name, labels)
     if name in contenders:
         return contenders.index(name)
+    levels = [contender for contender in contenders if contender.partition("=")[2] == name]
+    if len(levels) == 1:
+        return contenders.index(levels[0])
     matches = [contender for contender in contenders if contender.startswith(f"{name} ")]
     if len(matches) > 1:
         raise wrong_option("against", name, f"these are several, {', '.join(matches)}: name one")
@@ -217,6 +290,7 @@ def _cautions(
             cautions.append(
                 f"{measure.label}: there are no numbers of {', '.join(names)} in {_worlds(lacking.any(axis=1))}"
             )
+    cautions += cautions_of_needs(data, [measure.name for measure in measured])
     cautions += filter(None, (in_worlds_too_few(all_contests), overall_too_few(all_contests)))
     pairs = [(grid.contenders[i], grid.contenders[j]) for i, j in pairs_of(len(grid.contenders))]
     cautions += [
@@ -233,6 +307,8 @@ def _cautions(
     if "anonymous" in data:
         seen = grid.spread(data["anonymous"].values.astype(np.float64))
         named = [name for k, name in enumerate(grid.contenders) if (seen[:, k] == 0).any()]
+        if grid.factor and "brain" not in grid.factor:
+            named = list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
         if len(named) == 1:
             cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
         elif named:
@@ -252,6 +328,20 @@ def _cautions(
         changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in asked_anew(data))
         cautions.append(f"computed with {changed}, which is not the study's own")
     return cautions
+
+
+def _of_tails(data: xr.Dataset, grid: Grid) -> list[str]:
+    """A sentence on the contenders with a tail that their median error hides, if there are any."""
+    share = grid.spread(np.where(has_tail(data), far_off(data), np.nan))
+    most = [
+        (name, float(column[~np.isnan(column)].max(initial=0.0)))
+        for name, column in zip(grid.contenders, share.T, strict=True)
+    ]
+    named = ", ".join(f"{name} (up to {most:.0%})" for name, most in most if most)
+    if not named:
+        return []
+    where = _worlds(np.asarray(~np.isnan(share).all(axis=1)))
+    return [f"robots that err more than {TIMES:g} times as much as the median robot, in {where}: {named}"]
 
 
 def _worlds(which: NDArray[np.bool_]) -> str:

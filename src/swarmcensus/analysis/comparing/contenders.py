@@ -1,9 +1,9 @@
 """The worlds and contenders of a dataset, and the setting of each contender in each world.
 
-A contender is a brain with its parameters. A world is everything else of a setting.
+A contender is a brain with its parameters, or a level of another factor. A world is everything else of a setting.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
@@ -12,13 +12,19 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results import labels_in, parameters_in, restated
-from swarmcensus.studies import NUMERIC
+from swarmcensus.results import is_idle, labels_in, parameters_in, restated
+from swarmcensus.studies import NUMERIC, caption_form, idle_caption
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted, distinct_texts
-from swarmcensus.support.options import option
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.options import in_shell, option, wrong_option
 
 NONE = -1
+BRAIN = "brain"
+REPEATED = {  # coordinates that say the same in other words
+    "density": {"side"}, "side": {"density"}, "members": {"liars", "adversary"}, "liars": {"members"},
+    "adversary": {"members"},
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -29,6 +35,12 @@ class Grid:
     common: dict[str, Any]  # coordinates that all worlds share
     contenders: list[str]
     place: NDArray[np.intp]
+    factor: tuple[str, ...] = ()  # the coordinates that contenders are levels of; empty: brains
+
+    @property
+    def head(self) -> str:
+        """What contenders are, as the head of a column."""
+        return ", ".join(self.factor) if self.factor else "contender"
 
     def spread(self, values: NDArray[Any]) -> NDArray[np.float64]:
         """Values of settings (setting, ...) as (world, contender, ...), NaN if there is no such setting."""
@@ -37,28 +49,35 @@ class Grid:
 
 
 def grid_of(
-    data: xr.Dataset, whole: xr.Dataset, shown: Mapping[str, Collection[str]] = MappingProxyType({})
+    data: xr.Dataset,
+    whole: xr.Dataset,
+    shown: Mapping[str, Collection[str]] = MappingProxyType({}),
+    factor: Sequence[str] = (),
 ) -> tuple[Grid, list[str]]:
     """Worlds and contenders, both in the order of the settings, and cautions.
 
-    `data` are some settings of `whole`, and contenders have the names that they have in `whole`. `shown` names, by
-    brain, parameters that appear in contenders' names even if all have the same value. Worlds with a single contender
-    are left out. Raises InputError if nothing can be compared, or if two settings are the same contender in the same
-    world.
+    `data` are some settings of `whole`, and brains have the names that they have in `whole`. `shown` names, by brain,
+    parameters that appear in contenders' names even if all have the same value. Contenders are the levels of `factor`,
+    by default brains with their parameters. Worlds with a single contender are left out. Raises InputError if nothing
+    can be compared, or if two settings are the same contender in the same world.
     """
+    factor = tuple(dict.fromkeys(factor))
+    _check_factor(data, factor)
     parameters = parameters_in(data)
-    name_of = dict(zip(whole["setting"].values.tolist(), _contender_names(whole, parameters, shown), strict=True))
-    names = [name_of[setting] for setting in data["setting"].values.tolist()]
+    names = _names(data, whole, parameters, shown, factor)
     contenders = list(dict.fromkeys(names))
     if len(contenders) < 2:
-        raise InputError(
-            f"there is nothing to compare: all settings are of {contenders[0]}, and it takes two brains, or two values "
-            "of a brain's parameter"
-        )
-    left_out = {"setting", "brain", *(name for several in parameters.values() for name in several)}
-    left_out |= restated(data) | NUMERIC.keys()
-    coordinates = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
+        raise InputError(f"there is nothing to compare: all settings are of {contenders[0]}{_other_factors(data)}")
+    coordinates = _of_worlds(data, parameters, factor)
     columns = {name: data[name].values.tolist() for name in coordinates}
+    if BRAIN in columns:
+        own = {brain: [name for name in several if name not in factor] for brain, several in parameters.items()}
+        columns[BRAIN] = _named_as_in(whole, data, own, shown)
+    if {"assumed_accuracy", "accuracy"} <= data.coords.keys() and "assumed_accuracy" in columns:
+        true = [str(text).split(" drift=")[0] for text in data["accuracy"].values.tolist()]
+        columns["assumed_accuracy"] = [  # empty for robots that know their sensors
+            "" if text == own else text for text, own in zip(columns["assumed_accuracy"], true, strict=True)
+        ]
     keys = list(zip(*(map(repr, values) for values in columns.values()), strict=True)) or [()] * len(names)
     worlds = {key: k for k, key in enumerate(dict.fromkeys(keys))}
     places = {name: k for k, name in enumerate(contenders)}
@@ -74,9 +93,11 @@ def grid_of(
     has_pairs = (place != NONE).sum(axis=1) > 1
     if not has_pairs.any():
         names_of_all = f"{', '.join(contenders[:-1])} and {contenders[-1]}"
-        raise InputError(f"no two of {names_of_all} have met the same world: there are no pairs of trials")
+        raise InputError(
+            f"no two of {names_of_all} have met the same world: there are no pairs of trials{_other_factors(data)}"
+        )
     cautions = _cautions(place, has_pairs, contenders)
-    others = len({*name_of.values()}) - len(contenders)
+    others = len({*_names(whole, whole, parameters, shown, factor)} - {*contenders})
     if others:
         cautions.append(
             f"where leaves out {counted(others, 'contender')}: p-values are corrected for the others alone, which is "
@@ -87,15 +108,83 @@ def grid_of(
     firsts = [next(s for s in place[w] if s != NONE) for w in kept]
     differing = [name for name in coordinates if len({repr(columns[name][s]) for s in firsts}) > 1]
     common = {name: columns[name][firsts[0]] for name in coordinates if name not in differing}
-    if {"assumed_accuracy", "accuracy"} <= columns.keys() and all(
-        columns["assumed_accuracy"][s] == columns["accuracy"][s] for s in firsts
-    ):  # robots that know their sensors assume the true accuracy
-        differing = [name for name in differing if name != "assumed_accuracy"]
-        common.pop("assumed_accuracy", None)
+    if common.get("assumed_accuracy") == "":
+        del common["assumed_accuracy"]
     differing_worlds = [{name: columns[name][s] for name in differing} for s in firsts]
-    return Grid(
-        differing_worlds, common, [c for c, so in zip(contenders, seen, strict=True) if so], place[kept][:, seen]
-    ), cautions
+    there = [c for c, so in zip(contenders, seen, strict=True) if so]
+    return Grid(differing_worlds, common, there, place[kept][:, seen], factor), cautions
+
+
+def factors_in(data: xr.Dataset) -> list[str]:
+    """The coordinates in which settings differ, by which they can be compared."""
+    left_out = {"setting", *restated(data), *NUMERIC}
+    along = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
+    return [name for name in along if len({repr(value) for value in data[name].values.tolist()}) > 1]
+
+
+def _other_factors(data: xr.Dataset) -> str:
+    """A phrase with the factors by which these settings can be compared."""
+    names = factors_in(data)
+    if not names:
+        return ""
+    how = option("factor", names[0]) if in_shell() else f"factor={names[0]!r}"
+    return f". They differ in {', '.join(names)}: choose what to compare, as {how}"
+
+
+def _check_factor(data: xr.Dataset, factor: Sequence[str]) -> None:
+    """Raise InputError unless these are coordinates in which settings differ."""
+    for name in factor:
+        known = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"]
+        there = ", ".join(factors_in(data)) or "nothing"
+        if name in NUMERIC:
+            raise wrong_option("factor", name, "it follows from accuracy: name that")
+        if name not in known:
+            raise wrong_option("factor", name, f"{did_you_mean(name, known)}settings differ in {there}")
+        values = {repr(value) for value in data[name].values.tolist()}
+        if len(values) < 2:
+            raise wrong_option("factor", name, f"all settings have the same, {values.pop()}; they differ in {there}")
+
+
+def _of_worlds(data: xr.Dataset, parameters: Mapping[str, list[str]], factor: Sequence[str]) -> list[str]:
+    """The coordinates that tell worlds apart: all but the factor, and what follows from it or from others."""
+    repeated: set[str] = set().union(*(REPEATED.get(name, set()) for name in factor))
+    left_out = {"setting", *factor, *repeated, *NUMERIC}
+    left_out |= {name for name in restated(data) if not REPEATED.get(name, set()) & {*factor, *repeated}}
+    left_out |= {name for several in parameters.values() for name in several}  # parts of brains' names
+    left_out |= {BRAIN} if not factor else set()
+    return [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
+
+
+def _names(
+    data: xr.Dataset,
+    whole: xr.Dataset,
+    parameters: dict[str, list[str]],
+    shown: Mapping[str, Collection[str]],
+    factor: Sequence[str],
+) -> list[str]:
+    """The name of each setting's contender."""
+    parts = [_levels(data, name) for name in factor if name != BRAIN]
+    if not factor or BRAIN in factor:
+        parts.insert(0, _named_as_in(whole, data, parameters, shown))
+    return [", ".join(several) for several in zip(*parts, strict=True)]
+
+
+def _named_as_in(
+    whole: xr.Dataset, data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]
+) -> list[str]:
+    """The brain of each setting, with the name that it has in `whole`."""
+    name_of = dict(zip(whole["setting"].values.tolist(), _contender_names(whole, parameters, shown), strict=True))
+    return [name_of[setting] for setting in data["setting"].values.tolist()]
+
+
+def _levels(data: xr.Dataset, name: str) -> list[str]:
+    """The level of each setting: its value, with the coordinate's name unless the value speaks for itself."""
+    values = data[name].values.tolist()
+    distinct = [value for value in dict.fromkeys(values) if not isinstance(value, int)]
+    texts = dict(zip(distinct, distinct_texts(distinct), strict=True))
+    plain = caption_form(name) == "{}"
+    none = idle_caption(name) or f"no {name}"
+    return [none if is_idle(value) else f"{'' if plain else f'{name}='}{texts.get(value, value)}" for value in values]
 
 
 def _contender_names(

@@ -1,5 +1,9 @@
-"""The statistics of a comparison: paired tests of every two contenders in every world, corrected for their number."""
+"""The statistics of a comparison: a test of every two contenders in every world, corrected for their number.
 
+Contenders whose trials share random numbers are paired, trial by trial; others are independent samples.
+"""
+
+import functools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -10,9 +14,10 @@ from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import Statistic, centres, intervals
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import LEVEL
+from swarmcensus.support.intervals import LEVEL, estimate
+from swarmcensus.support.rank_sums import ends_of_probability, rank_sums, shift
 from swarmcensus.support.significance import (
-    SignedRanks,
+    RankTest,
     differences,
     fewest_trials,
     friedman,
@@ -44,25 +49,31 @@ class ContestInput(NamedTuple):
 class Contest:
     """One measure's values (world, contender) and tests (world, pair); NaN where there is none.
 
-    A pair's `difference` is its first contender minus its second. `ranks` (trial, contender) are centred, and summed
-    over the worlds that all contenders have met. `duels` (pair,) are tests over all these worlds: their number for a
-    trial is the share of worlds in which the first contender is ahead, minus the share in which it is behind.
+    A pair's `difference` is its first contender minus its second. Where it is `paired`, tests count trials, else pairs
+    of a trial of the first and a trial of the second. `better_ends` are the ends of the interval of `better`. `ranks`
+    (trial, contender) are centred, and summed over the worlds that all contenders have met. `duels` (pair,) are tests
+    over all these worlds: their number for a trial is the share of worlds in which the first contender is ahead, minus
+    the share in which it is behind.
     `corrected` are p-values after Holm's correction for all tests in single worlds, of all measures of a comparison,
     and `duels_corrected` for all tests over all worlds; `friedman_corrected` is the p-value of Friedman's test,
     corrected for the measures alone.
     """
 
     low: bool  # whether low values are better
+    numbers: Floats  # of each trial, (world, contender, trial)
     values: Floats
     value_ends: tuple[Floats, Floats]
     trials: NDArray[np.int64]
     difference: Floats
     difference_ends: tuple[Floats, Floats]
-    tests: SignedRanks
+    tests: RankTest
+    paired: NDArray[np.bool_]
+    pair_trials: NDArray[np.int64]  # of the first and of the second, (2, world, pair); of paired ones those of both
+    better_ends: tuple[Floats, Floats]
     met: NDArray[np.bool_]  # which worlds all contenders have met, (world,)
     ranks: Floats
     ahead: Floats  # the mean over trials of the numbers of `duels`, (pair,)
-    duels: SignedRanks
+    duels: RankTest
     friedman: tuple[float, float]  # Q and p
     corrected: Floats
     duels_corrected: Floats
@@ -72,6 +83,18 @@ class Contest:
     def differ(self) -> bool:
         """Whether Friedman's test finds that any contenders differ over all worlds."""
         return self.friedman_corrected <= ALPHA
+
+    @property
+    def better(self) -> Floats:
+        """The probability that the first is better than the second in a random trial; equal ones count one half."""
+        ahead, equal = self.tests.below if self.low else self.tests.above, self.tests.equal
+        with np.errstate(invalid="ignore"):
+            return np.asarray((ahead + equal / 2) / (self.tests.below + equal + self.tests.above))
+
+    def within(self, margin: float | None) -> NDArray[np.bool_]:
+        """Which pairs in which worlds have an interval of the difference that lies within -margin to margin."""
+        low, high = self.difference_ends
+        return np.asarray((low >= -margin) & (high <= margin) if margin else np.zeros(low.shape, np.bool_))
 
     @property
     def apart(self) -> NDArray[np.bool_]:
@@ -124,7 +147,8 @@ def overall_count(all_contests: Iterable[Contest]) -> int:
 def in_worlds_too_few(all_contests: Sequence[Contest]) -> str:
     """What the trials are too few for in single worlds, as a sentence; empty if they are enough for some."""
     trials = max(int(contest.trials.max()) for contest in all_contests)
-    return too_few(trials, test_count(all_contests), "compare fewer measures or worlds")
+    paired = any((contest.paired & ~np.isnan(contest.corrected)).any() for contest in all_contests)
+    return too_few(trials, test_count(all_contests), "compare fewer measures or worlds", paired=paired)
 
 
 def overall_too_few(all_contests: Sequence[Contest]) -> str:
@@ -133,9 +157,9 @@ def overall_too_few(all_contests: Sequence[Contest]) -> str:
     return too_few(trials, overall_count(all_contests), "compare fewer measures", " over all worlds")
 
 
-def too_few(trials: int, tests: int, advice: str, where: str = "") -> str:
+def too_few(trials: int, tests: int, advice: str, where: str = "", paired: bool = True) -> str:
     """That no test can reach the level after correction for `tests` tests, as a sentence; empty if one can."""
-    least = fewest_trials(tests, ALPHA)
+    least = fewest_trials(tests, ALPHA, paired)
     if not tests or trials >= least:
         return ""
     return (
@@ -144,14 +168,21 @@ def too_few(trials: int, tests: int, advice: str, where: str = "") -> str:
     )
 
 
-def contests(measures: list[ContestInput], with_intervals: bool = True, against: int | None = None) -> list[Contest]:
+def contests(
+    measures: list[ContestInput],
+    with_intervals: bool = True,
+    against: int | None = None,
+    paired: NDArray[np.bool_] | None = None,
+) -> list[Contest]:
     """The contest of each measure. Without intervals, they and Friedman's test, which take most of the time, are NaN.
 
-    With `against` only pairs with that contender are tested. The pair tests in single worlds, of all measures, are one
-    family: the probability of any false positive is at most 5 %. The pair tests over all worlds are another. So are
-    Friedman's tests, one for each measure, which find whether any contenders differ, but not which.
+    With `against` only pairs with that contender are tested. `paired` (world, pair) says which are tested trial by
+    trial, by default all; tests over all worlds always are, which is valid for independent trials too. The pair tests
+    in single worlds, of all measures, are one family: the probability of any false positive is at most 5 %. The pair
+    tests over all worlds are another. So are Friedman's tests, one for each measure, which find whether any contenders
+    differ, but not which.
     """
-    untested = [_contest(contest, with_intervals, against) for contest in measures]
+    untested = [_contest(contest, with_intervals, against, paired) for contest in measures]
     for family in ([contest.corrected for contest in untested], [contest.duels_corrected for contest in untested]):
         corrected, at = holm(np.concatenate([part.ravel() for part in family])) if family else np.zeros(0), 0
         for part in family:
@@ -161,14 +192,16 @@ def contests(measures: list[ContestInput], with_intervals: bool = True, against:
     return [replace(contest, friedman_corrected=float(p)) for contest, p in zip(untested, overall, strict=True)]
 
 
-def _contest(contest_input: ContestInput, with_intervals: bool, against: int | None) -> Contest:
+def _contest(
+    contest_input: ContestInput, with_intervals: bool, against: int | None, paired: NDArray[np.bool_] | None
+) -> Contest:
     numbers, statistic, low, share = contest_input
     worlds, contenders, trials = numbers.shape
     most = 1.0 if share else np.inf
     first, second = np.array(pairs_of(contenders), np.intp).reshape(-1, 2).T
     shape = worlds, len(first)
     tested = np.full(len(first), True) if against is None else (first == against) | (second == against)
-    parts: list[tuple[Floats, Floats, Floats, SignedRanks]] = []
+    parts: list[tuple[Floats, Floats, Floats, RankTest]] = []
     step = max(1, BLOCK // max(1, len(first) * trials))
     for start in range(0, worlds, step):
         block = numbers[start : start + step]
@@ -176,7 +209,17 @@ def _contest(contest_input: ContestInput, with_intervals: bool, against: int | N
         ends = _ends(pair_differences, statistic, with_intervals, -most, most)
         parts.append((centres(pair_differences, statistic), *ends, signed_ranks(pair_differences)))
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
-    tests = SignedRanks(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
+    tests = RankTest(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
+    paired = np.ones(shape, np.bool_) if paired is None else paired
+    for world, pair in np.argwhere(~paired & tested).tolist():
+        one, other = (numbers[world, who[pair]] for who in (first, second))
+        one, other = one[~np.isnan(one)], other[~np.isnan(other)]
+        if one.size and other.size:
+            found = difference_of(one, other, statistic, share, with_intervals)
+            difference[world, pair], lowest[world, pair], highest[world, pair] = found
+            for into, number in zip(tests, rank_sums(one, other), strict=True):
+                into[world, pair] = number
+    sizes = trials_of_pairs(numbers, paired, first, second)
     there = tests.below + tests.equal + tests.above > 0
     p = np.where(there & tested, tests.p, np.nan).reshape(shape)
     met = np.asarray(np.all(np.any(~np.isnan(numbers), axis=2), axis=1))
@@ -187,12 +230,16 @@ def _contest(contest_input: ContestInput, with_intervals: bool, against: int | N
     )  # in one world, its own tests are enough
     return Contest(
         low=low,
+        numbers=numbers,
         values=centres(numbers, statistic),
         value_ends=_ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most),
         trials=np.asarray((~np.isnan(numbers)).sum(axis=2)),
         difference=difference,
         difference_ends=(lowest, highest),
         tests=tests,
+        paired=paired,
+        pair_trials=sizes,
+        better_ends=_better_ends(tests, low, paired, sizes, with_intervals),
         met=met,
         ranks=ranks,
         ahead=centres(ahead.T, "mean"),
@@ -201,6 +248,62 @@ def _contest(contest_input: ContestInput, with_intervals: bool, against: int | N
         corrected=p,
         duels_corrected=np.where(tested_overall, duels.p, np.nan),
     )
+
+
+def trials_of_pairs(
+    numbers: Floats, paired: NDArray[np.bool_], first: NDArray[np.intp], second: NDArray[np.intp]
+) -> NDArray[np.int64]:
+    """How many trials the first and the second of each pair have, (2, world, pair): common ones where paired."""
+    there = ~np.isnan(numbers)
+    own, others = there[:, first], there[:, second]
+    common = own & others
+    return np.stack([np.where(paired, common.sum(axis=2), one.sum(axis=2)) for one in (own, others)])
+
+
+def difference_of(
+    first: Floats, second: Floats, statistic: Statistic, share: bool, with_interval: bool = True
+) -> tuple[float, float, float]:
+    """The difference of two independent samples and the ends of its interval.
+
+    Of medians it is the median of all differences. The interval of a difference of means is put together from the two
+    intervals of the means: Zou and Donner, "Construction of confidence limits about effect measures", 2008.
+    """
+    if statistic == "median":
+        return shift(first, second)
+    value = float(first.mean() - second.mean())
+    if not with_interval:
+        return value, np.nan, np.nan
+    one, other = (estimate(sample[:, np.newaxis], "mean", share) for sample in (first, second))
+    return (
+        value,
+        value - float(np.hypot(one.value - one.low, other.high - other.value)),
+        value + float(np.hypot(one.high - one.value, other.value - other.low)),
+    )
+
+
+def _better_ends(
+    tests: RankTest, low: bool, paired: NDArray[np.bool_], sizes: NDArray[np.int64], wanted: bool
+) -> tuple[Floats, Floats]:
+    """The ends of the intervals of `Contest.better`, each (world, pair)."""
+    ends = np.full((2, *paired.shape), np.nan)
+    ahead = tests.below if low else tests.above
+    behind = tests.above if low else tests.below
+    for world, pair in np.argwhere(sizes.all(axis=0)).tolist() if wanted else ():
+        counts = tuple(int(part[world, pair]) for part in (ahead, tests.equal, behind))
+        if paired[world, pair]:
+            ends[:, world, pair] = _ends_of_trials(*counts)
+        else:
+            share = (counts[0] + counts[1] / 2) / sum(counts)
+            ends[:, world, pair] = ends_of_probability(share, *sizes[:, world, pair].tolist())
+    return ends[0], ends[1]
+
+
+@functools.lru_cache(maxsize=4096)
+def _ends_of_trials(ahead: int, equal: int, behind: int) -> tuple[float, float]:
+    """The interval of the probability of being ahead, from so many trials; equal ones count one half."""
+    scores = np.repeat([1.0, 0.5, 0.0], [ahead, equal, behind])
+    _, least, most = estimate(scores[:, np.newaxis], "mean", share=True)
+    return least, most
 
 
 def _ends(values: Floats, statistic: Statistic, wanted: bool, least: float, most: float) -> tuple[Floats, Floats]:

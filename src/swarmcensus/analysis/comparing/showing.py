@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 
 from swarmcensus.analysis.comparing.cells import (  # fmt: skip
@@ -20,7 +21,7 @@ from swarmcensus.analysis.comparing.cells import (  # fmt: skip
 from swarmcensus.analysis.comparing.pair_tests import test_count
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.verdicts import findings, verdict
-from swarmcensus.results import is_idle
+from swarmcensus.results import OURS, is_idle
 from swarmcensus.studies import goes_unsaid
 from swarmcensus.support import terminal
 from swarmcensus.support.files import atomic_write
@@ -31,10 +32,11 @@ from swarmcensus.support.printed_tables import FIRST_OUT, INTERVAL, INTERVALS, C
 MOST_ROWS = 40
 PROPERTY = "the property `table` has all"
 PAIRS = (
-    "one - other: median over trials of the difference (mean for shares and for messages and bytes); [95 %]: bootstrap "
-    "over trials, for each pair separately",
-    "effect: matched rank-biserial correlation, from -1 to 1, above 0 if the first is better",
-    "p: paired signed-rank test, exact up to 64 trials; corrected: by Holm's method over all tests in single worlds",
+    "one - other: median over trials of the difference (mean for shares and for messages and bytes); [95 %]: over "
+    "trials, for each pair separately",
+    "P(one better): the probability that the first is better in a random trial; equal ones count one half",
+    "effect: rank-biserial correlation, from -1 to 1, above 0 if the first is better",
+    "corrected: by Holm's method over all tests in single worlds",
 )
 
 
@@ -77,17 +79,24 @@ def worlds_table(standings: Standings, limit: int, more: str, title: str = "") -
 
 def pairs_table(standings: Standings, worlds: int) -> Table:
     """Each pair of contenders in each of the first `worlds` worlds, by each measure."""
-    texts = ("measure", "one", "other", INTERVAL, "one is better in", "told apart")
+    texts = ("measure", "one", "other", INTERVAL, "told apart")
     rows: Sequence[tuple[str, ...]] = pair_rows(standings, worlds)
-    spare = {INTERVAL: FIRST_OUT} | {name: k for k, name in enumerate(("p", "effect", "one is better in"), start=1)}
+    spare = {INTERVAL: FIRST_OUT} | {name: k for k, name in enumerate(("p", "effect"), start=1)}
     return Table(
         [
             Column(name, [row[k] for row in rows], name not in texts, spare.get(name, 0))
             for k, name in enumerate(PAIR_HEADS)
             if name != "world" or standings.grid.worlds[0]
         ],
-        notes=lambda _: PAIRS,
+        notes=lambda _: [*PAIRS, _tests(standings)],
     )
+
+
+def _tests(standings: Standings) -> str:
+    """Which tests the p-values are of."""
+    paired = np.concatenate([contest.paired[~np.isnan(contest.corrected)] for contest in standings.contests])
+    signed, summed = "Wilcoxon's signed-rank test of paired trials", "Mann and Whitney's rank-sum test"
+    return f"p: {signed if paired.all() else summed if not paired.any() else f'{signed}, {summed} of others'}"
 
 
 def print_verdict(standings: Standings, out: Console) -> None:
@@ -97,7 +106,8 @@ def print_verdict(standings: Standings, out: Console) -> None:
         out.print(sentence)
     costs = {COSTS[name]: values for name, values in (standings.costs | standings.sizes).items() if name in COSTS}
     if costs:
-        heads = {"cost of a robot": False} | dict.fromkeys(costs, True)
+        heads = {standings.grid.head if standings.grid.factor else "cost of a robot": False}
+        heads |= dict.fromkeys(costs, True)
         rows = ([name, *(range_text(values[:, k]) or "-" for values in costs.values())]
                 for k, name in enumerate(standings.contenders))  # fmt: skip
         meaning = "messages and bytes: sent in a trial, means over robots and trials; memory: bytes"
@@ -122,7 +132,7 @@ def latex(standings: Standings, worlds: int | None = None) -> str:
         for name in standings.grid.worlds[0]
     ]  # fmt: skip
     return as_latex(Table(
-        [*left, Column("contender", [standings.contenders[c] for c in contender], number=False)],
+        [*left, Column(standings.grid.head, [standings.contenders[c] for c in contender], number=False)],
         [columns(standings, worlds), cost_columns(standings, worlds)],
         f"{total:,} worlds, {len(standings.contenders):,} contenders: {standings.title}",
         notes=lambda _: [legend(standings)],
@@ -164,12 +174,14 @@ def _meanings(standings: Standings, intervals: bool, one_sided: bool) -> list[st
         + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
         for measure in standings.measures
     ]
+    heads += [f"{OURS[name].label}: {OURS[name].meaning} (median over trials, not tested)" for name in standings.tails]
     tests = test_count(standings.contests)
     return [
         "; ".join(heads),
         f"values: median over all robots of {many} (means for shares and for messages and bytes){few}",
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
         f"{legend(standings)}; {counted(tests, 'test')}, corrected by Holm's method",
+        *standings.pairing,
     ]
 
 
@@ -184,4 +196,4 @@ def _left(standings: Standings, worlds: int) -> list[Column]:
         texts = ["-" if is_idle(value) else grouped(value) for value in values]
         shown = [text * first for text, first in zip(texts, new, strict=True)]
         columns.append(Column(name, shown, number=False, spare=k))
-    return [*columns, Column("contender", [standings.contenders[c] for c in contender], number=False)]
+    return [*columns, Column(standings.grid.head, [standings.contenders[c] for c in contender], number=False)]

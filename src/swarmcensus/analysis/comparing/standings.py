@@ -1,6 +1,7 @@
 """Each contender's standing in each world: best, level with the first, or behind; and which pairs differ."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,9 @@ class Standings:
     """Contenders in worlds, by several measures, with a contest for each measure.
 
     `costs` are means over robots and trials (world, contender), `sizes` are bytes (world, contender), `cautions` say
-    what could not be compared, or limits the comparison.
+    what could not be compared, or limits the comparison, `pairing` says which trials are paired, and why. `margins`
+    are the differences of measures, by name, that make no difference in practice. `tails` are values and ends of
+    intervals, each (world, contender), that are shown next to medians which hide them; they are not tested.
     """
 
     title: str
@@ -30,7 +33,11 @@ class Standings:
     costs: dict[str, Floats]
     sizes: dict[str, Floats]
     settings: NDArray[np.int64]  # (world, contender), -1 if there is none
+    rounds: Floats  # how long each ran, (world, contender)
     cautions: list[str]
+    tails: dict[str, tuple[Floats, Floats, Floats]] = field(default_factory=dict)
+    pairing: list[str] = field(default_factory=list)
+    margins: Mapping[str, float] = field(default_factory=dict)
     against: int | None = None  # the contender that all others are compared with; None compares every pair
 
     @property

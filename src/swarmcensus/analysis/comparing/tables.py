@@ -28,6 +28,8 @@ def table(standings: Standings) -> "pd.DataFrame":
         columns[f"{measure.name}_rank"] = world_ranks(contest.values, contest.low)[at]
         columns[f"{measure.name}_standing"] = standings.standing(contest)[at]
         columns.setdefault("trials", contest.trials[at])
+    for name, parts in standings.tails.items():
+        columns |= {f"{name}{end}": part[at] for end, part in zip(("", "_low", "_high"), parts, strict=True)}
     for name, values in (standings.costs | standings.sizes).items():
         columns.setdefault(name, values[at])
     return pd.DataFrame(columns)
@@ -37,28 +39,32 @@ def pairs(standings: Standings) -> "pd.DataFrame":
     """See `Comparison.pairs`.
 
     `difference` is the median of the trials' differences, or their mean, in the measure's `unit`, with the ends of its
-    95 % interval. `superiority` is the share of trials in which `one` is better, where equal trials count one half.
-    `effect` is the matched rank-biserial correlation, above 0 if `one` is better. `p` is the p-value of the signed-rank
-    test, `p_holm` the corrected one, and `told_apart` whether the pair differs.
+    95 % interval. `superiority` is the probability that `one` is better in a random trial, where equal ones count one
+    half, with the ends of its interval. `effect` is the rank-biserial correlation, above 0 if `one` is better. `p` is
+    the p-value of the `test`, which is "signed-rank" for paired trials and "rank-sum" for others, `p_holm` the
+    corrected one, `told_apart` whether the pair differs, and `equal_in_practice` whether the interval of the difference
+    lies within the measure's margin.
     """
     import pandas as pd
 
     frames = []
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
-        trials = contest.tests.below + contest.tests.equal + contest.tests.above
         worlds, which = np.nonzero(~np.isnan(contest.corrected))
         at, sign = (worlds, which), -1 if contest.low else 1
-        better = contest.tests.below if contest.low else contest.tests.above
         ends = np.array(pairs_of(len(standings.contenders)), np.intp).reshape(-1, 2)[which]
         names = np.array(standings.contenders, object)
         columns: dict[str, Any] = {"measure": measure.name, "unit": measure.unit, "world": worlds}
         columns |= _coordinates(standings, worlds) | {"one": names[ends[:, 0]], "other": names[ends[:, 1]]}
-        columns |= {"trials": trials[at], "one_value": contest.values[worlds, ends[:, 0]]}
+        columns |= {"test": np.where(contest.paired[at], "signed-rank", "rank-sum")}
+        columns |= {"trials": contest.pair_trials[0][at], "other_trials": contest.pair_trials[1][at]}
+        columns |= {"one_value": contest.values[worlds, ends[:, 0]]}
         columns |= {"other_value": contest.values[worlds, ends[:, 1]], "difference": contest.difference[at]}
         columns |= {"difference_low": contest.difference_ends[0][at], "difference_high": contest.difference_ends[1][at]}
-        columns |= {"superiority": (better[at] + contest.tests.equal[at] / 2) / trials[at]}
+        columns |= {"superiority": contest.better[at]}
+        columns |= {"superiority_low": contest.better_ends[0][at], "superiority_high": contest.better_ends[1][at]}
         columns |= {"effect": sign * contest.tests.balance[at] + 0.0, "p": contest.tests.p[at]}
         columns |= {"p_holm": contest.corrected[at], "told_apart": contest.apart[at]}
+        columns |= {"equal_in_practice": contest.within(standings.margins.get(measure.name))[at]}
         frames.append(pd.DataFrame(columns))
     return pd.concat(frames, ignore_index=True)
 

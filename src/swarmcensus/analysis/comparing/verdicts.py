@@ -24,6 +24,8 @@ def findings(standings: Standings) -> list[str]:
     sentences = []
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
         sentences.append(f"{measure.label}: {_by_world(standings, contest)}")
+        if margin := standings.margins.get(measure.name):
+            sentences.append(f"{measure.label}: {_in_practice(standings, contest, margin)}")
         if contest.met.sum() > 1 and not np.isnan(contest.duels_corrected).all():
             sentences.append(f"{measure.label}, over all worlds: {_overall(standings, contest)}")
     return sentences
@@ -72,6 +74,21 @@ def _by_world(standings: Standings, contest: Contest) -> str:
         parts.append(f"{standings.contenders[k]} is {how}")
     more = f"; and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
     return f"of {counted(worlds, 'world')}, " * (worlds > 1) + "; ".join(parts) + more
+
+
+def _in_practice(standings: Standings, contest: Contest, margin: float) -> str:
+    """Such as "equal for practical purposes, within 0.01: a and b in 2 of 3 worlds"."""
+    tested, equal = ~np.isnan(contest.corrected), contest.within(margin)
+    parts = []
+    for k, (first, second) in enumerate(pairs_of(len(standings.contenders))):
+        worlds, count = int(tested[:, k].sum()), int(equal[:, k].sum())
+        if count:
+            where = f" in {count} of {worlds} worlds" if worlds > 1 else ""
+            parts.append(f"{standings.contenders[first]} and {standings.contenders[second]}{where}")
+    if not parts:
+        return f"no two are shown to be equal for practical purposes, within {margin:g}"
+    more = f"; and {len(parts) - MOST_NAMED} more pairs" if len(parts) > MOST_NAMED else ""
+    return f"equal for practical purposes, within {margin:g}: {'; '.join(parts[:MOST_NAMED])}{more}"
 
 
 def _overall(standings: Standings, contest: Contest) -> str:

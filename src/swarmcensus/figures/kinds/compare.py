@@ -44,19 +44,21 @@ def compare(
     results: xr.Dataset,
     *,
     metric: Names = None,
+    factor: Names = None,
     against: str | None = None,
     by: Names = None,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw the differences that `sc.compare` finds between brains, paired trial by trial, with their 95 % intervals.
+    """Draw the differences that `sc.compare` finds between brains, or levels of a factor, with their 95 % intervals.
 
     Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
     contender `against`. Full dots mean a significant difference, after correction for all tests. An arrow at the edge
     is an infinite difference. If there is only one row, each contender gets a row of its own.
 
     - `metric`: measures, as in `sc.compare`; by default the usual ones.
+    - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `against`: the contender that others are compared with; by default the study's first.
     - `by`: coordinates. Worlds with equal values in these are pooled into one row: each trial then counts with the
       median of its differences in these worlds, or the mean of shares. An empty list pools all worlds.
@@ -66,7 +68,7 @@ def compare(
 
     Raises InputError as `sc.compare` does, for more than 40 rows and for coordinates in which worlds do not differ.
     """
-    standings = comparison.compare(results, metric or (), against=against)
+    standings = comparison.compare(results, metric or (), against=against, factor=factor or ())
     worlds = standings.grid.worlds
     by = [by] if isinstance(by, str) else by
     if by is None and len(worlds) > MOST_ROWS:

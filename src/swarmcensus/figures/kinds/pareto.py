@@ -19,7 +19,7 @@ from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.notes import say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, on_page
-from swarmcensus.figures.panels import MOST_PANELS
+from swarmcensus.figures.panels import MOST_PANELS, Names
 from swarmcensus.figures.sheets import Own, add_key, figure_of, name_axes, sheet, show_range
 from swarmcensus.results import titles_of_contenders
 from swarmcensus.support.errors import InputError
@@ -40,6 +40,7 @@ def pareto(
     *,
     metric: str = "final_error",
     cost: str = "bytes_sent",
+    factor: Names = None,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
@@ -52,13 +53,14 @@ def pareto(
 
     - `metric`: a measure.
     - `cost`: "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes".
+    - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each world. Leave room for the key on their right.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
 
     Raises InputError as `sc.compare` does, for an unknown cost and for more than 24 worlds.
     """
-    return draw_pareto(compare(results, metric), cost, title, ax, [results])
+    return draw_pareto(compare(results, metric, factor=factor or ()), cost, title, ax, [results])
 
 
 def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:

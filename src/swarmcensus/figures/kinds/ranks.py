@@ -46,7 +46,13 @@ GREY = "0.35"  # of the lines to the names
 
 @on_page
 def ranks(
-    results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None, **more: Unpack[PageOptions]
+    results: xr.Dataset,
+    *,
+    metric: Names = None,
+    factor: Names = None,
+    title: str | None = None,
+    ax: Own = None,
+    **more: Unpack[PageOptions],
 ) -> Figure:
     """Draw the critical-difference diagram of `sc.compare`: the average ranks of brains, one line for each measure.
 
@@ -55,6 +61,7 @@ def ranks(
 
     - `metric`: measures, such as "correct" or ["final_error", "my_metric:low"]; by default the usual ones. Tests are
       corrected for all of them together.
+    - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each measure.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
@@ -62,7 +69,7 @@ def ranks(
     Raises InputError as `sc.compare` does, if there is no world in which all contenders have run, and for more than 40
     contenders.
     """
-    return draw_ranks(compare(results, metric or ()), title, ax, [results])
+    return draw_ranks(compare(results, metric or (), factor=factor or ()), title, ax, [results])
 
 
 def draw_ranks(

@@ -78,6 +78,13 @@ def test_where_nothing_can_be_compared_it_is_said(settings, said):
 # ---- the number of a trial
 
 
+def quantile(values, share):
+    """Linear between the two values around the place."""
+    ordered, place = sorted(values), share * (len(values) - 1)
+    below = ordered[int(place)]
+    return below + (ordered[min(int(place) + 1, len(values) - 1)] - below) * (place % 1)
+
+
 def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
     data = made_up(robots=6).assign(honest=("setting", [6, 6, 4, 5, 6, 6, 1, 6]))
     data["decision"][0, 0, 0] = np.nan
@@ -87,8 +94,13 @@ def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
         for trial in range(data.sizes["trial"]):
             mine = {name: one[setting, trial, :honest].tolist() for name, one in values.items()}
             known = [one for one in mine["decision"] if one == one]
+            finals = mine["final_estimate"]
+            errors = [abs(x - 0.55) for x in finals]
             expected = {
-                "final_error": np.median([abs(x - 0.55) for x in mine["final_estimate"]]),
+                "final_error": np.median(errors),
+                "error_90": quantile(errors, 0.9),
+                "worst_error": max(errors),
+                "final_disagreement": (quantile(finals, 0.95) - quantile(finals, 0.05)) / 2,
                 "convergence_round": np.median(mine["convergence_round"]),
                 "messages_sent": sum(mine["messages_sent"]) / honest,
                 "bytes_sent": sum(mine["messages_sent"]) / honest * float(data["message_bytes"][setting]),
@@ -216,11 +228,15 @@ def test_pairs_are_what_scipy_says_trial_by_trial():
 
 def test_cells_are_those_of_a_summary():
     data = made_up(brains=2, trials=9, robots=4, gap=0.3)
-    compared = sc.compare(data, ["final_error", "convergence_round", "correct", "convergence_error"]).table
+    one_a_trial = ["error_90", "worst_error", "final_disagreement"]
+    names = ["final_error", "convergence_round", "correct", "convergence_error", *one_a_trial]
+    compared = sc.compare(data, names).table
     shown = sc.summary(data).set_index("setting").loc[compared["setting"]]
-    for name in ("final_error", "convergence_round", "correct", "convergence_error"):
+    for name in names:
         for end in ("", "_low", "_high"):
             assert compared[name + end].tolist() == shown[name + end].tolist()
+    for name in one_a_trial:
+        assert shown[name].tolist() == np.median(measures.numbers(data, name), axis=1)[shown.index].tolist()
     of_trials = np.median(measures.numbers(data, "final_error"), axis=1)
     assert (compared["final_error"].to_numpy() != of_trials[compared["setting"]]).all()  # another median
 

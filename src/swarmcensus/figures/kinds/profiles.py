@@ -1,0 +1,108 @@
+"""Profiles of times: the share of trials that have agreed, decided or finished by each round."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Unpack
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from swarmcensus.analysis import Comparison, compare, is_time
+from swarmcensus.figures.coordinates import caption_of
+from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.notes import say_lacking
+from swarmcensus.figures.page import PageOptions, on_page
+from swarmcensus.figures.panels import MOST_PANELS, Names
+from swarmcensus.figures.sheets import Own, add_key, count_axis, figure_of, name_axes, sheet, show_range
+from swarmcensus.results import measures, titles_of_contenders
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.options import wrong_option
+from swarmcensus.support.quantities import QUANTITIES
+from swarmcensus.worlds import MOVING
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+BAND = 0.15  # opacity of intervals
+FIRST = ("agreement_round", "consensus_round")
+STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
+
+
+@on_page
+def profiles(
+    results: xr.Dataset,
+    *,
+    metric: str | None = None,
+    factor: Names = None,
+    title: str | None = None,
+    ax: Own = None,
+    **more: Unpack[PageOptions],
+) -> Figure:
+    """Draw the share of trials in which a time has come by each round, one panel for each world of `sc.compare`.
+
+    A trial in which it never comes stays in the share, so its line ends below 100 %. Bands are 95 % intervals over
+    trials, round by round.
+
+    - `metric`: a time that may never come, such as "agreement_round", "consensus_round" or "decision_round"; by
+      default the first of these that the results have.
+    - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each world. Leave room for the key on their right.
+    - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
+
+    Raises InputError as `sc.compare` does, for a measure of another kind, and for more than 24 worlds.
+    """
+    known = measures.known(results)
+    times = [name for name in (*FIRST, *known) if name in known and is_time(name)]
+    if metric is None and not times:
+        raise InputError("profiles: these results have no times that may never come")
+    standings = compare(results, metric or times[0], factor=factor or ())
+    return draw_profiles(standings, title, ax, [results])
+
+
+def draw_profiles(
+    standings: Comparison, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
+) -> Figure:
+    """Draw the first time of a comparison that may never come; see `profiles`. Raises InputError without any."""
+    names = [measure.name for measure in standings.measures]
+    name = next(filter(is_time, names), None)
+    if name is None:
+        known = ", ".join(filter(is_time, QUANTITIES))
+        raise wrong_option("metric", ", ".join(names), f"profiles are of times that may never come: {known}")
+    worlds = standings.grid.worlds
+    if len(worlds) > MOST_PANELS:
+        raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
+    table = standings.profiles
+    table = table[table["measure"] == name]
+    looks = looks_of(standings.contenders, "o", "brain", titles_of_contenders(*results))
+    axes = sheet(ax, [caption_of(world) for world in worlds], title)
+    lines: dict[str, Artist] = {}
+    label = standings.measures[names.index(name)].label
+    unit = "tick" if standings.grid.common.get("topology") == MOVING else "round"
+    for world, place in enumerate(axes):
+        here = table[table["world"] == world]
+        for k, contender in enumerate(standings.contenders):
+            rows = here[here["contender"] == contender]
+            if len(rows):
+                style, colour = STYLES[k % len(STYLES)], looks[contender].colour
+                _draw(place, rows, colour, style)
+                lines[looks[contender].name] = Line2D([], [], color=colour, linestyle=style, linewidth=1.6)
+        count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
+        show_range(place, "y", -3, 103)
+        name_axes(place, f"{label} ({unit})", "trials by then (%)")
+    add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
+    say_lacking(axes, results)
+    return figure_of(axes)
+
+
+def _draw(axes: Axes, rows: pd.DataFrame, colour: str, style: Any) -> None:
+    """One contender's steps and band."""
+    x, share, low, high = (rows[name].to_numpy() for name in ("round", "share", "share_low", "share_high"))
+    axes.step(x, 100 * share, where="post", color=colour, linestyle=style, linewidth=1.6)
+    if np.isfinite(low).all():
+        axes.fill_between(x, 100 * low, 100 * high, step="post", color=colour, alpha=BAND, linewidth=0)
