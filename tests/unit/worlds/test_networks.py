@@ -417,6 +417,7 @@ TABLES = [
     ("source,target\nhall,attic\nattic,shed\n", {}),
     ("source\ttarget\tweight\n0\t1\t.5\n1\t2\t3\n", {"weights": "ignore"}),
     ("# a comment\n0 1 5\n1 2 7\n", {"weights": "ignore"}),
+    ("0 1 {'weight': 0.5}\n1 2 {'weight': 3}\n", {"weights": "ignore"}),
     ("% KONECT\n1 2\n2 3\n", {"renumber": True}),
     ("i,j\n10,30\n30,200\n", {"renumber": True}),
     ("i,j\na,7\n7,b\n", {"renumber": True}),
