@@ -19,6 +19,7 @@ from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.version import __version__
+from swarmcensus.worlds import Topology
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 SOURCES = ("brains", "adversaries", "plugin_files", "metrics", "merged", "parameters")  # attributes in JSON
@@ -51,11 +52,22 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
             parts[-1]["half_width"] = widths_of_rule(study, np.full(len(settings), np.nan))
     first = parts[0]
     if len(parts) > 1:
+        _check_labels(studies)
         first = _together(parts)
         first.attrs["title"] = " + ".join(dict.fromkeys(study.name for study in studies))
     if merged:
         first.attrs["merged"] = json.dumps([study.text for study in studies])
     return first
+
+
+def _check_labels(studies: Sequence[Study]) -> None:
+    """Raise InputError if two topologies would have one label."""
+    known: dict[str, Topology] = {}
+    for topology in (topology for study in studies for topology in study.topologies):
+        other = known.setdefault(str(topology), topology)
+        if other != topology and (other.label or topology.label):
+            two = f"the label of two topologies, {other.name} and {topology.name}"
+            raise InputError.named("topology", str(topology), two)
 
 
 @functools.lru_cache(maxsize=8)

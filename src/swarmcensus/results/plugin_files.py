@@ -27,6 +27,11 @@ def plugin_files_of(data: Any, given: Iterable[Path] = ()) -> list[PluginFile]:
     return files
 
 
+def spreads_of(data: Any) -> dict[str, PluginFile]:
+    """The files of spreads of a dataset by their names, for texts of accuracies."""
+    return {file.name: file for file in plugin_files_of(data) if file.kind == "spread"}
+
+
 def lies_here(kind: str, name: str, source: str) -> bool:
     """Whether a file of this name and source lies below the current folder."""
     with contextlib.suppress(OSError, ValueError, InputError):

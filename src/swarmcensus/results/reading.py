@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results.plugin_files import plugin_files_of
+from swarmcensus.results.plugin_files import spreads_of
 from swarmcensus.results.values import EVERY, MISSING, ArrayStore
 from swarmcensus.studies import NUMERIC
 from swarmcensus.support.errors import InputError
@@ -59,7 +59,7 @@ def packed(data: xr.Dataset) -> xr.Dataset:
 def _moments(data: xr.Dataset) -> NDArray[np.float64]:
     """The numbers of each setting's accuracy, (setting, 3); NaN for a text that no spread here can read."""
     accuracies = data["accuracy"].values
-    files = {file.name: file for file in plugin_files_of(data) if file.kind == "spread"}
+    files = spreads_of(data)
     known: dict[str, tuple[float, float, float]] = {}
     for text in dict.fromkeys(map(str, accuracies.tolist())):
         try:

@@ -55,7 +55,7 @@ def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool)
     Robots have the numbers in the table. With `renumber` they are numbered from 0 in the order of these, and texts, in
     columns with names, in the order in which the table first names them. Raises InputError.
     """
-    table = read_table(path, KNOWN.__contains__)
+    table = read_table(path, KNOWN.__contains__, ignore_attributes=ignore_weights)
     if not table.rows:
         raise InputError(f"{path} has no edges: write edges = [] for robots without links", file=path)
     links = links_of(table, "source,target", directed, ignore_weights=ignore_weights, renumber=renumber)

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.analysis.explaining.wrong_beliefs import accuracy_of
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters
 from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
+from swarmcensus.worlds import parse_accuracy
 
 WHEEL = """
 def edges(robots, chance, *, spokes: int = 3):
@@ -219,3 +221,14 @@ def test_results_name_no_file_that_is_run_unseen(files, refused):
     assert main(["show", "x.nc"]) == 0
     refused("verify", "x.nc")
     assert not Path("run").exists()
+
+
+@pytest.mark.usefixtures("files")
+def test_texts_of_accuracies_are_read_again():
+    study = sc.Study.load("fixed.toml")
+    known = {file.name: file for file in study.plugin_files}
+    for setting in study.settings():
+        for one in (setting.accuracy, setting.assumed_accuracy):
+            assert accuracy_of(str(one), known) == one
+    drifting = parse_accuracy({"start": "my worlds/wedge.py(0.8, 0.9)", "drift": -1e-4}, None, known)
+    assert accuracy_of(str(drifting), known) == drifting

@@ -3,12 +3,14 @@
 import itertools
 import re
 
+import matplotlib.text
 import networkx as nx
 import numpy as np
 import pytest
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support import plugins
 from swarmcensus.worlds import networks, wiring
@@ -336,6 +338,24 @@ def test_wrong_labels_are_refused(topologies, said):
         study_of(robots=12, topology=topologies)
 
 
+def test_a_label_is_the_name_in_results_and_figures(here, capsys):
+    keys = {"robots": 8, "rounds": 5, "seed": 3}
+    runs = [sc.run(study_of(topology={"name": name, "label": "a net"}, **keys), jobs=1) for name in ("ring", "line")]
+    plain = sc.run(study_of(topology="ring", **keys), jobs=1)
+    assert runs[0]["topology"].values.tolist() == ["a net"]
+    assert runs[0]["final_estimate"].equals(plain["final_estimate"].assign_coords(topology=runs[0]["topology"]))
+    assert sc.verify(runs[0], 1).differences == sc.verify(runs[0], 1).labels == []
+    with pytest.raises(sc.InputError, match="topology 'a net': the label of two topologies, ring and line"):
+        sc.merge(runs)
+    sc.save(sc.merge([runs[0], sc.run(study_of(topology="full", **keys), jobs=1)]), "x.nc")
+    assert main(["show", "x.nc", "--where", 'topology == "a net"']) == 0
+    printed = capsys.readouterr().out
+    assert "a net" in printed
+    assert "full" not in printed
+    texts = sc.plot.scatter(sc.load("x.nc"), color="topology").findobj(matplotlib.text.Text)
+    assert any("a net" in text.get_text() for text in texts)
+
+
 # ---- graphs of other programs
 
 PATH, BACK = nx.path_graph(4), nx.DiGraph([(3, 0), (0, 1)])
@@ -397,6 +417,7 @@ TABLES = [
     ("source,target\nhall,attic\nattic,shed\n", {}),
     ("source\ttarget\tweight\n0\t1\t.5\n1\t2\t3\n", {"weights": "ignore"}),
     ("# a comment\n0 1 5\n1 2 7\n", {"weights": "ignore"}),
+    ("0 1 {'weight': 0.5}\n1 2 {'weight': 3}\n", {"weights": "ignore"}),
     ("% KONECT\n1 2\n2 3\n", {"renumber": True}),
     ("i,j\n10,30\n30,200\n", {"renumber": True}),
     ("i,j\na,7\n7,b\n", {"renumber": True}),
