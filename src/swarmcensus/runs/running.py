@@ -41,6 +41,7 @@ def run(
     share: tuple[int, int] | None = None,
     say: Callable[[str], None] | None = None,
     cautions: bool = True,
+    announce_from: float | None = None,
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
@@ -50,6 +51,8 @@ def run(
     to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
+
+    A run that takes `announce_from` seconds or more (default: five minutes) logs beforehand how long it will take.
 
     Unless `cautions` is False, warnings name brains that need another study than this one, and settings with results
     that are easily misread, such as a fill ratio on the edge between two bins. A trial that fails is missing in the
@@ -93,7 +96,7 @@ def run(
         every = len(settings) * study.trials * (1 + study.measure.local)
         pool = stack.enter_context(_pool(state, min(jobs, every), cluster))
         try:
-            interrupted = _run_stages(state, pool, None if cluster else jobs)
+            interrupted = _run_stages(state, pool, None if cluster else jobs, announce_from)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
         if interrupted:
@@ -216,7 +219,7 @@ def _is_complete(state: State) -> bool:
     return state.study.until is None and bool(state.values.done().all())
 
 
-def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
+def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from: float | None) -> bool:
     """Run all trials, in stages if they follow a rule. Returns whether Ctrl-C ended the run; `jobs` is None on a
     cluster.
     """
@@ -238,7 +241,7 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
         if stage == 0:
-            announce_length(state.study, state.settings, tasks, jobs)
+            announce_length(state.study, state.settings, tasks, jobs, announce_from)
         if tasks and run_bundles(state, bundle_tasks(tasks, bundle_seconds), pool):
             return True
         if state.study.until is not None:

@@ -96,8 +96,9 @@ def leaderboard(
         with showing(progress, f"leaderboard, {name}") as report:
             part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
             parts[name] = run(
-                study, jobs, _as_part(report, name, part), out=path, fresh=restart, say=say, cautions=False
-            )
+                study, jobs, _as_part(report, name, part), out=path, fresh=restart, say=say, cautions=False,
+                announce_from=0.0,
+            )  # fmt: skip
     data = merge([parts[name] for name in studies]) if own_files else parts[OFFICIAL]
     brains = [brain for study in studies.values() for brain in study.brains]
     opinions = {brain.name for brain in brains if brain.is_opinion}
