@@ -18,7 +18,7 @@ from swarmcensus.brains.single import in_single, rounded_to_single
 from swarmcensus.brains.syntax import BELIEFS, Uses, never_speaks
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.plugins import Plugins, read_source
 
 PLUGINS = Plugins("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot
@@ -209,7 +209,7 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
     """
     refuse_adversary(str(name), base, PLUGINS)
     path = find(name, base)
-    return parse(safe_source.read_source("brain", path), str(name), path)
+    return parse(read_source("brain", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:

@@ -4,7 +4,6 @@ import ast
 import builtins
 import codecs
 import graphlib
-import hashlib
 import io
 import keyword
 import math
@@ -53,19 +52,6 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
         neither = f"neither a shipped {plugins.kind} ({known}) nor a file at {path}"
         raise BrainError.named(plugins.kind, name, f"{hint}{neither}")
     return path
-
-
-def read_source(kind: str, path: Path) -> str:
-    """Read the source of a file of this kind, such as "brain", without running it. Raises InputError."""
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BrainError.within(f"{kind} file {path}", f"cannot be read as text: {error}") from error
-
-
-def digest(source: str) -> str:
-    """The hash of a source, as stored with results."""
-    return hashlib.sha256(source.encode()).hexdigest()
 
 
 def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, Any]]:
