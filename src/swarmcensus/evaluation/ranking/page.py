@@ -14,7 +14,7 @@ from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
 TITLE = "# Leaderboard"
-TAIL = "90 % within"
+TAIL = "90 %"
 VALUES = dict.fromkeys(("place", "its own", "best other's", "best other"), True)  # columns of losses
 
 
@@ -67,7 +67,7 @@ def _table(scores: Scores, score: Score, marked: set[str]) -> str:
         Column("", ["" if n in scores.bounds else str(p) for n, p in zip(names, places, strict=True)], number=False),
         Column("brain", names, number=False, strong=[name in marked for name in names]),
         Column("rank", [f"{score.ranks[k]:.1f}" for k in order]),
-        *[Column(TAIL, [cell(scores.tail[k], True) for k in order])] * low,
+        *[Column(f"{TAIL} ({scores.board})", [cell(scores.tail[k], True) for k in order])] * low,
         *(
             Column(column.name, [cell(score.values[k, c], low) for k in order],
                    strong=[score.values[k, c] == best[c] for k in order])

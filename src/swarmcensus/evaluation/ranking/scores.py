@@ -125,6 +125,7 @@ class Score:
 class Scores:
     """One board: contenders, its worlds and scores."""
 
+    board: str
     division: Division
     grid: Grid
     worlds: Sequence[World]
@@ -175,7 +176,7 @@ def scores_of(
         _score(name, numbers, worlds, division, low)
         for name, numbers, low in ((ERROR, errors, True), (SIDE, sides, False))
     )
-    return Scores(division, grid, worlds, error, side, centres(tails, "median").mean(axis=0), costs, bounds)
+    return Scores(board, division, grid, worlds, error, side, centres(tails, "median").mean(axis=0), costs, bounds)
 
 
 def _score(name: str, numbers: Floats, worlds: Sequence[World], division: Division, low: bool) -> Score:

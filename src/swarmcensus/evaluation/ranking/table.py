@@ -67,7 +67,7 @@ def print_board(
         Column("rank", [f"{scores.error.ranks[k]:.1f}" * (k in scores.error.order) for k in order], spare=NUMBER),
         *(
             Column(head, [cell(values[k], True) for k in order])
-            for head, values in [("error", error), (TAIL.replace(" within", "\nwithin"), scores.tail), *kinds]
+            for head, values in [("error", error), (TAIL, scores.tail), *kinds]
         ),
         Column("right\n%", [cell(right[k], False) for k in order]),
         *(

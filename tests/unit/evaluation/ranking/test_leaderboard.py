@@ -80,10 +80,11 @@ def test_leaderboard_worlds_are_complete():
 def hold(scores, data, opinions):
     """Every number of some scores, worked out once more."""
     final, truth = data["final_estimate"].values, data["fill_ratio"].values
-    medians, sides = np.empty(final.shape[:2]), np.empty(final.shape[:2])
+    medians, sides, tails = (np.empty(final.shape[:2]) for _ in range(3))
     for s, t in np.ndindex(final.shape[:2]):
         some = final[s, t]
         medians[s, t] = np.median(np.abs(some - truth[s]))
+        tails[s, t] = np.quantile(np.abs(some - truth[s]), 0.9)
         sides[s, t] = np.mean([(x > 0.5) == (truth[s] > 0.5) and x != 0.5 for x in some])
     of = data["brain"].values
     still = data["topology"].values == "ring"
@@ -95,6 +96,8 @@ def hold(scores, data, opinions):
             wanted = np.nan if name in opinions else error
             assert scores.error.values[k, column] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
             assert scores.side.values[k, column] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
+        tail = np.mean(np.median(tails[of == name], axis=1))
+        assert scores.tail[k] == pytest.approx(np.nan if name in opinions else tail, abs=1e-12, nan_ok=True)
     by_brain = np.stack([sides[of == name] for name in scores.contenders])
     assert scores.side.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
     sure = np.array([name not in opinions for name in scores.contenders])
@@ -184,7 +187,7 @@ def test_leaderboard_command_writes_page_and_picture(small, capsys):
     for row in found["brains"]:
         words = next(words for words in rows if row["brain"] in words[:2])
         assert words[:3] == [str(row["place"]), row["brain"], f"{row['rank']:.1f}"]
-        assert words[3] == cell(row["final_error"], True)
+        assert words[3:5] == [cell(row["final_error"], True), cell(row["error_90"], True)]
     assert [loss["name"] for loss in found["losses"]] == ["mine.py"]
 
 
