@@ -17,7 +17,7 @@ from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import say_lacking
+from swarmcensus.figures.notes import say_far_off, say_lacking
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figure_of, layout, name_axes, sheet
@@ -124,6 +124,7 @@ def heatmap(
     if ax is None or not title or len(axes) > 1:
         caption_panels(axes, [captions[k] for k in drawn], ABOVE * scale(), math=True)
     say_lacking(axes, [results])
+    say_far_off(axes, [results] if "convergence_round" in [get_args(Z)[k] for k in drawn] else [])
     return figure_of(axes)
 
 
