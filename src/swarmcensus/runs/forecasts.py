@@ -82,7 +82,8 @@ def _forecast(
 def duration_text(seconds: float) -> str:
     """A time in two digits, such as "7.2 hours"."""
     unit, name = next(entry for entry in UNITS if seconds >= entry[0])
-    return f"{float(f'{seconds / (unit or 1.0):.2g}'):,.12g} {name}"
+    number = float(f"{seconds / (unit or 1.0):.2g}")
+    return f"{number:,.12g} {name[:-1] if number == 1.0 else name}"
 
 
 def _wall_seconds(tasks: Sequence[Task], slowdowns: Sequence[float], cores: int) -> float:
