@@ -88,7 +88,7 @@ from .table_of_summary import (
     summary_table as summary_table,
     varied_and_same as varied_and_same,
 )
-from .tails import TAIL as TAIL, has_tail as has_tail, shows_tail as shows_tail
+from .tails import TAIL as TAIL, TIMES as TIMES, far_off as far_off, has_tail as has_tail, shows_tail as shows_tail
 from .values import (
     ESTIMATES as ESTIMATES,
     EVERY as EVERY,

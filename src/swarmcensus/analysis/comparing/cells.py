@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.pair_tests import pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
-from swarmcensus.results import Measure
+from swarmcensus.results import OURS, Measure
 from swarmcensus.support.formatting import decimals_for, rounded
 from swarmcensus.support.intervals import FEWEST
 from swarmcensus.support.printed_tables import INTERVAL, Column
@@ -46,7 +46,17 @@ def columns(standings: Standings, worlds: int) -> list[Column]:
             column_head(measure), [value for value, _ in texts], intervals=[interval for _, interval in texts],
             marks=[MARKS.get(way, "") for way in ways], strong=[way in ("best", "better") for way in ways],
         ))  # fmt: skip
+        if measure.name == "final_error":
+            found += [_tail_column(name, [part[at] for part in of], contest.trials[at])
+                      for name, of in standings.tails.items()]  # fmt: skip
     return found
+
+
+def _tail_column(name: str, of: list[Floats], trials: NDArray[np.int64]) -> Column:
+    """The column of a tail, which has no marks."""
+    value, low, high = of
+    texts = numbers(value, low, high, trials, OURS[name])
+    return Column(OURS[name].label, [value for value, _ in texts], intervals=[interval for _, interval in texts])
 
 
 def cost_columns(standings: Standings, worlds: int) -> list[Column]:

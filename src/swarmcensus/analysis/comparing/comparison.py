@@ -27,17 +27,22 @@ from swarmcensus.analysis.comparing.verdicts import verdict
 from swarmcensus.results import (
     COSTS,
     SIZES,
+    TAIL,
+    TIMES,
     Measure,
     asked_anew,
     cells,
     done,
     failed_trials,
+    far_off,
+    has_tail,
     labels_in,
     loaded,
     measures,
     renamed,
     selecting,
     settled_at_start,
+    shows_tail,
 )
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
@@ -188,11 +193,28 @@ def compare_dataset(
     }
     sizes = {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
+    names = [measure.name for measure in measured]
+    tails: dict[str, tuple[Floats, Floats, Floats]] = {}
+    if "final_error" in names and TAIL not in names and shows_tail(data):
+        value, low, high = map(grid.spread, cells(data, TAIL))
+        tails[TAIL] = value, low, high
+        cautions += _of_tails(data, grid)
     cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs)]
     title = str(data.attrs.get("title", ""))
-    rounds = grid.spread(data["rounds"].values)
     return Comparison(
-        title, grid, measured, all_contests, costs, sizes, settings, rounds, cautions, pairing, margins, reference
+        title=title,
+        grid=grid,
+        measures=measured,
+        contests=all_contests,
+        costs=costs,
+        sizes=sizes,
+        settings=settings,
+        rounds=grid.spread(data["rounds"].values),
+        cautions=cautions,
+        tails=tails,
+        pairing=pairing,
+        margins=margins,
+        against=reference,
     )
 
 
@@ -304,6 +326,20 @@ def _cautions(
         changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in asked_anew(data))
         cautions.append(f"computed with {changed}, which is not the study's own")
     return cautions
+
+
+def _of_tails(data: xr.Dataset, grid: Grid) -> list[str]:
+    """A sentence on the contenders with a tail that their median error hides, if there are any."""
+    share = grid.spread(np.where(has_tail(data), far_off(data), np.nan))
+    most = [
+        (name, float(column[~np.isnan(column)].max(initial=0.0)))
+        for name, column in zip(grid.contenders, share.T, strict=True)
+    ]
+    named = ", ".join(f"{name} (up to {most:.0%})" for name, most in most if most)
+    if not named:
+        return []
+    where = _worlds(np.asarray(~np.isnan(share).all(axis=1)))
+    return [f"robots that err more than {TIMES:g} times as much as the median robot, in {where}: {named}"]
 
 
 def _worlds(which: NDArray[np.bool_]) -> str:

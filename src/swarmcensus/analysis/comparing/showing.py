@@ -21,7 +21,7 @@ from swarmcensus.analysis.comparing.cells import (  # fmt: skip
 from swarmcensus.analysis.comparing.pair_tests import test_count
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.verdicts import findings, verdict
-from swarmcensus.results import is_idle
+from swarmcensus.results import OURS, is_idle
 from swarmcensus.studies import goes_unsaid
 from swarmcensus.support import terminal
 from swarmcensus.support.files import atomic_write
@@ -174,6 +174,7 @@ def _meanings(standings: Standings, intervals: bool, one_sided: bool) -> list[st
         + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
         for measure in standings.measures
     ]
+    heads += [f"{OURS[name].label}: {OURS[name].meaning} (median over trials, not tested)" for name in standings.tails]
     tests = test_count(standings.contests)
     return [
         "; ".join(heads),

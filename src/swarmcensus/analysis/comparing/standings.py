@@ -22,7 +22,8 @@ class Standings:
 
     `costs` are means over robots and trials (world, contender), `sizes` are bytes (world, contender), `cautions` say
     what could not be compared, or limits the comparison, `pairing` says which trials are paired, and why. `margins`
-    are the differences of measures, by name, that make no difference in practice.
+    are the differences of measures, by name, that make no difference in practice. `tails` are values and ends of
+    intervals, each (world, contender), that are shown next to medians which hide them; they are not tested.
     """
 
     title: str
@@ -34,6 +35,7 @@ class Standings:
     settings: NDArray[np.int64]  # (world, contender), -1 if there is none
     rounds: Floats  # how long each ran, (world, contender)
     cautions: list[str]
+    tails: dict[str, tuple[Floats, Floats, Floats]] = field(default_factory=dict)
     pairing: list[str] = field(default_factory=list)
     margins: Mapping[str, float] = field(default_factory=dict)
     against: int | None = None  # the contender that all others are compared with; None compares every pair

@@ -28,6 +28,8 @@ def table(standings: Standings) -> "pd.DataFrame":
         columns[f"{measure.name}_rank"] = world_ranks(contest.values, contest.low)[at]
         columns[f"{measure.name}_standing"] = standings.standing(contest)[at]
         columns.setdefault("trials", contest.trials[at])
+    for name, parts in standings.tails.items():
+        columns |= {f"{name}{end}": part[at] for end, part in zip(("", "_low", "_high"), parts, strict=True)}
     for name, values in (standings.costs | standings.sizes).items():
         columns.setdefault(name, values[at])
     return pd.DataFrame(columns)
