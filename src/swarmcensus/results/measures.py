@@ -6,7 +6,6 @@ which infinities and outliers do not move, and the mean for shares and for what 
 
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr

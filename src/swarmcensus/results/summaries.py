@@ -16,7 +16,6 @@ from swarmcensus.results.structure import failed_in
 from swarmcensus.results.values import INTERVALS, metrics_in
 from swarmcensus.studies import NUMERIC
 from swarmcensus.support.documents import json_value
-from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.intervals import LEVEL
 from swarmcensus.support.options import wrong_option

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.results.labels import labels_in
 from swarmcensus.results import measures
+from swarmcensus.results.labels import labels_in
 from swarmcensus.results.summaries import asked_anew, done, restated, table_of
 from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
@@ -106,7 +106,7 @@ def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
     if "half_width" in frame:
         decimals = decimals_for(frame["half_width"].min())
         cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
-        columns.append(Column("+-", cells, spare=NUMBER))
+        columns.append(Column(_head(data, "half_width"), cells, spare=NUMBER))
     return columns
 
 
@@ -159,7 +159,10 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> l
         *(["robots that are not honest are left out"] if "honest" in data else []),
         *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
         *_clipped(data),
-        *(f"{_head(data, name)}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
+        *(
+            f"{_head(data, name)}: {data[name].attrs['long_name']} ({data[name].attrs['units']})"
+            for name in metrics_in(data)
+        ),
         *(_remeasured(data, key) for key in asked_anew(data)),
         *(
             [

@@ -207,7 +207,7 @@ ALL = (
         "two files for equal settings",
     ),
     Quantity(
-        "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "",
+        "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "", label="+-",
         page="half the interval of a [rule for trials](long-studies.md#as-many-trials-as-needed); only with a rule",
     ),
     Quantity(
