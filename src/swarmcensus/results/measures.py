@@ -103,7 +103,7 @@ def named(data: xr.Dataset, text: str, known: Collection[str]) -> str:
     """
     if text in known:
         return text
-    plain = OLD_HEADS.get(text, text).removesuffix("%").strip().replace(" ", "_").casefold()
+    plain = OLD_HEADS.get(text, text).rstrip(" _%").replace(" ", "_").casefold()
     return next((n for n in known if plain in (n, head_of(data, n).replace(" ", "_").casefold())), text)
 
 

@@ -109,8 +109,8 @@ def _checkpoints(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.int64]:
 def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
     """Sort settings by a column of a summary or by a quantity, missing values last. Raises InputError."""
     given = _before_values(data)
-    there = [name for name in (*QUANTITIES, *metrics_in(data)) if not measures.lacks(data, name)]
-    quantities = [name for name in there if name not in data or data[name].dtype.kind in "if"]
+    sortable = [name for name, one in QUANTITIES.items() if one.bounds[0] == 0.0 and one.kind is not object]
+    quantities = [name for name in (*sortable, *metrics_in(data)) if not measures.lacks(data, name)]
     name = measures.named(data, column, (*given, *quantities))
     if name in given:
         values = given[name]

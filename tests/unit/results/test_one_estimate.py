@@ -121,7 +121,7 @@ def test_every_head_of_a_table_names_its_quantity(decided):
     shown = summary_table(decided, 0, None, "", "")
     compared = worlds_table(sc.compare(decided, [*known], factor="accuracy"), 0, "")
     heads = {column.head for table in (shown, compared) for column in table.every}
-    heads -= {"world", "contender", "setting"}
+    heads -= {"world", "setting", "trials"}
     coordinates = heads & {str(name) for name in decided.coords}
     assert coordinates == {"accuracy"}
     for name in coordinates:
@@ -135,10 +135,8 @@ def test_every_head_of_a_table_names_its_quantity(decided):
             if name in known:
                 assert measures.chosen(decided, [text])[0] == [known[name]]
         if name in known:
-            assert (
-                sc.plot.lines(decided, y=head).axes[0].get_ylabel()
-                == sc.plot.lines(decided, y=name).axes[0].get_ylabel()
-            )
+            by_head, by_name = (sc.plot.lines(decided, y=text).axes[0].get_ylabel() for text in (head, name))
+            assert by_head == by_name
     assert {"K", "error at K", "final error", "error 90", "right %", "exit %", "right consensus"} <= heads
 
 
@@ -150,4 +148,5 @@ def test_an_unknown_quantity_is_answered_by_those_that_there_are(decided, here, 
         assert "error_90" in said or "error 90" in said, command
     said = refused("compare", "x.nc", "--factor", "accuracy", "--metric", "consensus_round")
     assert "did you mean 'right_consensus_round'?" in said
-    assert "K is measured: --where selects by what the study sets" in refused("show", "x.nc", "--where", "K < 5")
+    said = refused("show", "x.nc", "--where", "K < 5")
+    assert "K is measured, and settings are selected by what a study sets: accuracy" in said

@@ -105,7 +105,7 @@ def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
         assert line.split()[: len(shown)] == shown
         assert line.count("[") == line.count("]") == 5
     assert not any("…" in line or "..." in line for line in lines)
-    assert len(lines) == 48 + 3
+    assert len(lines) == 48 + 4
     assert same == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
 
 
