@@ -132,6 +132,53 @@ def coverage(seed=1):
     harness.show(out)
 
 
+STUDIES = 400
+GRAPHS = [{"networkx": name, "p": 0.3} for name in ("gnp_random_graph", "erdos_renyi_graph")]  # one distribution
+ALIKE = {  # factors without effect: the graphs of both levels, and the errors on both sides of one half
+    "paired: topology": ("topology", {"topology": GRAPHS, "fill_ratio": 0.35}),
+    "not paired: fill_ratio": ("fill_ratio", {"topology": "ring", "fill_ratio": [0.35, 0.65]}),
+}
+MEASURES = ("final_error", "convergence_round", "correct")
+
+
+def alike(name, studies, trials, seed):
+    """A comparison of each of so many studies of a factor without effect, by one measure each."""
+    factor, world = ALIKE[name]
+    swarm, schedule = {"robots": 20, "accuracy": 0.7}, {"rounds": 200, "observations_per_round": 5}
+    results = sc.run(sc.Study(trials=studies * trials, seed=seed, swarm=swarm, world=world, schedule=schedule))
+    for first in range(0, studies * trials, trials):
+        part = results.isel(trial=slice(first, first + trials))
+        yield [sc.compare(part, measure, factor=factor).contests[0] for measure in MEASURES]
+
+
+@harness.question
+def factors(seed=1, quick=False):
+    """Simulated studies of a factor without effect: how often levels are told apart, and how often intervals hold."""
+    studies, trials = 20 if quick else STUDIES, 20
+    out = harness.table(f"{studies} studies of {trials} trials, in %", "factor", "measure", *FOUND)
+    for name in ALIKE:
+        found = zip(*alike(name, studies, trials, seed), strict=True)
+        for measure, contests_of in zip(MEASURES, found, strict=True):
+            shares = (
+                share_interval(int(sum(hits)), len(hits)) for hits in zip(*map(outcome, contests_of), strict=True)
+            )
+            out.add_row(
+                name, measure, *(f"{100 * s:.1f} [{100 * low:.1f}, {100 * high:.1f}]" for s, low, high in shares)
+            )
+    harness.show(out)
+
+
+FOUND = ("told apart", "difference's interval holds 0", "probability's interval holds 1/2")
+
+
+def outcome(contest):
+    """Whether one contest of two levels without a difference told them apart, and whether its intervals hold."""
+    differs, chance = contest.difference_ends, contest.better_ends
+    low, high = (float(end[0, 0]) for end in differs)
+    holds = low <= 0.0 <= high if low == low else float(contest.difference[0, 0]) == 0.0
+    return bool(contest.apart[0, 0]), holds, bool(chance[0][0, 0] <= 0.5 <= chance[1][0, 0])
+
+
 @harness.question
 def speed(seed=1):
     """4,000 worlds of 5 contenders, 30 trials, three measures: errors, rounds and shares."""

@@ -45,6 +45,7 @@ WATCHED = f"{METRICS}::test_cpython_finds_what_machine_code_finds"
 # The tests that know a module: first those that are quick in CPython, then those that are run compiled. Below tests/.
 TESTS: dict[str, tuple[str, str]] = {
     "simulation/metrics": (f"unit/simulation/test_metrics {NETS}", BATCHES),
+    "engine/agreement": (f"unit/simulation/test_metrics {NETS}", f"{WALKS} {BATCHES}"),
     "support/intervals": ("unit/support/test_intervals", "unit/runs/test_precision statistical/test_intervals"),
     "worlds/sensors": (QUICK_SENSORS, f"{SENSORS} {BELIEFS} statistical/test_theory"),
     "worlds/distributions": (QUICK_SENSORS, f"{SENSORS} {BELIEFS} statistical/test_theory"),

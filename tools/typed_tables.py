@@ -25,7 +25,8 @@ FILE = Path(__file__).parent.parent / "src" / "swarmcensus" / "studies" / "typed
 WIDTH = 120
 PLAIN = {"integer": "Whole", "number": "Real", "boolean": "bool", "string": "str", "object": "Mapping[str, Any]"}
 OBJECTS = {  # Python objects that a key takes, beside what a study file may hold
-    "brain": "Path | Brain", "accuracy": "Accuracy", "assumed_accuracy": "Accuracy | Misjudgement", "floor": "Floor",
+    "brain": "Path | Brain", "accuracy": "Accuracy", "assumed_accuracy": "Accuracy | Misjudgement",
+    "floor": "Path | Floor",
     "topology": "Path | nx.Graph | Topology", "fill_ratio": "Change", "metrics": "Path | Metric",
 }  # fmt: skip
 OF_MEMBERS = {"brain": "Path | Brain | Adversary"}

@@ -13,6 +13,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
 from swarmcensus.studies import addresses
+from swarmcensus.support.quantities import half_width
 from tests.reference import rounds as reference
 from tests.support.lives import local_curves
 from tests.support.small import FAULTS, GO, SEED, failing, heard_in, moving_of, settings_of
@@ -76,7 +77,9 @@ def measured(curves, setting, measure):
     index = metrics.convergence(curves, measure.delta)
     truths = {c: reference.fill_ratio_in(setting, c) for c in measure.checkpoints}
     right = [metrics.correct(curves[c], truth, measure.bins) for c, truth in truths.items()]
-    return index, metrics.error_at(curves, index, setting.fill_ratio), curves[-1], right
+    apart = half_width(curves[list(measure.checkpoints)])
+    agreed = metrics.agreement(curves, measure.delta)
+    return index, metrics.error_at(curves, index, setting.fill_ratio), curves[-1], right, apart, agreed
 
 
 @pytest.mark.parametrize("rows", [None, 1, 3, 6], ids=["whole", "ten segments", "four", "two"])
@@ -97,11 +100,13 @@ def test_a_batch_measures_the_curves_of_its_trials(rows, local, monkeypatch):
             curves = record_trial(setting, SEED, 1 + t)[1]
             if local:
                 curves = local_curves(setting, 1 + t)
-            index, error, final, right = measured(curves, setting, measure)
+            index, error, final, right, apart, agreed = measured(curves, setting, measure)
             assert (batch.convergence[t] == index).all()
             assert (batch.error[t] == error).all()
             assert (batch.final[t] == final).all()
             assert (batch.correct[:, t] == right).all()
+            assert (batch.disagreement[:, t] == apart).all()
+            assert local or batch.agreement[t] == agreed
             for c, checkpoint in enumerate(measure.checkpoints):
                 assert (batch.kept[c, t] == curves[checkpoint]).all()
         assert run_batch(setting, SEED, 1, 2, measure, np.ones(1, np.uint8), local) is None

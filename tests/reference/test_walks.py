@@ -16,6 +16,7 @@ from swarmcensus.simulation import metrics, rides
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics
 from swarmcensus.simulation.walking import Walk, neighbours_at_most
+from swarmcensus.support.quantities import half_width
 from swarmcensus.worlds.bodies import Body
 from tests.reference import rounds as reference, walks as reference_walks
 from tests.support.small import FAULTS, GO, SEED, called, failing, moving_of
@@ -148,7 +149,10 @@ def same_life(setting, trial):
     for c, checkpoint in enumerate((2, setting.rounds)):
         assert (batch.kept[c, 0] == ride.estimates[checkpoint]).all()
         assert batch.correct[c, 0] == metrics.correct(ride.estimates[checkpoint], truths[checkpoint], 5)
+        assert batch.disagreement[c, 0] == half_width(ride.estimates[checkpoint])
+    assert batch.agreement[0] == metrics.agreement(ride.estimates, 0.02)
     assert np.isnan(batch.correct[2]).all()
+    assert np.isnan(batch.disagreement[2]).all()
     assert np.isnan(batch.kept[2]).all()
     (at_once,) = run_ride([setting], SEED, trial, Metrics(2.0, 5, ()), GO)
     assert (at_once.convergence == 0).all()

@@ -145,3 +145,19 @@ def test_intervals_hold_the_truth(kind, trials, statistic):
     least = 0.95 if statistic == "median" else 0.94 if kind in ("normal", "heavy") else 0.9  # of skewed ones the least
     assert held > least - 3.3 * math.sqrt(least * (1 - least) / rows)
     assert held < 0.99
+
+
+@pytest.mark.parametrize("trials", [6, 20])
+@pytest.mark.parametrize("kind", ["skewed", "shares"])
+def test_independent_samples_that_do_not_differ(kind, trials):
+    random, shape = np.random.default_rng(11), (TABLES, 2, trials)
+    shares = kind == "shares"
+    numbers = random.binomial(12, 0.8, shape) / 12 if shares else np.exp(random.normal(size=shape))
+    one = ContestInput(numbers, "mean" if shares else "median", share=shares)
+    (found,) = contests([one], paired=np.zeros((TABLES, 1), np.bool_))
+    assert (found.tests.p <= 0.05).sum() <= MOST
+    least = stats.binom.ppf(0.001, TABLES, 0.94)
+    low, high = found.difference_ends
+    assert ((low <= 0) & (high >= 0)).sum() >= least
+    low, high = found.better_ends
+    assert ((low <= 0.5) & (high >= 0.5)).sum() >= least

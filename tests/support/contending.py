@@ -92,3 +92,11 @@ def by_every_sign(off):
     seen = abs(ranks @ signs)
     ways = [abs(ranks @ np.array(one)) >= seen - 1e-9 for one in itertools.product((-1, 1), repeat=len(ranks))]
     return np.mean(ways) if len(ranks) else 1.0
+
+
+def by_every_deal(first, second):
+    """Twice the share of ways to choose the first sample that have a sum of ranks as far on the same side."""
+    ranks = stats.rankdata(np.round([*first, *second], 9))
+    seen = ranks[: len(first)].sum()
+    sums = np.array([sum(one) for one in itertools.combinations(ranks, len(first))])
+    return min(1.0, 2 * min((sums <= seen + 1e-9).mean(), (sums >= seen - 1e-9).mean()))

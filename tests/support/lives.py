@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine.constants import HEARD, SENT
-from swarmcensus.simulation import sampling
+from swarmcensus.simulation import metrics, sampling
 from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
+from swarmcensus.support.quantities import half_width
 from tests.reference import rounds as reference
 from tests.support.small import GO, SEED, failing, heard_in
 
@@ -22,6 +23,9 @@ def lived(setting, trial=1):
     honest = sampling.groups(setting, SEED, trial, 1)[0] == 0
     assert estimates == pytest.approx(np.array(states.estimates), abs=1e-12)
     assert batch.final[0] == pytest.approx(np.array(states.estimates[-1])[honest], abs=1e-12)
+    assert batch.agreement[0] == metrics.agreement(estimates[:, honest], MEASURE.delta)
+    reached = [checkpoint for checkpoint in MEASURE.checkpoints if checkpoint < len(estimates)]
+    assert batch.disagreement[: len(reached), 0].tolist() == half_width(estimates[reached][:, honest]).tolist()
     assert batch.counts[0, SENT].tolist() == np.array(states.sent)[honest].tolist()
     assert batch.counts[0, HEARD].tolist() == np.array(states.heard)[honest].tolist()
     return batch, honest

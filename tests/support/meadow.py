@@ -9,7 +9,7 @@ from tests.support.places import DOCS
 PAGE = (DOCS / "adding.md").read_text(encoding="utf-8")
 EXAMPLES = {
     "lowest": "A metric",
-    "torus": "A topology",
+    "cylinder": "A topology",
     "hills": "A kind of floor",
     "beta": "A sensor spread",
     "violins": "A figure",

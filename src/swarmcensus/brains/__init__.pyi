@@ -32,6 +32,7 @@ from .kinds import (
     Kinds as Kinds,
     arguments_of as arguments_of,
 )
+from .needs import names_in as names_in
 from .packing import (
     BYTES as BYTES,
     FORMATS as FORMATS,

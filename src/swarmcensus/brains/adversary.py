@@ -14,7 +14,7 @@ from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import BrainError
-from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.plugins import Plugins, read_source
 
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
 FUNCTIONS = {"lie": 2}
@@ -55,7 +55,7 @@ class Adversary(Program):
 def load(name: str | Path, base: Path | None = None) -> Adversary:
     """Read an adversary by its name, or by a path relative to `base`. Raises InputError."""
     path = find(name, base)
-    return parse(safe_source.read_source("adversary", path), str(name), path)
+    return parse(read_source("adversary", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:
@@ -88,7 +88,7 @@ def exists(name: str, base: Path | None) -> bool:
     """Whether there is an adversary of this name, or at this path relative to `base`."""
     path = (base or Path()) / name
     if name not in PLUGINS.shipped and path.is_file():
-        return is_adversary(safe_source.read_source("brain", path))
+        return is_adversary(read_source("brain", path))
     return name in PLUGINS
 
 

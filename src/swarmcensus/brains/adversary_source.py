@@ -17,7 +17,7 @@ from swarmcensus.brains.adversary import SAYS, Adversary
 from swarmcensus.brains.brain import Brain, parse, unloaded
 from swarmcensus.brains.contract import CONSTANTS, FUNCTIONS, MAY_HAVE, confidence_of
 from swarmcensus.brains.fields import length as length_of
-from swarmcensus.brains.syntax import GIVEN_ON_ASKING, never_speaks
+from swarmcensus.brains.syntax import GIVEN_ON_ASKING
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.safe_source import names_set_by
@@ -115,7 +115,7 @@ def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
 def _check_fit(adversary: Adversary, brain: Brain) -> None:
     """Raise InputError if the brain lacks fields that the adversary knows, or has a vector where it says a number."""
     fields = {**brain.lengths, **{name: length_of(value) for name, value in brain.contents.parameters.items()}}
-    lacking = _unknown(adversary, brain) if _speaks(brain) else []
+    lacking = _unknown(adversary, brain) if not brain.never_speaks else []
     for name in adversary.contents.knows:
         what = f"KNOWS names {name!r} in {_place(adversary, 'KNOWS')}"
         if name in lacking:
@@ -137,11 +137,6 @@ def _place(adversary: Adversary, name: str) -> str:
 def _unknown(adversary: Adversary, brain: Brain) -> list[str]:
     """The fields that the adversary knows and the brain does not have."""
     return [name for name in adversary.contents.knows if name not in {*brain.memory, *brain.contents.parameters}]
-
-
-def _speaks(brain: Brain) -> bool:
-    """Whether it may send messages: who wraps a brain that does not says nothing, whatever it knows."""
-    return not never_speaks(ast.parse(brain.source))
 
 
 def _prefixes(adversary: Adversary, brain: Brain) -> Prefixes:

@@ -11,13 +11,14 @@ from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, Contents, read_contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
 from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
+from swarmcensus.brains.needs import values_of
 from swarmcensus.brains.packing import PLAIN, Numbers, Part, bytes_of, parts
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.single import in_single, rounded_to_single
-from swarmcensus.brains.syntax import BELIEFS, Uses
+from swarmcensus.brains.syntax import BELIEFS, Uses, never_speaks
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.plugins import Plugins, read_source
 
 PLUGINS = Plugins("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot
@@ -93,6 +94,11 @@ class Brain(Program):
         """Whether its estimate is an opinion, 0 or 1, so that its error means little."""
         return self.contents.opinion
 
+    @functools.cached_property
+    def needs(self) -> dict[str, float]:
+        """What it needs of a study, with the values of its parameters. See `needs.KEYS`."""
+        return ({"binary": 1.0} if self.is_opinion else {}) | values_of(self.contents.needs, self.parameters)
+
     @property
     def is_oracle(self) -> bool:
         """Whether it is an upper bound: it hears every robot, whatever the network, and knows the true accuracies."""
@@ -102,6 +108,11 @@ class Brain(Program):
     def uses(self) -> Uses:
         """Which optional parts of the contract it uses."""
         return self.contents.uses
+
+    @functools.cached_property
+    def never_speaks(self) -> bool:
+        """Whether it plainly sends nothing, ever."""
+        return never_speaks(ast.parse(self.source))
 
     @property
     def steers(self) -> bool:
@@ -198,7 +209,7 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
     """
     refuse_adversary(str(name), base, PLUGINS)
     path = find(name, base)
-    return parse(safe_source.read_source("brain", path), str(name), path)
+    return parse(read_source("brain", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:
@@ -224,5 +235,5 @@ def unloaded(name: str, source: str) -> Brain:
     try:
         _, contents = _read(source, Path(name))
     except InputError:
-        contents = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset(), {}, False, False)
+        contents = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset(), {}, False, False, {})
     return Brain(name, Path(name), source, contents, types.ModuleType(UNLOADED))

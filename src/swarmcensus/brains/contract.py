@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 
 from swarmcensus.brains import robot_math, robot_syntax, syntax
 from swarmcensus.brains.fields import Value, fields_of, length
+from swarmcensus.brains.needs import Needs, read_needs
 from swarmcensus.brains.syntax import BELIEFS
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import BrainError
 
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
-CONSTANTS = ("MEMORY", "MESSAGE", "PARAMETERS", "OPTIONS", "ORACLE", "ROLES", "OPINION", "SUMS")
+CONSTANTS = ("MEMORY", "MESSAGE", "PARAMETERS", "OPTIONS", "ORACLE", "ROLES", "OPINION", "NEEDS", "SUMS")
 MAY_HAVE = {"steer": 1, "decide": 1, "done": 1, "interval": 1, "jam": 1}
 TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
           "link", "axis")  # fmt: skip
@@ -42,6 +43,7 @@ class Contents(NamedTuple):
     roles: dict[str, str]  # the meaning of message fields, where known
     opinion: bool  # whether its estimate is an opinion, 0 or 1
     oracle: bool  # whether it hears all robots and knows their true accuracies
+    needs: Needs  # of a study
 
 
 def read_contents(tree: ast.Module, constants: Mapping[str, Any], path: Path) -> Contents:
@@ -100,7 +102,8 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     require(isinstance(oracle, bool), f"ORACLE = {oracle!r}: should be True, or left out")
     require(bool(sums) or not oracle, "an ORACLE hears all robots at once, so it needs SUMS")
     roles = _roles(constants.get("ROLES"), message)
-    return Contents(fields, message, tuple(sums), given, options, uses, functions, roles, opinion, oracle)
+    needs = read_needs(constants.get("NEEDS", {}), given)
+    return Contents(fields, message, tuple(sums), given, options, uses, functions, roles, opinion, oracle, needs)
 
 
 def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from swarmcensus.brains.fields import Value, length, value_of
-from swarmcensus.support import safe_source
 from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.plugins import digest
 
 UNLOADED = "unloaded"
 
@@ -36,7 +36,7 @@ class Program:
     @functools.cached_property
     def sha256(self) -> str:
         """The hash of the source, as stored with results."""
-        return safe_source.digest(self.source)
+        return digest(self.source)
 
     @property
     def is_loaded(self) -> bool:

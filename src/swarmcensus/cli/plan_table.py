@@ -59,7 +59,7 @@ def _places(mission: Mission) -> list[str]:
     if [topology.moves for topology in mission.free.topology] == [True]:
         names = [""]
     else:
-        names = [topology.name for topology in mission.free.topology]
+        names = [str(topology) for topology in mission.free.topology]
     size = f"{mission.side:.4g} m x {mission.side:.4g} m" if mission.side is not None else ""
     if mission.free.density:
         size = f"density {', '.join(f'{density:g}' for density in mission.free.density)}"

@@ -24,6 +24,7 @@ from swarmcensus.engine.constants import (
 from swarmcensus.engine.layout import Intervals, States, Tally
 from swarmcensus.engine.random import word_of, words
 
+from .agreement import agreed_from, half_width
 from .rounds import Work, advance, advance_alone, count_heard, graph_of, most_arrivals
 from .states import (
     ZERO,
@@ -76,6 +77,7 @@ def simulate(
     late = segments.outboxes.shape[0] > 0
     uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
     partial = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
+    room = np.empty(robots)
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
         number = given.first + trial
@@ -92,14 +94,19 @@ def simulate(
         counted = tally_of(tally, trial)
         again = Tally(uncounted, unjudged, counted.agreed)  # of rounds that are run again
         asked = intervals_of(intervals, trial)
-        where, value = measures.where[trial], measures.value[trial]
+        where, value, wrong, agreement = (
+            measures.where[trial], measures.value[trial], measures.wrong[trial], measures.agreement,
+        )  # fmt: skip
         if first_step == 0:
             blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             believe_all(swarm, memory, start, ZERO)
             forget_verdicts(counted.verdicts, counted.agreed)
             if counted.verdicts.shape[0] > 0:
                 judge_blank(swarm, memory, start, counted.verdicts)
-            find_wrong(swarm, start, 0, measures.wrong[trial])
+            find_wrong(swarm, start, 0, wrong)
+            agreement[trial] = 0.0
+            if wrong[0] < 0.0:
+                agreement[trial] = agreed_from(start, 0, swarm.honest, measures.delta, room, 0.0)
             count_known(swarm, counted.counts, failures, rounds)
             count_heard(swarm, graph, radio, failures, max(rounds - radio.delay, 0), counted.counts)
             for i in range(robots):
@@ -146,7 +153,12 @@ def simulate(
                 if stop[0] != 0:
                     return False
                 if forward:
-                    find_wrong(swarm, rows[: last - first], first, measures.wrong[trial])
+                    find_wrong(swarm, rows[: last - first], first, wrong)
+                    measurable = not local and wrong[0] < 0.0
+                    if measurable:
+                        agreement[trial] = agreed_from(
+                            rows[: last - first], first, swarm.honest, measures.delta, room, agreement[trial]
+                        )  # fmt: skip
                     for c in range(checkpoints.size):
                         if first <= checkpoints[c] < last:
                             right = honest = 0
@@ -158,8 +170,14 @@ def simulate(
                                 if measures.kept.shape[0] > 0:
                                     measures.kept[c, trial, i] = x
                             measures.correct[c, trial] = right / honest
+                            if measurable:
+                                measures.disagreement[c, trial] = half_width(
+                                    rows[checkpoints[c] - first], swarm.honest, room
+                                )  # fmt: skip
                 if s == count - 1:
                     count_clipped(swarm, memory, counted.counts)
+                    if agreement[trial] > rounds:
+                        agreement[trial] = np.inf
                     for i in range(robots):
                         measures.final[trial, i] = value[i] = rows[last - 1 - first, i]
                         where[i] = rounds

@@ -125,6 +125,8 @@ class Measures(NamedTuple):
     value: np.ndarray  # (trial, robot): the estimate there
     final: np.ndarray  # (trial, robot): the last estimate
     correct: np.ndarray  # (checkpoint, trial): the share of honest robots in the right bin
+    disagreement: np.ndarray  # (checkpoint, trial): of honest robots, see `agreement.py`
+    agreement: np.ndarray  # (trial): from which round on it stays within delta; infinite for never
     kept: np.ndarray  # (checkpoint, trial, robot): estimates; no checkpoints if they are not kept
     wrong: np.ndarray  # (trial, 3): the first estimate outside [0, 1]: robot (-1 if there is none), round, estimate
 

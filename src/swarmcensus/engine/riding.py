@@ -27,6 +27,7 @@ from swarmcensus.engine.constants import (
 )
 from swarmcensus.engine.random import unit, words
 
+from .agreement import agreed_from, half_width
 from .states import (
     ONE,
     ZERO,
@@ -274,14 +275,25 @@ def steer_all(swarm, draws, memory, body, speeds, trial, tick, commands):
 
 
 @entry
-def conclude(swarm, rows, start, delta, where, value, wrong):
+def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagreement):
     """Convergence index and estimate there (robot) of whole curves: `start` is index 0, `rows` are 1 and on.
 
-    `wrong` (3) gets the first invalid estimate, as in `Measures`.
+    `wrong` (3) gets the first invalid estimate, and `disagreement` (checkpoint) that of the `checkpoints`, as in
+    `Measures`. Returns the first index from which on it stays within delta; infinite for never.
     """
     robots = rows.shape[1]
     find_wrong(swarm, start, 0, wrong)
     find_wrong(swarm, rows, 1, wrong)
+    agreed = np.inf
+    if wrong[0] < 0.0:
+        room = np.empty(robots)
+        since = agreed_from(start, 0, swarm.honest, delta, room, 0.0)
+        since = agreed_from(rows, 1, swarm.honest, delta, room, since)
+        if since <= rows.shape[0]:
+            agreed = since
+        for c in range(checkpoints.size):
+            if checkpoints[c] <= rows.shape[0]:
+                disagreement[c] = half_width(rows[checkpoints[c] - 1], swarm.honest, room)
     low = np.empty(robots)
     high = np.empty(robots)
     for i in range(robots):
@@ -291,3 +303,4 @@ def conclude(swarm, rows, start, delta, where, value, wrong):
         value[i] = rows[rows.shape[0] - 1, i]
     if settle(rows, np.int64(1), delta, low, high, where, value):
         settle(start, np.int64(0), delta, low, high, where, value)
+    return agreed

@@ -7,7 +7,7 @@ from pathlib import Path
 from swarmcensus import brains
 from swarmcensus.brains import Brain
 from swarmcensus.support.errors import InputError
-from swarmcensus.support.safe_source import read_source
+from swarmcensus.support.plugins import read_source
 
 
 class BrainFiles:

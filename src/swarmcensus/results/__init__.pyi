@@ -37,7 +37,9 @@ from .measures import (
     statistic_of as statistic_of,
 )
 from .merging import merge as merge
+from .out_of_range import cautions_of_needs as cautions_of_needs
 from .partial import opened as opened, say_partial as say_partial
+from .plugin_files import spreads_of as spreads_of
 from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable
 from .recordings import read_observations as read_observations, write_trace as write_trace
@@ -90,6 +92,7 @@ from .table_of_summary import (
 )
 from .tails import TAIL as TAIL, TIMES as TIMES, far_off as far_off, has_tail as has_tail, shows_tail as shows_tail
 from .values import (
+    AGREEMENT as AGREEMENT,
     ESTIMATES as ESTIMATES,
     EVERY as EVERY,
     INTERVALS as INTERVALS,

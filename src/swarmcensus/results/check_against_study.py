@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
 from swarmcensus.results.structure import BRAIN_FACTS, failures, finished
-from swarmcensus.results.values import Values, additions_in, edited, is_missing, metrics_in, same_bits
+from swarmcensus.results.values import AGREEMENT, Values, additions_in, edited, is_missing, metrics_in, same_bits
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.version import __version__
+from swarmcensus.worlds import Topology
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
-SOURCES = ("brains", "adversaries", "metrics", "merged", "parameters")  # attributes in JSON
+SOURCES = ("brains", "adversaries", "plugin_files", "metrics", "merged", "parameters")  # attributes in JSON
 UNCHECKED = (  # attributes that cannot be checked, and why
     (("python_version", "library_versions", "machine", "processor"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
@@ -51,11 +52,22 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
             parts[-1]["half_width"] = widths_of_rule(study, np.full(len(settings), np.nan))
     first = parts[0]
     if len(parts) > 1:
+        _check_labels(studies)
         first = _together(parts)
         first.attrs["title"] = " + ".join(dict.fromkeys(study.name for study in studies))
     if merged:
         first.attrs["merged"] = json.dumps([study.text for study in studies])
     return first
+
+
+def _check_labels(studies: Sequence[Study]) -> None:
+    """Raise InputError if two topologies would have one label."""
+    known: dict[str, Topology] = {}
+    for topology in (topology for study in studies for topology in study.topologies):
+        other = known.setdefault(str(topology), topology)
+        if other != topology and (other.label or topology.label):
+            two = f"the label of two topologies, {other.name} and {topology.name}"
+            raise InputError.named("topology", str(topology), two)
 
 
 @functools.lru_cache(maxsize=8)
@@ -87,7 +99,7 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             raise InputError(f"two of the studies have two different {name}", key=str(name))
         else:
             variables[name] = variable
-    keys = ("brains", "adversaries", "metrics", "additions")
+    keys = ("brains", "adversaries", "plugin_files", "metrics", "additions")
     sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
     parameters = [json.loads(part.attrs.get("parameters", "{}")) for part in parts]
     if any(parameters):
@@ -109,7 +121,7 @@ def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
     for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
         if known.setdefault(name, source)["sha256"] != source["sha256"]:
             raise InputError(f"two of the studies name two different {key} {name!r}", key=key, value=name)
-    return json.dumps(known, sort_keys=key in ("brains", "adversaries")) if known else None
+    return json.dumps(known, sort_keys=key in ("brains", "adversaries", "plugin_files")) if known else None
 
 
 def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
@@ -135,7 +147,7 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     stored, expected = ({str(name) for name in dataset.variables} for dataset in (data, want))
     for name in sorted(stored - expected):
         yield f"{name} is in the file, and no run of its study writes it"
-    for name in sorted(expected - stored):
+    for name in sorted(expected - stored - {*AGREEMENT}):
         yield f"{name} is not in the file"
     for name in sorted(stored & expected):
         if (name in data.coords) != (name in want.coords):

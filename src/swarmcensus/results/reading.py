@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.results.plugin_files import spreads_of
 from swarmcensus.results.values import EVERY, MISSING, ArrayStore
 from swarmcensus.studies import NUMERIC
 from swarmcensus.support.errors import InputError
@@ -33,7 +34,7 @@ def readable(data: xr.Dataset, store: ArrayStore | None = None) -> xr.Dataset:
     data = data.assign(variables)
     if "accuracy" not in data.coords or NUMERIC.keys() & {*data.variables}:
         return data
-    columns = zip(NUMERIC.items(), _moments(data["accuracy"].values).T, strict=True)
+    columns = zip(NUMERIC.items(), _moments(data).T, strict=True)
     return data.assign_coords(
         {name: ("setting", values, {"long_name": kind.page, ORIGIN: "accuracy"}) for (name, kind), values in columns}
     )
@@ -55,12 +56,14 @@ def packed(data: xr.Dataset) -> xr.Dataset:
     return data.assign(variables).drop_vars(added)
 
 
-def _moments(accuracies: NDArray[Any]) -> NDArray[np.float64]:
-    """The numbers of each setting's accuracy, (setting, 3); NaN for a text that no installed spread can read."""
+def _moments(data: xr.Dataset) -> NDArray[np.float64]:
+    """The numbers of each setting's accuracy, (setting, 3); NaN for a text that no spread here can read."""
+    accuracies = data["accuracy"].values
+    files = spreads_of(data)
     known: dict[str, tuple[float, float, float]] = {}
     for text in dict.fromkeys(map(str, accuracies.tolist())):
         try:
-            known[text] = start_of(text).moments
+            known[text] = start_of(text, files).moments
         except (ValueError, InputError):
             known[text] = np.nan, np.nan, np.nan
     return np.array([known[str(text)] for text in accuracies.tolist()]).reshape(-1, len(NUMERIC))

@@ -10,9 +10,10 @@ from swarmcensus.results.source_study import RELIVED
 from swarmcensus.results.store import dataset
 from swarmcensus.results.values import Values
 from swarmcensus.robots import Clock, Recording, Relived, estimates_of, format_of, last_estimates, messages_of_robots
-from swarmcensus.simulation import convergence, correct, error_at
+from swarmcensus.simulation import agreement, convergence, correct, error_at
 from swarmcensus.studies import Study, addresses, to_toml
 from swarmcensus.support.errors import ResultsError
+from swarmcensus.support.quantities import half_width
 
 
 def dataset_of(
@@ -49,6 +50,8 @@ def _columns(
         "convergence_error": error_at(curves, index, recording.fill_ratio)[np.newaxis],
         "final_estimate": curves[-1][np.newaxis],
         "correct": np.array(at)[:, np.newaxis],
+        "agreement_round": np.array([agreement(curves, recording.delta)]),
+        "disagreement": half_width(curves[study.checkpoints])[:, np.newaxis],
         "messages_sent": messages_of_robots(recording, lived.sent)[honest][np.newaxis],
         "messages_heard": messages_of_robots(recording, lived.heard)[honest][np.newaxis],
         "estimates": curves[study.checkpoints][:, np.newaxis],

@@ -22,8 +22,9 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
 
     The numbers come from `estimates`, which a study with `[measure] estimates = true` stores at its checkpoints.
     `correct` is exactly what a run with these bins would have measured. `convergence_round` is the first checkpoint
-    from which on the estimate is within delta of all later checkpoints, and `convergence_error` the error there: this
-    is what a run would have measured if every round is a checkpoint, and an approximation otherwise. Variables that
+    from which on the estimate is within delta of all later checkpoints, `convergence_error` the error there, and
+    `agreement_round` the first checkpoint from which on the robots stay within delta of each other: this is what a run
+    would have measured if every round is a checkpoint, and an approximation otherwise. Variables that
     depend on the old values are dropped: half widths of rules, local estimates, and metric files that use them. Paper,
     Sec. IV-A.
 
@@ -54,8 +55,9 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     estimates = results["estimates"].transpose("setting", "checkpoint", "trial", "robot").values
     reached = results["checkpoint"].values <= results["rounds"].values[:, np.newaxis]
     truth, then = truth_of(results), _then(results, bins)
-    for name in ("correct", "convergence_round", "convergence_error"):
-        new[name] = results[name].copy()
+    for name in ("correct", "convergence_round", "convergence_error", "agreement_round"):
+        if name in results:
+            new[name] = results[name].copy()
     for k in range(results.sizes["setting"]):
         curves = estimates[k, reached[k], :, : int(robots_in(results).values[k])]
         done = np.isfinite(curves).all(axis=(0, 2))
@@ -74,13 +76,17 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
 def _converge(
     new: xr.Dataset, k: int, curves: np.ndarray, trials: np.ndarray, checkpoints: np.ndarray, truth: np.ndarray
 ) -> None:
-    """Set the convergence of setting k from `curves` (checkpoint, trial, robot) of these trials."""
+    """Set convergence and agreement of setting k from `curves` (checkpoint, trial, robot) of these trials."""
     robots = curves.shape[2]
     columns = curves.reshape(len(curves), -1)
-    index = metrics.convergence(columns, float(new.attrs["delta"]))
+    delta = float(new.attrs["delta"])
+    index = metrics.convergence(columns, delta)
     error = metrics.error_at(columns, index, np.repeat(truth[trials], robots))
     new["convergence_round"].values[k, trials, :robots] = checkpoints[index].reshape(-1, robots)
     new["convergence_error"].values[k, trials, :robots] = error.reshape(-1, robots)
+    if "agreement_round" in new:
+        since = [metrics.agreement(curves[:, trial], delta) for trial in range(len(trials))]
+        new["agreement_round"].values[k, trials] = [checkpoints[int(s)] if np.isfinite(s) else s for s in since]
 
 
 def _check(changed: dict[str, float]) -> None:

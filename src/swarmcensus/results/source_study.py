@@ -1,8 +1,8 @@
 """The studies and brains that results were made from, read from the results themselves.
 
 A study in a results file may name files and may come from somebody else. Edge lists and images are read only from the
-results. A brain file is run only if the user gives it, or if it lies below the current folder, where the study says,
-with exactly the source in the results.
+results. A file of a brain, topology, floor or spread is run only if the user gives it, or if it lies below the current
+folder, where the study says, with exactly the source in the results.
 """
 
 import contextlib
@@ -14,15 +14,15 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
+from swarmcensus.results.plugin_files import lies_here, plugin_files_in, plugin_files_of
 from swarmcensus.results.selecting import check_held
 from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
 from swarmcensus.studies import Setting, Study, addresses
 from swarmcensus.support.errors import BrainError, InputError, ResultsError
-from swarmcensus.support.options import option
-from swarmcensus.support.safe_source import digest, read_source
+from swarmcensus.support.plugins import digest, not_run, read_source
 from swarmcensus.support.times import Time, in_ticks
-from swarmcensus.worlds import MOVING
+from swarmcensus.worlds import MOVING, FileEdges
 
 RELIVED = "relived"  # the attribute of results that are of robots, not of a simulation
 CHANGED = "its source has changed since these results were made"
@@ -74,30 +74,37 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     (sources, texts), lying = made_from(data), adversaries_in(data)
     known: dict[str, brains.Brain] = {}
     liars: dict[str, brains.Adversary] = {}
-    for path in [brain] if isinstance(brain, str | Path) else brain or ():
+    given = list(map(Path, [brain] if isinstance(brain, str | Path) else brain or ()))
+    others = {other["sha256"] for other in (*metrics_in(data).values(), *plugin_files_in(data).values())}
+    for path in given:
         place = adversary.find(path) if adversary.exists(str(path), None) else brains.find(path)
-        given = read_source("brain", place)
-        names, theirs = ([n for n, s in stored.items() if s["sha256"] == digest(given)] for stored in (sources, lying))
-        if any(metric["sha256"] == digest(given) for metric in metrics_in(data).values()):
+        source = read_source("brain", place)
+        mark = digest(source)
+        names, theirs = ([n for n, s in stored.items() if s["sha256"] == mark] for stored in (sources, lying))
+        if mark in others:
             continue
         if not names and not theirs:
             why = f"not the source that these results were made with ({', '.join([*sources, *lying])})"
             raise BrainError.of(path, why, where=f"brain {path}")
-        known |= {n: brains.parse(given, n, place) for n in names}
-        liars |= {n: adversary.parse(given, n, place) for n in theirs}
-    for name, source in sources.items():
+        known |= {n: brains.parse(source, n, place) for n in names}
+        liars |= {n: adversary.parse(source, n, place) for n in theirs}
+    for name, stored in sources.items():
         if name not in known and not (run and name in brains.PLUGINS):
-            known[name] = (run and _found(name, source["source"])) or brains.unloaded(name, source["source"])
-    for name, source in lying.items():
+            known[name] = (run and _found(name, stored["source"])) or brains.unloaded(name, stored["source"])
+    for name, stored in lying.items():
         if name not in liars and not (run and name in adversary.PLUGINS):
-            here = run and _lies_here("adversary", name, source["source"])
-            liars[name] = (adversary.parse if here else adversary.unloaded)(source["source"], name, Path(name))
-    edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
+            here = run and lies_here("adversary", name, stored["source"])
+            liars[name] = (adversary.parse if here else adversary.unloaded)(stored["source"], name, Path(name))
+    edges = {
+        v.attrs["source"]: FileEdges(v.values.tolist(), "directed" in v.attrs)
+        for n, v in data.data_vars.items()
+        if str(n).startswith("edges_")
+    }
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
     watched = [metrics.parse(m["source"], m["name"], Path(m["name"])) for m in metrics_in(data).values()]
     named = {metric.name: metric for metric in watched}  # read and not run
     context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
-               "kept": True}  # fmt: skip
+               "plugins": plugin_files_of(data, given), "kept": True}  # fmt: skip
     try:
         studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
     except InputError as error:
@@ -140,16 +147,7 @@ def must_be_read(setting: Setting) -> None:
     """Raise InputError for a brain or adversary file that was neither given nor found."""
     of_members = (member.brain for member in setting.members if member.brain)
     for brain in (brain for brain in (setting.brain, *of_members) if not brain.is_loaded):
-        raise _unread(brain.kind, brain.name)
-
-
-def _unread(kind: str, name: str) -> BrainError:
-    return BrainError(
-        f"the {kind} {name!r} is a file. Files named in results are run only if they lie below the current folder, "
-        f"unchanged: give it with {option('brain_file')}, as it was",
-        key="brain_file",
-        value=name,
-    )
+        raise not_run(brain.kind, brain.name)
 
 
 def metrics_may_run(study: Study, given: Brains = ()) -> None:
@@ -163,25 +161,16 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
         known_here = name in metrics.PLUGINS
         if known_here:
             here = read_source("metric", metrics.PLUGINS.path(name)) == metric.source
-        if here or _lies_here("metric", name, metric.source):
+        if here or lies_here("metric", name, metric.source):
             continue
         if known_here:
             raise BrainError.named("metric", name, CHANGED)
-        raise _unread("metric", name)
+        raise not_run("metric", name)
 
 
 def _found(name: str, source: str) -> brains.Brain | None:
     """The brain file of this name, if it lies below the current folder and has this source."""
     with contextlib.suppress(InputError):
-        if _lies_here("brain", name, source):
+        if lies_here("brain", name, source):
             return brains.parse(source, name, Path(name))
     return None
-
-
-def _lies_here(kind: str, name: str, source: str) -> bool:
-    """Whether a file of this name and source lies below the current folder."""
-    with contextlib.suppress(OSError, ValueError, InputError):
-        place = Path(name).resolve()
-        small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends, a byte mark
-        return small and place.is_relative_to(Path.cwd().resolve()) and read_source(kind, place) == source
-    return False

@@ -126,6 +126,7 @@ def provenance(study: Study) -> dict[str, Any]:
         **({"adversaries": json.dumps(_adversaries(study), sort_keys=True)} if study.adversaries else {}),
         **({"metrics": json.dumps(sources_of(study.measure.metrics))} if study.measure.metrics else {}),
         **({"parameters": json.dumps(_parameters(study), sort_keys=True)} if _parameters(study) else {}),
+        **({"plugin_files": json.dumps(_plugin_files(study), sort_keys=True)} if study.plugin_files else {}),
         **({"additions": json.dumps(study.additions, sort_keys=True)} if study.additions else {}),
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
@@ -135,6 +136,10 @@ def provenance(study: Study) -> dict[str, Any]:
 
 def _adversaries(study: Study) -> dict[str, dict[str, str]]:
     return {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries}
+
+
+def _plugin_files(study: Study) -> dict[str, dict[str, str]]:
+    return {f"{one.kind} {one.name}": {"sha256": one.sha256, "source": one.source} for one in study.plugin_files}
 
 
 def _parameters(study: Study) -> dict[str, list[str]]:

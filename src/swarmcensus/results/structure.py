@@ -28,8 +28,8 @@ from swarmcensus.results.values import (
 )
 from swarmcensus.studies import COORDINATES
 from swarmcensus.support.errors import InputError, ResultsError
+from swarmcensus.support.plugins import digest
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, stored
-from swarmcensus.support.safe_source import digest
 from swarmcensus.worlds import MOVING
 
 FORMAT = "swarmcensus results 3"
@@ -87,7 +87,7 @@ def wrong(data: xr.Dataset) -> str | None:
     try:
         if said := _metrics(data) or _shape(data) or _attributes(data) or _missing(data):
             return said
-        made_from(data), adversaries_in(data)
+        made_from(data), adversaries_in(data), _sources(data, "plugin_files", "file of the")
     except InputError as error:
         return str(error)
     return None
@@ -297,12 +297,12 @@ def made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
 
 def adversaries_in(data: xr.Dataset) -> dict[str, dict[str, str]]:
     """The adversaries of a dataset, by name: `sha256` and `source`. Raises InputError."""
-    return _sources(data, "adversaries", "adversary") if "adversaries" in data.attrs else {}
+    return _sources(data, "adversaries", "adversary")
 
 
 def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]:
     try:
-        items = json.loads(data.attrs[key]).items()
+        items = json.loads(data.attrs[key] if key == "brains" else data.attrs.get(key, "{}")).items()
         sources = {str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])} for n, s in items}
         changed = [n for n, s in sources.items() if digest(s["source"]) != s["sha256"]]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:

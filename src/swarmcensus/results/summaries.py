@@ -38,12 +38,12 @@ def summary(
     Columns are the setting's coordinates, `trials` (done) and `failed`, and for each measured quantity its value and
     its interval, with the suffixes `_low` and `_high` (NaN for fewer than 6 trials). Times and errors are medians over
     robots and trials: `convergence_round`, `convergence_error`, `final_error`, those of the local estimate, decisions,
-    consensus and `done` where they exist, and metric files. `error_90`, `worst_error` and `final_disagreement` are
-    medians over trials. `correct` is the mean over trials after round `checkpoint`
-    (default: the last one that the setting reaches); so are `coverage` (a mean) and `interval_width` (a median) if
-    brains have intervals. `done` is the share of robots that were done. `where` selects settings, as in
-    `swarmcensus show`. The coordinates that vary come first, and values, each before its interval, last: pandas shows
-    the first and last columns of a wide table. Warns as `run` does. Raises InputError.
+    consensus and `done` where they exist, and metric files. `agreement_round`, `error_90`, `worst_error` and
+    `final_disagreement` are medians over trials. `correct` is the mean over trials after round `checkpoint` (default:
+    the last one that the setting reaches); so are `coverage` (a mean) and `interval_width` (a median) if brains have
+    intervals. `done` is the share of robots that were done. `where` selects settings, as in `swarmcensus show`. The
+    coordinates that vary come first, and values, each before its interval, last: pandas shows the first and last
+    columns of a wide table. Warns as `run` does. Raises InputError.
     """
     data = selecting.where(loaded(results), where)
     warn_of(data)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.brains.metrics import Metric, parse
+from swarmcensus.results.plugin_files import plugin_files_in
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
@@ -33,15 +34,18 @@ def _group(name: str) -> dict[str, Kind]:
 
 
 VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
+AGREEMENT = _group("agreement")  # of every run of this version; files of earlier ones lack it
 DECISIONS = _group("decisions")
 ENDINGS = _group("endings")
 CLIPPED = _group("formats")
 INTERVALS = _group("intervals")
 LOCAL = _group("local")
 ESTIMATES = _group("estimates")
-EVERY = VARIABLES | DECISIONS | ENDINGS | CLIPPED | INTERVALS | LOCAL | ESTIMATES  # apart from metric files
+EVERY = VARIABLES | AGREEMENT | DECISIONS | ENDINGS | CLIPPED | INTERVALS | LOCAL | ESTIMATES  # apart from metric files
 # A trial has either all variables of such a group or none: the first variable of the group shows which.
-LEADS = {name: next(iter(group)) for group in (DECISIONS, ENDINGS, CLIPPED, INTERVALS, LOCAL) for name in group}
+LEADS = {
+    name: next(iter(group)) for group in (AGREEMENT, DECISIONS, ENDINGS, CLIPPED, INTERVALS, LOCAL) for name in group
+}
 ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # infinite stands for "never"
 MARKS = "convergence_round", "local_convergence_step"  # present once a trial is done, and its local part
 MISSING = -1  # in whole numbers; NaN in others
@@ -196,7 +200,12 @@ def additions_in(data: Any) -> dict[str, dict[str, str]]:
 
 
 def edited(data: Any, study: Study) -> str:
-    """A sentence that names an addition which has changed since the results were made; empty if none has."""
+    """A sentence that names a file of others which has changed since the results were made; empty if none has."""
+    stored = plugin_files_in(data)
+    for file in study.plugin_files:
+        title = f"{file.kind} {file.name}"
+        if stored.get(title, {}).get("sha256", file.sha256) != file.sha256:
+            return f"the {title} was changed since these results were made"
     for name, addition in additions_in(data).items():
         if study.additions.get(name, addition)["sha256"] != addition["sha256"]:
             return f"the {name} of {addition['package']} was changed since these results were made"
@@ -270,7 +279,7 @@ class Values:
         optional |= CLIPPED if study.has_formats else {}
         optional |= ENDINGS if any(brain.ends for brain in study.brains) else {}
         optional |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
-        self.kinds = VARIABLES | optional | kinds_of(study.measure.metrics)
+        self.kinds = VARIABLES | AGREEMENT | optional | kinds_of(study.measure.metrics)
         self.store = store or ArrayStore()
         self.arrays: Columns = {
             name: self.store.full(tuple(sizes[d] for d in dims), blank(kind), kind)

@@ -30,6 +30,7 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
+from swarmcensus.support.plugins import PluginFile
 from swarmcensus.support.version import __version__
 
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
@@ -122,8 +123,9 @@ def payload_of(study: Study) -> dict[str, Any]:
     sources = {name: (brain.source, str(brain.path)) for name, brain in context["brains"].items()}
     adversaries = {name: (adversary.source, str(adversary.path)) for name, adversary in context["adversaries"].items()}
     metric_files = {name: (metric.source, str(metric.path)) for name, metric in context["metrics"].items()}
+    plugins = [(file.kind, file.name, file.source, str(file.path)) for file in context["plugins"]]
     return {"versions": versions(), "text": study.text, **context, "brains": sources, "adversaries": adversaries,
-            "metrics": metric_files}  # fmt: skip
+            "metrics": metric_files, "plugins": plugins}  # fmt: skip
 
 
 def run_remotely(key: str, bundle: Bundle) -> Outcome:
@@ -156,8 +158,9 @@ def read_payload(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
     }
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the sender was warned already
+        plugins = [PluginFile(kind, name, source, Path(path)) for kind, name, source, path in payload["plugins"]]
         context = {"edges": payload["edges"], "images": payload["images"], "brains": known, "adversaries": adversaries,
-                   "metrics": metric_files}  # fmt: skip
+                   "metrics": metric_files, "plugins": plugins}  # fmt: skip
         study = Study.parse(payload["text"], where="the study as sent", context=context)
     return study, study.settings()
 

@@ -10,36 +10,39 @@ from dataclasses import replace
 import numpy as np
 
 from swarmcensus.engine import interruptible
-from swarmcensus.runs.tasks import Task, metrics_of
+from swarmcensus.runs.pools import BUNDLE_SECONDS
+from swarmcensus.runs.tasks import Task, metrics_of, plan_tasks
 from swarmcensus.simulation import run_batch, run_ride, watched
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.formatting import counted
 
 LONG = 300.0  # seconds: a run that takes longer is announced
 VERY_LONG = 86_400.0  # seconds: longer runs are warned of, as they may be a mistake
 SLOWEST = 30.0  # no shipped brain takes more than this many times the prediction
 PROBE_SECONDS = 0.05  # predicted seconds of the trials by which a brain's speed is measured
 MOST_PROBE_SECONDS = 1.0  # if a probe would take longer, the prediction is used unmeasured
-UNITS = ((365.25 * 86_400.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes"))
+UNITS = (
+    (365.25 * 86_400.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes"), (0.0, "seconds"),
+)  # fmt: skip
 
 LOG = logging.getLogger(__name__)
 
 
-def announce_length(study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None) -> None:
-    """Announce how long these tasks take in `jobs` threads, or on one core if None; say nothing of short runs."""
+def announce_length(
+    study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None, least: float | None = None
+) -> None:
+    """Announce how long these tasks take in `jobs` threads, or on one core if None.
+
+    Nothing is said of less than `least` seconds, by default `LONG`.
+    """
     if not tasks:
         return
-    cores, slowdowns = min(jobs or 1, os.cpu_count() or 1), [1.0] * len(tasks)
-    if jobs and _wall_seconds(tasks, slowdowns, cores) * SLOWEST >= LONG:
-        slowdowns = _slowdowns(study, settings, tasks)
-    whole, trial = (
-        _wall_seconds(tasks, slowdowns, cores),
-        max(_trial_seconds(task) * slowdown for task, slowdown in zip(tasks, slowdowns, strict=True)),
-    )
-    if whole < LONG:
+    least = LONG if least is None else least
+    whole, trial = _forecast(study, settings, tasks, jobs, least)
+    if whole < least:
         return
-    where = f"in {jobs} thread{'s' * (jobs > 1)} if nothing else keeps the machine busy" if jobs else "of one core"
-    line = f"{study.name}: this takes {'at least' if study.until else 'about'} {duration_text(whole)} {where}"
+    line = _line(study.name, whole, jobs, "at least" if study.until else "about")
     if trial >= LONG:
         line += f". A trial alone takes up to {duration_text(trial)}: nothing of it is kept before its end"
     if whole < VERY_LONG:
@@ -48,10 +51,38 @@ def announce_length(study: Study, settings: Sequence[Setting], tasks: Sequence[T
         warnings.warn(line, stacklevel=4)
 
 
+def announce(name: str, seconds: float, jobs: int, how: str = "about") -> None:
+    """Say beforehand how long something takes in `jobs` threads."""
+    LOG.info("%s", _line(name, seconds, jobs, how))
+
+
+def seconds_for(study: Study, settings: Sequence[Setting], trials: int, jobs: int, local: bool = False) -> float:
+    """The seconds that so many trials of settings take in `jobs` threads, measured on brains that are compiled."""
+    every = np.ones((len(settings), trials), np.bool_)
+    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS)
+    return _forecast(study, settings, tasks, jobs, 0.0)[0]
+
+
+def _line(name: str, seconds: float, jobs: int | None, how: str) -> str:
+    where = f"in {counted(jobs, 'thread')} if nothing else keeps the machine busy" if jobs else "of one core"
+    return f"{name}: this takes {how} {duration_text(seconds)} {where}"
+
+
+def _forecast(
+    study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None, least: float
+) -> tuple[float, float]:
+    """The seconds that tasks take, and those of the longest trial; measured if they may be `least` or more."""
+    cores, slowdowns = min(jobs or 1, os.cpu_count() or 1), [1.0] * len(tasks)
+    if jobs and _wall_seconds(tasks, slowdowns, cores) * SLOWEST >= least:
+        slowdowns = _slowdowns(study, settings, tasks)
+    trials = (_trial_seconds(task) * slowdown for task, slowdown in zip(tasks, slowdowns, strict=True))
+    return _wall_seconds(tasks, slowdowns, cores), max(trials)
+
+
 def duration_text(seconds: float) -> str:
-    """A long time in two digits, such as "7.2 hours"."""
-    unit, name = next((entry for entry in UNITS if seconds >= entry[0]), UNITS[-1])
-    return f"{float(f'{seconds / unit:.2g}'):,.12g} {name}"
+    """A time in two digits, such as "7.2 hours"."""
+    unit, name = next(entry for entry in UNITS if seconds >= entry[0])
+    return f"{float(f'{seconds / (unit or 1.0):.2g}'):,.12g} {name}"
 
 
 def _wall_seconds(tasks: Sequence[Task], slowdowns: Sequence[float], cores: int) -> float:

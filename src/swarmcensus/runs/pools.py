@@ -23,6 +23,8 @@ from swarmcensus.worlds import Topology
 BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
 
+MOST_NAMED = 8  # brains, in a line that says what is compiled
+
 LOG = logging.getLogger(__name__)
 
 
@@ -105,7 +107,7 @@ def thread_count(jobs: int | None) -> int:
 def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, tuple[int, int]], None]) -> None:
     """Compile what all settings of some studies need, so that threads do not wait for one another.
 
-    Brain files that break their contract are warned of first.
+    Brain files that break their contract are warned of first. A line is logged that says what is compiled, if anything.
 
     `show` is called with a note on the kind of swarm, and with how many kinds are done, of how many. If the process has
     no other threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles
@@ -118,6 +120,8 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     for setting, study in tiny:
         if (setting, study) not in new:
             LOG.debug("%s: machine code found in %s", _kind_of_swarm(setting), code_cache.cache_root())
+    if new:
+        LOG.info("%s", _compile_line([setting for setting, _ in new]))
     begun = time.monotonic()
     kinds = len({_kind_of_swarm(setting) for setting, _ in new})
     here, in_copy = deque(new), deque[tuple[Setting, Study]]()
@@ -151,12 +155,22 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
 
 
+def _compile_line(settings: list[Setting]) -> str:
+    """What is compiled for these settings, in a line."""
+    engine = "" if all(map(_engine_is_compiled, settings)) else "the engine and "
+    names = list(dict.fromkeys(brain.name for setting in settings for brain in setting.brains))
+    more = [f"{len(names) - MOST_NAMED} more"] * (len(names) > MOST_NAMED)
+    moving = {setting.body is not None for setting in settings}
+    swarms = " and ".join(["fixed networks"] * (False in moving) + ["robots that move"] * (True in moving))
+    return f"compiling {engine}{', '.join([*names[:MOST_NAMED], *more])} for {swarms}, once on this machine"
+
+
 def _compile_note(setting: Setting, done: int, kinds: int) -> str:
     """What is compiled for a setting, in words for a person who waits, and which of several kinds of swarms it is."""
     engine = "" if _engine_is_compiled(setting) else "the engine and "
     names = " and ".join(brain.name for brain in setting.brains)
     what = f"{engine}{names} for {'robots that move' if setting.body else 'fixed networks'}"
-    return f"compiling {done + 1:,} of {kinds:,}: {what}" if kinds > 1 else f"compiling {what}, once on this machine"
+    return f"compiling {done + 1:,} of {kinds:,}: {what}"
 
 
 def _kind_of_swarm(setting: Setting) -> str:

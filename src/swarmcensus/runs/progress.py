@@ -125,14 +125,14 @@ def _notebook_bar(label: str) -> Iterator[Report]:
 
 def _plain_lines(label: str) -> Report:
     last, pace = time.monotonic(), _Pace()
-    before = "", "", False
+    before: tuple[str, str] | None = None
 
     def show(progress: Progress) -> None:
         nonlocal last, before
-        now, several, speed = time.monotonic(), progress.steps[1] > 1, pace.of(progress)
-        this = "" if several else progress.note, progress.stage, several
-        if this != before or ((several or not progress.note) and now - last >= LINE_SECONDS):
-            last, before = now, this
+        now, steps, speed = time.monotonic(), progress.steps[1] > 0, pace.of(progress)  # steps begin with a logged line
+        this = "" if steps else progress.note, progress.stage
+        if (this != before and not steps) or ((steps or not progress.note) and now - last >= LINE_SECONDS):
+            last, before = now, before if steps else this
             how = progress.note or ", ".join(filter(None, speed)) or "starting"
             trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
             stage = f"{progress.stage}: " if progress.stage else ""

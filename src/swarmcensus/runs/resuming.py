@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import (
+    AGREEMENT,
     ESTIMATES,
     INTERVALS,
     LOCAL,
@@ -127,7 +128,7 @@ class HeldOutput:
         if fingerprint not in self._setting_numbers:
             raise InputError(
                 f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
-                f"a brain, body, fault, edge list, image or file of another package been changed? {hint()}",
+                f"a brain, body, fault, edge list, image or file of a topology, floor or spread been changed? {hint()}",
                 file=path,
             )
         return self._setting_numbers[fingerprint]
@@ -165,7 +166,7 @@ class HeldOutput:
             taken = old[name].values[ran]
             if "checkpoint" in dims:
                 checkpoints, rounds = old["checkpoint"].values, old["rounds"].values[ran]
-                taken = self._select_checkpoints(taken, checkpoints, rounds, done & (name not in INTERVALS), self.out)
+                taken = self._select_checkpoints(taken, checkpoints, rounds, done & _is_needed(name), self.out)
             places = {"setting": rows, "trial": trials}
             where = (places.get(d, np.arange(n)) for d, n in zip(dims, taken.shape, strict=True))
             values.arrays[name][np.ix_(*where)] = taken
@@ -182,8 +183,8 @@ class HeldOutput:
         if "correct" not in taken or checkpoints == self.study.checkpoints:
             return taken
         rounds, done = np.array([self.settings[number].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
-        names = [name for name in taken if name == "correct" or name in ESTIMATES | INTERVALS]
-        needed = {name: done & (name not in INTERVALS) for name in names}  # a setting's brain may have none
+        names = [name for name in taken if name == "correct" or name in {"disagreement", *ESTIMATES, *INTERVALS}]
+        needed = {name: done & _is_needed(name) for name in names}
         return taken | {
             name: self._select_checkpoints(taken[name][np.newaxis], np.array(checkpoints), rounds, needed[name], path)[
                 0
@@ -211,6 +212,11 @@ class HeldOutput:
                 file=path,
             )
         return taken
+
+
+def _is_needed(name: str) -> bool:
+    """Whether a trial must have a variable of checkpoints: brains may lack intervals, early files agreement."""
+    return name not in INTERVALS and name not in AGREEMENT
 
 
 def _has_trials(data: xr.Dataset) -> NDArray[np.bool_]:

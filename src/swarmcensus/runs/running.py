@@ -22,7 +22,7 @@ from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.simulation import seconds
-from swarmcensus.studies import Setting, Study, addresses
+from swarmcensus.studies import Setting, Study, addresses, unmet_needs
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
@@ -41,6 +41,7 @@ def run(
     share: tuple[int, int] | None = None,
     say: Callable[[str], None] | None = None,
     cautions: bool = True,
+    announce_from: float | None = None,
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
@@ -51,9 +52,12 @@ def run(
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
 
-    Unless `cautions` is False, warnings name settings with results that are easily misread, such as a fill ratio on the
-    edge between two bins. A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C
-    raises Interrupted, which carries the dataset of the finished trials. Raises InputError if nothing could be run.
+    A run that takes `announce_from` seconds or more (default: five minutes) logs beforehand how long it will take.
+
+    Unless `cautions` is False, warnings name brains that need another study than this one, and settings with results
+    that are easily misread, such as a fill ratio on the edge between two bins. A trial that fails is missing in the
+    dataset and named in its attribute `failed`. Ctrl-C raises Interrupted, which carries the dataset of the finished
+    trials. Raises InputError if nothing could be run.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     study.check_trials()
@@ -65,6 +69,9 @@ def run(
 
         check(cluster)
     settings = study.settings()
+    if cautions:
+        for unmet in unmet_needs(settings, study.measure.bins):
+            warnings.warn(unmet, stacklevel=2)
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
@@ -89,7 +96,7 @@ def run(
         every = len(settings) * study.trials * (1 + study.measure.local)
         pool = stack.enter_context(_pool(state, min(jobs, every), cluster))
         try:
-            interrupted = _run_stages(state, pool, None if cluster else jobs)
+            interrupted = _run_stages(state, pool, None if cluster else jobs, announce_from)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
         if interrupted:
@@ -212,7 +219,7 @@ def _is_complete(state: State) -> bool:
     return state.study.until is None and bool(state.values.done().all())
 
 
-def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
+def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from: float | None) -> bool:
     """Run all trials, in stages if they follow a rule. Returns whether Ctrl-C ended the run; `jobs` is None on a
     cluster.
     """
@@ -234,7 +241,7 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
         if state.output:
             state.output.announce(state.done, state.total, state.work_total)
         if stage == 0:
-            announce_length(state.study, state.settings, tasks, jobs)
+            announce_length(state.study, state.settings, tasks, jobs, announce_from)
         if tasks and run_bundles(state, bundle_tasks(tasks, bundle_seconds), pool):
             return True
         if state.study.until is not None:

@@ -248,6 +248,8 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
             "convergence_error": batch.error,
             "final_estimate": batch.final,
             "correct": batch.correct,
+            "agreement_round": batch.agreement,
+            "disagreement": batch.disagreement,
             "true_fill_ratio": np.full(len(batch.final), np.nan) if fill_ratios is None else fill_ratios,
             "messages_sent": batch.counts[:, SENT].astype(np.float64),
             "messages_heard": batch.counts[:, HEARD].astype(np.float64),

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains.metrics import Metric
 from swarmcensus.results import (
+    AGREEMENT,
     ESTIMATES,
     EVERY,
     LOCAL,
@@ -245,7 +246,7 @@ def _compare(
         else:  # merged results: this study has no brain with such a variable
             rerun = np.full(stored.shape, blank(stored.dtype), stored.dtype)
         differ, there = ~same_bits(stored, rerun), ~is_missing(stored)
-        expected = wanted
+        expected = wanted & there.any(axis=others) if name in AGREEMENT else wanted
         # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
         if merged and (name in LOCAL or name in ESTIMATES or name not in EVERY):
             expected = expected & there.any(axis=others)

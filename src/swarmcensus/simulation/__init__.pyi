@@ -6,7 +6,12 @@ from .inferring import infer as infer, trace_of as trace_of, warn_of_estimates a
 from .inputs import inputs_of as inputs_of
 from .intervals import ENDS as ENDS
 from .living import STRETCH_BYTES as STRETCH_BYTES, LiveTrial as LiveTrial, Stretch as Stretch
-from .metrics import convergence as convergence, correct as correct, error_at as error_at
+from .metrics import (
+    agreement as agreement,
+    convergence as convergence,
+    correct as correct,
+    error_at as error_at,
+)
 from .oracle import fixed as fixed
 from .recorded import known as known, readings_of as readings_of
 from .rides import record_ride as record_ride, run_ride as run_ride

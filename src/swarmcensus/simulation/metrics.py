@@ -3,6 +3,7 @@
 import numpy as np
 
 from swarmcensus.support.bins import right_bin
+from swarmcensus.support.quantities import half_width
 
 
 def convergence(curves: np.ndarray, delta: float = 0.01) -> np.ndarray:
@@ -23,6 +24,16 @@ def error_at(curves: np.ndarray, index: np.ndarray, fill_ratio: float | np.ndarr
     """The accuracy |x^K - f| of each column at its index K; f may differ by column. Paper, Sec. IV-A."""
     error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] - fill_ratio)
     return error
+
+
+def agreement(curves: np.ndarray, delta: float = 0.01) -> float:
+    """The first index from which on the disagreement of curves (index, robot) stays within delta; infinite if none.
+
+    The disagreement is half the width of the middle 90 % of the estimates.
+    """
+    apart = np.flatnonzero(half_width(curves) > delta)
+    since = int(apart[-1]) + 1 if apart.size else 0
+    return float(since) if since < len(curves) else np.inf
 
 
 def correct(estimates: np.ndarray, fill_ratio: float, bins: int = 10) -> np.ndarray:

@@ -66,7 +66,12 @@ class Rider:
         robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
         rows, tally = self.states.rows, self.tally
         where, value, wrong = np.zeros(robots, np.int64), np.zeros(robots), np.full((1, 3), -1.0)
-        self.kernel.conclude(self.swarm, rows, self.start, metrics.delta, where, value, wrong[0])
+        count = len(metrics.checkpoints)
+        right, disagreement = np.full((count, 1), np.nan), np.full((count, 1), np.nan)
+        agreement = self.kernel.conclude(
+            self.swarm, rows, self.start, metrics.delta, where, value, wrong[0],
+            np.array(metrics.checkpoints, np.int64), disagreement[:, 0],
+        )  # fmt: skip
         check_estimates(self.setting, self.given, wrong)
         check_verdicts(self.setting, self.given, tally.verdicts[np.newaxis])
         check_intervals(self.setting, self.given, self.intervals)
@@ -74,8 +79,7 @@ class Rider:
         verdicts = tally.verdicts[honest] if tally.verdicts.size else tally.verdicts
         error = np.abs(value - truth)
         bins = right_bins(truths(np.array(metrics.checkpoints)), metrics.bins)
-        right = np.full((len(metrics.checkpoints), 1), np.nan)
-        kept = np.full((len(metrics.checkpoints), 1, where.size), np.nan)
+        kept = np.full((count, 1, where.size), np.nan)
         for c, checkpoint in enumerate(metrics.checkpoints):
             if checkpoint <= len(rows):
                 row = kept[c, 0] = rows[checkpoint - 1, honest]
@@ -88,8 +92,9 @@ class Rider:
         watched = results_of(watches)
         consensus = consensus_of(self.setting, tally.agreed[np.newaxis], truth)
         return Batch(
-            where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, counts[np.newaxis],
-            verdicts[np.newaxis], consensus, self.intervals.sure.transpose(1, 2, 0), filled, estimates, watched,
+            where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, disagreement, np.array([agreement]),
+            counts[np.newaxis], verdicts[np.newaxis], consensus, self.intervals.sure.transpose(1, 2, 0), filled,
+            estimates, watched,
         )  # fmt: skip
 
 

@@ -49,7 +49,8 @@ class Metrics:
 @dataclass(frozen=True)
 class Batch:
     """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
-    fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial);
+    fraction of robots in the right bin (checkpoint, trial); how far estimates are from each other (checkpoint, trial),
+    and the round from which on they agree (trial); of robots that move the floor's fill ratio (trial);
     where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
     variables, (trial, robot) or (trial); messages sent and heard (trial, what, robot); of brains that decide what
     `engine.constants` names (trial, robot, what), and the first option that all agreed on, when, whether it is right,
@@ -59,6 +60,8 @@ class Batch:
     error: np.ndarray
     final: np.ndarray
     correct: np.ndarray
+    disagreement: np.ndarray
+    agreement: np.ndarray
     counts: np.ndarray
     verdicts: np.ndarray
     consensus: np.ndarray
@@ -161,7 +164,8 @@ def _live(
         estimates = None if estimates is None else estimates[..., honest]
     sure = intervals.sure.transpose(1, 2, 0)
     return Batch(
-        where, errors, final, measures.correct, counts, verdicts, consensus, sure, kept=estimates, watched=results
+        where, errors, final, measures.correct, measures.disagreement, measures.agreement, counts, verdicts, consensus,
+        sure, kept=estimates, watched=results,
     )  # fmt: skip
 
 
@@ -185,6 +189,8 @@ def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
         np.zeros(shape),
         np.zeros(shape),
         np.full((count, trials), np.nan),
+        np.full((count, trials), np.nan),
+        np.zeros(trials),
         np.full((count if metrics.estimates else 0, *shape), np.nan),
         np.full((trials, 3), -1.0),
     )
@@ -201,6 +207,8 @@ def _joined(batches: Sequence[Batch]) -> Batch:
         along(0, lambda b: b.error),
         along(0, lambda b: b.final),
         along(1, lambda b: b.correct),
+        along(1, lambda b: b.disagreement),
+        along(0, lambda b: b.agreement),
         along(0, lambda b: b.counts),
         along(0, lambda b: b.verdicts),
         along(0, lambda b: b.consensus),

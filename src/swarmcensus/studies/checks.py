@@ -17,7 +17,7 @@ from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.worlds import Change, Fault, arena
+from swarmcensus.worlds import Change, Fault, Topology, arena
 
 MOST_LISTED = 2000  # robots of a full network of which links are missing: each link is then kept
 MOST_TILES = 2**30  # from wall to wall: the position of a tile is two 32-bit numbers
@@ -36,9 +36,10 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     _check_labels(tables.labels, list(dict.fromkeys(brain.name for brains in lists for brain in brains)))
     _check_parameters(tables, grids)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
+    _check_topologies(t for grid in grids for t in grid.world.topology)
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
     for topology, robots in dict.fromkeys(sizes):
-        plain_text(topology.name)
+        plain_text(str(topology))
         topology.check(robots)
     _check_missing(grids)
     if all_used:
@@ -62,6 +63,20 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
         if sources.setdefault(picture.name, picture.source) != picture.source:
             two = f"two images of world.floor have one name: {picture.name}"
             raise StudyError(two, key="world.floor", value=picture.name)
+
+
+def _check_topologies(topologies: Iterable[Topology]) -> None:
+    """Raise StudyError if tables would call two topologies by one name, or one by two."""
+    by_text: dict[str, Topology] = {}
+    texts: dict[Topology, str] = {}
+    for topology in topologies:
+        text = str(topology)
+        if by_text.setdefault(text, topology) != topology:
+            both = f"{by_text[text].name} and {topology.name}"
+            raise StudyError.at("world.topology", f'"{text}"', f"two topologies have this label or name: {both}")
+        if texts.setdefault(topology, text) != text:
+            both = f"{texts[topology]!r} and {text!r}"
+            raise StudyError.at("world.topology", topology.name, f"one topology has two labels or names: {both}")
 
 
 def _check_labels(labels: Mapping[str, str], brains: Sequence[str]) -> None:

@@ -54,12 +54,26 @@ def _context(info: ValidationInfo, key: str, default: Any) -> Any:
     return (info.context or {}).get(key, default)
 
 
+def _known(info: ValidationInfo, key: str, kind: str) -> dict[str, Any]:
+    """What is read already, by path: under a key of the context, and the files of plugins of this kind."""
+    files = (file for file in _context(info, "plugins", ()) if file.kind == kind)
+    return {**_context(info, key, {}), **{file.name: file for file in files}}
+
+
 def _topology(value: object, info: ValidationInfo) -> Topology:
-    return parse_topology(value, _context(info, "base", Path()), _context(info, "edges", {}))
+    return parse_topology(value, _context(info, "base", Path()), _known(info, "edges", "topology"))
 
 
 def _floor(value: object, info: ValidationInfo) -> Floor:
-    return parse_floor(value, _context(info, "base", Path()), _context(info, "images", {}))
+    return parse_floor(value, _context(info, "base", Path()), _known(info, "images", "floor"))
+
+
+def _accuracy(value: object, info: ValidationInfo) -> Accuracy:
+    return parse_accuracy(value, _context(info, "base", Path()), _known(info, "", "spread"))
+
+
+def _belief(value: object, info: ValidationInfo) -> Accuracy | Misjudgement:
+    return parse_assumed(value, _context(info, "base", Path()), _known(info, "", "spread"))
 
 
 BrainOrAdversary = brains.Brain | brains.Adversary
@@ -198,8 +212,8 @@ BrainsOrAdversaries = Annotated[
 ]
 Topologies = Several[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]]
 Floors = Several[Annotated[Floor, BeforeValidator(_floor), FLOOR]]
-Accuracies = Several[Annotated[Accuracy, BeforeValidator(parse_accuracy), ACCURACY]]
-Beliefs = Several[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed), BELIEF]]
+Accuracies = Several[Annotated[Accuracy, BeforeValidator(_accuracy), ACCURACY]]
+Beliefs = Several[Annotated[Accuracy | Misjudgement, BeforeValidator(_belief), BELIEF]]
 Metric = Annotated[metrics.Metric, BeforeValidator(_metric), name_in(metrics.PLUGINS)]
 Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
 SeveralTables = BeforeValidator(_tables)

@@ -67,7 +67,7 @@ class Swarm(TomlTable):
         draws=("readings",),
         coordinate=Coordinate(
             "text",
-            "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `beta(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 drift=-1e-05 "
+            "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `mine.py(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 drift=-1e-05 "
             "least=0.6`",
             "accuracy {}", "sensor accuracy", "accuracies", always=True, of=lambda setting: str(setting.accuracy),
         ),
@@ -109,8 +109,8 @@ class World(TomlTable):
         draws=("losses", "luck"),
         coordinate=Coordinate(
             "text",
-            "name, with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a networkx "
-            "function with its arguments",
+            "label, or name with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a "
+            "networkx function with its arguments",
             "{}", plural="topologies", always=True, of=lambda setting: str(setting.topology),
         ),
     )]  # fmt: skip
@@ -198,7 +198,7 @@ class World(TomlTable):
         draws=("floor",),
         coordinate=Coordinate(
             "text",
-            "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, `hills(0.3)`",
+            "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, `mine.py(0.3)`",
             "floor {}", plural="floors", always=True,
             of=lambda setting: "" if setting.body is None else str(setting.floor or Floor()),
         ),

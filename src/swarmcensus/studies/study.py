@@ -20,9 +20,9 @@ from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_tom
 from swarmcensus.support.errors import StudyError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import command
-from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.plugins import PluginFile, PluginName, Plugins
 from swarmcensus.support.templates import render
-from swarmcensus.worlds import Accuracy, Misjudgement, Picture, Topology, distributions, patterns, wiring
+from swarmcensus.worlds import Accuracy, FileEdges, Misjudgement, Picture, Topology, distributions, patterns, wiring
 
 if TYPE_CHECKING:
     from swarmcensus.studies.typed import StudyChanges, StudyTables
@@ -107,8 +107,8 @@ class Study:
         """Read a study from TOML text.
 
         `context` may have `base` (the folder of brain and metric files, edge lists and images; None: no file is
-        opened), `brains`, `adversaries`, `metrics`, `edges` and `images` (by name, in place of files), and `kept` (the
-        text is from results: keys without effect are allowed).
+        opened), `brains`, `adversaries`, `metrics`, `edges` and `images` (by name, in place of files), `plugins` (files
+        of topologies, floors and spreads), and `kept` (the text is from results: keys without effect are allowed).
 
         Raises InputError, naming file, key and value.
         """
@@ -136,7 +136,8 @@ class Study:
         return {
             "brains": {b.name: b for b in self.brains},
             "adversaries": {a.name: a for a in self.adversaries},
-            "edges": {t.source: t.edges for t in self.topologies if t.source},
+            "edges": {t.source: FileEdges([*(t.edges or ())], t.directed) for t in self.topologies if t.source},
+            "plugins": self.plugin_files,
             "images": {p.source: p.grey for p in self.pictures},
             "metrics": {m.name: m for m in self.measure.metrics},
             "kept": True,
@@ -174,18 +175,30 @@ class Study:
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
         """Additions of other packages that its settings use, as "topology torus": package, version and hash."""
-        drawn = [one for a in self._accuracies for one in a.distributions]
-        floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
         used = [
             *((brains.PLUGINS, brain.name) for brain in self.brains if _of(brains.PLUGINS, brain)),
             *((adversary.PLUGINS, one.name) for one in self.adversaries if _of(adversary.PLUGINS, one)),
             *((metrics.PLUGINS, metric.name) for metric in self.measure.metrics if _of(metrics.PLUGINS, metric)),
+            *((kind, name) for kind, name in self._of_worlds if not isinstance(name, PluginFile)),
+        ]
+        others = {(p.kind, name): p for p, name in used if name not in p.shipped and name in p}
+        return {f"{kind} {name}": plugins.origin(name) for (kind, name), plugins in others.items()}
+
+    @property
+    def plugin_files(self) -> list[PluginFile]:
+        """The files of topologies, floors and spreads that its settings use, each once."""
+        return list(dict.fromkeys(name for _, name in self._of_worlds if isinstance(name, PluginFile)))
+
+    @property
+    def _of_worlds(self) -> list[tuple[Plugins, PluginName]]:
+        """The topologies, floors and spreads of all settings."""
+        drawn = [one for a in self._accuracies for one in a.distributions]
+        floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
+        return [
             *((wiring.PLUGINS, topology.named) for topology in self.topologies if topology.named),
             *((patterns.PLUGINS, floor.kind) for floor in floors),
             *((distributions.PLUGINS, one.kind) for one in drawn if one.kind),
         ]
-        others = {(p.kind, name): p for p, name in used if name not in p.shipped and name in p}
-        return {f"{kind} {name}": plugins.origin(name) for (kind, name), plugins in others.items()}
 
     @property
     def _accuracies(self) -> list[Accuracy | Misjudgement]:

@@ -119,7 +119,7 @@ class WorldTable(TypedDict, total=False):
     """D = N π r² / L² of robots that move."""
     side: Several[Real]
     """The side L of the arena in metres, in place of a density."""
-    floor: Several[str | Mapping[str, Any] | Floor]
+    floor: Several[str | Mapping[str, Any] | Path | Floor]
     """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
     body: BodyTable
     """The body of robots that move."""
@@ -165,7 +165,7 @@ class CaseTable(TypedDict, total=False):
     """D = N π r² / L² of robots that move."""
     side: Several[Real]
     """The side L of the arena in metres, in place of a density."""
-    floor: Several[str | Mapping[str, Any] | Floor]
+    floor: Several[str | Mapping[str, Any] | Path | Floor]
     """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
     rounds: Several[Whole]
     """C, communication rounds on fixed networks."""

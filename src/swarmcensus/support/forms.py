@@ -91,13 +91,19 @@ class ValueTable(TomlTable):
 M = TypeVar("M", bound=ValueTable)
 
 
-def read(model: type[M], given: Mapping[str, Any], right: Callable[[], str], known: tuple[str, ...] = ()) -> M:
+def read(
+    model: type[M],
+    given: Mapping[str, Any],
+    right: Callable[[], str],
+    known: tuple[str, ...] = (),
+    context: Mapping[str, Any] = {},
+) -> M:
     """Check a table in place of a value. Raises ValueError; for an unknown or missing key it says what is `right`.
 
-    `known` are the keys for hints, if the value may also be a table of another form.
+    `known` are the keys for hints, if the value may also be a table of another form; `context` is for validators.
     """
     try:
-        return model.model_validate(dict(given))
+        return model.model_validate(dict(given), context=dict(context))
     except ValidationError as error:
         first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
         key = str(first["loc"][0])

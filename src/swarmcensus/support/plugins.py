@@ -8,6 +8,7 @@ import importlib
 import importlib.util
 import inspect
 import re
+import types
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 from swarmcensus.support.errors import BrainError, InputError, line_of, pydantic_message
-from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.hints import did_you_mean, did_you_mean_file
+from swarmcensus.support.options import option
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint, EntryPoints
@@ -23,6 +25,68 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
 
 Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
+
+
+def read_source(kind: str, path: Path) -> str:
+    """Read the source of a file of this kind, such as "brain", without running it. Raises InputError."""
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise BrainError.within(f"{kind} file {path}", f"cannot be read as text: {error}") from error
+
+
+def digest(source: str) -> str:
+    """The hash of a source, as stored with results."""
+    return hashlib.sha256(source.encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class PluginFile:
+    """A plugin in a file of a user's: it has the place of a plugin's name, and is run when it is needed."""
+
+    kind: str  # as of `Plugins`
+    name: str  # its path, as in the study file
+    source: str = field(repr=False)
+    path: Path | None = field(compare=False)  # None: it must not be run here
+
+    def __str__(self) -> str:
+        """As in a study file."""
+        return self.name
+
+    @property
+    def sha256(self) -> str:
+        """The hash of its source: results depend on it."""
+        return digest(self.source)
+
+    @functools.cached_property
+    def module(self) -> types.ModuleType:
+        """The module that it makes when it is run. Raises InputError if it may not be, or fails."""
+        if self.path is None:
+            raise not_run(self.kind, self.name)
+        module = types.ModuleType(self.path.stem)
+        module.__file__ = str(self.path)
+        try:
+            exec(compile(self.source, str(self.path), "exec"), vars(module))
+        except Exception as error:
+            raise self.error(f"fails when it is loaded: {error_message(error, self.path)}") from error
+        return module
+
+    def error(self, what: object) -> BrainError:
+        """The error of this file."""
+        return BrainError.of(self.path, what, self.kind, self.name, where=f"{self.kind} file {self.path}")
+
+
+PluginName = str | PluginFile
+
+
+def not_run(kind: str, name: str) -> BrainError:
+    """The error of a file that results name, and that is neither given nor found as it was."""
+    return BrainError(
+        f"the {kind} {name!r} is a file. Files named in results are run only if they lie below the current folder, "
+        f"unchanged: give it with {option('brain_file')}, as it was",
+        key="brain_file",
+        value=name,
+    )
 
 
 def entry_points(group: str) -> EntryPoints:
@@ -84,9 +148,23 @@ class Plugins:
         """Whether there is a plugin of this name; other packages are searched only if it is not shipped."""
         return name in self.shipped or name in self.outside
 
-    @functools.cache  # noqa: B019 (there are few instances, and they live as long as the program)
-    def module(self, name: str) -> Any:
+    def from_file(self, name: str, base: Path | None, known: Mapping[str, Any]) -> PluginFile:
+        """The plugin in a file, which is `known` or lies at a path relative to `base`. Raises ValueError."""
+        if isinstance(known.get(name), PluginFile):
+            return known[name]  # type: ignore[no-any-return]
+        if base is None:
+            raise ValueError(f"the source of this {self.kind} is not stored here, and no file is opened here")
+        path = base / name
+        if not path.is_file():
+            raise BrainError.named(self.kind, name, f"{did_you_mean_file(path)}there is no file {path}")
+        return PluginFile(self.kind, name, read_source(self.kind, path), path)
+
+    def module(self, name: PluginName) -> Any:
         """The plugin itself, imported. Raises InputError if the import fails."""
+        return name.module if isinstance(name, PluginFile) else self._imported(name)
+
+    @functools.cache  # noqa: B019 (there are few instances, and they live as long as the program)
+    def _imported(self, name: str) -> Any:
         if name in self.shipped:
             return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
         entry = self.entry(name)
@@ -98,11 +176,13 @@ class Plugins:
         self.imported_hashes[name] = _hash(self.path(name))
         return plugin
 
-    def digest(self, name: str) -> str:
-        """The hash of another package's file, so that results of its versions differ; empty for a shipped plugin.
+    def digest(self, name: PluginName) -> str:
+        """The hash of another's file, so that results of its versions differ; empty for a shipped plugin.
 
         Raises InputError if the file has changed since it was imported.
         """
+        if isinstance(name, PluginFile):
+            return name.sha256
         if name in self.shipped:
             return ""
         current = _hash(self.path(name))
@@ -125,8 +205,10 @@ class Plugins:
             "sha256": self.imported_hashes.get(name) or _hash(self.path(name)),
         }
 
-    def path(self, name: str) -> Path:
+    def path(self, name: PluginName) -> Path:
         """The path of a plugin's file, found without running it. Raises InputError if there is none."""
+        if isinstance(name, PluginFile):
+            return name.path or Path(name.name)
         shipped = f"{self.package}.{name.replace('-', '_')}"
         try:
             module = shipped if name in self.shipped else self.entry(name).module
@@ -142,8 +224,10 @@ class Plugins:
             raise BrainError.named(self.kind, name, f"{self.provider(name)} names {module}: there is no such file")
         return Path(spec.origin)
 
-    def error(self, name: str, what: object) -> BrainError:
-        """The error of another package's plugin."""
+    def error(self, name: PluginName, what: object) -> BrainError:
+        """The error of a plugin that is not shipped."""
+        if isinstance(name, PluginFile):
+            return name.error(what)
         return BrainError(f"{self.kind} {name!r}, {self.outside[name].value}: {what}", key=self.kind, value=name)
 
 

@@ -101,8 +101,8 @@ def _worst(errors: Floats) -> Floats:
     return np.asarray(errors.max(axis=-1))
 
 
-def _half_width(estimates: Floats) -> Floats:
-    """Half the width of the interval that the middle 90 % of the estimates are in."""
+def half_width(estimates: Floats) -> Floats:
+    """Half the width of the middle 90 % of estimates (..., robot): from their 5 % to their 95 % quantile."""
     low, high = np.quantile(estimates, [0.05, 0.95], axis=-1)
     return np.asarray((high - low) / 2.0)
 
@@ -140,7 +140,18 @@ ALL = (
     ),
     Quantity(
         "final_disagreement", "half the width of the middle 90 % of estimates after the last round", dims=PER_TRIAL,
-        inputs=("final_estimate",), over_robots=_half_width, low=True, summary=True, decimals=4,
+        inputs=("final_estimate",), over_robots=half_width, low=True, summary=True, decimals=4,
+    ),
+    Quantity(
+        "agreement_round", "first round from which on the disagreement stays within delta; infinite: never",
+        "agreement", PER_TRIAL, "rounds", never=True, low=True, summary=True, decimals=0,
+        compared="first round from which on robots stay within delta of each other",
+        page="first round from which on the disagreement stays within `delta`, 0 before any observation; infinite for "
+        "never; this and the next are missing in trials of earlier versions",
+    ),
+    Quantity(
+        "disagreement", "half the width of the middle 90 % of estimates", "agreement", PER_CHECKPOINT,
+        page="half the width of the middle 90 % of the estimates: from their 5 % to their 95 % quantile",
     ),
     Quantity(
         "correct", "fraction of robots in the correct bin", "always", PER_CHECKPOINT,

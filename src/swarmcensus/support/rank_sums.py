@@ -66,7 +66,8 @@ def _sums(weights: bytes, size: int) -> tuple[int, int, Floats]:
     ways[0, 0] = 1.0
     for weight in off.tolist():
         ways[1:, weight:] += ways[:-1, : ways.shape[1] - weight].copy()
-    return int(size * ordered[0]), unit, ways[size] / math.comb(len(ordered), size)
+    least = int(off[:size].sum())
+    return int(size * ordered[0]) + unit * least, unit, ways[size, least:] / math.comb(len(ordered), size)
 
 
 def shift(first: Floats, second: Floats, level: float = LEVEL) -> Estimate:

@@ -4,7 +4,6 @@ import ast
 import builtins
 import codecs
 import graphlib
-import hashlib
 import io
 import keyword
 import math
@@ -53,19 +52,6 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
         neither = f"neither a shipped {plugins.kind} ({known}) nor a file at {path}"
         raise BrainError.named(plugins.kind, name, f"{hint}{neither}")
     return path
-
-
-def read_source(kind: str, path: Path) -> str:
-    """Read the source of a file of this kind, such as "brain", without running it. Raises InputError."""
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise BrainError.within(f"{kind} file {path}", f"cannot be read as text: {error}") from error
-
-
-def digest(source: str) -> str:
-    """The hash of a source, as stored with results."""
-    return hashlib.sha256(source.encode()).hexdigest()
 
 
 def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, Any]]:
@@ -129,7 +115,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             if twice := [one.id for one in node.targets if isinstance(one, ast.Name) and one.id in functions]:
                 raise error(node, f"{twice[0]} is also the name of a function: the constant needs another")
             try:
-                value = _constant(node.value, constants)
+                value = constant(node.value, constants)
             except ArithmeticError as fault:
                 raise error(node, f"a constant has no value: {fault}") from None
             except ValueError as fault:
@@ -232,7 +218,7 @@ def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
     return {name: getattr(math, origin) for name, origin in names.items() if hasattr(math, origin)}
 
 
-def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
+def constant(node: ast.expr | None, known: Mapping[str, Any]) -> Any:
     """The value of a constant, evaluated here so that no file takes long to load. Raises ValueError."""
     value: Any = None
     if isinstance(node, ast.Constant):
@@ -242,19 +228,19 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and known.get(node.value.id) is math:
         value = getattr(math, node.attr, None)
     elif isinstance(node, SEVERAL):
-        return _bounded([_constant(item, known) for item in node.elts])
+        return _bounded([constant(item, known) for item in node.elts])
     elif isinstance(node, ast.Dict) and None not in node.keys:
-        keys = [_constant(key, known) for key in node.keys]
+        keys = [constant(key, known) for key in node.keys]
         if not all(isinstance(key, int | float | str) for key in keys):
             raise ValueError("keys of a dict should be numbers or texts")
-        return dict(zip(keys, _bounded([_constant(item, known) for item in node.values]), strict=True))
+        return dict(zip(keys, _bounded([constant(item, known) for item in node.values]), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
         times = _number(node.right, known)
         if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
             raise ValueError(f"a tuple may be repeated a whole number of times, to {LONGEST:,} items at most")
-        return _bounded([_constant(item, known) for item in node.left.elts], times) * times
+        return _bounded([constant(item, known) for item in node.left.elts], times) * times
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = _number(node.left, known), _number(node.right, known)
         if isinstance(node.op, ast.Pow) and float(abs(left)) > 1.0 and right * math.log2(abs(left)) > 1023.0:
@@ -285,8 +271,8 @@ def _size(value: Any) -> int:
     return max(sum(map(_size, parts)), 1)
 
 
-def _number(node: ast.expr, known: dict[str, Any]) -> Any:
-    value = _constant(node, known)
+def _number(node: ast.expr, known: Mapping[str, Any]) -> Any:
+    value = constant(node, known)
     if not isinstance(value, int | float):
         raise ValueError("arithmetic of constants needs numbers")
     return value

@@ -183,8 +183,8 @@ def frame_table(frame: Any, source: str) -> ReadTable:
     return _without_row_numbers(ReadTable(source, [str(name) for name in frame.columns], frame.to_numpy().tolist()))
 
 
-def read_table(path: str | Path, known: Callable[[str], bool]) -> ReadTable:
-    """Read a table from a text file.
+def read_table(path: str | Path, known: Callable[[str], bool], *, ignore_attributes: bool = False) -> ReadTable:
+    """Read a table from a text file; attributes of networkx's edges are refused, or left out.
 
     Separators are tabs, semicolons, commas or spaces; numbers may have decimal commas, but not between commas. Lines
     that begin with # or % are comments. The last one before the rows may name the columns: `known` says of a `plain`
@@ -196,7 +196,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> ReadTable:
     numbers = [n for n, line in enumerate(lines, start=1) if line and not line.startswith(COMMENTS)]
     if not numbers:
         return ReadTable(str(path), None, [])
-    texts = [_without_attributes(path, n, lines[n - 1]) for n in numbers]
+    texts = [_without_attributes(path, n, lines[n - 1], ignore_attributes) for n in numbers]
     starts = (lines[0].lower(), texts[0].lower())
     if kind := next((kind for start, kind in FORMATS.items() if any(line.startswith(start) for line in starts)), ""):
         raise TableError.of(path, f"looks like {kind}: {AS_TABLE}")
@@ -204,7 +204,7 @@ def read_table(path: str | Path, known: Callable[[str], bool]) -> ReadTable:
     comments = [line.lstrip("".join(COMMENTS) + " ") for line in lines[: numbers[0] - 1] if line]
     rows, heads = (_cells(path, some, separator) for some in (texts, comments[-1:]))
     names = None
-    if not all(map(_is_number, rows[0])):
+    if not all(map(is_number, rows[0])):
         names, rows, numbers = rows[0], rows[1:], numbers[1:]
     elif heads and len(heads[0]) == len(rows[0]):
         are_known = [known(plain(name)) for name in heads[0]]
@@ -251,18 +251,19 @@ def _text(path: Path) -> str:
     return text
 
 
-def _without_attributes(path: str | Path, line: int, text: str) -> str:
-    """A line of networkx's edge lists without the empty dictionary at its end."""
+def _without_attributes(path: str | Path, line: int, text: str, ignore: bool) -> str:
+    """A line of networkx's edge lists without the dictionary at its end, which should be empty unless `ignore`."""
     found = ATTRIBUTES.search(text) if text.endswith("}") else None
     if found is None or found.start() == 0:
         return text
-    if found[1].strip():
+    if found[1].strip() and not ignore:
         what = f"{found[0].strip()}: links have no attributes: write it with data=False"
         raise TableError.of(path, what, where=f"{path}, line {line}")
     return text[: found.start()]
 
 
-def _is_number(cell: str) -> bool:
+def is_number(cell: str) -> bool:
+    """Whether a cell is a number, or empty."""
     try:
         number(cell, True)
     except ValueError:

@@ -22,6 +22,7 @@ from .distributions import Distribution as Distribution
 from .edge_lists import KNOWN as KNOWN, LINKS as LINKS, from_one as from_one, links_of as links_of, unlinked as unlinked
 from .faults import NAMES as NAMES, Fault as Fault, outages as outages
 from .generators import numbered as numbered
+from .graph_files import FileEdges as FileEdges
 from .graphs import network as network, whole as whole
 from .ground import Ground as Ground, reachable as reachable
 from .networks import MOVING as MOVING, TOPOLOGY as TOPOLOGY, Topology as Topology, parse_topology as parse_topology

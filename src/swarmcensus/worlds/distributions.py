@@ -4,21 +4,24 @@ import functools
 import inspect
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, ValidationInfo
 
 from swarmcensus.engine import compile_world
 from swarmcensus.support.errors import BrainError, InputError
+from swarmcensus.support.formatting import counted
 from swarmcensus.support.forms import Form, Number, Share, any_of
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.plugins import Plugins, error_message
+from swarmcensus.support.plugins import PluginName, Plugins, error_message
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
-FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
+FORM = re.compile(r"\s*([A-Za-z][\w.-]*|[^()]+\.py)\s*\(([^()]*)\)\s*")
+FILE = r"[^()]+\.py"
 ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # where quantiles are tried: the least, a middle and the largest u
 
 MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm: their quantiles give a mean
@@ -28,7 +31,7 @@ MIDDLES = (np.arange(1000) + 0.5) / 1000.0  # shares of a swarm: their quantiles
 class Distribution:
     """A distribution of accuracies or errors: its kind, empty for a single number, and its numbers."""
 
-    kind: str
+    kind: PluginName
     numbers: tuple[float, ...]
 
     @functools.cached_property
@@ -52,7 +55,7 @@ class Distribution:
 
     @functools.cached_property
     def edition(self) -> str:
-        """A hash of its file, if another package provides it: results depend on that too."""
+        """A hash of its file, if it is not shipped: results depend on that too."""
         return PLUGINS.digest(self.kind) if self.kind else ""
 
     def draw(self, key: np.ndarray, first_trial: int, trials: int, robots: int) -> np.ndarray:
@@ -144,7 +147,7 @@ def forms() -> str:
     # other packages' spreads are not imported for a message
     heads = [*map(_head, PLUGINS.shipped), *(f"{name}(...)" for name in PLUGINS.outside)]
     distributions = ", ".join(f'"{head}"' for head in heads)
-    return f"a sensor accuracy is a number in [0, 1], {distributions} or {{black = ..., white = ...}}"
+    return f'a sensor accuracy is a number in [0, 1], {distributions}, "FILE.py(...)" or {{black = ..., white = ...}}'
 
 
 def pattern(sign: str) -> str:
@@ -154,18 +157,25 @@ def pattern(sign: str) -> str:
         rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in PLUGINS.shipped
     )
     outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
+    files = rf"{FILE}\s*(\([^()]*\))?"
     up_to_one = rf"{sign}(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"
-    return rf"^\s*({'|'.join([*shipped, *outside, up_to_one])})\s*$"
+    return rf"^\s*({'|'.join([*shipped, *outside, files, up_to_one])})\s*$"
 
 
-def parse_distribution(value: object, accuracy: bool = True) -> Distribution:
-    """Read a number or such as "U(lo, hi)", within [0, 1] where it is an accuracy. Raises ValueError."""
+def parse_distribution(
+    value: object, accuracy: bool = True, base: Path | None = None, known: Mapping[str, Any] = {}
+) -> Distribution:
+    """Read a number or such as "U(lo, hi)", within [0, 1] where it is an accuracy. Raises ValueError.
+
+    Files of spreads are looked for in `known` first, then in the folder `base`; None: no file is opened.
+    """
     if isinstance(value, Distribution):
         return value
     least = 0.0 if accuracy else -1.0
-    match = FORM.fullmatch(value) if isinstance(value, str) else None
+    text = f"{value}()" if isinstance(value, str) and value.strip().endswith(".py") else value
+    match = FORM.fullmatch(text) if isinstance(text, str) else None
     if match is not None:
-        distribution = _named(match[1], match[2])
+        distribution = _named(match[1], match[2], base, known)
         distribution.check(least)
         return distribution
     try:
@@ -183,20 +193,29 @@ DistributionText = Annotated[str, Form(lambda _: {"type": "string", "pattern": p
 ErrorText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("[+-]?")})]
 ABOUT = Field(description='a number for every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"')
 AccuracyDistribution = Annotated[
-    Distribution, BeforeValidator(parse_distribution), any_of(Share, DistributionText), ABOUT
+    Distribution,
+    BeforeValidator(lambda value, info: _in_context(value, info, accuracy=True)),
+    any_of(Share, DistributionText),
+    ABOUT,
 ]
 ErrorDistribution = Annotated[
     Distribution,
-    BeforeValidator(functools.partial(parse_distribution, accuracy=False)),
+    BeforeValidator(lambda value, info: _in_context(value, info, accuracy=False)),
     any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText),
     ABOUT,
 ]
 
 
-def _named(name: str, inside: str) -> Distribution:
+def _in_context(value: object, info: ValidationInfo, accuracy: bool) -> Distribution:
+    context = info.context or {}
+    return parse_distribution(value, accuracy, context.get("base"), context.get("known", {}))
+
+
+def _named(name: str, inside: str, base: Path | None, known: Mapping[str, Any]) -> Distribution:
     letters = {_letter(kind): kind for kind in PLUGINS.shipped}
-    kind = letters.get(name, name)
-    if kind not in PLUGINS:
+    is_file = name.endswith(".py")
+    kind: PluginName = PLUGINS.from_file(name, base, known) if is_file else letters.get(name, name)
+    if not is_file and kind not in PLUGINS:
         raise ValueError(f"{did_you_mean(name, [*letters, *PLUGINS.names])}{forms()}")
     try:
         numbers = tuple(map(float, inside.split(","))) if inside.strip() else ()
@@ -207,21 +226,21 @@ def _named(name: str, inside: str) -> Distribution:
     wanted = _parameters(kind)
     least = sum(one.default is one.empty for one in wanted)
     if not least <= len(numbers) <= len(wanted):
-        raise ValueError(f"{_head(kind)} needs {least} numbers, not {len(numbers)}")
+        raise ValueError(f"{_head(kind)} needs {counted(least, 'number')}, not {len(numbers)}")
     return Distribution(kind, numbers)
 
 
 @functools.cache
-def _letter(kind: str) -> str:
-    return PLUGINS.module(kind).LETTER if kind in PLUGINS.shipped else kind
+def _letter(kind: PluginName) -> str:
+    return PLUGINS.module(kind).LETTER if kind in PLUGINS.shipped else str(kind)
 
 
-def _head(kind: str) -> str:
+def _head(kind: PluginName) -> str:
     return f"{_letter(kind)}({', '.join(one.name for one in _parameters(kind))})"
 
 
 @functools.cache
-def _parameters(kind: str) -> list[inspect.Parameter]:
+def _parameters(kind: PluginName) -> list[inspect.Parameter]:
     module = PLUGINS.module(kind)
     if hasattr(module, "quantile"):
         return list(inspect.signature(module.quantile).parameters.values())[1:]

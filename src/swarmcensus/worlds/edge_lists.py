@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.support.errors import InputError, TableError
-from swarmcensus.support.tables import ReadTable, plain, read_table
+from swarmcensus.support.tables import ReadTable, is_number, plain, read_table
 from swarmcensus.worlds.generators import WEIGHTS
+from swarmcensus.worlds.graph_files import FileEdges
 
 DIRECTED = (("sender", "receiver"), ("source", "target"), ("from", "to"), ("src", "dst"), ("fromnodeid", "tonodeid"))
 ENDS = (*DIRECTED, ("i", "j"), ("u", "v"), ("a", "b"), ("node1", "node2"), ("v1", "v2"))  # names of both columns
@@ -18,6 +19,7 @@ SILENT = ("id", "edgeid", "label")  # columns of Gephi and igraph without inform
 KNOWN = {*(name for pair in ENDS for name in pair), STEP, WEIGHT, TYPE, *SILENT}
 MESSAGES = "step,sender,receiver"
 LINKS = f"i,j for edges, or {MESSAGES} for messages"
+IGNORE = 'weights = "ignore" reads the file without them'
 MOST_NAMED = 8  # robots in a warning
 
 
@@ -47,29 +49,37 @@ def _pair(row: Any) -> tuple[int, int]:
     return i, j
 
 
-def read_edges(path: Path, directed: bool) -> list[tuple[int, int]]:
-    """Read pairs of robot numbers from a file; of a directed pair, the second robot hears the first.
+def read_edges(path: Path, directed: bool, ignore_weights: bool, renumber: bool) -> FileEdges:
+    """Read pairs of robots from a table; of a directed pair, the second robot hears the first.
 
-    Raises InputError.
+    Robots have the numbers in the table. With `renumber` they are numbered from 0 in the order of these, and texts, in
+    columns with names, in the order in which the table first names them. Raises InputError.
     """
-    table = read_table(path, KNOWN.__contains__)
+    table = read_table(path, KNOWN.__contains__, ignore_attributes=ignore_weights)
     if not table.rows:
         raise InputError(f"{path} has no edges: write edges = [] for robots without links", file=path)
-    return [(i, j) for i, j in links_of(table, "source,target", directed).tolist()]
+    links = links_of(table, "source,target", directed, ignore_weights=ignore_weights, renumber=renumber)
+    return FileEdges([(i, j) for i, j in links.tolist()], directed)
 
 
-def links_of(table: ReadTable, right: str, directed: bool = False, messages: bool = False) -> np.ndarray:
+def links_of(
+    table: ReadTable, right: str, directed: bool = False, messages: bool = False, *,
+    ignore_weights: bool = False, renumber: bool = False,
+) -> np.ndarray:  # fmt: skip
     """Edges (edge, 2) of a table, or with `messages` also messages (message, 3) of step, sender and receiver.
 
-    `right` are the names of the columns that there should be, for messages. Raises InputError.
+    `right` are the names of the columns that there should be, for messages. Without `messages`, robots may
+    have texts in place of numbers (see `read_edges`). Raises InputError.
     """
     table = table.without(*(k for k in range(table.width) if table.rows and table.is_empty(k)))
     if table.names is None:
         if table.width == 3 and not messages:
-            raise table.error(0, f"{' '.join(table.rows[0])!r} has a third column: {WEIGHTS}")
+            if not ignore_weights:
+                raise table.error(0, f"{' '.join(table.rows[0])!r} has a third column: {WEIGHTS}; {IGNORE}")
+            table = table.without(2)
         if table.width != 2:
             table.refuse((), right)
-        links = np.stack([table.whole(0), table.whole(1)], axis=1)
+        links = _ordered(table, [0, 1]) if renumber else np.stack([table.whole(0), table.whole(1)], axis=1)
         again = (links[1:] == links[0]).all(axis=1).any()  # names or not, the links are the same
         if not again and table.separator != " ":  # networkx and igraph write links with spaces and without names
             table.check_heading("source,target", "a link")
@@ -81,13 +91,30 @@ def links_of(table: ReadTable, right: str, directed: bool = False, messages: boo
     unknown = [k for k, name in enumerate(names) if name not in (*chosen, WEIGHT, TYPE, *SILENT)]
     if unknown or not pairs or (messages and not has_steps and pairs[0] == DIRECTED[0]):
         table.refuse(unknown or range(len(names)), right)
-    if WEIGHT in names:
+    if WEIGHT in names and not ignore_weights:
         weights = table.column(names.index(WEIGHT))
         if (weights[~np.isnan(weights)] != 1.0).any():
-            raise TableError.of(table.source, f"column {WEIGHT!r}: {WEIGHTS}: leave it out if it says nothing of them")
+            remedy = "leave it out if it says nothing of them" if messages else IGNORE
+            raise TableError.of(table.source, f"column {WEIGHT!r}: {WEIGHTS}; {remedy}")
     if TYPE in names:
         _check_types(table, names.index(TYPE), directed or has_steps, messages)
-    return np.stack([table.whole(names.index(name)) for name in chosen], axis=1)
+    columns = [names.index(name) for name in chosen]
+    if renumber or (not messages and not any(is_number(str(row[k])) for row in table.rows for k in columns)):
+        return _ordered(table, columns)
+    return np.stack([table.whole(k) for k in columns], axis=1)
+
+
+def _ordered(table: ReadTable, columns: list[int]) -> np.ndarray:
+    """Numbers from 0 in place of robots: in the order of their numbers, or of texts as they come."""
+    cells = [str(row[k]).strip() for row in table.rows for k in columns]
+    numbers: dict[str, Any] = {}
+    if all(map(str.isdigit, cells)):
+        numbers = {one: k for k, one in enumerate(sorted({*cells}, key=int))}
+    elif "" in cells:
+        raise table.wrong(cells.index("") // len(columns), columns[cells.index("") % len(columns)], "a robot")
+    else:
+        numbers = {one: k for k, one in enumerate(dict.fromkeys(cells))}
+    return np.array([numbers[cell] for cell in cells]).reshape(-1, len(columns))
 
 
 def _check_types(table: ReadTable, k: int, directed: bool, messages: bool) -> None:

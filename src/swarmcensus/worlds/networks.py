@@ -6,27 +6,30 @@ A topology has a name (see `worlds.topologies`), or is any edge list, or any net
 import functools
 import hashlib
 import json
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, Field
 
 from swarmcensus.engine import Links, address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
+from swarmcensus.support.formatting import counted
 from swarmcensus.support.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
 from swarmcensus.support.hints import did_you_mean, did_you_mean_any
-from swarmcensus.support.plugins import Keys
-from swarmcensus.worlds import generators, wiring
+from swarmcensus.support.plugins import Keys, PluginFile, PluginName, keys_of
+from swarmcensus.worlds import generators, graph_files, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, from_one, read_edges, unlinked
 from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
-TABLE_KEYS = ("name", "edges", "directed", "file", "networkx")
+TABLE_KEYS = ("name", "edges", "directed", "file", "networkx", "label", "weights", "renumber")
+RENUMBER = "; renumber = true numbers them from 0, in their order"
 DIFFERENT = Field(json_schema_extra={"uniqueItems": True})
 ARGUMENT = says("should be a number, a text, true or false, or a list")
+RESERVED = ("full", "line", "moving", "ring", "scale-free")  # shipped names that no edge list may have
 MOVING = "moving"  # the topology of robots that move, as datasets name it
 
 
@@ -37,25 +40,27 @@ class Topology:
     In a directed edge (u, v), v hears u. Graphs of a generator are directed or not by themselves.
     """
 
-    name: str  # as in the dataset
+    name: str  # as in the dataset, unless it has a label
     edges: tuple[tuple[int, int], ...] | None = None
     generator: tuple[str, str] | None = None  # the function's name, its arguments as JSON
     source: str = ""  # the edge list's file, for messages
     directed: bool = False  # whether the edges are
     keys: Keys = ()  # of a named topology
-    kind: str = ""  # the plain name of a named topology, if `name` shows its keys too
+    kind: PluginName = ""  # the plain name of a named topology, if `name` shows its keys too; or its file
+    label: str = field(default="", compare=False)  # in place of the name, in datasets
+    nodes: int | None = field(default=None, compare=False)  # of an edge list, if its file says how many
 
     def __str__(self) -> str:
-        """The name, as in the dataset."""
-        return self.name
+        """The label or name, as in the dataset."""
+        return self.label or self.name
 
     def __hash__(self) -> int:
         """A hash that is quick for millions of edges."""
         return hash((self.name, self._digest, self.generator))
 
     @functools.cached_property
-    def named(self) -> str:
-        """The plain name of a named topology; empty for edges and generators."""
+    def named(self) -> PluginName:
+        """The plain name, or the file, of a named topology; empty for edges and generators."""
         return (self.kind or self.name) if self.edges is None and self.generator is None else ""
 
     @functools.cached_property
@@ -78,11 +83,13 @@ class Topology:
     @property
     def form(self) -> object:
         """As in a study file."""
+        label = {"label": self.label} if self.label else {}
         if self.generator is not None:
-            return {"networkx": self.generator[0], **json.loads(self.generator[1])}
+            return {"networkx": self.generator[0], **json.loads(self.generator[1]), **label}
         if self.edges is None:
-            return {"name": self.named, **dict(self.keys)} if self.keys else self.name
-        return {"name": self.name, "edges": self.edges} | ({"directed": True} if self.directed else {})
+            what = "file" if isinstance(self.named, PluginFile) else "name"
+            return {what: str(self.named), **dict(self.keys), **label} if self.keys or label else self.name
+        return {"name": self.name, "edges": self.edges, **({"directed": True} if self.directed else {}), **label}
 
     @property
     def content(self) -> object:
@@ -92,7 +99,7 @@ class Topology:
 
     @functools.cached_property
     def edition(self) -> str:
-        """A hash of its file, if another package provides it: results depend on that too."""
+        """A hash of its file, if it is not shipped: results depend on that too."""
         return PLUGINS.digest(self.named) if self.named else ""
 
     @functools.cached_property
@@ -102,12 +109,15 @@ class Topology:
 
     def check(self, robots: int) -> None:
         """Raise ValueError if the topology does not fit a swarm of this size."""
+        if self.nodes not in (None, robots):
+            raise ValueError(f"{self.source} has {counted(self.nodes, 'node')}: should be as many as robots, {robots}")
         for i, j in self.edges or ():
             if max(i, j) >= robots:
                 where = f"{self.source}: " if self.source else ""
+                starts = from_one(np.array(self.edges))
                 raise ValueError(
                     f"{where}edge ({i}, {j}) of topology {self.name!r} leads to a robot that is not there: "
-                    f"the robots are numbered 0 to {robots - 1}{from_one(np.array(self.edges))}"
+                    f"the robots are numbered 0 to {robots - 1}{starts}{RENUMBER * bool(starts and self.source)}"
                 )
         if self.generator:
             generators.check(*self.generator, robots)
@@ -153,22 +163,30 @@ Edges = list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, ma
 Directed = Annotated[bool, Field(strict=True)]
 
 
-class EdgesTable(ValueTable):
+class LabelledTable(ValueTable):
+    """A topology that tables and figures may call by another name."""
+
+    label: Text | None = None
+
+
+class EdgesTable(LabelledTable):
     """A list of edges."""
 
-    name: Annotated[Text, Form(lambda text: text() | {"not": {"enum": [*PLUGINS.shipped]}})]
+    name: Annotated[Text, Form(lambda text: text() | {"not": {"enum": [*RESERVED]}})]
     edges: Annotated[Any, any_of(Edges)]  # read by `edges_of`, for there may be millions
     directed: Directed = False
 
 
-class EdgeFileTable(ValueTable):
-    """A CSV file of edges."""
+class EdgeFileTable(LabelledTable):
+    """A file of edges: a table, or a graph."""
 
-    file: Text
-    directed: Directed = False
+    file: Annotated[Text, Form(lambda text: text() | {"not": {"pattern": r"\.py$"}})]
+    directed: Directed | None = None
+    weights: Annotated[Literal["ignore"], says('should be "ignore"')] | None = None
+    renumber: Annotated[bool, Field(strict=True)] = False
 
 
-class GeneratorTable(ValueTable):
+class GeneratorTable(LabelledTable):
     """A function of networkx that makes graphs, and its arguments."""
 
     model_config = ConfigDict(extra="allow", json_schema_extra={"not": {"required": ["seed"]}})
@@ -178,13 +196,25 @@ class GeneratorTable(ValueTable):
 
 
 def _named_tables(_: Callable[[], Schema]) -> Schema:
-    """{name = "ring"}; other packages' topologies may have keys, and are not imported for a schema."""
+    """{name = "ring"}, with keys; topologies that are not shipped are not imported for a schema."""
+    label = {"label": {"type": "string", "minLength": 1}}
 
-    def named(names: Iterable[str]) -> Schema:
-        return {"type": "object", "properties": {"name": {"enum": [*names]}}, "required": ["name"]}
+    def table(key: str, which: Schema, keys: Schema | None = None) -> Schema:
+        found: Schema = {"type": "object", "required": [key], **(keys or {})}
+        return found | {"properties": {key: which} | found.get("properties", {}) | label}
 
-    alone = named(PLUGINS.shipped) | {"additionalProperties": False}
-    return {"anyOf": [alone, named(PLUGINS.outside)] if PLUGINS.outside else [alone]}
+    models = {name: keys_of(wiring.function_of(name)) for name in PLUGINS.shipped}
+    bare = [name for name, model in models.items() if not model.model_fields]
+    tables = [table("name", {"enum": bare}) | {"additionalProperties": False}]
+    for name, model in models.items():
+        if model.model_fields:
+            tables.append(table("name", {"enum": [name]}, {"additionalProperties": False} | _keys(model)))
+    outside = [table("name", {"enum": [*PLUGINS.outside]})] if PLUGINS.outside else []
+    return {"anyOf": [*tables, *outside, table("file", {"type": "string", "pattern": r"\.py$"})]}
+
+
+def _keys(model: Any) -> Schema:
+    return {"properties": model.model_json_schema().get("properties", {})}
 
 
 NAMED = Annotated[Any, Form(_named_tables)]
@@ -194,50 +224,66 @@ TOPOLOGY = any_of(Annotated[str, name_in(PLUGINS)], EdgesTable, EdgeFileTable, G
 def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
     """Read any form of topology that a study may contain. Raises ValueError with what would be right.
 
-    Edge-list files are looked for in `known` (path to edges) first, then in the folder `base`; None: no file is opened.
+    Files are looked for in `known` (path to `FileEdges` or `PluginFile`) first, then in the folder `base`; None: no
+    file is opened.
     """
     if isinstance(value, Topology):
         return value
-    if isinstance(value, str):
-        if value in PLUGINS.shipped:
-            return _named(value, {})
-        if value in known or (base is not None and (base / value).is_file()) or value not in PLUGINS:
-            return _of_file(value, False, base, known)
-        return _named(value, {})
+    if isinstance(value, str | Path):
+        name = str(value)
+        if name in RESERVED:
+            return _named(name, {})
+        if name.endswith(".py"):
+            return _named(PLUGINS.from_file(name, base, known), {})
+        if name in known or (base is not None and (base / name).is_file()) or name not in PLUGINS:
+            return _of_file(EdgeFileTable(file=name), base, known)
+        return _named(name, {})
     if isinstance(value, Mapping):
         if "networkx" in value:
             return _generated(read(GeneratorTable, value, _right))
         if "edges" in value:
             return _listed(read(EdgesTable, value, _right, TABLE_KEYS))
         if "file" in value:
-            table = read(EdgeFileTable, value, _right, TABLE_KEYS)
-            return _of_file(table.file, table.directed, base, known)
+            if str(value["file"]).endswith(".py"):
+                return _labelled(PLUGINS.from_file(str(value["file"]), base, known), value, "file")
+            return _of_file(read(EdgeFileTable, value, _right, TABLE_KEYS), base, known)
         if isinstance(value.get("name"), str):
-            return _named(value["name"], {k: v for k, v in value.items() if k != "name"})
+            return _labelled(value["name"], value, "name")
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
-        name = f"{name} graph" if name in PLUGINS.shipped else name
+        name = f"{name} graph" if name in RESERVED else name
         return Topology(name, edges_of(generators.numbered(value, own=True), directed), directed=directed)
     keys = value if isinstance(value, Mapping) else ()
     raise ValueError(f"{did_you_mean_any(keys, TABLE_KEYS)}{_right()}")
 
 
 def _generated(table: GeneratorTable) -> Topology:
-    arguments = dict(sorted(table.__pydantic_extra__.items()))
+    arguments = dict(sorted((table.__pydantic_extra__ or {}).items()))
     if "seed" in arguments:
         raise ValueError("the study's seed gives each trial its graph: leave out seed")
     text = ",".join(f"{key}={value}" for key, value in arguments.items())
-    return Topology(f"{table.networkx}({text})", generator=(table.networkx, json.dumps(arguments)))
+    name = f"{table.networkx}({text})"
+    return Topology(name, generator=(table.networkx, json.dumps(arguments)), label=table.label or "")
 
 
 def _listed(table: EdgesTable) -> Topology:
-    if table.name in PLUGINS.shipped:
+    if table.name in RESERVED:
         raise ValueError(f"the name {table.name!r} is taken: call an edge list otherwise")
-    return Topology(table.name, edges_of(table.edges, table.directed), directed=table.directed)
+    edges = edges_of(table.edges, table.directed)
+    return Topology(table.name, edges, directed=table.directed, label=table.label or "")
 
 
-def _named(name: str, given: dict[str, Any]) -> Topology:
-    if name not in PLUGINS:
+def _labelled(name: PluginName, table: Mapping[str, Any], key: str) -> Topology:
+    topology = _named(name, {k: v for k, v in table.items() if k not in (key, "label")})
+    if "label" not in table:
+        return topology
+    if topology.moves:
+        raise ValueError('robots that move are always called "moving": leave out label')
+    return replace(topology, label=read(LabelledTable, {"label": table["label"]}, _right).label or "")
+
+
+def _named(name: PluginName, given: dict[str, Any]) -> Topology:
+    if name not in PLUGINS and not isinstance(name, PluginFile):
         hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
         raise ValueError(f"{hint}{_right()}")
     text, keys = wiring.read(name, given)
@@ -246,24 +292,34 @@ def _named(name: str, given: dict[str, Any]) -> Topology:
 
 def _right() -> str:
     return (
-        f"a topology is one of {', '.join(PLUGINS.names)}, the path of an edge-list CSV file, "
+        f"a topology is one of {', '.join(PLUGINS.names)}, the path of a table of edges, of a graph "
+        f"({', '.join(graph_files.FORMATS)}) or of a .py file, "
         '{name = "...", edges = [[0, 1], ...]} or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
     )
 
 
-def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, Any]) -> Topology:
+def _of_file(table: EdgeFileTable, base: Path | None, known: Mapping[str, Any]) -> Topology:
+    path, ignore = table.file, table.weights is not None
     if path in known:
-        pairs = known[path]
+        found = known[path]
     elif base is None:
         raise ValueError(
             "these edges are not stored here, and no file is opened here; nor is there a topology of this name"
         )
     elif not (base / path).is_file():
         raise ValueError(f"{did_you_mean(path, PLUGINS.names)}{_right()}; there is no file {base / path}")
+    elif graph_files.is_graph(path):
+        if table.renumber:
+            raise ValueError("renumber is for tables: the nodes of a graph file are numbered in its order")
+        found = graph_files.read_graph(base / path, ignore)
+        if table.directed and not found.directed:
+            raise ValueError(f"{path} is an undirected graph: leave out directed")
     else:
-        pairs = read_edges(base / path, directed)
-    return Topology(_file_name(path), edges_of(pairs, directed), source=path, directed=directed)
+        found = read_edges(base / path, bool(table.directed), ignore, table.renumber)
+    directed = found.directed if table.directed is None else table.directed
+    edges = edges_of(found.pairs, directed)
+    return Topology(_file_name(path), edges, source=path, directed=directed, label=table.label or "", nodes=found.nodes)
 
 
 def _file_name(path: str) -> str:
-    return Path(path).name if Path(path).stem in PLUGINS.shipped else Path(path).stem
+    return Path(path).name if Path(path).stem in RESERVED else Path(path).stem

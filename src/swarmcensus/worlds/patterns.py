@@ -11,7 +11,17 @@ import numpy as np
 from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.forms import Form, Schema
 from swarmcensus.support.hints import did_you_mean_any
-from swarmcensus.support.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
+from swarmcensus.support.plugins import (
+    Keys,
+    PluginFile,
+    PluginName,
+    Plugins,
+    defaults_of,
+    error_message,
+    keys_of,
+    read_keys,
+    text_of,
+)
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import Picture
@@ -26,7 +36,7 @@ PLUGINS = Plugins("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
 class Floor:
     """A kind of floor, with its own keys."""
 
-    kind: str = "tiles"
+    kind: PluginName = "tiles"
     keys: Keys = ()
 
     @functools.cached_property
@@ -35,7 +45,7 @@ class Floor:
         shown = list(self.keys)
         while shown and shown[-1][0] in usual and usual[shown[-1][0]] == shown[-1][1]:
             shown.pop()
-        return f"{self.kind}({','.join(text_of(value) for _, value in shown)})" if shown else self.kind
+        return f"{self.kind}({','.join(text_of(value) for _, value in shown)})" if shown else str(self.kind)
 
     def __str__(self) -> str:
         """As in the dataset: "tiles", "clusters(0.2)", "image(leaves)"; last keys with default values are left out."""
@@ -45,18 +55,20 @@ class Floor:
     def content(self) -> object:
         """What the random numbers of this floor depend on: its kind and keys. Their order is fixed by older results."""
         keys = {key: value.digest if isinstance(value, Picture) else value for key, value in self.keys}
-        first = [self.kind, keys.pop("length", 0.0), keys.pop("image", None), keys.pop("mode", "")]
+        first = [str(self.kind), keys.pop("length", 0.0), keys.pop("image", None), keys.pop("mode", "")]
         return [*first, keys] if keys else first
 
     @functools.cached_property
     def edition(self) -> str:
-        """A hash of its file, if another package provides it: results depend on that too."""
+        """A hash of its file, if it is not shipped: results depend on that too."""
         return PLUGINS.digest(self.kind)
 
     @property
     def form(self) -> object:
         """As in a study file."""
         keys = {key: value.source if isinstance(value, Picture) else value for key, value in self.keys}
+        if isinstance(self.kind, PluginFile):
+            return {"file": self.kind.name, **keys} if keys else self.kind.name
         return {self.kind: keys.pop(self.keys[0][0]), **keys} if self.keys else self.kind
 
     @property
@@ -120,7 +132,7 @@ class Floor:
         return BrainError(f"floor {self}: {message}", key="floor", value=self)
 
     def _checked(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
-        """`function` itself, or if it is another package's, one that checks what it returns."""
+        """`function` itself, or if it is not shipped, one that checks what it returns."""
         if not self.edition:
             return function
 
@@ -134,7 +146,7 @@ class Floor:
         return checked
 
 
-def _function(kind: str) -> Callable[..., Any]:
+def _function(kind: PluginName) -> Callable[..., Any]:
     module = PLUGINS.module(kind)
     found = getattr(module, "paint", None) or getattr(module, "score", None)
     if not callable(found):
@@ -142,15 +154,27 @@ def _function(kind: str) -> Callable[..., Any]:
     return cast(Callable[..., Any], found)
 
 
-def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray]) -> Floor:
+def parse_floor(value: object, base: Path | None, known: Mapping[str, Any]) -> Floor:
     """Read any form of floor that a study may contain. Raises ValueError or InputError with what would be right.
 
-    Image files are looked for in `known` (path to grey levels) first, then in the folder `base`; None: no file is
-    opened.
+    Image files are looked for in `known` (path to grey levels) first, and so are files of floors, then in the folder
+    `base`; None: no file is opened.
     """
     if isinstance(value, Floor):
         return value
     table = value if isinstance(value, Mapping) else {}
+    context = {"base": base, "images": known}
+    file = str(table.get("file", value if isinstance(value, str | Path) else ""))
+    if file.endswith(".py"):
+        kind = PLUGINS.from_file(file, base, known)
+        given = {key: one for key, one in table.items() if key != "file"}
+        if "file" in keys_of(_function(kind)).model_fields:
+            raise kind.error("it has a key file, which means something else in study files")
+        return Floor(kind, read_keys(f"floor {kind}", _function(kind), given, context))
+    return _shipped_or_named(value, table, context)
+
+
+def _shipped_or_named(value: object, table: Mapping[str, Any], context: Mapping[str, Any]) -> Floor:
     names = [value] if isinstance(value, str) else list(table)
     kind = next((name for name in names if name in PLUGINS), None)
     if kind is None:
@@ -162,7 +186,7 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray
     if table:
         given[str(first)] = table[kind]
     try:
-        return Floor(kind, read_keys(f"floor {kind}", function, given, {"base": base, "images": known}))
+        return Floor(kind, read_keys(f"floor {kind}", function, given, context))
     except ValueError as error:
         raise error if table else ValueError(f"{error}: write {_form(kind)}") from None
 
@@ -173,7 +197,9 @@ def _schema(_: Callable[[], Schema]) -> Schema:
     bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
     tables = [_table(kind, model.model_json_schema()) for kind, model in models.items() if model.model_fields]
     others = [{"type": "object", "properties": {kind: {}}, "required": [kind]} for kind in PLUGINS.outside]
-    return {"anyOf": [{"enum": [*bare, *PLUGINS.outside]}, *tables, *others]}
+    file = {"type": "string", "pattern": r"\.py$"}
+    with_keys = {"type": "object", "properties": {"file": file}, "required": ["file"]}
+    return {"anyOf": [{"enum": [*bare, *PLUGINS.outside]}, *tables, *others, file, with_keys]}
 
 
 def _table(kind: str, keys: Schema) -> Schema:
@@ -202,4 +228,4 @@ def _example(field: "FieldInfo") -> str:
 
 def _forms() -> str:
     outside = (f'"{kind}"' for kind in PLUGINS.names if kind not in PLUGINS.shipped)  # not imported for a message
-    return f"one of {', '.join([*map(_form, PLUGINS.shipped), *outside])}"
+    return f"one of {', '.join([*map(_form, PLUGINS.shipped), *outside])}, or the path of a .py file"

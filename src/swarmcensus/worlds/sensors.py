@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -188,45 +189,53 @@ ACCURACY = any_of(AccuracyDistribution, SidesTable, FallingTable, RisingTable)
 BELIEF = any_of(AccuracyDistribution, SidesTable, ErrorTable)
 
 
-def parse_accuracy(value: object) -> Accuracy:
-    """Read any form of accuracy that a study file may contain. Raises ValueError with what would be right."""
+def parse_accuracy(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> Accuracy:
+    """Read any form of accuracy that a study file may contain. Raises ValueError with what would be right.
+
+    `base` and `known` are as for `parse_distribution`.
+    """
+    context = {"base": base, "known": known}
     if isinstance(value, Accuracy):
         return value
     if not isinstance(value, Mapping):
-        return Accuracy(parse_distribution(value))
+        return Accuracy(parse_distribution(value, True, base, known))
     if "start" in value or "drift" in value:
-        return _drifting(value)
+        return _drifting(value, context)
     if any(isinstance(side, Mapping) for side in value.values()):
         raise ValueError("black and white cannot drift: a drift {start = ..., drift = ...} is of b = w")
     right, keys = "an accuracy table has the keys black and white, or start and drift", ("black", "white", *KEYS)
-    sides = read(SidesTable, value, lambda: right, keys)
+    sides = read(SidesTable, value, lambda: right, keys, context)
     return Accuracy(sides.black, sides.white)
 
 
-def start_of(text: str) -> Accuracy:
-    """The accuracies of round 1 from their text in a dataset. Raises ValueError."""
+def start_of(text: str, known: Mapping[str, Any] = {}) -> Accuracy:
+    """The accuracies of round 1 from their text in a dataset; files of spreads are `known`. Raises ValueError."""
     sides = re.fullmatch("black=(.*) white=(.*)", text)
     if sides:
-        return Accuracy(parse_distribution(sides[1]), parse_distribution(sides[2]))
-    return Accuracy(parse_distribution(text.partition(" drift=")[0]))
+        return parse_accuracy({"black": sides[1], "white": sides[2]}, None, known)
+    return parse_accuracy(text.partition(" drift=")[0], None, known)
 
 
-def parse_assumed(value: object) -> Accuracy | Misjudgement:
-    """Read any form of assumed accuracy: an accuracy without drift, or {error = ...}. Raises ValueError."""
+def parse_assumed(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> Accuracy | Misjudgement:
+    """Read any form of assumed accuracy: an accuracy without drift, or {error = ...}. Raises ValueError.
+
+    `base` and `known` are as for `parse_distribution`.
+    """
+    context = {"base": base, "known": known}
     if isinstance(value, Misjudgement):
         return value
     if not isinstance(value, Mapping):
-        return parse_accuracy(value)
+        return parse_accuracy(value, base, known)
     if "start" in value or "drift" in value:
         raise ValueError("an assumed accuracy does not drift: give one accuracy, or leave it out: that of round 1")
     right, keys = "an assumed accuracy has the keys black and white, or error", ("black", "white", "error")
     if "error" in value:
-        return Misjudgement(read(ErrorTable, value, lambda: right, keys).error)
-    sides = read(SidesTable, value, lambda: right, keys)
+        return Misjudgement(read(ErrorTable, value, lambda: right, keys, context).error)
+    sides = read(SidesTable, value, lambda: right, keys, context)
     return Accuracy(sides.black, sides.white)
 
 
-def _drifting(value: Mapping[str, Any]) -> Accuracy:
+def _drifting(value: Mapping[str, Any], context: Mapping[str, Any]) -> Accuracy:
     slope: Any = value.get("drift")
     is_number = isinstance(slope, int | float) and not isinstance(slope, bool)
     if is_number and slope == 0:
@@ -236,7 +245,7 @@ def _drifting(value: Mapping[str, Any]) -> Accuracy:
     if is_number and other in value:
         raise ValueError(f"{other} means nothing if the drift is {'above' if rises else 'below'} 0: give {key}")
     model: type[FallingTable | RisingTable] = RisingTable if rises else FallingTable
-    table = read(model, value, lambda: f"an accuracy that drifts is {FORM}", KEYS)
+    table = read(model, value, lambda: f"an accuracy that drifts is {FORM}", KEYS, context)
     bound = table.most if isinstance(table, RisingTable) else table.least
     low, high = table.start.ends()
     if (high >= bound) if rises else (low <= bound):

@@ -9,11 +9,20 @@ import numpy as np
 
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
+from swarmcensus.support.plugins import (
+    Keys,
+    PluginName,
+    Plugins,
+    defaults_of,
+    error_message,
+    keys_of,
+    read_keys,
+    text_of,
+)
 from swarmcensus.worlds.chance import Chance
 
 PLUGINS = Plugins("topology", "swarmcensus.topologies", "swarmcensus.worlds.topologies")
-TAKEN = {"name", "edges", "file", "networkx", "directed"}  # keys of other forms of topologies
+TAKEN = {"name", "edges", "file", "networkx", "directed", "label"}  # keys of other forms of topologies
 Heard = tuple[np.ndarray, np.ndarray]  # receivers and senders, sorted by them
 
 
@@ -21,7 +30,8 @@ def _no_edges() -> None:
     """In place of the function of full networks and of robots that move, which have no edges and no keys."""
 
 
-def _function(name: str) -> Callable[..., Any]:
+def function_of(name: PluginName) -> Callable[..., Any]:
+    """The function of a topology's file that makes edges, or links. Raises InputError if it has none."""
     module = PLUGINS.module(name)
     if name in PLUGINS.shipped:
         return getattr(module, "edges", getattr(module, "links", _no_edges))  # type: ignore[no-any-return]
@@ -30,44 +40,44 @@ def _function(name: str) -> Callable[..., Any]:
     return module.edges  # type: ignore[no-any-return]
 
 
-def read(name: str, given: dict[str, Any]) -> tuple[str, Keys]:
+def read(name: PluginName, given: dict[str, Any]) -> tuple[str, Keys]:
     """The text of a named topology, such as torus(columns=5), and its keys. Raises ValueError."""
-    function = _function(name)
+    function = function_of(name)
     for key in keys_of(function).model_fields.keys() & TAKEN:
-        raise BrainError.named("topology", name, f"it has a key {key}, which means something else in study files")
+        raise BrainError.named("topology", str(name), f"it has a key {key}, which means something else in study files")
     keys = read_keys(f"topology {name}", function, given)
     defaults = defaults_of(function)
     shown = ",".join(f"{key}={text_of(value)}" for key, value in keys if key not in defaults or defaults[key] != value)
-    return f"{name}({shown})" if shown else name, keys
+    return f"{name}({shown})" if shown else str(name), keys
 
 
 @functools.cache
-def varies(name: str) -> bool:
+def varies(name: PluginName) -> bool:
     """Whether graphs differ from trial to trial: the function then takes `chance` too."""
-    parameters = inspect.signature(_function(name)).parameters.values()
+    parameters = inspect.signature(function_of(name)).parameters.values()
     return sum(p.kind is not p.KEYWORD_ONLY and p.default is p.empty for p in parameters) > 1
 
 
-def check(name: str, keys: Keys, robots: int) -> None:
+def check(name: PluginName, keys: Keys, robots: int) -> None:
     """Raise ValueError if the topology's own `check` refuses a swarm of this size."""
     refuse = getattr(PLUGINS.module(name), "check", None)
     if refuse is not None:
         _called(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
 
 
-def check_repeats(name: str, keys: Keys, robots: int) -> None:
+def check_repeats(name: PluginName, keys: Keys, robots: int) -> None:
     """Raise InputError if a graph fails, or differs when it is made again."""
     chances = [Chance(np.zeros(2, np.uint64), 0) if varies(name) else None]
     one, other = (graphs(name, keys, robots, chances)[0] for _ in range(2))
     if not all(map(np.array_equal, one, other)):
         drawn = "those that differ from trial to trial are drawn from chance.generator()"
         what = f"its edges should be the same at each call: {drawn}, by a function edges(robots, chance)"
-        raise BrainError.named("topology", name, what)
+        raise BrainError.named("topology", str(name), what)
 
 
-def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
+def graphs(name: PluginName, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
     """Who hears whom in each trial; a chance is None if all trials share a graph. Raises InputError if one fails."""
-    module, function, own = PLUGINS.module(name), _function(name), dict(keys)
+    module, function, own = PLUGINS.module(name), function_of(name), dict(keys)
     if name in PLUGINS.shipped and hasattr(module, "links"):
         return [function(robots, chance, **own) for chance in chances]
     directed = getattr(module, "DIRECTED", False)
@@ -79,14 +89,14 @@ def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None])
     return [heard(_called(name, keys, robots, edges, chance), directed) for chance in chances]
 
 
-def _called(name: str, keys: Keys, robots: int, call: Callable[..., Any], argument: object) -> Any:
+def _called(name: PluginName, keys: Keys, robots: int, call: Callable[..., Any], argument: object) -> Any:
     try:
         return call(argument)
     except Exception as error:
-        own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
-        where = f"topology {name!r} of {counted(robots, 'robot')}{own}"
+        own = "".join(f", {key} = {text_of(value)}" for key, value in keys if value is not None)
+        where = f"topology {str(name)!r} of {counted(robots, 'robot')}{own}"
         what = error_message(error, PLUGINS.path(name))
-        raise BrainError(f"{where}: {what}", key="topology", value=name) from error
+        raise BrainError(f"{where}: {what}", key="topology", value=str(name)) from error
 
 
 def pairs_of(given: Any, robots: int) -> np.ndarray:

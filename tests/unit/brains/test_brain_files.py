@@ -95,6 +95,12 @@ def source_of(place, text):
         (HEAD, 'ROLES = {"x": "belief"}', "ROLES['x'] = 'belief': a belief is a vector, and other roles are"),
         (HEAD, 'ROLES = {"x": "information"}', "ROLES names an information but no confid"),
         (HEAD, "OPINION = 1", "OPINION = 1"),
+        (HEAD, 'NEEDS = ("rounds",)', 'NEEDS should be a dict such as {"silent": "3 * phase"}'),
+        (HEAD, 'NEEDS = {"round": 3}', "NEEDS names 'round': did you mean 'rounds'? known are silent, robots"),
+        (HEAD, 'NEEDS = {"rounds": "2 * phas"}', "NEEDS['rounds'] = '2 * phas': should be a number, or plain arithm"),
+        (HEAD, 'NEEDS = {"rounds": "1 +"}', "NEEDS['rounds'] = '1 +': should be a number"),
+        (HEAD, 'NEEDS = {"rounds": "1 / 0"}', "NEEDS['rounds'] = '1 / 0': should be a number"),
+        (HEAD, 'NEEDS = {"rounds": "print(1)"}', "NEEDS['rounds'] = 'print(1)': should be a number"),
         (END, "def jam(me):\n    if me.t > 1.0:\n        return True", "jam may end without returning"),
     ],
 )

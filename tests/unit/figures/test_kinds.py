@@ -17,7 +17,20 @@ from swarmcensus.support.intervals import estimate
 from tests.support.drawing import assert_fits, drawn, forget, study, texts
 from tests.support.places import ROOT
 
-OURS = ["arena", "beliefs", "compare", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
+OURS = [
+    "arena",
+    "beliefs",
+    "compare",
+    "curves",
+    "decisions",
+    "film",
+    "heatmap",
+    "lines",
+    "pareto",
+    "profiles",
+    "ranks",
+    "scatter",
+]
 
 
 def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:

@@ -9,8 +9,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.results import cautions_of_needs
 from swarmcensus.results.cautions import settled_at_start, warn_of_start
 from swarmcensus.support.files import shipped_study
+from tests.support.small import study_of
 
 STUDY = """
 trials = 4
@@ -89,3 +91,21 @@ def test_no_study_that_is_shipped_lies_on_an_edge(path):
 
 def listed(value):
     return value if isinstance(value, list) else [value]
+
+
+@pytest.mark.interpreted
+def test_brains_out_of_range_are_cautioned_of():
+    study = study_of(["gated-mean", "alone", "voter"], 8, rounds=20, trials=2, measure={"bins": 2})
+    data = sc.run(study, 1, cautions=False)
+    late = (
+        "gated-mean says nothing before round 451; this study has 20 (phase = 450, run = 0). It takes readings for the "
+        "truth, so an accuracy of 0.7 biases its estimates (debiased = 0)"
+    )
+    early = "voter needs 230 rounds; this study has 20 (disseminate = 100, explore = 100, listen = 30)"
+    silent = "gated-mean sent nothing in some trials, so robots were alone"
+    assert cautions_of_needs(data.isel(setting=[1])) == []
+    assert cautions_of_needs(data.isel(setting=[0, 1]), ["correct"]) == [late, silent]
+    assert cautions_of_needs(data.isel(setting=[2]), ["right_side"])[0] == early
+    asked = "voter: the answer is on which side of one half f is, so right_side measures it, not final_error"
+    assert cautions_of_needs(data, ["final_error"])[-1] == asked
+    assert {late, silent, asked} <= set(sc.compare(data, "final_error").cautions)

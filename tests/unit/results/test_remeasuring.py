@@ -69,6 +69,10 @@ def test_remeasuring_equals_a_run(tables, kept, truth):
     assert late.sum() > 0.9 * (run["convergence_round"].values >= 0).sum()
     for name in ("convergence_round", "convergence_error"):
         assert np.array_equal(asked[name].values[late], run[name].values[late])
+    agreed = run["agreement_round"].values
+    assert np.isfinite(agreed).any()
+    assert (agreed != kept["agreement_round"].values).any()
+    assert np.array_equal(asked["agreement_round"].values, np.maximum(agreed, 1.0))
     assert (asked.attrs["delta"], asked.attrs["bins"]) == (0.05, 7)
     assert kept.attrs["bins"] == 10, "the results asked of stay as they are"
 

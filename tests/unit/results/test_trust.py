@@ -15,7 +15,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results import check_against_study, structure
 from swarmcensus.results.reading import WHOLE
 from swarmcensus.results.store import stored
-from swarmcensus.results.values import ENDLESS, EVERY
+from swarmcensus.results.values import AGREEMENT, ENDLESS, EVERY
 from swarmcensus.runs import verifying
 from swarmcensus.support.errors import InputError
 from swarmcensus.worlds import networks, pictures
@@ -403,8 +403,15 @@ class TestFormat:
             shutil.copy(file, tmp_path)
         study = sc.Study.load(tmp_path / "results.toml").with_(trials=3)
         data, whole = sc.run(study, jobs=1, out=tmp_path / "results-3.nc"), sc.run(study, jobs=1)
-        assert data.drop_attrs().identical(whole.drop_attrs())
+        added = [*AGREEMENT]  # the two trials of the file lack it
+        assert data.drop_attrs().drop_vars(added).identical(whole.drop_attrs().drop_vars(added))
+        for name in added:
+            assert data[name].isel(trial=2).identical(whole[name].isel(trial=2))
+            assert data[name].isel(trial=slice(2)).isnull().all()
         assert sc.load(tmp_path / "results-3.nc").identical(data)
+        both = sc.merge([data, whole])
+        assert both["agreement_round"].identical(whole["agreement_round"])
+        assert sc.verify(data, 1.0, jobs=1).differences == []
 
     def test_another_format_is_refused(self, files, tmp_path):
         sc.save(sc.load(files / "kinds.nc").assign_attrs(format="swarmcensus results 2"), tmp_path / "x.nc")

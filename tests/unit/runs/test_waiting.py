@@ -1,6 +1,7 @@
 """What a person sees who waits for the compiler: one line with a count, whatever the number of brains."""
 
 import io
+import logging
 import sys
 import threading
 
@@ -32,8 +33,7 @@ def waited(show, kinds=60):
 def test_compiling_many_brains_without_a_terminal(monkeypatch, capsys):
     with progress.bar_or_lines("board") as show:
         waited(show)
-    lines = ["board: compiling 1 of 60: voter", "board: 0 of 1 trial, starting"]
-    assert capsys.readouterr().err.splitlines() == lines
+    assert capsys.readouterr().err.splitlines() == ["board: 0 of 1 trial, starting"]  # a log says what is compiled
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     with progress.bar_or_lines("board") as show:
         waited(show)
@@ -55,7 +55,7 @@ def test_compiling_bar_on_a_terminal(monkeypatch):
 
 
 @pytest.mark.parametrize("copied", [True, False])
-def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
+def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch, caplog):
     """Networks are compiled here, robots that move in a copy of the process where there is one, else here too."""
     compiled, told = [], []
 
@@ -75,6 +75,9 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
         world={"topology": ["full", "ring", "moving"], "density": 1, "fill_ratio": 0.55},
     )  # fmt: skip
     moving = [(name, True) for name in NAMES]
+    caplog.set_level(logging.INFO)
+    monkeypatch.setattr(pools, "MOST_NAMED", 2)
+    monkeypatch.setattr(pools, "_engine_is_compiled", lambda setting: not setting.body)
     monkeypatch.setattr(pools, "in_background", in_background)
     monkeypatch.setattr(pools.code_cache, "keeps", lambda: True)
     monkeypatch.setattr(pools, "_is_compiled", lambda setting, _: (setting.brain.name, bool(setting.body)) in compiled)
@@ -86,6 +89,9 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
     assert counts == sorted(counts)
     assert sorted({*counts}) == [(k, 6) for k in range(6)]
     assert told[0][0].startswith("compiling 1 of 6: ")
+    what = "the engine and minimalistic, legacy, 1 more for fixed networks and robots that move"
+    assert caplog.messages == [f"compiling {what}, once on this machine"]
     told.clear()
     pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
     assert told == []
+    assert len(caplog.messages) == 1

@@ -103,6 +103,7 @@ def test_segments_hear_earlier_messages(rows, monkeypatch):
             curves = record_trial(setting, SEED, 1 + t)[1]
             index = metrics.convergence(curves, measure.delta)
             assert (batch.convergence[t] == index).all()
+            assert batch.agreement[t] == metrics.agreement(curves, measure.delta)
             assert (batch.error[t] == np.abs(curves[index, np.arange(4)] - 0.55)).all()
             assert (batch.kept[:, t] == curves[[2, 5, 10]]).all()
 

@@ -5,8 +5,11 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra import numpy as hnp
 
+from swarmcensus.engine import agreement
 from swarmcensus.simulation import metrics
 from swarmcensus.support.bins import right_bin
+from swarmcensus.support.quantities import half_width
+from tests.support.small import called
 
 
 def by_definition(curve, delta):
@@ -25,6 +28,55 @@ def by_definition(curve, delta):
 def test_convergence_is_the_first_index_near_to_all_later_ones(curves, delta):
     expected = [by_definition(curve, delta) for curve in curves.T]
     assert metrics.convergence(curves, delta).tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("estimates", "expected"),
+    [
+        ([0.4], 0.0),
+        ([0.4, 0.6], (0.59 - 0.41) / 2),  # 5 % and 95 % of the way
+        ([0.1, 0.5, 0.5, 0.5, 0.9], (0.82 - 0.18) / 2),  # a fifth of a step from each end
+        ([*np.arange(100) / 100, 1.0], 0.45),
+    ],
+)
+def test_disagreement_is_half_the_width_of_the_middle_nine_tenths(estimates, expected):
+    for order in (estimates, estimates[::-1]):
+        assert half_width(np.array(order)) == pytest.approx(expected)
+        rows, nobody = np.array([order]), np.zeros(0, np.bool_)
+        found = called(agreement.half_width)(rows[0], nobody, np.empty(len(order)))
+        assert found == half_width(rows[0])
+
+
+@pytest.mark.parametrize(
+    ("widths", "expected"),
+    [([0, 0, 0], 0), ([3, 0, 0], 1), ([0, 3, 2], 2), ([0, 0, 3], np.inf), ([2], 0), ([3], np.inf)],
+)
+def test_agreement_is_within_delta_to_the_end(widths, expected):
+    """Exactly delta is within."""
+    curves = 0.5 + np.outer(widths, [-1.0] * 10 + [0.0] + [1.0] * 10) / 32
+    assert metrics.agreement(curves, 2 / 32) == expected
+
+
+@pytest.mark.parametrize("robots", [1, 2, 5, 21, 60, 400])
+def test_backward_pass_finds_what_every_round_shows(robots):
+    """A swarm that drifts and settles, from whichever round on its estimates are looked at, and with liars too."""
+    chance, found = np.random.default_rng(robots), set()
+    agreed_from = called(agreement.agreed_from)
+    for _ in range(40):
+        rounds = int(chance.integers(2, 60))
+        steps = chance.normal(0, chance.choice([0, 0.001, 0.01]), (rounds, 1)).cumsum(axis=0)
+        noise = chance.normal(0, 0.01, (rounds, robots)) * np.sqrt(20 / (1 + np.arange(rounds)))[:, np.newaxis]
+        rows, delta = 0.5 + steps + np.round(noise, int(chance.integers(2, 9))), chance.choice([0.0, 0.004, 0.01, 0.02])
+        honest = chance.random(robots) < 0.7 if chance.random() < 0.5 else np.zeros(0, np.bool_)
+        honest[:1] = True
+        rows[:, [*~honest, *[False] * (robots - honest.size)]] = np.nan
+        expected = metrics.agreement(rows[:, honest] if honest.size else rows, delta)
+        cut, room = int(chance.integers(1, rounds)), np.empty(robots)
+        early = agreed_from(rows[:cut], 0, honest, delta, room, 0.0)
+        late = agreed_from(rows[cut:], cut, honest, delta, room, early)
+        assert (late if late < rounds else np.inf) == expected
+        found.add(expected)
+    assert len(found) > 3 or robots == 1
 
 
 def test_error_at():

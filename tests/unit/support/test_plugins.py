@@ -103,7 +103,7 @@ robots = 30
 accuracy = ["beta(8, 2)", {black = 0.9, white = "beta(5, 1)"}]
 assumed_accuracy = [0.8, {error = "beta(1, 9)"}]
 [world]
-topology = ["torus", {name = "torus", columns = 5}, {name = "pairs", share = 0.5}, {name = "chain", steps = [1, 3]}, "ring"]
+topology = ["cylinder", {name = "cylinder", columns = 5}, {name = "pairs", share = 0.5}, {name = "chain", steps = [1, 3]}, "ring"]
 fill_ratio = 0.45
 [schedule]
 rounds = 12
@@ -145,7 +145,7 @@ def done(package, tmp_path_factory):
 def test_dataset_names_plugins_with_their_keys(done):
     fixed, moving = sc.load(done / "fixed.nc"), sc.load(done / "moving.nc")
     assert list(dict.fromkeys(fixed["topology"].values)) == [
-        "torus", "torus(columns=5)", "pairs(share=0.5)", "chain(steps=[1,3])", "ring",
+        "cylinder", "cylinder(columns=5)", "pairs(share=0.5)", "chain(steps=[1,3])", "ring",
     ]  # fmt: skip
     assert set(fixed["accuracy"].values) == {"beta(8.0,2.0)", "black=0.9 white=beta(5.0,1.0)"}
     assert set(fixed["assumed_accuracy"].values) == {"0.8", "error=beta(1.0,9.0)"}
@@ -162,10 +162,9 @@ def graph(setting, trial):
 
 def test_who_hears_whom_is_what_the_file_says(installed):
     by = {str(s.topology): s for s in sc.Study.parse(FIXED).settings()}
-    for name, rows, columns in (("torus", 3, 10), ("torus(columns=5)", 6, 5)):
+    for name, rows, columns in (("cylinder", 3, 10), ("cylinder(columns=5)", 6, 5)):
         found = graph(by[name], 0).to_undirected(reciprocal=True)
-        assert set(dict(found.degree).values()) == {4}
-        assert nx.is_isomorphic(found, nx.grid_2d_graph(rows, columns, periodic=True))
+        assert nx.is_isomorphic(found, nx.grid_2d_graph(rows, columns, periodic=(False, True)))
     chain = {(i, i + s) for s in (1, 3) for i in range(30 - s)}
     assert set(graph(by["chain(steps=[1,3])"], 0).edges) == chain  # of (u, v), v hears u
     pairs = [graph(by["pairs(share=0.5)"], trial) for trial in (0, 1, 1)]
@@ -212,7 +211,11 @@ def test_trials_are_verified_bit_for_bit(installed, done, share):
 @pytest.mark.parametrize(
     ("study", "file", "refusals"),
     [
-        ("fixed", "torus", dict.fromkeys(("run", "replay", "merge"), "the topology torus of meadow was changed since")),
+        (
+            "fixed",
+            "cylinder",
+            dict.fromkeys(("run", "replay", "merge"), "the topology cylinder of meadow was changed since"),
+        ),
         ("moving", "hills", dict.fromkeys(("run", "replay", "merge"), "the floor hills of meadow was changed since")),
         ("fixed", "beta", dict.fromkeys(("run", "replay", "merge"), "the spread beta of meadow was changed since")),
         ("measured", "stubborn", {"run": "the brain stubborn of meadow was", "verify": "brain 'stubborn': its source"}),
@@ -276,10 +279,10 @@ fill_ratio = 0.45
 """
 WRONG = [
     # topologies
-    ("topology", '"tours"', "did you mean 'torus'? a topology is one of full, line, moving, ring, scale-free, "),
-    ("topology", '{name = "torus", columns = 2}', "'torus' of 12 robots, columns = 2: a torus has three full rows"),
-    ("topology", '{name = "torus", columns = "x"}', "topology torus: columns = 'x': should be a valid integer"),
-    ("topology", '{name = "torus", column = 4}', "no key column: did you mean 'columns'? it has columns"),
+    ("topology", '"cilynder"', "did you mean 'cylinder'? a topology is one of full, grid, line, moving, "),
+    ("topology", '{name = "cylinder", columns = 2}', "'cylinder' of 12 robots, columns = 2: a cylinder has whole rows"),
+    ("topology", '{name = "cylinder", columns = "x"}', "topology cylinder: columns = 'x': should be a valid integer"),
+    ("topology", '{name = "cylinder", column = 4}', "no key column: did you mean 'columns'? it has columns"),
     ("topology", '"broken"', "topology 'broken', meadow.broken of meadow: not Python: invalid syntax, at "),
     ("topology", '"gone"', "topology 'gone', meadow.gone of meadow: ModuleNotFoundError"),
     ("topology", '"empty"', "topology 'empty', meadow.empty: it has no function edges"),
@@ -291,7 +294,7 @@ WRONG = [
     ("topology", '{name = "odd", day = 2024-02-29}', "topology odd: day should be a number, a text, true or false, or"),
     ("topology", '"unclear"', "the keys of meadow.wrong.edges cannot be read: NameError"),
     # floors
-    ("floor", '"hill"', "did you mean 'hills'? a floor is one of {clusters = 0.2}, "),
+    ("floor", '"hill"', 'did you mean \'hills\'? a floor is one of {benchmark = "star", '),
     ("floor", "{hills = 1, length = 2}", "floor hills: hills is its length"),
     ("floor", '"photo"', "floor photo needs the key file: write {photo = ..., bright = true}"),
     ("floor", '{photo = "none.png"}', "none.png: there is no such file"),
@@ -332,16 +335,16 @@ def test_graph_that_fails_in_one_trial(installed, capsys):
 
 def test_a_file_changed_during_a_run_is_reported(installed, package):
     study = sc.Study.parse(FIXED)
-    path = package / "meadow" / "torus.py"
+    path = package / "meadow" / "cylinder.py"
     before = path.read_text()
     try:
         path.write_text(before + "# a word more\n")
-        with pytest.raises(sc.InputError, match=r"topology 'torus': .*torus\.py was changed since it was imported"):
+        with pytest.raises(sc.InputError, match=r"topology 'cylinder': .*cylinder\.py was changed since it was"):
             sc.run(sc.Study.parse(FIXED))
     finally:
         path.write_text(before)
     assert len(study.additions) == 4
-    assert study.additions["topology torus"]["package"] == "meadow"
+    assert study.additions["topology cylinder"]["package"] == "meadow"
 
 
 # ---- brains, metrics and figures
@@ -447,7 +450,8 @@ def test_plugins_are_listed_without_being_run(installed, monkeypatch, capsys):
     assert by["always-black"][-1] == "swarmcensus"
     assert by["stubborn"][-1] == by["violins"][-1] == by["beta"][-1] == "meadow"
     assert by["broken"][1:4] == ["cannot", "be", "read:"]
-    assert by["torus"][1:3] == ["columns", "A"]
+    assert by["cylinder"][1:3] == ["columns", "A"]
+    assert by["small-world"][1:3] == ["neighbours,", "rewired"]
     assert by["beta"][1:4] == ["a,", "b", "Beta:"]
     assert printed.err == ""
 
@@ -462,13 +466,13 @@ def test_shipped_names_need_no_package_search(monkeypatch):
 
 def test_name_clashes_of_packages(tmp_path, monkeypatch):
     for name in ("one", "other"):
-        points = {"swarmcensus.topologies": {"ring": f"{name}.mine", "torus": f"{name}.mine"}}
+        points = {"swarmcensus.topologies": {"ring": f"{name}.mine", "cylinder": f"{name}.mine"}}
         install(tmp_path, name, {"mine": "def edges(robots): return []"}, points)
     monkeypatch.syspath_prepend(tmp_path)
     forget()
     swarm = {"robots": 5, "accuracy": 0.7}
     (ring,) = sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.5}).settings()
     assert len(sampling.links(ring, 1, 0, 1).senders) == 10
-    with pytest.raises(sc.InputError, match=r"two packages have a topology named 'torus': one\.mine, other\.mine"):
-        sc.Study(trials=1, swarm=swarm, world={"topology": "torus", "fill_ratio": 0.5})
+    with pytest.raises(sc.InputError, match=r"two packages have a topology named 'cylinder': one\.mine, other\.mine"):
+        sc.Study(trials=1, swarm=swarm, world={"topology": "cylinder", "fill_ratio": 0.5})
     forget()

@@ -16,7 +16,7 @@ from swarmcensus.simulation import sampling
 from swarmcensus.studies import addresses
 from swarmcensus.worlds import ground, patterns
 from swarmcensus.worlds.chance import Chance
-from swarmcensus.worlds.floors import clusters
+from swarmcensus.worlds.floors import benchmark, clusters
 from swarmcensus.worlds.patterns import parse_floor
 from swarmcensus.worlds.pictures import MOST_PIXELS, read_image
 from tests.support.small import moving_of
@@ -313,7 +313,7 @@ def test_fixed_networks_have_no_floor(small_results):
 
 
 def test_a_kind_of_floor_is_a_file_of_its_name(gradient):
-    assert patterns.PLUGINS.shipped == ("clusters", "half", "image", "stripes", "tiles")
+    assert patterns.PLUGINS.shipped == ("benchmark", "clusters", "half", "image", "stripes", "tiles")
     contents = []
     for floor in every_kind(gradient):
         read = parse_floor(floor, gradient.parent, {})
@@ -344,7 +344,9 @@ floor = FLOOR
 @pytest.mark.parametrize(
     ("floor", "said"),
     [
-        ('"checks"', 'world.floor = "checks": a floor is one of {clusters = 0.2}, "half", {image'),
+        ('{benchmark = "stars"}', "did you mean 'star'?"),
+        ('{benchmark = "star", cells = 1}', "cells = 1: should be greater than or equal to 2"),
+        ('"checks"', 'world.floor = "checks": a floor is one of {benchmark = "star", cells = 20}, {cl'),
         ("3", "world.floor = 3: a floor is one of"),
         ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
         ("{clusters = 0}", "world.floor = {clusters = 0}"),
@@ -376,6 +378,55 @@ def test_what_is_wrong_is_named(floor, said, tmp_path):
     with pytest.raises(sc.InputError) as caught:
         sc.Study.parse(PLAIN.replace("FLOOR", floor), context={"base": tmp_path})
     assert said in str(caught.value)
+
+
+# ---- benchmark patterns
+
+
+def cells_of(pattern, fill_ratio, trial=0):
+    """The 20 x 20 cells of a benchmark floor, by the colour of the middle tile of each."""
+    setting = setting_of({"benchmark": pattern}, fill_ratio)
+    floor = sampling.ground(setting, 3, trial)
+    tiles = floor.all_tiles()
+    middle = np.floor((np.arange(20) - 9.5) / 20 * setting.arena_side / 0.01).astype(int) + len(tiles) // 2
+    return tiles[np.ix_(middle, middle)].astype(bool), floor.true_fill_ratio
+
+
+def diagonals(cells):
+    """In how many diagonals, of either direction, all cells have one colour; of 39."""
+    return max(sum(len(set(np.diagonal(c, k).tolist())) == 1 for k in range(-19, 20)) for c in (cells, cells[::-1]))
+
+
+def lines(cells):
+    """How many rows and columns have one colour."""
+    return (cells.all(0).sum() + (~cells).all(0).sum(), cells.all(1).sum() + (~cells).all(1).sum())
+
+
+@pytest.mark.parametrize("fill_ratio", [0.3, 0.55])
+@pytest.mark.parametrize("pattern", benchmark.PATTERNS)
+def test_benchmark_pattern_has_its_share_and_shape(pattern, fill_ratio):
+    cells, share = cells_of(pattern, fill_ratio)
+    assert abs(share - fill_ratio) < 1e-4
+    other, _ = cells_of(pattern, fill_ratio, 1)
+    images = [np.rot90(cells[::flip], k) for flip in (1, -1) for k in range(4)]
+    drawn = pattern in ("random", "star", "band", "bandwidth-r", "band-stripe")
+    assert min((other != image).mean() for image in images) > 0.05 if drawn else True
+    assert (max(lines(cells)) >= 18) == (pattern in ("stripe", "band-stripe"))
+    assert (diagonals(cells) >= 36) == (pattern in ("band", "bandwidth"))
+    corners, middle = cells[[0, 0, -1, -1], [0, -1, 0, -1]].sum(), cells[9:11, 9:11].sum()
+    if pattern == "block":
+        assert (corners, middle) == (0, 4)
+    if pattern == "off-diagonal":
+        assert (corners, middle) == (2, 2 if fill_ratio > 0.5 else 0)
+    if pattern in ("bandwidth", "bandwidth-r"):
+        i, j = np.indices(cells.shape)
+        away = [np.abs(i - j), np.abs(i + j - 19)]  # from each diagonal
+        assert min(d[cells].mean() - d[~cells].mean() for d in away) < -3
+    if pattern == "star":
+        rows, columns = cells.all(1), cells.all(0)
+        assert (cells != (rows[:, np.newaxis] | columns)).mean() < 0.05
+        assert rows.any()
+        assert columns.any()
 
 
 def test_a_floor_goes_with_robots_that_move():

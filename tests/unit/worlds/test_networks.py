@@ -3,15 +3,20 @@
 import itertools
 import re
 
+import matplotlib.text
 import networkx as nx
 import numpy as np
 import pytest
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.cli.commands import main
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support import plugins
 from swarmcensus.worlds import networks, wiring
+from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.graph_files import FileEdges
+from swarmcensus.worlds.topologies import random_geometric
 from tests.support.small import study_of
 
 
@@ -207,8 +212,9 @@ def test_other_numbers_on_edges_and_multigraphs_are_read(tmp_path):
 
 
 def test_a_topology_is_a_file_of_its_name(tmp_path):
-    assert wiring.PLUGINS.shipped == ("full", "line", "moving", "ring", "scale-free")
-    for name in wiring.PLUGINS.shipped:
+    plain = ("full", "line", "moving", "ring", "scale-free")
+    assert wiring.PLUGINS.shipped == tuple(sorted([*plain, "grid", "random-geometric", "small-world", "torus"]))
+    for name in plain:
         topology = parse({"name": name}, tmp_path)
         assert topology == parse(name, tmp_path) == networks.Topology(name)
         assert (topology.form, topology.content, topology.edition) == (name, [name, None, None], "")
@@ -222,8 +228,206 @@ def test_a_file_next_to_the_study_comes_before_other_packages(tmp_path, monkeypa
     wiring.PLUGINS.__dict__.pop("outside", None)
     (tmp_path / "torus").write_text("i,j\n0,1\n")
     assert parse("torus", tmp_path).edges == ((0, 1),)
-    assert networks.parse_topology("links.csv", None, {"links.csv": [(0, 2)]}).edges == ((0, 2),)
+    known = {"links.csv": FileEdges([(0, 2)], False)}
+    assert networks.parse_topology("links.csv", None, known).edges == ((0, 2),)
     assert parse({"name": "torus", "edges": [[0, 3]]}, tmp_path).edges == ((0, 3),)
+
+
+# ---- small worlds, grids, tori, random geometric graphs
+
+
+@pytest.mark.parametrize(("robots", "rows", "columns"), [(30, 5, 6), (12, 3, 4), (9, 3, 3), (100, 10, 10), (18, 3, 6)])
+@pytest.mark.parametrize("name", ["grid", "torus"])
+def test_grids_and_tori_are_as_square_as_they_can_be(name, robots, rows, columns, tmp_path):
+    right = nx.grid_2d_graph(rows, columns, periodic=name == "torus")
+    for value in (name, {"name": name, "columns": columns}):
+        topology = parse(value, tmp_path)
+        topology.check(robots)
+        assert nx.is_isomorphic(graph_of(links_of(topology, robots), 0, robots), right)
+
+
+def test_named_columns_make_a_longer_grid(tmp_path):
+    topology = parse({"name": "grid", "columns": 11}, tmp_path)
+    topology.check(22)
+    assert str(topology) == "grid(columns=11)"
+    assert nx.is_isomorphic(graph_of(links_of(topology, 22), 0, 22), nx.grid_2d_graph(2, 11))
+
+
+@pytest.mark.parametrize(
+    ("value", "robots", "said"),
+    [
+        ("grid", 22, r"2 x 11 is too long, unless columns are named\), as 20 or 24 robots do"),
+        ("grid", 7, r"no rows are full\), as 6 or 8 robots do"),
+        ("torus", 3, "as 9 robots do"),
+        ({"name": "torus", "columns": 5}, 12, "columns = 5 makes no 3 or more whole rows"),
+        ({"name": "torus", "columns": 5}, 10, "columns = 5 makes no 3 or more whole rows"),
+        ({"name": "random-geometric", "radius": 0.01}, 50, "none of 100 graphs .* a larger radius is right"),
+    ],
+)
+def test_networks_that_do_not_fit_are_refused(value, robots, said, tmp_path):
+    with pytest.raises(sc.InputError, match=f"topology .* of {robots} robots.*{said}"):
+        parse(value, tmp_path).check(robots)
+
+
+@pytest.mark.parametrize("robots", [1, 2, 5, 6, 60])
+@pytest.mark.parametrize(("neighbours", "rewired"), [(4, 0.0), (4, 0.1), (2, 1.0), (6, 1.0)])
+def test_small_world_has_the_links_of_a_ring_lattice(robots, neighbours, rewired, tmp_path):
+    topology = parse({"name": "small-world", "neighbours": neighbours, "rewired": rewired}, tmp_path)
+    graph = graph_of(links_of(topology, robots, 2), 1, robots)
+    lattice = nx.watts_strogatz_graph(robots, min(neighbours, robots - 1), 0) if robots > 2 else nx.path_graph(robots)
+    if robots <= neighbours + 1:
+        lattice = nx.complete_graph(robots)
+    assert graph.size() == lattice.size()
+    moved = len({*map(frozenset, graph.edges)} - {*map(frozenset, lattice.edges)})
+    if robots == 60:  # a rewired link seldom lands on the lattice again; five standard errors
+        chance = rewired * (1 - neighbours / 59)
+        assert abs(moved - chance * graph.size()) <= 5 * (chance * (1 - chance) * graph.size()) ** 0.5 + 4
+        assert nx.utils.graphs_equal(graph, lattice) == (rewired == 0)
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3, 20, 300])
+def test_random_geometric_graphs_are_connected(robots, tmp_path):
+    topology = parse("random-geometric", tmp_path)
+    topology.check(robots)
+    links = links_of(topology, robots, 20)
+    graphs = [graph_of(links, trial, robots) for trial in range(20)]
+    assert all(map(nx.is_connected, graphs))
+    assert len({tuple(sorted(dict(graph.degree).items())) for graph in graphs}) == 20 or robots < 20
+
+
+def test_random_geometric_robots_hear_all_within_the_radius():
+    chance = Chance(np.array([1, 2], np.uint64), 5)
+    for robots, radius in ((1, 0.3), (40, 0.3), (40, 1.4), (300, 0.15)):
+        places = chance.uniform(2 * robots).reshape(-1, 2)
+        apart = np.hypot(*(places[:, np.newaxis] - places).transpose(2, 0, 1))
+        near = {(i, j) for i, j in np.argwhere(apart <= radius).tolist() if i < j}
+        assert {*map(tuple, random_geometric.edges(robots, chance, radius=radius).tolist())} == near
+
+
+# ---- labels
+
+SMALL_WORLD = {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1}
+
+
+@pytest.mark.parametrize("value", [SMALL_WORLD, {"name": "torus"}, {"name": "x", "edges": [[0, 1]]}, {"file": "e.csv"}])
+def test_a_label_names_a_topology_and_changes_no_number(value, tmp_path):
+    (tmp_path / "e.csv").write_text("i,j\n0,1\n")
+    plain, labelled = parse(value, tmp_path), parse({**value, "label": "small world"}, tmp_path)
+    assert plain == labelled
+    assert plain.content == labelled.content
+    assert (str(labelled), labelled.name) == ("small world", str(plain))
+    assert str(parse(labelled.form, tmp_path)) == "small world"
+
+
+@pytest.mark.parametrize(
+    ("topologies", "said"),
+    [
+        (
+            [{**SMALL_WORLD, "label": "a"}, {"name": "ring", "label": "a"}],
+            '"a": two topologies have this label or name',
+        ),
+        (["ring", {"name": "line", "label": "ring"}], '"ring": two topologies have this label or name'),
+        (["ring", {"name": "ring", "label": "a"}], "world.topology have one name: ring, ring"),
+        ({"name": "ring", "label": ""}, "label should be a text, and not empty"),
+        ({"name": "moving", "label": "walkers"}, 'always called "moving"'),
+        ({"name": "ring", "label": "a\nb"}, "no control characters"),
+    ],
+)
+def test_wrong_labels_are_refused(topologies, said):
+    with pytest.raises(sc.InputError, match=said):
+        study_of(robots=12, topology=topologies)
+
+
+def test_a_label_is_the_name_in_results_and_figures(here, capsys):
+    keys = {"robots": 8, "rounds": 5, "seed": 3}
+    runs = [sc.run(study_of(topology={"name": name, "label": "a net"}, **keys), jobs=1) for name in ("ring", "line")]
+    plain = sc.run(study_of(topology="ring", **keys), jobs=1)
+    assert runs[0]["topology"].values.tolist() == ["a net"]
+    assert runs[0]["final_estimate"].equals(plain["final_estimate"].assign_coords(topology=runs[0]["topology"]))
+    assert sc.verify(runs[0], 1).differences == sc.verify(runs[0], 1).labels == []
+    with pytest.raises(sc.InputError, match="topology 'a net': the label of two topologies, ring and line"):
+        sc.merge(runs)
+    sc.save(sc.merge([runs[0], sc.run(study_of(topology="full", **keys), jobs=1)]), "x.nc")
+    assert main(["show", "x.nc", "--where", 'topology == "a net"']) == 0
+    printed = capsys.readouterr().out
+    assert "a net" in printed
+    assert "full" not in printed
+    texts = sc.plot.scatter(sc.load("x.nc"), color="topology").findobj(matplotlib.text.Text)
+    assert any("a net" in text.get_text() for text in texts)
+
+
+# ---- graphs of other programs
+
+PATH, BACK = nx.path_graph(4), nx.DiGraph([(3, 0), (0, 1)])
+BACK.add_node(2)
+WRITE = {"graphml": nx.write_graphml, "gml": nx.write_gml, "gexf": nx.write_gexf, "net": nx.write_pajek}
+
+
+@pytest.mark.parametrize("ending", WRITE)
+@pytest.mark.parametrize("graph", [PATH, BACK], ids=["undirected", "directed"])
+def test_graph_files_are_read(ending, graph, tmp_path):
+    WRITE[ending](graph, tmp_path / f"office.{ending}")
+    topology = parse(f"office.{ending}", tmp_path)
+    assert (topology.name, topology.directed, topology.nodes) == ("office", graph.is_directed(), 4)
+    assert topology.edges == tuple(sorted(graph.edges))
+    with pytest.raises(ValueError, match=rf"office.{ending} has 4 nodes: should be as many as robots, 6"):
+        topology.check(6)
+    both = parse({"file": f"office.{ending}", "directed": False}, tmp_path)
+    assert not both.directed
+
+
+@pytest.mark.parametrize("ending", WRITE)
+def test_nodes_with_names_are_numbered_in_the_order_of_the_file(ending, tmp_path):
+    WRITE[ending](nx.Graph([("hall", "attic"), ("attic", "7")]), tmp_path / f"x.{ending}")
+    assert parse(f"x.{ending}", tmp_path).edges == ((0, 1), (1, 2))
+
+
+@pytest.mark.parametrize("ending", WRITE)
+def test_weights_of_graph_files_are_refused_or_left_out(ending, tmp_path):
+    WRITE[ending](nx.Graph([(0, 1, {"weight": 0.5}), (1, 2, {"weight": 2.0})]), tmp_path / f"x.{ending}")
+    with pytest.raises(sc.InputError, match=rf'x.{ending}: .*weight = 0.5: links have no weights.*weights = "ignore"'):
+        parse(f"x.{ending}", tmp_path)
+    assert parse({"file": f"x.{ending}", "weights": "ignore"}, tmp_path).edges == ((0, 1), (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "keys", "said"),
+    [
+        ("x.gml", "graph [ node ]", {}, "x.gml: cannot be read as GML by networkx"),
+        ("x.graphml", "0,1\n", {}, "x.graphml: cannot be read as GraphML by networkx"),
+        ("x.net", "*Vertices 3\n1 a\n2 b\n3 a\n*Edges\n1 2\n", {}, r"\*Vertices 3 has 2 names"),
+        ("x.net", "*Vertices 2\n1 a\n2 b\n*Arcslist\n1 2\n", {}, "in one section"),
+        ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n*Arcs\n2 1\n", {}, "in one section"),
+        ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n", {"directed": True}, "undirected graph: leave out directed"),
+        ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 1\n", {}, r"edge \(0, 0\) joins a robot to itself"),
+        ("x.net", "*Vertices 2\n1 a\n2 b\n*Edges\n1 2\n", {"renumber": True}, "renumber is for tables"),
+        ("x.csv", "i,j\n0,1\n", {"weights": "use"}, 'weights should be "ignore"'),
+        ("x.csv", "i,j\na,b\nb,1\n", {}, "line 2: 'a': should be a whole number from 0"),
+        ("x.csv", "i,j\n1,2\n2,10\n", {}, "seem to start at 1; renumber = true numbers them from 0"),
+        ("x.csv", "0 1 5\n", {}, 'third column: links have no weights.*weights = "ignore"'),
+    ],
+)
+def test_what_may_be_misread_in_files_is_refused(name, text, keys, said, tmp_path):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(ValueError, match=said):
+        parse({"file": name, **keys}, tmp_path).check(10)
+
+
+TABLES = [
+    ("source,target\nhall,attic\nattic,shed\n", {}),
+    ("source\ttarget\tweight\n0\t1\t.5\n1\t2\t3\n", {"weights": "ignore"}),
+    ("# a comment\n0 1 5\n1 2 7\n", {"weights": "ignore"}),
+    ("0 1 {'weight': 0.5}\n1 2 {'weight': 3}\n", {"weights": "ignore"}),
+    ("% KONECT\n1 2\n2 3\n", {"renumber": True}),
+    ("i,j\n10,30\n30,200\n", {"renumber": True}),
+    ("i,j\na,7\n7,b\n", {"renumber": True}),
+]
+
+
+@pytest.mark.parametrize(("text", "keys"), TABLES)
+def test_tables_with_weights_and_names_of_nodes(text, keys, tmp_path):
+    (tmp_path / "x.csv").write_text(text)
+    assert parse({"file": "x.csv", **keys}, tmp_path).edges == ((0, 1), (1, 2))
 
 
 @pytest.mark.parametrize(

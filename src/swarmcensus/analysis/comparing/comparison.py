@@ -31,6 +31,7 @@ from swarmcensus.results import (
     TIMES,
     Measure,
     asked_anew,
+    cautions_of_needs,
     cells,
     done,
     failed_trials,
@@ -290,6 +291,7 @@ def _cautions(
             cautions.append(
                 f"{measure.label}: there are no numbers of {', '.join(names)} in {_worlds(lacking.any(axis=1))}"
             )
+    cautions += cautions_of_needs(data, [measure.name for measure in measured])
     cautions += filter(None, (in_worlds_too_few(all_contests), overall_too_few(all_contests)))
     pairs = [(grid.contenders[i], grid.contenders[j]) for i, j in pairs_of(len(grid.contenders))]
     cautions += [

@@ -23,7 +23,7 @@ NONE = -1
 BRAIN = "brain"
 REPEATED = {  # coordinates that say the same in other words
     "density": {"side"}, "side": {"density"}, "members": {"liars", "adversary"}, "liars": {"members"},
-    "adversary": {"members"},
+    "adversary": {"members"}, "fill_ratio_change": {"fill_ratio"},
 }  # fmt: skip
 
 
@@ -93,14 +93,13 @@ def grid_of(
     has_pairs = (place != NONE).sum(axis=1) > 1
     if not has_pairs.any():
         names_of_all = f"{', '.join(contenders[:-1])} and {contenders[-1]}"
-        raise InputError(
-            f"no two of {names_of_all} have met the same world: there are no pairs of trials{_other_factors(data)}"
-        )
+        others = _other_factors(data, factor)
+        raise InputError(f"no two of {names_of_all} have met the same world: there are no pairs of trials{others}")
     cautions = _cautions(place, has_pairs, contenders)
-    others = len({*_names(whole, whole, parameters, shown, factor)} - {*contenders})
-    if others:
+    unseen = len({*_names(whole, whole, parameters, shown, factor)} - {*contenders})
+    if unseen:
         cautions.append(
-            f"where leaves out {counted(others, 'contender')}: p-values are corrected for the others alone, which is "
+            f"where leaves out {counted(unseen, 'contender')}: p-values are corrected for the others alone, which is "
             "valid only if they were chosen before looking at results"
         )
     kept = np.flatnonzero(has_pairs)
@@ -116,15 +115,24 @@ def grid_of(
 
 
 def factors_in(data: xr.Dataset) -> list[str]:
-    """The coordinates in which settings differ, by which they can be compared."""
+    """The coordinates in which settings differ, by which they can be compared.
+
+    A parameter counts if settings of one brain differ in it.
+    """
     left_out = {"setting", *restated(data), *NUMERIC}
     along = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
-    return [name for name in along if len({repr(value) for value in data[name].values.tolist()}) > 1]
+    parameters = {name: brain for brain, several in parameters_in(data).items() for name in several}
+
+    def varies(name: str) -> bool:
+        own = data["brain"].values == parameters[name] if name in parameters else slice(None)
+        return len({repr(value) for value in data[name].values[own].tolist()}) > 1
+
+    return [name for name in along if varies(name)]
 
 
-def _other_factors(data: xr.Dataset) -> str:
-    """A phrase with the factors by which these settings can be compared."""
-    names = factors_in(data)
+def _other_factors(data: xr.Dataset, factor: Sequence[str] = ()) -> str:
+    """A phrase with the factors, apart from `factor`, by which these settings can be compared."""
+    names = [name for name in factors_in(data) if name not in factor]
     if not names:
         return ""
     how = option("factor", names[0]) if in_shell() else f"factor={names[0]!r}"
@@ -149,7 +157,7 @@ def _of_worlds(data: xr.Dataset, parameters: Mapping[str, list[str]], factor: Se
     """The coordinates that tell worlds apart: all but the factor, and what follows from it or from others."""
     repeated: set[str] = set().union(*(REPEATED.get(name, set()) for name in factor))
     left_out = {"setting", *factor, *repeated, *NUMERIC}
-    left_out |= {name for name in restated(data) if not REPEATED.get(name, set()) & {*factor}}
+    left_out |= {name for name in restated(data) if not REPEATED.get(name, set()) & {*factor, *repeated}}
     left_out |= {name for several in parameters.values() for name in several}  # parts of brains' names
     left_out |= {BRAIN} if not factor else set()
     return [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]

@@ -39,6 +39,11 @@ PARAMETERS = {
     "patience": 0.0,  # the observations that are heard before a decision
     "debiased": 0.0,  # 1: corrected for the sensor
 }
+NEEDS = {
+    "rounds": "2 * prior * every",  # a robot alone has then as many observations as its prior counts
+    "perfect_sensors": "not debiased",
+    "binary": "feedback",
+}
 MEMORY = {
     "black": 0.0,  # black observations, own and heard
     "white": 0.0,  # white observations

@@ -43,6 +43,11 @@ PARAMETERS = {
     "every": 200.0,  # rounds from one observation to the next
     "debiased": 0.0,  # 1: corrected for the sensor
 }
+NEEDS = {
+    "rounds": "2 * prior * every",  # a robot alone has then as many observations as its prior counts
+    "perfect_sensors": "not debiased",
+    "binary": "feedback + (not limit // 1)",  # with a limit below 1, evidence stops where it is met
+}
 MEMORY = {
     "black": 0.0,  # black observations, own and heard, since the last reset
     "white": 0.0,  # white observations

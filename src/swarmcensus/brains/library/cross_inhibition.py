@@ -37,6 +37,7 @@ PARAMETERS = {
     "debiased": 0.0,  # 1: the quality is corrected for the sensor
     "black_first": 0.5,  # the share of robots whose first opinion is black
 }
+NEEDS = {"rounds": "explore + disseminate"}  # until opinions change for the first time
 MEMORY = {
     "opinion": -1.0,  # 0 white, 1 black, 0.5 none; -1 before the first round
     "tells": 0.0,  # 1 in the second phase, 0 while it explores

@@ -36,6 +36,7 @@ PARAMETERS = {
     "debiased": 0.0,  # 1: the quality is corrected for the sensor
     "black_first": 0.5,  # the share of robots whose first opinion is black
 }
+NEEDS = {"rounds": "explore + disseminate + listen"}  # until opinions change for the first time
 MEMORY = {
     "opinion": -1.0,  # 0 white, 1 black; -1 before the first round
     "tells": 0.0,  # 1 while it sends its opinion, 0 while it explores

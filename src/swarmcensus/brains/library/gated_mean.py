@@ -14,24 +14,33 @@ Deviations:
 - There is no common ledger: a robot counts the votes that it hears, so robots may differ, and a robot near a neighbour
   for several phases counts one of its votes in each. Votes cost nothing.
 - A robot always counts its own votes, the first before it hears any.
-- `debiased` = 1 replaces the share by clip((share + w - 1) / (b + w - 1), 0, 1); 0, the default, is the raw share.
+- `debiased` = 1 replaces the share by clip((share + w - 1) / (b + w - 1), 0, 1), and 2 by the same without clip, whose
+  mean is right for poor sensors too; 0, the default, is the raw share.
+- `run`, the rounds of the whole run, makes a phase 4.5 % of it, as 45 s are of the published 1,000 s; with 0, the
+  default, a phase takes `phase` rounds.
 - The latest value of a sender counts; of several in one round under one name, as forgers send them, the smallest.
 - If there are more than 20 senders, 20 are drawn at random: the first in an order of names that is drawn per phase.
 - Values are clipped to [0, 1]. A robot without readings in a phase casts no vote.
 """
 
 SENDERS = 20  # counted per phase
+NONE = -1e9  # the vote of a robot without readings
 PRIME = 67108859  # of 26 bits, so that products fit 53 bits; cubes are distinct because 3 does not divide PRIME - 1
 
 PARAMETERS = {
     "phase": 450.0,  # rounds: 45 s of ticks
     "gate": 0.2,  # the largest distance of a counted vote from the mean
-    "debiased": 0.0,  # 1: the share is corrected for the sensor
+    "run": 0.0,  # rounds of the whole run, to which phases are scaled; 0: they take `phase` rounds
+    "debiased": 0.0,  # 1: the share is corrected for the sensor; 2: and not clipped
+}
+NEEDS = {
+    "silent": "0.045 * run + phase * (not run)",
+    "perfect_sensors": "not debiased",
 }
 MEMORY = {
     "x": 0.5,  # the mean of the votes counted
     "votes": 0.0,  # their number
-    "vote": -1.0,  # the own vote of the last phase; -1 for none
+    "vote": NONE,  # the own vote of the last phase; NONE for none
     "k": 1.0,  # the number of the phase
     "past": 0.0,  # its completed rounds
     "t": 0.0,  # observations made in it
@@ -53,7 +62,7 @@ def observe(me, blacks, looks):
 
 def broadcast(me):
     """The vote, from the second phase on."""
-    if me.vote < 0.0:
+    if me.vote == NONE:
         return None
     return me.vote, me.name
 
@@ -95,7 +104,7 @@ def place(name, salt):
 def fuse(me):
     """At the end of a phase, count the votes."""
     me.past += 1.0
-    if me.past < me.phase:
+    if me.past < (me.phase if me.run == 0.0 else 0.045 * me.run):
         return
     total = 0.0
     counted = 0.0
@@ -103,7 +112,7 @@ def fuse(me):
         if me.k <= 2.0 or abs(me.said[k] - me.x) < me.gate:
             total += me.said[k]
             counted += 1.0
-    me.vote = -1.0
+    me.vote = NONE
     if me.t > 0.0:
         me.vote = share(me)
         total += me.vote
@@ -126,7 +135,8 @@ def share(me):
     slope = me.b + me.w - 1.0
     if abs(slope) < 1e-12:
         return 0.5  # a sensor that tells nothing
-    return min(max((me.n / me.t + me.w - 1.0) / slope, 0.0), 1.0)
+    unbiased = (me.n / me.t + me.w - 1.0) / slope
+    return unbiased if me.debiased == 2.0 else min(max(unbiased, 0.0), 1.0)
 
 
 def estimate(me):

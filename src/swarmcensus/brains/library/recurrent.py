@@ -10,7 +10,8 @@ not use its assumed sensor accuracy, unless `debiased` is 1. docs/rivals-others.
 
 Deviations: everything above is a choice. Readings and opinions are numbers from -1 for white to 1 for black, and 0 for
 none; those of a round are averaged. The message is the estimate itself, and not a colour. De-biased readings are not
-clipped, because the mean of clipped values is not a share. Before the first round no neuron fires.
+clipped, because the mean of clipped values is not a share. Before the first round no neuron fires. It was trained to
+answer after 100 rounds: with `run`, the rounds of the whole run, a step of the net is 100 / `run` rounds.
 """
 
 import math
@@ -20,6 +21,7 @@ INPUTS = 3  # reading, opinion heard, whether any was heard
 
 # fmt: off
 PARAMETERS = {
+    "run": 0.0,  # rounds of the whole run, to which its 100 rounds of training are stretched; 0: a round is a round
     "debiased": 0.0,  # 1: readings are corrected for the assumed sensor accuracy
     "tau": (6.245, 1.6215, 47.817, 42.526, 14.135),  # rounds, at least 1
     "bias": (-1.0561, 1.4646, -1.1201, -1.7478, -2.8994),
@@ -41,6 +43,7 @@ PARAMETERS = {
     "offset": -1.3164,
 }
 # fmt: on
+NEEDS = {"length": "run + 100 * (not run)", "perfect_sensors": "not debiased"}
 MEMORY = {
     "t": 0.0,  # readings since the last round
     "n": 0.0,  # black ones among them
@@ -79,12 +82,13 @@ def fuse(me):
     if me.heard > 0.0:
         opinion = 2.0 * me.heard_x / me.heard - 1.0
         any_heard = 1.0
+    step = 1.0 if me.run == 0.0 else 100.0 / me.run
     for i in range(NEURONS):
         k = INPUTS * i
         drive = me.inputs[k] * reading + me.inputs[k + 1] * opinion + me.inputs[k + 2] * any_heard
         for j in range(NEURONS):
             drive += me.weights[NEURONS * i + j] * me.fires[j]
-        me.y[i] += (drive - me.y[i]) / max(me.tau[i], 1.0)
+        me.y[i] += step * (drive - me.y[i]) / max(me.tau[i], step, 1.0)
     total = me.offset
     for i in range(NEURONS):
         me.fires[i] = squash(me.y[i] + me.bias[i])

@@ -35,6 +35,11 @@ PARAMETERS = {
     "faulty": 0.0,  # 1: it draws random beliefs and never listens
     "debiased": 0.0,  # 1: the share of black is corrected for the sensor
 }
+NEEDS = {
+    "robots": 50,  # with fewer, the right bin is often missing among the first ones
+    "rounds": "20 * dance * every",
+    "perfect_sensors": "not debiased",
+}
 MEMORY = {
     "beliefs": (0.5,) * 10,  # of each bin: 0 false, 0.5 half, 1 true
     "site": -1.0,  # the bin that it dances for; -1 before the first round

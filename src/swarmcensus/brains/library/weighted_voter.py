@@ -29,6 +29,11 @@ PARAMETERS = {
     "faulty": 0.0,  # 1: it draws a random site and never listens
     "debiased": 0.0,  # 1: the share of black is corrected for the sensor
 }
+NEEDS = {
+    "robots": 50,  # with fewer, the right bin is often missing among the first ones
+    "rounds": "20 * dance * every",
+    "perfect_sensors": "not debiased",
+}
 MEMORY = {
     "site": -1.0,  # the bin that it dances for; -1 before the first round
     "steps": 0.0,  # of the dance that are left; below 0: the number of waiting steps

@@ -11,7 +11,7 @@ from typing import Any
 
 from swarmcensus.support import safe_source
 from swarmcensus.support.errors import BrainError
-from swarmcensus.support.plugins import Plugins
+from swarmcensus.support.plugins import Plugins, digest, read_source
 
 PLUGINS = Plugins("metric", "swarmcensus.metrics", "swarmcensus.brains.metrics.library")
 FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
@@ -45,7 +45,7 @@ class Metric:
     @functools.cached_property
     def sha256(self) -> str:
         """The hash of the source, as stored with results."""
-        return safe_source.digest(self.source)
+        return digest(self.source)
 
     @functools.cached_property
     def functions(self) -> types.ModuleType:
@@ -75,7 +75,7 @@ def load(name: str | Path, base: Path | None = None) -> Metric:
     Raises InputError if the file is missing or breaks the contract.
     """
     path = find(name, base)
-    return parse(safe_source.read_source("metric", path), str(name), path)
+    return parse(read_source("metric", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:

@@ -65,7 +65,10 @@ def add_compare_options(sub: argparse.ArgumentParser) -> None:
 def _margin(text: str) -> tuple[str, float]:
     """The name of a measure, or nothing, and its margin."""
     name, _, number = text.rpartition("=")
-    return name, float(number)
+    try:
+        return name, float(number)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} should be a number, or NAME=number") from None
 
 
 def _margins(given: list[tuple[str, float]]) -> float | dict[str, float] | None:
@@ -135,6 +138,7 @@ def _as_dict(comparison: "Comparison", axes: list[str]) -> dict[str, Any]:
         "duels": comparison.duels,
     }
     tables |= {"groups": comparison.by(*axes)} if axes else {}
+    tables |= {"profiles": profiles} if len(profiles := comparison.profiles) else {}
     about = {
         "title": comparison.title,
         "measures": comparison.measures,

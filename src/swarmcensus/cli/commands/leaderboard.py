@@ -42,8 +42,8 @@ def leaderboard(options: argparse.Namespace) -> int:
         "leaderboard",
         lambda: _as_dict(board),
         lambda: map(flat, _as_dict(board)["brains"]),
-        lambda: print_board(board.name, board.scores, board.losses, console()),
-        lambda: sentences(board.losses),
+        lambda: print_board(board.name, board.scores, board.losses, board.cautions, console()),
+        lambda: sentences(board.losses, board.cautions),
     )
     wrote(board.page)
     say(elapsed(time.monotonic() - begun))
@@ -59,6 +59,7 @@ def _as_dict(board: "Board") -> dict[str, Any]:
         "worlds": len(board.scores.worlds),
         "brains": rows(board.scores),
         "losses": board.losses,
+        "cautions": board.cautions,
         "page": board.page,
     }
 

@@ -14,7 +14,7 @@ from swarmcensus.evaluation.ranking.losses import Losses, losses_of
 from swarmcensus.evaluation.ranking.page import TITLE, page
 from swarmcensus.evaluation.ranking.scores import DIVISIONS, Scores, scores_of
 from swarmcensus.evaluation.ranking.table import as_text, flat, rows
-from swarmcensus.results import load, merge
+from swarmcensus.results import cautions_of_needs, load, merge
 from swarmcensus.runs import Report, run, showing
 from swarmcensus.studies import Study, read_toml, to_toml
 from swarmcensus.support.errors import InputError
@@ -41,6 +41,7 @@ class Board:
     scores: Scores
     losses: list[Losses]
     page: Path | None  # of all boards, if it was written
+    cautions: tuple[str, ...] = ()  # brains that need other worlds than these
 
     @property
     def table(self) -> "pd.DataFrame":
@@ -55,7 +56,7 @@ class Board:
 
     def __repr__(self) -> str:
         """The table, what its columns mean, and where your own brains are."""
-        return as_text(self.name, self.scores, self.losses)
+        return as_text(self.name, self.scores, self.losses, self.cautions)
 
 
 def leaderboard(
@@ -95,8 +96,9 @@ def leaderboard(
         with showing(progress, f"leaderboard, {name}") as report:
             part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
             parts[name] = run(
-                study, jobs, _as_part(report, name, part), out=path, fresh=restart, say=say, cautions=False
-            )
+                study, jobs, _as_part(report, name, part), out=path, fresh=restart, say=say, cautions=False,
+                announce_from=0.0,
+            )  # fmt: skip
     data = merge([parts[name] for name in studies]) if own_files else parts[OFFICIAL]
     brains = [brain for study in studies.values() for brain in study.brains]
     opinions = {brain.name for brain in brains if brain.is_opinion}
@@ -107,8 +109,9 @@ def leaderboard(
         raise InputError.named("board", board, "no world of studies/leaderboard.toml is on it")
     own = [name for name in scores[board].contenders if name in map(str, own_files.values())]
     losses = {name: [losses_of(brain, name, scores[name]) for brain in own] for name in scores}
+    cautions = tuple(cautions_of_needs(data))
     if folder is None:
-        return Board(data, board, scores[board], losses[board], None)
+        return Board(data, board, scores[board], losses[board], None, cautions)
     words = ["swarmcensus", "leaderboard", *map(str, own_files.values())]
     words += [word for option, value in (("--trials", trials), ("--seed", seed)) if value is not None
               for word in (option, str(value))]  # fmt: skip
@@ -118,9 +121,11 @@ def leaderboard(
     with drawing():
         _draw([*scores.values()], own, folder / FIGURE)
     with atomic_write(folder / PAGE) as temporary:
-        text = page([*scores.values()], [*losses.values()], command(*words), shipped.seed, shipped.trials, FIGURE)
+        text = page(
+            [*scores.values()], [*losses.values()], cautions, command(*words), shipped.seed, shipped.trials, FIGURE
+        )
         temporary.write_text(text, encoding="utf-8")
-    return Board(data, board, scores[board], losses[board], folder / PAGE)
+    return Board(data, board, scores[board], losses[board], folder / PAGE, cautions)
 
 
 def _as_part(show: Report, name: str, part: str) -> Report:

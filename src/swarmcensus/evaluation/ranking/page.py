@@ -14,11 +14,18 @@ from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
 TITLE = "# Leaderboard"
+TAIL = "90 % within"
 VALUES = dict.fromkeys(("place", "its own", "best other's", "best other"), True)  # columns of losses
 
 
 def page(
-    boards: Sequence[Scores], losses: Sequence[Sequence[Losses]], command: str, seed: int, trials: int, figure: str
+    boards: Sequence[Scores],
+    losses: Sequence[Sequence[Losses]],
+    cautions: Sequence[str],
+    command: str,
+    seed: int,
+    trials: int,
+    figure: str,
 ) -> str:
     """The whole page, from the scores and losses of each board; `figure` is the picture's file name."""
     own = [loss.name for loss in losses[0]]
@@ -33,6 +40,8 @@ def page(
         boards=boards,
         own=[(name, [loss for board in losses for loss in board if loss.name == name]) for name in own],
         figure=figure,
+        cautions=cautions,
+        tail=TAIL,
         table=lambda scores, score: _table(scores, score, {*own}),
         costs=_costs(boards[0]),
         losses_by_kind=_by_kind,
@@ -58,6 +67,7 @@ def _table(scores: Scores, score: Score, marked: set[str]) -> str:
         Column("", ["" if n in scores.bounds else str(p) for n, p in zip(names, places, strict=True)], number=False),
         Column("brain", names, number=False, strong=[name in marked for name in names]),
         Column("rank", [f"{score.ranks[k]:.1f}" for k in order]),
+        *[Column(TAIL, [cell(scores.tail[k], True) for k in order])] * low,
         *(
             Column(column.name, [cell(score.values[k, c], low) for k in order],
                    strong=[score.values[k, c] == best[c] for k in order])

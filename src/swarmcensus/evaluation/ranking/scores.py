@@ -16,7 +16,7 @@ from swarmcensus.worlds import MOVING
 
 Floats = NDArray[np.float64]
 World = Mapping[str, Any]
-ERROR, SIDE = "final_error", "right_side"
+ERROR, SIDE, TAIL = "final_error", "right_side", "error_90"
 
 
 @dataclass(frozen=True)
@@ -130,6 +130,7 @@ class Scores:
     worlds: Sequence[World]
     error: Score
     side: Score
+    tail: Floats  # (contender,): the error that 90 % of a trial's robots do not exceed, the mean over worlds of medians
     costs: dict[str, Floats]  # (contender,), means over the worlds of all boards
     bounds: frozenset[str]  # contenders that are bounds: no robot can reach them
 
@@ -163,8 +164,9 @@ def scores_of(
     def by_world(values: Any) -> Floats:
         return np.asarray(grid.spread(values)[own])
 
-    errors = by_world(measures.numbers(data, ERROR))
-    errors[:, [brain in opinions for brain in brains]] = np.nan
+    without = [brain in opinions for brain in brains]
+    errors, tails = (by_world(measures.numbers(data, name)) for name in (ERROR, TAIL))
+    errors[:, without] = tails[:, without] = np.nan
     sides = by_world(measures.numbers(data, SIDE))
     costs = {name: np.nanmean(grid.spread(measures.numbers(data, name)), axis=(0, 2)) for name in ("messages_sent",)}
     costs |= {name: np.nanmean(grid.spread(data[name].values.astype(float)), axis=0) for name in measures.SIZES}
@@ -173,7 +175,7 @@ def scores_of(
         _score(name, numbers, worlds, division, low)
         for name, numbers, low in ((ERROR, errors, True), (SIDE, sides, False))
     )
-    return Scores(division, grid, worlds, error, side, costs, bounds)
+    return Scores(division, grid, worlds, error, side, centres(tails, "median").mean(axis=0), costs, bounds)
 
 
 def _score(name: str, numbers: Floats, worlds: Sequence[World], division: Division, low: bool) -> Score:

@@ -6,7 +6,7 @@ from typing import Any
 from rich.console import Console
 
 from swarmcensus.evaluation.ranking.losses import Losses
-from swarmcensus.evaluation.ranking.page import cell
+from swarmcensus.evaluation.ranking.page import TAIL, cell
 from swarmcensus.evaluation.ranking.scores import Scores
 from swarmcensus.support import terminal
 from swarmcensus.support.formatting import counted
@@ -18,6 +18,7 @@ def rows(scores: Scores) -> list[dict[str, Any]]:
     found: list[dict[str, Any]] = []
     for place, k in _placed(scores):
         row: dict[str, Any] = {"place": place, "brain": scores.contenders[k], "rank": scores.error.ranks[k]}
+        row["error_90"] = scores.tail[k]
         for score in (scores.error, scores.side):
             row[score.name] = score.by_world[:, k].mean()
             row[f"{score.name}_by_kind"] = dict(
@@ -35,15 +36,22 @@ def flat(row: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def as_text(name: str, scores: Scores, losses: Sequence[Losses]) -> str:
+def as_text(name: str, scores: Scores, losses: Sequence[Losses], cautions: Sequence[str]) -> str:
     """The board as text of 120 columns."""
-    return terminal.as_text(lambda out: print_board(name, scores, losses, out, "the property `table` has all"))
+    return terminal.as_text(
+        lambda out: print_board(name, scores, losses, cautions, out, "the property `table` has all")
+    )
 
 
 def print_board(
-    name: str, scores: Scores, losses: Sequence[Losses], out: Console, all_columns: str = "--json has all"
+    name: str,
+    scores: Scores,
+    losses: Sequence[Losses],
+    cautions: Sequence[str],
+    out: Console,
+    all_columns: str = "--json has all",
 ) -> None:
-    """Print the board, what its columns mean, and where your own brains are.
+    """Print the board, what its columns mean, cautions, and where your own brains are.
 
     `all_columns` says where columns are that do not fit into a narrow console.
     """
@@ -57,7 +65,10 @@ def print_board(
         Column("", ["" if place is None else f"{place}" for place, _ in placed]),
         Column("brain", [scores.contenders[k] for k in order], number=False),
         Column("rank", [f"{scores.error.ranks[k]:.1f}" * (k in scores.error.order) for k in order], spare=NUMBER),
-        *(Column(head, [cell(values[k], True) for k in order]) for head, values in [("error", error), *kinds]),
+        *(
+            Column(head, [cell(values[k], True) for k in order])
+            for head, values in [("error", error), (TAIL.replace(" within", "\nwithin"), scores.tail), *kinds]
+        ),
         Column("right\n%", [cell(right[k], False) for k in order]),
         *(
             Column(head, [f"{scores.costs[f'{head}_bytes'][k]:.0f}" for k in order], spare=NUMBER + soon)
@@ -68,6 +79,7 @@ def print_board(
     notes = [
         f"board {name}: {scores.division.meaning}; error: |x - f| after the last round, mean over its "
         f"{counted(len(scores.worlds), 'world')}{parts}; "
+        f"{TAIL}: nine of ten robots err no more; "
         "right: estimates on the same side of one half as f; memory, message: bytes"
     ]
     if bounds := [name for name in scores.contenders if name in scores.bounds]:
@@ -76,12 +88,13 @@ def print_board(
             "alone is ranked, as a robot can run it"
         )
     terminal.show(Table(columns, notes=lambda _: notes), out, all_columns)
-    for sentence in sentences(losses):
+    for sentence in sentences(losses, cautions):
         out.print(sentence)
 
 
-def sentences(losses: Sequence[Losses]) -> Iterator[str]:
-    """Where each brain of your own is, and where it loses most."""
+def sentences(losses: Sequence[Losses], cautions: Sequence[str]) -> Iterator[str]:
+    """Who is out of their range, and where each brain of your own is and where it loses most."""
+    yield from (f"caution: {caution}" for caution in cautions)
     for one in losses:
         worst = one.columns[0]
         text = f"it loses most in '{worst.column}', to {worst.best} (number {worst.place} of {worst.of} there)"

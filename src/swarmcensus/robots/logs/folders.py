@@ -15,7 +15,7 @@ from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.safe_source import digest, read_source
+from swarmcensus.support.plugins import digest, read_source
 
 ABOUT = "swarm.json"
 OWN = "brain.py"

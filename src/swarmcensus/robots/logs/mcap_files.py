@@ -16,7 +16,7 @@ from swarmcensus.robots.logs.logs import Gap, State, Tick, blocks_of
 from swarmcensus.runtime.runtime import Messages
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write
-from swarmcensus.support.safe_source import digest, read_source
+from swarmcensus.support.plugins import digest, read_source
 from swarmcensus.translation import messages_of
 
 NANO = 10**6  # nanoseconds of a millisecond

@@ -1,20 +1,22 @@
 """Plans missions: `sc.plan`."""
 
+import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from swarmcensus.runs import Report, showing, thread_count
+from swarmcensus.runs import Report, announce, showing, thread_count
 from swarmcensus.search.planning.areas import NoNetwork
+from swarmcensus.search.planning.forecast import seconds_of
 from swarmcensus.search.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.search.planning.plans import Plan, Question, Row
 from swarmcensus.search.planning.predictions import with_worst_accuracy
 from swarmcensus.search.planning.search import Search, Unreachable
 from swarmcensus.search.planning.shortest_time import shortest
 from swarmcensus.search.planning.smallest_swarm import enough, smallest
-from swarmcensus.support.errors import StudyError
+from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import counted
 
 SIZES = 5  # swarm sizes of a trade-off
@@ -43,10 +45,15 @@ def plan(
         tables = dict(mission)
     checked = mission_of(tables, where, base)
     question, rows = question_of(checked), []
+    jobs = thread_count(jobs)
     with showing(progress, "mission") as show:
-        for world in with_worst_accuracy(checked).worlds:
+        searches = [Search(world, jobs, show) for world in with_worst_accuracy(checked).worlds]
+        with contextlib.suppress(Unreachable, NoNetwork, InputError):  # the search itself says so
+            whole = sum(seconds_of(search, question, _sizes(search)) for search in searches)
+            announce(checked.name, whole, jobs)
+        for search in searches:
             try:
-                rows += _rows(Search(world, thread_count(jobs), show), question)
+                rows += _rows(search, question)
             except Unreachable as reason:
                 raise StudyError.within(where, f"the goal cannot be reached, because {reason}") from None
             except NoNetwork as error:
@@ -77,8 +84,12 @@ def _rows(search: Search, question: Question) -> list[Row]:
     if question == "how many":
         assert minutes is not None
         return [smallest(search, brain, minutes[0]) for brain in search.mission.brains]
-    sizes = np.unique(np.geomspace(*search.sizes, SIZES).round().astype(int)).tolist()
-    return [row for size in sizes for row in shortest(search, size)]
+    return [row for size in _sizes(search) for row in shortest(search, size)]
+
+
+def _sizes(search: Search) -> list[int]:
+    """The swarm sizes of a trade-off."""
+    return [*np.unique(np.geomspace(*search.sizes, SIZES).round().astype(int)).tolist()]
 
 
 def _how_close(mission: Mission, rows: list[Row]) -> str:

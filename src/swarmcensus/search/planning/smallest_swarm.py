@@ -46,7 +46,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
         return rows[robots].answer == "reached"
 
     try:
-        size = _theory_size(search, minutes)
+        size = theory_size(search, minutes)
         if holds(size):
             while size > low and holds(smaller := max(low, min(size - 1, int(size / STEP)))):
                 size = smaller
@@ -120,7 +120,7 @@ def _sizes(near: int, least: int, most: int, low: int, high: int) -> list[int]:
     return sorted({min(high, max(low, near + step)) for step in apart})
 
 
-def _theory_size(search: Search, minutes: float) -> int:
+def theory_size(search: Search, minutes: float) -> int:
     """The least allowed size for which the predicted time is short enough."""
     rounds, (low, high) = search.mission.rounds(minutes), search.sizes
     while low < high:

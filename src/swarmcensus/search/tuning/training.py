@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine import LeavableThreads
 from swarmcensus.results import LOCAL, OURS, Measure, Values, chosen, inputs_of, lacks, numbers, store
-from swarmcensus.runs import Progress, State, bundle_tasks, plan_tasks, pools, run_bundles
+from swarmcensus.runs import Progress, State, bundle_tasks, plan_tasks, pools, run_bundles, seconds_for
 from swarmcensus.search.tuning.targets import world_with
 from swarmcensus.studies import Setting, Study
 
@@ -61,6 +61,10 @@ class Training:
         pools.compile_for(
             [(self.study, self.worlds)], lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
         )
+
+    def candidate_seconds(self) -> float:
+        """The seconds that a candidate takes in these threads, measured once brains are compiled."""
+        return seconds_for(self.study, self.worlds, self.trials, self.jobs, self.local)
 
     def cost(self) -> float:
         """The predicted seconds of a candidate on one core."""

@@ -1,0 +1,41 @@
+"""Files of topologies, floors and spreads that results name: they are run only if they are here as they were."""
+
+import contextlib
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.plugins import PluginFile, read_source
+
+
+def plugin_files_in(data: Any) -> dict[str, dict[str, str]]:
+    """The files of a dataset by kind and name, such as "topology mine.py": `sha256` and `source`."""
+    content: dict[str, dict[str, str]] = json.loads(data.attrs.get("plugin_files", "{}"))
+    return content
+
+
+def plugin_files_of(data: Any, given: Iterable[Path] = ()) -> list[PluginFile]:
+    """The files of a dataset; those that are neither given nor found below the current folder cannot be run."""
+    files = []
+    for title, stored in plugin_files_in(data).items():
+        kind, _, name = title.partition(" ")
+        here = [Path(name)] if lies_here(kind, name, stored["source"]) else []
+        here += [path for path in given if path.is_file() and read_source(kind, path) == stored["source"]]
+        files.append(PluginFile(kind, name, stored["source"], here[0] if here else None))
+    return files
+
+
+def spreads_of(data: Any) -> dict[str, PluginFile]:
+    """The files of spreads of a dataset by their names, for texts of accuracies."""
+    return {file.name: file for file in plugin_files_of(data) if file.kind == "spread"}
+
+
+def lies_here(kind: str, name: str, source: str) -> bool:
+    """Whether a file of this name and source lies below the current folder."""
+    with contextlib.suppress(OSError, ValueError, InputError):
+        place = Path(name).resolve()
+        small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends, a byte mark
+        return small and place.is_relative_to(Path.cwd().resolve()) and read_source(kind, place) == source
+    return False

@@ -1,0 +1,88 @@
+"""Where a study does not give a brain what its file says that it needs (`brains/needs.py`), in sentences."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from swarmcensus.brains import Brain, names_in
+from swarmcensus.studies.settings import Setting
+from swarmcensus.support.formatting import counted
+from swarmcensus.worlds import Accuracy, Topology
+
+MOST_ROBOTS = 10_000  # of networks whose neighbours are counted
+
+
+def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
+    """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
+    found: dict[str, dict[str, str]] = {}
+    worlds = dict.fromkeys(
+        (brain, s.rounds, s.topology, s.robots, s.accuracy, "round" if s.body is None else "tick")
+        for s in settings
+        for brain in _honest(s)
+        if brain.needs
+    )
+    for brain, rounds, topology, robots, accuracy, unit in sorted(worlds, key=lambda world: world[1]):
+        there = found.setdefault(brain.name, {})
+        lacks = {
+            **_lacks_rounds(brain, rounds, unit),
+            **_lacks_robots(brain, topology, robots),
+            **_lacks_sensors(brain, accuracy),
+            **_lacks_question(brain, bins),
+        }
+        for key, sentence in lacks.items():
+            there.setdefault(key, sentence + _parameters(brain, key))
+    return [f"{name} {'. It '.join(sentences.values())}" for name, sentences in found.items() if sentences]
+
+
+def _honest(setting: Setting) -> Iterator[Brain]:
+    yield setting.brain
+    for member in setting.members:
+        if member.honest and isinstance(member.brain, Brain):
+            yield member.brain
+
+
+def _lacks_rounds(brain: Brain, rounds: int, unit: str) -> dict[str, str]:
+    lacks, has = {}, f"this study has {rounds:,}"
+    if rounds <= (silent := brain.needs.get("silent", -1.0)):
+        lacks["silent"] = f"says nothing before {unit} {int(silent) + 1:,}; {has}"
+    if rounds < (least := brain.needs.get("rounds", 0.0)):
+        lacks["rounds"] = f"needs {counted(round(least), unit)}; {has}"
+    if rounds != (length := round(brain.needs.get("length", rounds))):
+        lacks["length"] = f"is made for an answer after {unit} {length:,}; {has}"
+    return lacks
+
+
+def _lacks_robots(brain: Brain, topology: Topology, robots: int) -> dict[str, str]:
+    lacks = {}
+    if robots < (least := brain.needs.get("robots", 0.0)):
+        lacks["robots"] = f"needs {counted(round(least), 'robot')}; this study has {robots:,}"
+    least = brain.needs.get("neighbours", 0.0)
+    if not least or topology.moves or robots > MOST_ROBOTS:
+        return lacks
+    there = robots - 1.0
+    if not topology.is_full:
+        receivers = topology.links(robots, 0, 0, 1, lossless=True, sums=False).receivers
+        there = float(np.median(np.bincount(receivers, minlength=robots)))
+    if there < least:
+        lacks["neighbours"] = f"needs {least:g} neighbours; most robots of {topology} have {there:g} or fewer"
+    return lacks
+
+
+def _lacks_sensors(brain: Brain, accuracy: Accuracy) -> dict[str, str]:
+    exact = accuracy.drift is None and all(d.is_number and d.numbers[0] == 1.0 for d in accuracy.distributions)
+    if exact or not brain.needs.get("perfect_sensors"):
+        return {}
+    return {"perfect_sensors": f"takes readings for the truth, so an accuracy of {accuracy} biases its estimates"}
+
+
+def _lacks_question(brain: Brain, bins: int) -> dict[str, str]:
+    if bins == 2 or not brain.needs.get("binary"):
+        return {}
+    return {"binary": f"answers whether f is above one half; this study asks for one of {bins:,} bins"}
+
+
+def _parameters(brain: Brain, key: str) -> str:
+    """The parameters that a need depends on, and their values."""
+    expression = brain.contents.needs.get(key)
+    shown = [f"{name} = {brain.parameters[name]:g}" for name in names_in(expression)] if expression else []
+    return f" ({', '.join(shown)})" if shown else ""

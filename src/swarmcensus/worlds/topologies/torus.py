@@ -1,0 +1,23 @@
+"""A torus: a grid without borders, on which each robot hears four neighbours.
+
+Without `columns` it is as square as the number of robots allows: of 30 robots, 5 rows of 6.
+"""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from swarmcensus.worlds.lattices import lattice, rows_and_columns
+
+Columns = Annotated[int, Field(ge=3)]
+
+
+def check(robots: int, *, columns: Columns | None = None) -> None:
+    """Refuse numbers of robots that fill no rows."""
+    rows_and_columns(robots, columns, 3)
+
+
+def edges(robots: int, *, columns: Columns | None = None) -> np.ndarray:
+    """Neighbours, (edge, 2)."""
+    return lattice(*rows_and_columns(robots, columns, 3), closed=True)

@@ -1,0 +1,206 @@
+"""Comparisons of the levels of any coordinate: contenders, pairing, margins, sentences and profiles."""
+
+import json
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.analysis.comparing.contenders import grid_of
+from swarmcensus.cli.commands import main
+from swarmcensus.results import measures
+from swarmcensus.support.errors import InputError
+from tests.support.contending import by_every_deal, by_every_sign, made_up
+
+WORLDS = {"topology": ["ring", "line"], "fill_ratio": [0.35, 0.6], "link_success": [1.0, 0.7]}
+
+
+@pytest.fixture(scope="module")
+def ran():
+    """Two networks, two fill ratios, two numbers of robots and two deliveries, in one small study."""
+    swarm = {"robots": [6, 9], "accuracy": 0.7}
+    schedule = {"rounds": 20, "observations_per_round": 2}
+    return sc.run(sc.Study(trials=12, seed=5, swarm=swarm, world=WORLDS, schedule=schedule))
+
+
+def numbers_of(data, name, **where):
+    """The number of each trial of the one setting with these coordinates."""
+    place = np.flatnonzero(np.logical_and.reduce([data[key].values == value for key, value in where.items()]))
+    return measures.numbers(data, name)[place.item()]
+
+
+def test_contenders_are_the_levels_and_worlds_all_else(ran):
+    grid, cautions = grid_of(ran, ran, factor=["topology"])
+    assert grid.contenders == ["ring", "line"]
+    assert [*grid.worlds[0]] == ["robots", "fill_ratio", "link_success"]
+    assert len(grid.worlds) == 8
+    assert not cautions
+
+
+@pytest.mark.parametrize(
+    ("factor", "paired", "reason"),
+    [
+        ("topology", True, "readings"),
+        ("link_success", True, "readings"),
+        ("fill_ratio", True, "lost messages"),  # of worlds in which messages are lost
+        ("robots", False, "depend on robots"),
+    ],
+)
+def test_trials_are_paired_where_they_share_random_numbers(ran, factor, paired, reason):
+    found = sc.compare(ran, "final_error", factor=factor)
+    assert found.contests[0].paired.any() == paired
+    assert any(reason in sentence for sentence in found.pairing)
+
+
+def test_only_worlds_with_shared_numbers_are_paired(ran):
+    found = sc.compare(ran, "final_error", factor="fill_ratio")
+    lost = [world["link_success"] < 1.0 for world in found.grid.worlds]
+    assert found.contests[0].paired[:, 0].tolist() == lost
+    assert (found.pairs["test"] == "signed-rank").tolist() == lost
+
+
+def test_paired_levels_are_tested_trial_by_trial(ran):
+    row = sc.compare(ran, "final_error", factor="topology").pairs.iloc[0]
+    world = {"robots": 6, "fill_ratio": 0.35, "link_success": 1.0}
+    ring, line = (numbers_of(ran, "final_error", topology=name, **world) for name in ("ring", "line"))
+    off = np.where(np.isclose(ring, line), 0.0, ring - line)
+    assert row.p == pytest.approx(by_every_sign(off))
+    assert row.difference == pytest.approx(np.median(off))
+    assert row.superiority == (off < 0).mean() + (off == 0).mean() / 2
+
+
+def test_independent_levels_are_tested_by_ranks(ran):
+    eight = ran.isel(trial=slice(8))
+    row = sc.compare(eight, "final_error", factor="robots").pairs.iloc[0]
+    world = {"topology": "ring", "fill_ratio": 0.35, "link_success": 1.0}
+    few, many = (numbers_of(eight, "final_error", robots=count, **world) for count in (6, 9))
+    assert (row.one, row.other, row.test, row.trials, row.other_trials) == ("robots=6", "robots=9", "rank-sum", 8, 8)
+    assert row.p == pytest.approx(by_every_deal(few, many))
+    off = few[:, None] - many
+    assert row.difference == pytest.approx(np.median(off))
+    assert row.superiority == (off < -1e-12).mean() + (np.abs(off) <= 1e-12).mean() / 2
+    assert row.difference_low < row.difference < row.difference_high
+    assert row.superiority_low < row.superiority < row.superiority_high
+
+
+def test_levels_of_two_factors_are_their_combinations(ran):
+    found = sc.compare(ran, "final_error", factor=["topology", "robots"])
+    assert found.contenders == ["ring, robots=6", "ring, robots=9", "line, robots=6", "line, robots=9"]
+    paired = found.contests[0].paired[0]  # ring-ring, ring-line of 6, ring 6 - line 9, ...
+    assert paired.tolist() == [False, True, False, False, True, False]
+
+
+def test_accuracy_is_compared_where_robots_know_their_sensors():
+    study = sc.Study(trials=6, seed=1, swarm={"robots": 4, "accuracy": [0.6, 0.8]},
+                     world={"topology": "ring", "fill_ratio": 0.3}, schedule={"rounds": 5})  # fmt: skip
+    found = sc.compare(sc.run(study), "final_error", factor="accuracy")
+    assert found.contenders == ["accuracy=0.6", "accuracy=0.8"]
+    assert found.grid.worlds == [{}]
+
+
+def test_liars_and_adversaries_are_factors():
+    def members(counts):
+        return [{"robots": counts, "brain": [{"file": "always-black"}, {"file": "random"}], "honest": False}]
+
+    world = {"topology": "ring", "fill_ratio": 0.3}
+    study = sc.Study(trials=6, seed=1, swarm={"robots": 6, "accuracy": 0.8}, world=world, schedule={"rounds": 5},
+                     members=members([1, 2]))  # fmt: skip
+    results = sc.run(study)
+    assert sc.compare(results, "final_error", factor="liars").contenders == ["liars=1", "liars=2"]
+    found = sc.compare(results, "final_error", factor="adversary")
+    assert found.contenders == ["always-black", "random"]
+    assert found.grid.worlds == [{"liars": 1}, {"liars": 2}]
+    assert found.tails["error_90"][0].shape == (2, 2)  # among liars a tail is always shown
+
+
+def test_a_parameter_of_a_brain_is_a_factor():
+    data = made_up()
+    found = sc.compare(data, "final_error", where='brain == "bayes-bots"', factor="prior")
+    assert found.contenders == ["prior=1", "prior=10"]
+    assert found.pairing == ["not paired: these results do not say which random numbers their trials share"]
+
+
+@pytest.mark.parametrize(
+    ("factor", "key", "said"),
+    [
+        ("topologie", "factor", "did you mean 'topology'"),
+        ("accuracy_black", "factor", "accuracy: name that"),
+        ("accuracy", "factor", "they differ in topology, robots, fill_ratio, link_success"),
+        ((), None, "They differ in topology, robots, fill_ratio, link_success: choose what to compare"),
+    ],
+)
+def test_a_factor_that_cannot_be_compared_is_refused(ran, factor, key, said):
+    with pytest.raises(InputError) as refusal:
+        sc.compare(ran, factor=factor)
+    assert refusal.value.key == key
+    assert said in str(refusal.value)
+
+
+def test_one_level_is_named_by_its_value(ran):
+    found = sc.compare(ran, "final_error", factor="robots", against="9")
+    assert found.contenders[found.against] == "robots=9"
+
+
+def test_pairs_within_the_margin_are_equal_in_practice(ran):
+    wide = sc.compare(ran, "final_error", factor="topology", margin=0.9)
+    assert wide.pairs["equal_in_practice"].all()
+    assert "equal for practical purposes, within 0.9: ring and line in 8 of 8 worlds" in str(wide)
+    pairs = sc.compare(ran, "final_error", factor="topology", margin={"final_error": 0.02}).pairs
+    inside = (pairs["difference_low"] >= -0.02) & (pairs["difference_high"] <= 0.02)
+    assert pairs["equal_in_practice"].tolist() == inside.tolist()
+    assert not sc.compare(ran, "final_error", factor="topology").pairs["equal_in_practice"].any()
+
+
+@pytest.mark.parametrize("margin", [-0.1, 0.0, {"K": 1.0}, {"final_error": "much"}], ids=str)
+def test_wrong_margins_are_refused(ran, margin):
+    with pytest.raises(InputError) as refusal:
+        sc.compare(ran, "final_error", factor="topology", margin=margin)
+    assert refusal.value.key == "margin"
+
+
+def test_a_margin_of_several_measures_names_one(ran):
+    with pytest.raises(InputError) as refusal:
+        sc.compare(ran, ["final_error", "correct"], factor="topology", margin=0.1)
+    assert refusal.value.key == "margin"
+
+
+def test_a_sentence_has_the_numbers_of_the_table(ran):
+    found = sc.compare(ran, "final_error", factor="robots", where='link_success == 1 and topology == "ring"')
+    sentence, row = found.sentences[0], found.pairs.iloc[0]
+    assert sentence.startswith("final error (fill_ratio 0.35): robots=6 ")
+    assert f"probability that robots=6 is better {row.superiority:.2f} [{row.superiority_low:.2f}, " in sentence
+    assert "rank-sum test, two-sided p" in sentence
+    assert "after Holm's correction for 2 tests" in sentence
+
+
+def test_profiles_keep_trials_in_which_nothing_happened():
+    data = made_up()
+    table = sc.compare(data, "consensus_round").profiles
+    when = measures.numbers(data, "consensus_round")
+    one = table[(table["world"] == 0) & (table["contender"] == "minimalistic")]
+    assert one["share"].tolist() == [float((when[0] <= at).mean()) for at in one["round"]]
+    assert one["round"].iloc[-1] == 500
+    assert one["share"].iloc[-1] == np.isfinite(when[0]).mean() < 1.0
+
+
+def test_profiles_are_drawn_and_other_measures_are_refused(ran):
+    figure = sc.plot.profiles(made_up(), metric="consensus_round")
+    lines = figure.axes[0].get_lines()
+    assert len(lines) == 4
+    assert max(lines[0].get_ydata()) < 100.0
+    with pytest.raises(InputError) as refusal:
+        sc.plot.profiles(ran, metric="final_error", factor="topology")
+    assert refusal.value.key == "metric"
+
+
+def test_the_command_compares_a_factor(ran, refused, capsys):
+    sc.save(ran, "ran.nc")
+    words = ["compare", "ran.nc", "--factor", "topology", "--metric", "final_error"]
+    assert main([*words, "--margin", "0.5", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["pairing"] == ["paired by trial: trials of one number share readings"]
+    assert {pair["one"] for pair in document["pairs"]} == {"ring"}
+    assert len(document["sentences"]) == 8
+    assert main([*words, "--plot", "two.png"]) == 0
+    assert "They differ in topology" in refused("compare", "ran.nc")
+    assert "--factor topology" in refused("compare", "ran.nc")

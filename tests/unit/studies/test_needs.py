@@ -1,0 +1,126 @@
+"""Brains say what they need of a study, and a study that does not give it is warned of in a line for each brain."""
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.studies import unmet_needs
+from tests.support.small import study_of
+
+W_MSR = "w-msr says nothing before round 1,351; this study has 300 (phase = 450, run = 0, silent = 3)"
+WORLDS = [
+    (topology, *world)
+    for topology in ("ring", "scale-free", "full")
+    for world in ((0.7, 0.35, 300), (0.9, 0.2, 100), (0.7, 0.85, 1000), (0.9, 0.65, 100))
+]  # topology, accuracy, fill ratio, rounds
+
+
+def unmet(brain, bins=2, **given):
+    return unmet_needs(study_of(brain, **{"accuracy": 1.0, "rounds": 300} | given).settings(), bins)
+
+
+@pytest.mark.parametrize(
+    ("brain", "given", "said"),
+    [
+        ("w-msr", {"topology": "full", "robots": 6}, [W_MSR]),
+        ("w-msr", {"rounds": 1350, "robots": 6, "topology": "full"}, [W_MSR.replace("has 300", "has 1,350")]),
+        ("w-msr", {"rounds": 1351, "robots": 6, "topology": "full"}, []),
+        (
+            "w-msr",
+            {"rounds": 2000},
+            ["w-msr needs 5 neighbours; most robots of ring have 2 or fewer (drop = 2)"],
+        ),
+        (
+            {"file": "gated-mean", "run": 300, "debiased": [0, 1]},
+            {"accuracy": 0.7},
+            ["gated-mean takes readings for the truth, so an accuracy of 0.7 biases its estimates (debiased = 0)"],
+        ),
+        ("three-state", {"rounds": 2500}, ["three-state needs 50 robots; this study has 5"]),
+        ("bayes-bots", {}, ["bayes-bots needs 4,000 rounds; this study has 300 (every = 200, prior = 10)"]),
+        ({"file": "bayes-bots", "every": 15}, {}, []),
+        ("recurrent", {}, ["recurrent is made for an answer after round 100; this study has 300 (run = 0)"]),
+        ({"file": "recurrent", "run": 300}, {}, []),
+        ("voter", {"bins": 10}, ["voter answers whether f is above one half; this study asks for one of 10 bins"]),
+        ("voter", {}, []),
+        ("commons", {"accuracy": 0.6, "bins": 10}, []),
+    ],
+)
+def test_each_need_is_compared_with_the_study(brain, given, said):
+    assert unmet(brain, **given) == said
+
+
+def test_a_brain_is_named_once_with_its_fewest_rounds():
+    [line] = unmet(["gated-mean", "minimalistic"], rounds=[400, 300, 500], accuracy=[0.7, 0.9])
+    assert line.startswith("gated-mean says nothing before round 451; this study has 300 (phase = 450, run = 0). It ta")
+
+
+def test_ticks_and_the_brains_of_members_count():
+    members = [{"robots": 2, "brain": "gated-mean"}]
+    assert unmet({"file": "linear-consensus", "phase": 1}, members=members, ticks=90) == [
+        "gated-mean says nothing before tick 451; this study has 90 (phase = 450, run = 0)"
+    ]
+
+
+@pytest.mark.filterwarnings("default")
+def test_run_warns_in_one_line(here, capsys):
+    (here / "late.toml").write_text(study_of("gated-mean", rounds=10, trials=1).text)
+    assert main(["run", "late.toml"]) == 0
+    [line] = [line for line in capsys.readouterr().err.splitlines() if line.startswith("warning: gated-mean")]
+    assert "gated-mean says nothing before round 451; this study has 10 (phase = 450, run = 0). It takes" in line
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("name", ["linear-consensus", "w-msr", "gated-mean", "recurrent"])
+def test_published_run_is_the_default(name):
+    rounds = 100 if name == "recurrent" else 10_000
+    brain = [name, {"file": name, "run": rounds}]
+    if name != "recurrent":
+        brain[0] = {"file": name, "phase": 450 * 40 / rounds}
+        brain[1] = {"file": name, "run": 40}
+    data = sc.run(study_of(brain, rounds=40, trials=1), 1, cautions=False)
+    first, second = data["final_estimate"].values
+    assert np.array_equal(first, second)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("name", ["linear-consensus", "w-msr", "gated-mean"])
+def test_unclipped_shares_are_right_on_average(name):
+    """With a poor sensor on a black floor, clipped shares are too low, because only their excess is cut."""
+    brain = [{"file": name, "run": 60, "debiased": debiased} for debiased in (1, 2)]
+    data = sc.run(study_of(brain, robots=12, accuracy=0.6, rounds=60, trials=4, fill_ratio=0.95), 1, cautions=False)
+    clipped, unclipped = data["final_estimate"].mean(["trial", "robot"]).values
+    assert abs(unclipped - 0.95) < abs(clipped - 0.95)
+
+
+def held(topology, accuracy, fill_ratio, rounds, trials):
+    """Each brain that estimates, published and corrected, is nearer than a half or is warned of."""
+    estimating = {name: brains.load(name) for name in brains.shipped() if not brains.load(name).is_opinion}
+    corrected = {"debiased": 1, "run": rounds, "every": 1}
+    every = [
+        variant
+        for name, brain in estimating.items()
+        for variant in (name, {"file": name} | {k: v for k, v in corrected.items() if k in brain.parameters})
+        if variant != {"file": name}
+    ]
+    study = study_of(every, 12, accuracy, rounds, trials=trials, topology=topology, fill_ratio=fill_ratio)
+    errors = abs(sc.run(study, 1, cautions=False)["final_estimate"] - fill_ratio).mean("robot").median("trial")
+    far = [
+        setting.brain.label
+        for setting, error in zip(study.settings(), errors.values, strict=True)
+        if error >= abs(fill_ratio - 0.5) and not unmet_needs([setting], study.measure.bins)
+    ]
+    assert not far
+    assert len(errors) > len(estimating) > 25
+
+
+@pytest.mark.interpreted
+def test_every_brain_beats_a_half_or_warns():
+    held(*WORLDS[1], trials=1)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("world", WORLDS, ids=lambda world: "-".join(map(str, world)))
+def test_every_brain_beats_a_half_or_warns_in_twelve_studies(world):
+    held(*world, trials=3)

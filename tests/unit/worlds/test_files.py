@@ -1,0 +1,234 @@
+"""Topologies, floors and spreads in files that a study names by their paths."""
+
+import pickle
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.analysis.explaining.wrong_beliefs import accuracy_of
+from swarmcensus.cli.commands import main
+from swarmcensus.runs import clusters
+from swarmcensus.simulation import sampling
+from swarmcensus.studies import addresses
+from swarmcensus.worlds import parse_accuracy
+
+WHEEL = """
+def edges(robots, chance, *, spokes: int = 3):
+    ends = chance.generator().permutation(robots - 3)[:spokes] + 2
+    return [(i, (i + 1) % robots) for i in range(robots)] + [(0, int(end)) for end in ends]
+"""
+STAIN = """
+def score(arena, chance, *, middle: float = 0.0):
+    return lambda tiles: ((tiles * arena.tile - middle) ** 2).sum(axis=-1)
+"""
+WEDGE = """
+def check(a, b):
+    if a > b:
+        raise ValueError("it needs a <= b")
+def quantile(u, a, b):
+    return a + (b - a) * u**0.5
+"""
+FIXED = """
+trials = 2
+[swarm]
+robots = 12
+accuracy = ["my worlds/wedge.py(0.6, 0.9)", {black = "my worlds/wedge.py(0.7, 0.8)", white = 0.8}]
+assumed_accuracy = {error = "my worlds/wedge.py(-0.1, 0.1)"}
+[world]
+topology = ["my worlds/wheel.py", {file = "my worlds/wheel.py", spokes = 5, label = "five spokes"}, "ring"]
+fill_ratio = 0.45
+[schedule]
+rounds = 6
+[[members]]
+robots = 1
+accuracy = "my worlds/wedge.py(0.5, 0.6)"
+"""
+MOVING = """
+trials = 2
+[swarm]
+robots = 8
+accuracy = 0.8
+[world]
+topology = "moving"
+side = 2
+floor = ["my worlds/stain.py", {file = "my worlds/stain.py", middle = 0.5}]
+fill_ratio = 0.45
+[schedule]
+ticks = 20
+"""
+
+
+@pytest.fixture
+def files(here):
+    Path("my worlds").mkdir()
+    for name, text in (("wheel", WHEEL), ("stain", STAIN), ("wedge", WEDGE)):
+        Path("my worlds", f"{name}.py").write_text(text)
+    Path("fixed.toml").write_text(FIXED)
+    Path("moving.toml").write_text(MOVING)
+    return here
+
+
+@pytest.mark.usefixtures("files")
+def test_files_say_who_hears_whom_and_what_is_seen():
+    settings = sc.Study.load("fixed.toml").settings()
+    by = {str(s.topology): s for s in settings}
+    assert [*by] == ["my worlds/wheel.py", "five spokes", "ring"]
+    for name, spokes in (("my worlds/wheel.py", 3), ("five spokes", 5)):
+        links = sampling.links(by[name], 0, 0, 2)
+        graphs = [links.receivers[links.starts[k] : links.starts[k + 1]] for k in (0, 1)]
+        assert [np.bincount(one)[0] for one in graphs] == [spokes + 2] * 2
+        assert not np.array_equal(*graphs)
+    b, *_ = sampling.accuracies(settings[-1], 0, 0, 500)
+    others = b.max(axis=1)  # one robot is a member with a poorer sensor
+    assert 0.7 < others.min() < others.max() < 0.8
+    assert str(settings[0].accuracy) == "my worlds/wedge.py(0.6,0.9)"
+    middles = [sampling.ground(s, 0, 0).all_tiles() for s in sc.Study.load("moving.toml").settings()]
+    half = len(middles[0]) // 2
+    assert [int(one[half - 50, half - 50]) for one in middles] == [1, 0]
+    assert [int(one[half + 90, half + 90]) for one in middles] == [0, 1]
+
+
+@pytest.mark.usefixtures("files")
+@pytest.mark.parametrize(("study", "changed"), [("fixed", "wheel"), ("fixed", "wedge"), ("moving", "stain")])
+def test_results_of_files_are_verified_and_refused_after_a_change(study, changed, refused):
+    assert main(["run", f"{study}.toml", "-q"]) == 0
+    assert sc.verify(f"{study}.nc", 1).differences == sc.verify(f"{study}.nc", 1).labels == []
+    for command in (["replay", f"{study}.nc", "--setting", "0", "--trial", "1"], ["run", f"{study}.toml"]):
+        assert main(command) == 0
+    assert sc.merge([f"{study}.nc"]).equals(sc.load(f"{study}.nc"))
+    old = shutil.copy(Path("my worlds", f"{changed}.py"), "old.py")
+    path = Path("my worlds", f"{changed}.py")
+    path.write_text(path.read_text() + "# a word more\n")
+    kind = {"wheel": "topology", "wedge": "spread", "stain": "floor"}[changed]
+    again = refused("run", f"{study}.toml")
+    assert f"{study}.nc: the {kind} my worlds/{changed}.py was changed since these results were made" in again
+    for command in ("replay", "verify", "merge"):
+        more = {"replay": ["--setting", 0, "--trial", 1], "merge": ["--out", "y.nc"]}.get(command, ())
+        assert f"the {kind} 'my worlds/{changed}.py' is a file" in refused(command, f"{study}.nc", *more)
+    assert main(["verify", f"{study}.nc", "--sample", "1", "--brain-file", old]) == 0
+    assert main(["show", f"{study}.nc"]) == 0
+
+
+@pytest.mark.usefixtures("files")
+def test_accuracies_of_a_file_are_numbers_where_it_lies_unchanged():
+    results = sc.run(sc.Study.load("fixed.toml"), jobs=1)
+    assert np.allclose(results["accuracy_black"][:1], 0.6 + 0.3 * 2 / 3, atol=1e-3)
+    Path("my worlds", "wedge.py").unlink()
+    sc.save(results, "x.nc")
+    assert sc.load("x.nc")["accuracy_black"][:2].isnull().all()
+
+
+@pytest.mark.usefixtures("files")
+def test_clusters_get_the_sources():
+    for name in ("fixed", "moving"):
+        study = sc.Study.load(f"{name}.toml")
+        payload = pickle.dumps(clusters.payload_of(study))
+        Path("my worlds").rename("gone")
+        there, _ = clusters.read_payload(pickle.loads(payload))
+        Path("gone").rename("my worlds")
+        marks = [[addresses.fingerprint(s, 0) for s in one.settings()] for one in (study, there)]
+        assert marks[0] == marks[1]
+        assert study.with_(trials=3).settings() == study.settings()
+
+
+@pytest.mark.usefixtures("files")
+def test_python_names_files_too():
+    world = {"topology": [Path("my worlds/wheel.py")], "fill_ratio": 0.5}
+    study = sc.Study(trials=1, swarm={"robots": 9, "accuracy": "my worlds/wedge.py(0.6, 0.7)"}, world=world)
+    assert str(study.settings()[0].topology) == "my worlds/wheel.py"
+    assert sc.Study.parse(study.text, context=study.context).settings() == study.settings()
+
+
+LINES = """trials = 1
+[swarm]
+robots = 12
+accuracy = {accuracy}
+[world]
+topology = {topology}
+{more}
+fill_ratio = 0.45
+"""
+WRONG = [
+    ("topology", '"whel.py"', "", "there is no file whel.py"),
+    ("topology", '"x.py"', "x = 1", "topology file x.py: it has no function edges"),
+    ("topology", '"x.py"', "x = = 1", "topology file x.py: fails when it is loaded: not Python: invalid syntax"),
+    (
+        "topology",
+        '"x.py"',
+        "x = 1 / 0",
+        "x.py: fails when it is loaded: ZeroDivisionError: division by zero, at x.py, ",
+    ),
+    ("topology", '"x.py"', "def edges(robots):\n    return robot", "'x.py' of 12 robots: NameError: name 'robot' is"),
+    ("topology", '"x.py"', "def edges(robots):\n    return [(0, 12)]", "its edge (0, 12) leads to a robot that is not"),
+    ("topology", '"x.py"', "def edges(robots):\n    return 3", "topology 'x.py' of 12 robots: TypeError"),
+    (
+        "topology",
+        '{file = "x.py", k = 2}',
+        "def edges(robots):\n    return []",
+        "topology x.py has no key k: it has",
+    ),
+    (
+        "topology",
+        '"x.py"',
+        "def edges(robots, *, label=3):\n    return []",
+        "it has a key label, which means",
+    ),
+    ("floor", '"x.py"', "x = 1", "floor file x.py: it has no function score"),
+    (
+        "floor",
+        '"x.py"',
+        "def score(arena, chance):\n    return lambda tiles: tiles[0]",
+        "should give a finite number each",
+    ),
+    ("floor", '"x.py"', "def score(arena, chance, *, a):\n    return 1", "floor x.py needs the key a"),
+    ("floor", '{file = "x.py"}', "def score(arena, chance, *, file=1):\n    return 1", "it has a key file"),
+    ("accuracy", '"y.py(0.7)"', "", "there is no file y.py"),
+    ("accuracy", '"x.py(0.7)"', "x = 1", "spread file x.py: it has no function quantile"),
+    ("accuracy", '"x.py"', "def quantile(u, a):\n    return a * u", "x.py(a) needs 1 number, not 0"),
+    ("accuracy", '"x.py(2)"', "def quantile(u, a):\n    return a * u", "lies in [0, 1], and x.py(2.0) gives 2"),
+    (
+        "accuracy",
+        '"x.py(2)"',
+        "def quantile(u, a):\n    return 3",
+        "x.py(2.0): for numbers (3,) it should give",
+    ),
+    ("accuracy", '{start = "x.py(2, 3)", drift = -1e-5}', WEDGE, "x.py(2.0,3.0) gives 2"),
+    ("accuracy", '"x.py(0.8, 0.7)"', WEDGE, "x.py(a, b): it needs a <= b"),
+]
+
+
+@pytest.mark.parametrize(("key", "value", "text", "said"), WRONG)
+def test_wrong_files_are_refused(key, value, text, said, here, refused):
+    plain = {"accuracy": "0.7", "topology": '"ring"', "more": ""}
+    if key == "floor":
+        plain |= {"topology": '"moving"', "more": f"side = 10\nfloor = {value}"}
+    else:
+        plain[key] = value
+    Path("s.toml").write_text(LINES.format(**plain))
+    if text:
+        Path("x.py").write_text(text)
+    error = refused("run", "s.toml", "--out", "s.nc")
+    assert said in error
+    assert error.startswith("swarmcensus: study file s.toml: ")
+
+
+def test_results_name_no_file_that_is_run_unseen(files, refused):
+    assert main(["run", "fixed.toml", "-q", "--out", "x.nc"]) == 0
+    Path("my worlds", "wheel.py").write_text("import pathlib\npathlib.Path('run').touch()\n" + WHEEL)
+    assert main(["show", "x.nc"]) == 0
+    refused("verify", "x.nc")
+    assert not Path("run").exists()
+
+
+@pytest.mark.usefixtures("files")
+def test_texts_of_accuracies_are_read_again():
+    study = sc.Study.load("fixed.toml")
+    known = {file.name: file for file in study.plugin_files}
+    for setting in study.settings():
+        for one in (setting.accuracy, setting.assumed_accuracy):
+            assert accuracy_of(str(one), known) == one
+    drifting = parse_accuracy({"start": "my worlds/wedge.py(0.8, 0.9)", "drift": -1e-4}, None, known)
+    assert accuracy_of(str(drifting), known) == drifting
