@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, Unpack
 
 import matplotlib as mpl
@@ -33,6 +34,7 @@ LINE = 0.16  # inches: the height of a row that has a name or a number
 NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
 USUAL = "accuracy", "fill_ratio"  # in rows and in columns
+UNSEEN = r"[$\\{},]"  # signs of formulas that have no width
 ABOVE = 0.3  # inches over a panel for the colour bar
 MOST_NAMED = 8  # values of a coordinate in a message
 
@@ -137,15 +139,13 @@ def _measure(results: xr.Dataset, z: str) -> Measure:
 
 
 def _caption(results: xr.Dataset, measure: Measure, room: float) -> str:
-    """What a panel of `room` points shows, with its unit; shortened if it is too long."""
-    known = QUANTITIES.get(measure.name)
-    name = (known.axis if known else "") or measure.label.replace("$", r"\$")
-    unit = unit_of(results).split()[-1] if measure.unit == "rounds" else measure.unit
-    unit = f" ({unit})" * (unit != "1")
-    text = f"{measure.statistic} {name}{unit}"
-    if width_of(f"(b) {text.replace('$', '')}", caption_letters()) > room:
-        text = text.replace("convergence ", "")
-    return text
+    """What a panel of `room` points shows, with its unit; in fewer words if there is no room for all."""
+    axis = QUANTITIES[measure.name].axis if measure.name in QUANTITIES else ""
+    label = measure.label.replace("$", r"\$")
+    unit = unit_of(results).split()[-1] if measure.unit == "rounds" else "%" if measure.share else measure.unit
+    names = [name for name in (axis, axis.replace("convergence ", ""), label) if name]
+    texts = [f"{measure.statistic} {name}" + f" ({unit})" * (unit != "1") for name in names]
+    return next((t for t in texts if width_of(f"(b) {re.sub(UNSEEN, '', t)}", caption_letters()) <= room), texts[-1])
 
 
 def _axes_of(results: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
