@@ -45,7 +45,6 @@ from .measures import (
 from .merging import merge as merge
 from .out_of_range import cautions_of_needs as cautions_of_needs
 from .partial import opened as opened, say_partial as say_partial
-from .plugin_files import spreads_of as spreads_of
 from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable
 from .recordings import read_observations as read_observations, write_trace as write_trace
