@@ -17,6 +17,7 @@ from .cautions import (
     warn_of_edges as warn_of_edges,
 )
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
+from .estimates import Cells as Cells, cells as cells
 from .labels import (
     labels_in as labels_in,
     renamed as renamed,
@@ -29,14 +30,17 @@ from .measures import (
     OURS as OURS,
     SIZES as SIZES,
     Measure as Measure,
+    at_checkpoints as at_checkpoints,
     chosen as chosen,
     derivable as derivable,
+    head_of as head_of,
     inputs_of as inputs_of,
     is_share as is_share,
     lacks as lacks,
+    named as named,
     numbers as numbers,
+    sample as sample,
     statistic_of as statistic_of,
-    with_measure as with_measure,
 )
 from .merging import merge as merge
 from .out_of_range import cautions_of_needs as cautions_of_needs
@@ -78,7 +82,6 @@ from .structure import failures as failures, finished as finished
 from .summaries import (
     as_dict as as_dict,
     asked_anew as asked_anew,
-    cells as cells,
     derived_size as derived_size,
     done as done,
     failed_trials as failed_trials,

@@ -173,7 +173,7 @@ def compare_dataset(
         raise wrong_option("against", against, "should be the name of a contender")
     reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
     measured, notes_on_measures = measures.chosen(data, metric)
-    margins = _margins(margin, measured)
+    margins = _margins(margin, measured, data)
     numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
         labels = ", ".join(measure.label for measure in measured)
@@ -220,7 +220,7 @@ def compare_dataset(
     )
 
 
-def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]) -> dict[str, float]:
+def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure], data: xr.Dataset) -> dict[str, float]:
     """The margin of each measure that has one. Raises InputError."""
     names = [measure.name for measure in measured]
     if margin is None:
@@ -230,6 +230,7 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
             example = option("margin", f"{names[0]}={margin}") if in_shell() else f"margin={{{names[0]!r}: {margin}}}"
             raise wrong_option("margin", margin, f"there are {len(names)} measures: name one, as {example}")
         margin = {names[0]: margin}
+    margin = {measures.named(data, name, names): value for name, value in margin.items()}
     for name, value in margin.items():
         if name not in names:
             raise wrong_option("margin", name, f"{did_you_mean(name, names)}the measures are {', '.join(names)}")

@@ -20,7 +20,7 @@ ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer t
 )  # fmt: skip
 FAILED_LOSS = 1.0  # of a trial that failed
 COMPANIONS = {  # for measures that are often equal for different values: the measure that breaks their ties
-    "consensus_right": "decided_right", "consensus_round": "decided_right", "decided_right": "final_error",
+    "consensus_right": "decided_right", "right_consensus_round": "decided_right", "decided_right": "final_error",
     "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
     "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
 }  # fmt: skip
