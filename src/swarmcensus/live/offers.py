@@ -17,7 +17,7 @@ from swarmcensus.brains import Adversary, adversary
 from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
 from swarmcensus.live.simulated import Simulated
-from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check
+from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check, warn_of_needs
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import check_no_log
 from swarmcensus.support.formatting import counted
@@ -143,6 +143,8 @@ def _offer(
         raise InputError(f"{name}: there is no setting to watch", key=name)
     grids = [grid for study in studies for grid in study.grids]
     caution((*(brain for study in studies for brain in study.brains), *more.values()))
+    for study in studies:
+        warn_of_needs(study.settings(), study.measure.bins)
     floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
     plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
     named = [topology for study in studies for topology in study.topologies]

@@ -9,7 +9,13 @@ from . import (
     structure as structure,
     summaries as summaries,
 )
-from .cautions import settled_at_start as settled_at_start, warn_of as warn_of, warn_of_edges as warn_of_edges
+from .cautions import (
+    cautions_of_settling as cautions_of_settling,
+    settled_at_start as settled_at_start,
+    settled_far_off as settled_far_off,
+    warn_of as warn_of,
+    warn_of_edges as warn_of_edges,
+)
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
 from .estimates import Cells as Cells, cells as cells
 from .labels import (

@@ -23,7 +23,7 @@ SLOWEST = 30.0  # no shipped brain takes more than this many times the predictio
 PROBE_SECONDS = 0.05  # predicted seconds of the trials by which a brain's speed is measured
 MOST_PROBE_SECONDS = 1.0  # if a probe would take longer, the prediction is used unmeasured
 UNITS = (
-    (365.25 * 86_400.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes"), (0.0, "seconds"),
+    (365.25 * 86_400.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes"), (1.0, "seconds"),
 )  # fmt: skip
 
 LOG = logging.getLogger(__name__)
@@ -80,9 +80,11 @@ def _forecast(
 
 
 def duration_text(seconds: float) -> str:
-    """A time in two digits, such as "7.2 hours"."""
+    """A time in two digits, such as "7.2 hours", and at least a second."""
+    seconds = max(seconds, 1.0)
     unit, name = next(entry for entry in UNITS if seconds >= entry[0])
-    return f"{float(f'{seconds / (unit or 1.0):.2g}'):,.12g} {name}"
+    number = float(f"{seconds / unit:.2g}")
+    return f"{number:,.12g} {name[:-1] if number == 1.0 else name}"
 
 
 def _wall_seconds(tasks: Sequence[Task], slowdowns: Sequence[float], cores: int) -> float:

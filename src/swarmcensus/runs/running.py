@@ -22,7 +22,7 @@ from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.simulation import seconds
-from swarmcensus.studies import Setting, Study, addresses, unmet_needs
+from swarmcensus.studies import Setting, Study, addresses, warn_of_needs
 from swarmcensus.support.errors import InputError, Interrupted
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import in_shell, wrong_option
@@ -70,8 +70,7 @@ def run(
         check(cluster)
     settings = study.settings()
     if cautions:
-        for unmet in unmet_needs(settings, study.measure.bins):
-            warnings.warn(unmet, stacklevel=2)
+        warn_of_needs(settings, study.measure.bins)
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)

@@ -25,7 +25,7 @@ from .fields import (
 )
 from .json_schema import schema as schema, schema_of as schema_of
 from .members import Member as Member, Members as Members, check as check
-from .needs import unmet_needs as unmet_needs
+from .needs import unmet_needs as unmet_needs, warn_of_needs as warn_of_needs
 from .settings import KEYS as KEYS, Setting as Setting, as_declared as as_declared
 from .study import Study as Study
 from .tables import UNNAMED as UNNAMED, Measure as Measure, study_error as study_error

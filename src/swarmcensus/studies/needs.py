@@ -1,5 +1,6 @@
 """Where a study does not give a brain what its file says that it needs (`brains/needs.py`), in sentences."""
 
+import warnings
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -10,6 +11,12 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.worlds import Accuracy, Topology
 
 MOST_ROBOTS = 10_000  # of networks whose neighbours are counted
+
+
+def warn_of_needs(settings: Iterable[Setting], bins: int) -> None:
+    """Warn of brains that are used outside their range, for the line that called the caller."""
+    for sentence in unmet_needs(settings, bins):
+        warnings.warn(sentence, stacklevel=3)
 
 
 def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:

@@ -76,7 +76,7 @@ def test_latex_has_the_summary(results, summary):
             times = 100.0 if name == "correct" else 1.0
             known = [times * end for end in ends[k] if not np.isnan(end)][: len(plain)]
             assert len(plain) == len(known)
-            assert len(plain) > 1 or results.sizes["trial"] < 6
+            assert len(plain) > 1 or plain == ["never"] or results.sizes["trial"] < 6
             for shown, value in zip(plain, known, strict=True):
                 decimals = len(shown.partition(".")[2])
                 assert shown == ("never" if np.isinf(value) else f"{value:.{decimals}f}"), (name, cell)

@@ -32,6 +32,7 @@ from swarmcensus.results import (
     Measure,
     asked_anew,
     cautions_of_needs,
+    cautions_of_settling,
     cells,
     done,
     failed_trials,
@@ -323,6 +324,7 @@ def _cautions(
                 f"{', '.join(named)}: in {where} at least half of the robots have K = 0: their estimates never moved "
                 "by delta, so K does not tell how soon they learn"
             )
+        cautions += cautions_of_settling(data)
         if "delta" in asked_anew(data):
             cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
     if asked_anew(data):

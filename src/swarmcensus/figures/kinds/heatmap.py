@@ -18,7 +18,7 @@ from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import say_lacking, say_tail
+from swarmcensus.figures.notes import say_far_off, say_lacking, say_tail
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figure_of, layout, name_axes, sheet
@@ -126,6 +126,7 @@ def heatmap(
         caption_panels(axes, captions, ABOVE * scale(), math=True)
     say_tail(axes, results, [measure.name for measure in measured], "z")
     say_lacking(axes, [results])
+    say_far_off(axes, [results] if "convergence_round" in [measure.name for measure in measured] else [])
     return figure_of(axes)
 
 

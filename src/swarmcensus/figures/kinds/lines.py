@@ -19,7 +19,14 @@ from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, na
 from swarmcensus.figures.clouds import groups_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, say_tail, with_numbers
+from swarmcensus.figures.notes import (
+    say_far_off,
+    say_lacking,
+    say_left_out,
+    say_pooled,
+    say_tail,
+    with_numbers,
+)
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -200,6 +207,7 @@ def lines(
     if statistic == "median" and not tailed:
         say_tail(axes, results, [y], "y")
     say_pooled(axes, [part.results for part in parts], [x, *([color] if color else [])])
+    say_far_off(axes, [results] if y == "convergence_round" else [])
     return figure_of(axes)
 
 

@@ -94,7 +94,7 @@ def draw_profiles(
                 lines[looks[contender].name] = Line2D([], [], color=colour, linestyle=style, linewidth=1.6)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)
-        name_axes(place, f"{label} ({unit})", "trials by then (%)")
+        name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "trials by then (%)")
     add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
     say_lacking(axes, results)
     return figure_of(axes)

@@ -20,7 +20,7 @@ from swarmcensus.figures.clouds import Cloud, Cross, Dot, cloud_of, crosses_of, 
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
-from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
+from swarmcensus.figures.notes import say_far_off, say_lacking, say_left_out, say_pooled, with_numbers
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -175,6 +175,7 @@ def scatter_grid(
     say_left_out(axes, every_caption, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
+    say_far_off(axes, [panel.results for panel in drawn if not panel.local])
     return figure_of(axes)
 
 

@@ -16,7 +16,11 @@ SIZES_TRIED = 6  # of a search for the smallest swarm, usually
 
 
 def seconds_of(search: Search, question: Question, sizes: Sequence[int]) -> float:
-    """The seconds of a mission's simulations in one world; `sizes` are those of a trade-off."""
+    """The seconds of a mission's simulations in one world; `sizes` are those of a trade-off.
+
+    Raises Unreachable or NoNetwork as the search does.
+    """
+    search.check_reach(search.sizes[1])
     mission, brains = search.mission, search.mission.brains
     robots, minutes = mission.free.robots, mission.free.minutes
     confirmed = cases_to_confirm(search.cases)
