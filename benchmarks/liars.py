@@ -99,7 +99,7 @@ def kinds(figure=None):
     for one in axes[3:]:
         one.set_xlabel("liars, % of 20 robots")
     for one in axes[::3]:
-        one.set_ylabel("median error |x - f|, dotted: error_90", fontsize=8)
+        one.set_ylabel("error: median, 90 % dotted")
     harness.save(drawn, figure, BRAINS, handles)
 
 
