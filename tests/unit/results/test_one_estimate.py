@@ -10,7 +10,7 @@ import swarmcensus as sc
 from swarmcensus.analysis.comparing.showing import latex, worlds_table
 from swarmcensus.cli.commands import main
 from swarmcensus.results import measures, summaries, summary_table, where
-from tests.support.drawing import drawn
+from tests.support.drawing import drawn, texts
 from tests.support.small import study_of
 
 NAMES = ("final_error", "convergence_round", "convergence_error", "error_90", "right_consensus_round", "decision_round",
@@ -150,3 +150,24 @@ def test_an_unknown_quantity_is_answered_by_those_that_there_are(decided, here, 
     assert "did you mean 'right_consensus_round'?" in said
     said = refused("show", "x.nc", "--where", "K < 5")
     assert "K is measured, and settings are selected by what a study sets: accuracy" in said
+
+
+def test_the_tail_is_drawn_where_it_is_shown(results, summary):
+    (ax,) = sc.plot.lines(results, y="final_error", x="accuracy", color="topology").axes
+    assert drawn(ax, "tail ring").tolist() == [[0.7, summary["error_90"][0, 0]], [1.0, summary["error_90"][1, 0]]]
+    assert ax.get_ylim()[1] > summary["error_90"][:, 0].max()
+    assert "90 % of the\nrobots err less" in texts(ax.figure)
+    named = {"y": sc.plot.lines(results, x="accuracy"), "z": sc.plot.heatmap(results, x="fill_ratio", y="accuracy")}
+    for option, figure in named.items():
+        assert f"{option} = error_90 draws it" in texts(figure)
+    for y in ("correct", "error 90"):
+        assert "may err much more" not in texts(sc.plot.lines(results, x="accuracy", y=y))
+
+
+def test_show_has_a_column_of_the_tail_where_it_is_shown(results, monkeypatch):
+    def heads(data):
+        return [column.head for column in summary_table(data, 0, None, "", "").every]
+
+    assert "error 90" in heads(results)
+    monkeypatch.setattr("swarmcensus.results.table_of_summary.shows_tail", lambda data: False)
+    assert "error 90" not in heads(results)

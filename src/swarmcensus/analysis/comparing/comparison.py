@@ -46,7 +46,6 @@ from swarmcensus.results import (
     settled_at_start,
     shows_tail,
 )
-from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
@@ -189,9 +188,7 @@ def compare_dataset(
         for contest, measure in zip(contests(inputs, against=reference, paired=paired), measured, strict=True)
     ]
     costs = {
-        name: centres(grid.spread(measures.numbers(data, name)), "mean")
-        for name in COSTS
-        if not measures.lacks(data, name)
+        name: grid.spread(cells(data, name, intervals=False).value) for name in COSTS if not measures.lacks(data, name)
     }
     sizes = {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
