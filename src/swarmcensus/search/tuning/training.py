@@ -23,6 +23,7 @@ COMPANIONS = {  # for measures that are often equal for different values: the me
     "consensus_right": "decided_right", "right_consensus_round": "decided_right", "decided_right": "final_error",
     "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
     "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
+    "agreement_round": "final_disagreement",
 }  # fmt: skip
 MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or 1
 Keep = Callable[[int, Floats], None]  # takes a candidate's place and numbers (measure, world, trial); NaN has failed
