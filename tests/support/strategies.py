@@ -29,11 +29,10 @@ def mostly(good):
 
 
 SHARE = st.sampled_from([0.0, 0.05, 0.3, 0.5, 0.675, 1.0, 1]) | st.floats(0.0, 1.0)
-SPREAD = (
-    st.builds("U({!r}, {!r})".format, st.floats(0.0, 0.5), st.floats(0.5, 1.0))
-    | st.builds("N({!r},{!r})".format, SHARE, st.floats(1e-3, 1.0))
-    | st.sampled_from(["x.py(0.1, 0.2)", "x.py", "x y.py()"])
+SPREAD = st.builds("U({!r}, {!r})".format, st.floats(0.0, 0.5), st.floats(0.5, 1.0)) | st.builds(
+    "N({!r},{!r})".format, SHARE, st.floats(1e-3, 1.0)
 )
+SPREAD_FILE = st.sampled_from(["x.py(0.1, 0.2)", "x.py", "x y.py()"])
 SENSOR = SHARE | SPREAD | st.fixed_dictionaries({"black": SHARE | SPREAD, "white": SHARE | SPREAD})
 ROBOTS = st.integers(1, 3)
 EDGES = st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)).map(list), max_size=4)
@@ -83,7 +82,8 @@ def table(draw, keys, required=()):
 
 SWARM = {
     "brain": mostly(st.sampled_from(["minimalistic", "legacy"])), "robots": mostly(ROBOTS),
-    "accuracy": mostly(SENSOR), "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
+    "accuracy": mostly(SENSOR | SPREAD_FILE),
+    "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
 }  # fmt: skip
 WORLD = {
     "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE), "missing_links": SHARE,

@@ -218,7 +218,8 @@ def _missing(data: xr.Dataset) -> str | None:
         if "robot" in dims:
             expected = expected & exists
         if "checkpoint" in dims:  # in merged results, at the checkpoints of the study that ran the trial
-            expected = expected & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
+            looked = _there(data.variables["correct"]) if name in AGREEMENT else _any(there, set(dims) & {"robot"})
+            expected = expected & reached & (looked if merged else True)
         if name == "right_option":
             expected = expected & there
         elif name in ONLY_WHERE and ONLY_WHERE[name][0] in data:
