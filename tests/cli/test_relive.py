@@ -6,7 +6,9 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.results.store import load
+from swarmcensus.simulation.metrics import agreement
 from swarmcensus.simulation.trials import record_trial
+from swarmcensus.support.quantities import half_width
 from tests.support.relived import SEED, logged, setting_of, told
 
 pytestmark = pytest.mark.interpreted
@@ -62,6 +64,8 @@ def test_results_and_traces_are_those_that_other_commands_take(recording, tmp_pa
     assert data["accuracy"].values.tolist() == ["0.8", "0.8"]  # one number where b = w
     expected = record_trial(setting_of(robots=4, rounds=30)[1], SEED, 0)[1]
     assert (data["final_estimate"].values[0, 0] == expected[-1]).all()
+    assert (data["agreement_round"].values[0] == agreement(expected, data.attrs["delta"])).all()
+    assert (data["disagreement"].values[0, :, 0] == half_width(expected[data["checkpoint"].values])).all()
     assert np.allclose(data["convergence_error"].values[:, 0].mean(), data["convergence_error"].values.mean())
     for command in (["show", str(out)], ["compare", str(out)], ["plot", str(out), "--out", str(tmp_path / "p.png")]):
         assert main(command) == 0

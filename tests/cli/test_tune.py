@@ -81,7 +81,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
         ("--parameter a[0]=0:1", "a is a number, and has no items"),
         ("--brain minimalistic", "--brain minimalistic"),
         ("--metric finalerror", "--metric finalerror"),
-        ("--metric consensus_round", "no variable consensus_round"),
+        ("--metric right_consensus_round", "no variable consensus_round and no consensus_right"),
         ("--metric correct:low", "of correct, high is better"),
         ("--budget 5", "--budget 5"),
         ("--trials 1000000", "--trials 1000000"),

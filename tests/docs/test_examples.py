@@ -41,7 +41,12 @@ CONSOLES = {  # of these pages, so many console blocks are run
     "tuning": None,
 }
 NOT_ALWAYS_SO = ("a-swarm-on-your-desk",)  # its swarms run in real time, and print other numbers each time
-IMAGES = {"ranking-ranks.png": "ranks.png", "lines.png": "lines.png", "differences.png": "differences.png"}
+IMAGES = {
+    "ranking-ranks.png": "ranks.png",
+    "lines.png": "lines.png",
+    "small-world-profiles.png": "profiles.png",
+    "differences.png": "differences.png",
+}
 
 
 def examples(*languages):

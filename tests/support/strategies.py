@@ -32,18 +32,30 @@ SHARE = st.sampled_from([0.0, 0.05, 0.3, 0.5, 0.675, 1.0, 1]) | st.floats(0.0, 1
 SPREAD = st.builds("U({!r}, {!r})".format, st.floats(0.0, 0.5), st.floats(0.5, 1.0)) | st.builds(
     "N({!r},{!r})".format, SHARE, st.floats(1e-3, 1.0)
 )
+SPREAD_FILE = st.sampled_from(["x.py(0.1, 0.2)", "x.py", "x y.py()"])
 SENSOR = SHARE | SPREAD | st.fixed_dictionaries({"black": SHARE | SPREAD, "white": SHARE | SPREAD})
 ROBOTS = st.integers(1, 3)
 EDGES = st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)).map(list), max_size=4)
-TOPOLOGY = st.sampled_from(["full", "ring", "line", "scale-free", "moving"]) | st.one_of(
+NAMED = ["small-world", "random-geometric", "grid", "torus", "x.py", "x.gml"]
+TOPOLOGY = st.sampled_from(["full", "ring", "line", "scale-free", "moving", *NAMED]) | st.one_of(
+    st.fixed_dictionaries(
+        {"name": st.sampled_from(NAMED)},
+        optional={"columns": SCALAR, "neighbours": SCALAR, "radius": SHARE, "label": TEXT | SCALAR},
+    ),
     st.fixed_dictionaries({"name": TEXT, "edges": EDGES | ANY}, optional={"directed": st.booleans() | SCALAR}),
-    st.fixed_dictionaries({"file": TEXT}, optional={"directed": st.booleans()}),
+    st.fixed_dictionaries(
+        {"file": TEXT | st.sampled_from(["x.py", "x.net"])},
+        optional={"directed": st.booleans(), "weights": TEXT, "renumber": st.booleans() | SCALAR, "label": TEXT},
+    ),
     st.fixed_dictionaries(
         {"networkx": st.sampled_from(["path_graph", "gnp_random_graph", "random_k_out_graph", "x_graph"])},
         optional={"p": SHARE | SCALAR, "k": SCALAR, "seed": SCALAR, "directed": st.booleans(), "alpha": SHARE},
     ),
 )
-FLOOR = st.sampled_from(["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}, {"image": "x.png"}, {"clusters": 0.0}])
+PATTERNS = [{"benchmark": "band"}, {"benchmark": "star", "cells": 0}, "x.py", {"file": "x.py", "a": 1}]
+FLOOR = st.sampled_from(
+    ["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}, {"image": "x.png"}, {"clusters": 0.0}, *PATTERNS]
+)
 UNTIL = ["convergence_error median +- 0.01", "correct@2 mean +- 1", "correct@99 mean +- 1"]
 RULE = st.fixed_dictionaries(
     {"until": st.sampled_from(UNTIL) | TEXT},
@@ -70,7 +82,8 @@ def table(draw, keys, required=()):
 
 SWARM = {
     "brain": mostly(st.sampled_from(["minimalistic", "legacy"])), "robots": mostly(ROBOTS),
-    "accuracy": mostly(SENSOR), "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
+    "accuracy": mostly(SENSOR | SPREAD_FILE),
+    "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
 }  # fmt: skip
 WORLD = {
     "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE), "missing_links": SHARE,

@@ -141,9 +141,10 @@ def short(value: float) -> str:
 
 def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> str:
     """The label of a variable's axis with its unit, in lines of at most `room` points."""
-    unit = str(results[variable].attrs.get("units", ""))
+    quantity = QUANTITIES.get(variable)
+    unit = str(results[variable].attrs.get("units", "")) if variable in results else quantity.unit if quantity else ""
     unit = unit_of(results) if unit == "rounds" and "topology" in results.coords else unit
-    known = QUANTITIES[variable].axis if variable in QUANTITIES else ""
+    known = quantity.axis if quantity else ""
     label = metric_of(results, variable).label if variable in metrics_in(results) else ""
     name = known or (label or variable.replace("_", " ")).replace("$", r"\$")
     text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")

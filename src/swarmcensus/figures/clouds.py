@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,12 +10,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.figures.coordinates import texts_of
-from swarmcensus.results import finished, require, robots_in
+from swarmcensus.results import cells, finished, require
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import estimate_pooled
 from swarmcensus.worlds import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # value of the colour -> convergence, error
+Dot = tuple[float, float]  # median convergence, median error
 Cross = tuple[float, float, float, float]  # intervals of a median: low and high convergence, low and high error
 
 
@@ -80,68 +80,60 @@ def cloud_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> Cloud
     when, error, done = _converged(results, local)
     return {
         value: (when[settings][done[settings]].astype(float), error[settings][done[settings]])
-        for value, settings in _values(results, color)
+        for value, settings in groups_of(results, color).items()
         if done[settings].any()
     }
 
 
-def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dict[str, Cross]:
-    """Return the 95 % intervals over trials of the medians of a cloud, by the values of `color`.
+def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dict[str, tuple[Dot, Cross | None]]:
+    """Return the medians of a cloud, and their 95 % intervals over trials, by the values of `color`.
 
-    A value has no interval if it has fewer than 6 trials, or settings with different trials.
+    A median has no interval if it has fewer than 6 trials, or settings with different trials.
 
     Raises InputError if a variable is missing.
     """
-    when, error, done = _converged(results, local)
-    crosses = {}
-    for value, settings in _values(results, color):
-        medians = [
-            estimate_pooled(np.where(done[settings], values[settings], np.nan), "median") for values in (when, error)
-        ]
-        ends = [end for median in medians for end in (median.low, median.high)]
-        if np.isfinite(ends).all():
-            crosses[value] = (ends[0], ends[1], ends[2], ends[3])
+    groups = groups_of(results, color)
+    when, error = (cells(results, name, [*groups.values()]) for name in _names(results, local))
+    crosses: dict[str, tuple[Dot, Cross | None]] = {}
+    for value, x, left, right, y, low, high in zip(groups, *(part.tolist() for part in (*when, *error)), strict=True):
+        if np.isfinite([x, y]).all():
+            crosses[value] = (x, y), (left, right, low, high) if np.isfinite([left, right, low, high]).all() else None
     return crosses
 
 
 def _converged(results: xr.Dataset, local: bool) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.bool_]]:
     """Convergence, error, and whether both exist, each (setting, trial, robot)."""
-    names = ("convergence_round", "convergence_error")
-    if local:
-        names = ("local_convergence_step", "local_convergence_error")
-    require(results, *names, "rounds", "observations_per_round")
-    when, error = (results[name].transpose("setting", "trial", "robot").values for name in names)
+    when, error = (results[name].transpose("setting", "trial", "robot").values for name in _names(results, local))
     return when, error, (when >= 0) & np.isfinite(error)
+
+
+def _names(results: xr.Dataset, local: bool) -> tuple[str, str]:
+    """The variables of a cloud. Raises InputError if one is missing."""
+    names = "convergence_round", "convergence_error"
+    if local:
+        names = "local_convergence_step", "local_convergence_error"
+    require(results, *names, "rounds", "observations_per_round")
+    return names
 
 
 def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
     """Return the share of right robots at each checkpoint (NaN: not run), whether all are right, and its interval.
 
-    The 95 % interval is over trials. It is NaN for fewer than 6 trials, for settings that have different trials, and
-    for swarms of several sizes. Raises InputError if a variable is missing.
+    The 95 % interval is over trials. It is NaN for fewer than 6 trials, and for settings that have different trials.
+    Raises InputError if a variable is missing.
     """
     require(results, "correct", "checkpoint", "robots")
-    correct = results["correct"].transpose("setting", "trial", "checkpoint").values
-    known = np.isfinite(correct)
-    robots = known * robots_in(results).values[:, None, None]
-    right = np.nan_to_num(correct) * robots
-    shares = {}
-    for value, settings in _values(results, color):
-        measured = robots[settings].sum((0, 1))
-        if measured.any():
-            share = np.full(measured.shape, np.nan)
-            np.divide(right[settings].sum((0, 1)), measured, out=share, where=measured > 0)
-            all_right = ((correct[settings] == 1) | ~known[settings]).all((0, 1)) & (measured > 0)
-            low, high = np.full((2, share.size), np.nan)
-            if np.unique(robots_in(results).values[settings]).size == 1:
-                for k in np.flatnonzero(measured):
-                    _, low[k], high[k] = estimate_pooled(correct[settings, :, k, np.newaxis], "mean", share=True)
-            shares[value] = Share(share, all_right, low, high)
-    return shares
+    groups, checkpoints = groups_of(results, color), results["checkpoint"].values.tolist()
+    found = [cells(results, "correct", [*groups.values()], checkpoint=checkpoint) for checkpoint in checkpoints]
+    value, low, high = (np.stack(part, axis=1) for part in zip(*found, strict=True))
+    return {
+        text: Share(value[k], value[k] == 1.0, low[k], high[k])
+        for k, text in enumerate(groups)
+        if np.isfinite(value[k]).any()
+    }
 
 
-def _values(results: xr.Dataset, color: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-    """Every distinct value of a coordinate as text, with a mask of the settings that have it."""
+def groups_of(results: xr.Dataset, color: str) -> dict[str, NDArray[np.intp]]:
+    """The places of the settings with each value of a coordinate, by its text."""
     texts = texts_of(results, color)
-    for text in dict.fromkeys(texts.tolist()):
-        yield text, texts == text
+    return {text: np.flatnonzero(texts == text) for text in dict.fromkeys(texts.tolist())}

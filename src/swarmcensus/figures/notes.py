@@ -14,11 +14,15 @@ from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.lettering import width_of, wrapped
 from swarmcensus.figures.page import KEY_BELOW, SHEET, letters, on_dark, page, scale
 from swarmcensus.figures.sheets import Own, make_room
+from swarmcensus.results import TAIL, settled_far_off, shows_tail
+
+HIDING = {"convergence_error", "final_error"}  # errors of which medians are drawn
 
 LOG = logging.getLogger(__name__)
 
+MOST_NAMED = 8  # settings
 WARM, WARM_ON_DARK = "#a03000", "#ff9c6b"  # colours of notes
-NOTES = ("key", "lacking", "pooled", "left-out", "few-trials")  # kinds of notes at the foot
+NOTES = ("key", "lacking", "pooled", "left-out", "few-trials", "far-off", "tail")  # kinds of notes at the foot
 
 
 def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
@@ -42,6 +46,21 @@ def say_few(axes: Sequence[Axes], why: str) -> None:
     """Write at the foot of the figure what its trials are too few for, if anything."""
     if why:
         say_at_foot(axes, why, "few-trials")
+
+
+def say_far_off(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
+    """Write at the foot of a figure of K in which settings it misleads, if in any."""
+    found = [number for part in parts for number in part["setting"].values[settled_far_off(part)].tolist()]
+    if found:
+        named = ", ".join(map(str, found[:MOST_NAMED])) + ", ..." * (len(found) > MOST_NAMED)
+        what = "settled early, but far from each other or from f"
+        say_at_foot(axes, f"K misleads in setting{'s' * (len(found) > 1)} {named}: {what}", "far-off")
+
+
+def say_tail(axes: Sequence[Axes], results: xr.Dataset, drawn: Sequence[str], option: str) -> None:
+    """Write at the foot of the figure that its median errors hide a tail, and which option draws it."""
+    if HIDING.intersection(drawn) and TAIL not in drawn and shows_tail(results):
+        say_at_foot(axes, f"the worst tenth of the robots may err much more: {option} = {TAIL} draws it", "tail")
 
 
 def with_numbers(ax: Own, captions: Sequence[str], has: Sequence[bool]) -> list[int]:

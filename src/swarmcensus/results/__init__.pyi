@@ -9,8 +9,15 @@ from . import (
     structure as structure,
     summaries as summaries,
 )
-from .cautions import settled_at_start as settled_at_start, warn_of as warn_of, warn_of_edges as warn_of_edges
+from .cautions import (
+    cautions_of_settling as cautions_of_settling,
+    settled_at_start as settled_at_start,
+    settled_far_off as settled_far_off,
+    warn_of as warn_of,
+    warn_of_edges as warn_of_edges,
+)
 from .check_against_study import settings_of as settings_of, unchecked as unchecked, unlike as unlike
+from .estimates import Cells as Cells, cells as cells
 from .labels import (
     labels_in as labels_in,
     renamed as renamed,
@@ -23,19 +30,21 @@ from .measures import (
     OURS as OURS,
     SIZES as SIZES,
     Measure as Measure,
+    at_checkpoints as at_checkpoints,
     chosen as chosen,
     derivable as derivable,
+    head_of as head_of,
     inputs_of as inputs_of,
     is_share as is_share,
     lacks as lacks,
+    named as named,
     numbers as numbers,
+    sample as sample,
     statistic_of as statistic_of,
-    with_measure as with_measure,
 )
 from .merging import merge as merge
 from .out_of_range import cautions_of_needs as cautions_of_needs
 from .partial import opened as opened, say_partial as say_partial
-from .plugin_files import spreads_of as spreads_of
 from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable
 from .recordings import read_observations as read_observations, write_trace as write_trace
@@ -72,7 +81,6 @@ from .structure import failures as failures, finished as finished
 from .summaries import (
     as_dict as as_dict,
     asked_anew as asked_anew,
-    cells as cells,
     derived_size as derived_size,
     done as done,
     failed_trials as failed_trials,

@@ -22,7 +22,15 @@ from swarmcensus.support.version import __version__
 from swarmcensus.worlds import Topology
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
-SOURCES = ("brains", "adversaries", "plugin_files", "metrics", "merged", "parameters")  # attributes in JSON
+SOURCES = (
+    "brains",
+    "adversaries",
+    "plugin_files",
+    "metrics",
+    "merged",
+    "parameters",
+    "accuracies",
+)  # attributes in JSON
 UNCHECKED = (  # attributes that cannot be checked, and why
     (("python_version", "library_versions", "machine", "processor"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
@@ -101,9 +109,10 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             variables[name] = variable
     keys = ("brains", "adversaries", "plugin_files", "metrics", "additions")
     sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
-    parameters = [json.loads(part.attrs.get("parameters", "{}")) for part in parts]
-    if any(parameters):
-        sources["parameters"] = json.dumps({k: v for of_part in parameters for k, v in of_part.items()}, sort_keys=True)
+    for key in ("parameters", "accuracies"):
+        found = {k: v for part in parts for k, v in json.loads(part.attrs.get(key, "{}")).items()}
+        if found:
+            sources[key] = json.dumps(found, sort_keys=True)
     return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
 
 

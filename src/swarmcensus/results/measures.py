@@ -4,9 +4,8 @@ Robots of a trial hear one another, so a trial counts once. Its number is the me
 which infinities and outliers do not move, and the mean for shares and for what is sent, which add up.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,9 +13,10 @@ from numpy.typing import NDArray
 
 from swarmcensus.results.values import metric_of, metrics_in, robots_in
 from swarmcensus.support.bootstrap import Statistic, centres
+from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
-from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES, TRUTH, Quantity
+from swarmcensus.support.quantities import QUANTITIES, TRUTH, Quantity
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
@@ -52,9 +52,10 @@ def _measure(quantity: Quantity) -> Measure:
 
 
 OURS = {name: _measure(quantity) for name, quantity in QUANTITIES.items() if quantity.low is not None}
-USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "consensus_round")
+USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "right_consensus_round")
 COSTS = ("messages_sent", "bytes_sent")
 SIZES = {name: QUANTITIES[name].title for name in ("memory_bytes", "message_bytes")}  # bytes, of a setting
+OLD_HEADS = {"error": "error at K", "width": "interval width"}
 WAYS = {"low": True, "high": False}
 
 
@@ -88,6 +89,24 @@ def inputs_of(name: str) -> tuple[str, ...]:
     return (*(variable for variable in known.inputs if variable != TRUTH), *filter(None, [known.factor]))
 
 
+def head_of(data: xr.Dataset, name: str) -> str:
+    """The head of the column of a quantity or metric file in tables, without the sign of percent."""
+    if name in metrics_in(data):
+        return metric_of(data, name).label or name
+    return QUANTITIES[name].title if name in QUANTITIES else name
+
+
+def named(data: xr.Dataset, text: str, known: Collection[str]) -> str:
+    """Which of the known names a text is: a name, or the head of a column, such as "K", "right %" or "final error".
+
+    The text itself if it is none of them.
+    """
+    if text in known:
+        return text
+    plain = OLD_HEADS.get(text, text).rstrip(" _%").replace(" ", "_").casefold()
+    return next((n for n in known if plain in (n, head_of(data, n).replace(" ", "_").casefold())), text)
+
+
 def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
     """The named measures, such as "correct" or "my_metric:low"; by default the usual ones and all metric files.
 
@@ -100,6 +119,7 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
     measures: dict[str, Measure] = {}
     for text in asked:
         name, colon, way = text.partition(":")
+        name = named(data, name, (*there, *files))
         if colon and way not in WAYS:
             raise wrong_option("metric", text, "after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
@@ -144,38 +164,42 @@ def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:
 
 def numbers(data: xr.Dataset, name: str) -> Floats:
     """The number of each trial, (setting, trial); NaN for trials that failed or have not run."""
-    if "checkpoint" in data[inputs_of(name)[0]].dims:
-        last = np.searchsorted(data["checkpoint"].values, data["rounds"].values, side="right") - 1
-        at_checkpoints = data[name].transpose("setting", "checkpoint", "trial").values
-        values = at_checkpoints[np.arange(len(last)), last]
-        return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
-    if name == "consensus_round" and "consensus_right" in data:  # agreement on a wrong option does not count as fast
-        sound = data["consensus_right"].transpose("setting", "trial").values  # NaN if no option is right
-        when = _known(data[name].transpose("setting", "trial").values)
-        return np.where(np.isnan(sound), np.nan, np.where(sound == 1, when, np.inf))
-    if name in QUANTITIES and (factor := QUANTITIES[name].factor):
-        return np.asarray(numbers(data, inputs_of(name)[0]) * data[factor].values[:, np.newaxis], np.float64)
-    array = data[inputs_of(name)[0]]
-    if "robot" not in array.dims:
-        return _known(array.transpose("setting", "trial").values)
-    robots, sizes = robots_in(data).values, data.sizes
-    out = np.empty((sizes["setting"], sizes["trial"]))
-    step = max(1, BLOCK // max(1, sizes["trial"] * sizes["robot"]))
-    for first in range(0, len(out), step):
-        rows = slice(first, first + step)
-        out[rows] = _over_robots(name, _made(data, name, rows), robots[rows])
-    return out
+    parts = [centres(sample(data, name, rows), statistic_of(name)) for rows in blocks(data)]
+    return np.concatenate(parts) if parts else np.empty((0, data.sizes["trial"]))
 
 
-def _over_robots(name: str, values: Floats, robots: NDArray[np.int64]) -> Floats:
-    """The number of each trial, (setting, trial), from values (setting, trial, robot) of `robots` robots each."""
-    reduced = QUANTITIES[name].over_robots if name in QUANTITIES else None
-    if reduced is None:
-        exists = np.arange(values.shape[2]) < robots[:, np.newaxis, np.newaxis]
-        return centres(np.where(exists, values, np.nan), statistic_of(name))
-    out = np.empty(values.shape[:2])
+def blocks(data: xr.Dataset) -> list[NDArray[np.intp]]:
+    """The places of all settings, in blocks of which `sample` takes little memory."""
+    settings, each = data.sizes["setting"], data.sizes["trial"] * data.sizes.get("robot", 1)
+    step = max(1, BLOCK // max(1, each))
+    return [np.arange(first, min(first + step, settings)) for first in range(0, settings, step)]
+
+
+def sample(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int | None = None) -> Floats:
+    """All numbers of a quantity in the settings at these places, (setting, trial, robot); NaN where there is none.
+
+    A quantity of trials has size 1 along robots. What is measured at checkpoints is taken at round `checkpoint`, by
+    default at the last one that a setting reaches.
+    """
+    quantity, robots = QUANTITIES.get(name), robots_in(data).values[rows]
+    if name in data or quantity is None:
+        values = _input(data, name, rows, checkpoint)
+    else:
+        inputs = [_input(data, variable, rows, checkpoint) for variable in quantity.inputs]
+        values = quantity.derive(*inputs) if quantity.derive else inputs[0]
+        values = values * _input(data, quantity.factor, rows, checkpoint) if quantity.factor else values
+        if quantity.over_robots:
+            return _over_robots(quantity.over_robots, values, robots)
+    if values.shape[2] > 1:
+        values = np.where(np.arange(values.shape[2]) < robots[:, np.newaxis, np.newaxis], values, np.nan)
+    return values
+
+
+def _over_robots(reduced: Callable[[Floats], Floats], values: Floats, robots: NDArray[np.int64]) -> Floats:
+    """One number of each trial, (setting, trial, 1), from values (setting, trial, robot) of `robots` robots each."""
+    out = np.empty((*values.shape[:2], 1))
     for count in np.unique(robots).tolist():
-        out[robots == count] = reduced(values[robots == count, :, :count])
+        out[robots == count, :, 0] = reduced(values[robots == count, :, :count])
     return out
 
 
@@ -184,41 +208,37 @@ def derivable(data: xr.Dataset) -> list[str]:
     return [name for name, one in QUANTITIES.items() if name not in data and one.inputs and not lacks(data, name)]
 
 
-def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
-    """Results with a derived quantity as a new variable; unchanged if it is stored or cannot be derived."""
-    if name not in derivable(data):
-        return data
-    about = {"units": OURS[name].unit, "long_name": OURS[name].meaning}
-    if "robot" not in QUANTITIES[name].dims:
-        return data.assign({name: (PER_TRIAL, numbers(data, name), about)})
-    robots = robots_in(data).values[:, np.newaxis, np.newaxis]
-    made = _made(data, name, slice(None))
-    made = np.where(np.arange(made.shape[2]) < robots, made, np.nan)
-    return data.assign({name: (PER_ROBOT, made, about)})
+def at_checkpoints(data: xr.Dataset, name: str) -> bool:
+    """Whether a quantity is measured at checkpoints."""
+    return any("checkpoint" in data[one].dims for one in ([name] if name in data else inputs_of(name)))
 
 
-def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
-    """The values of a quantity for some settings, (setting, trial, robot)."""
-    quantity = QUANTITIES.get(name)
-    if quantity is None or not quantity.inputs:
-        return _input(data, name, rows)
-    inputs = [_input(data, variable, rows) for variable in quantity.inputs]
-    values = quantity.derive(*inputs) if quantity.derive else inputs[0]
-    return values * _input(data, quantity.factor, rows) if quantity.factor else values
+def reached(data: xr.Dataset, checkpoint: int | None = None) -> NDArray[np.intp]:
+    """The place of the checkpoint for each setting, by default the last one that it reaches; -1 if it ends before.
+
+    Raises InputError if there is no such checkpoint.
+    """
+    known, rounds = data["checkpoint"].values, data["rounds"].values
+    if checkpoint is None:
+        return np.searchsorted(known, rounds, side="right") - 1
+    if checkpoint not in known:
+        after = ", ".join(map(str, known))
+        raise InputError.named("checkpoint", checkpoint, f"decisions were recorded after round {after}")
+    return np.where(rounds >= checkpoint, np.searchsorted(known, checkpoint), -1)
 
 
-def _input(data: xr.Dataset, name: str, rows: slice) -> Floats:
-    """A variable or TRUTH for some settings, (setting, trial, robot), with size 1 for dimensions that it lacks."""
+def _input(data: xr.Dataset, name: str, rows: NDArray[np.intp], checkpoint: int | None) -> Floats:
+    """A variable or TRUTH of some settings, (setting, trial, robot), with size 1 for dimensions that it lacks."""
     if name == TRUTH:
-        return truth(data.isel(setting=rows))[:, :, np.newaxis]
-    array = data[name].transpose("setting", "trial", "robot", missing_dims="ignore")
-    values = _known(array.values[rows])
+        return truth(data)[rows, :, np.newaxis]
+    array = data[name].transpose("setting", "checkpoint", "trial", "robot", missing_dims="ignore")
+    values = array.values[rows]
+    if "checkpoint" in array.dims:
+        place = reached(data, checkpoint)[rows]
+        values = values[np.arange(len(rows)), place]
+        values[place < 0] = np.nan
+    values = np.where(values < 0, np.nan, values) if values.dtype.kind == "i" else np.asarray(values, np.float64)
     return values.reshape(values.shape + (1,) * (3 - values.ndim))
-
-
-def _known(values: NDArray[Any]) -> Floats:
-    """Numbers as float64; negative whole numbers, which are missing, become NaN."""
-    return np.where(values < 0, np.nan, values) if values.dtype.kind == "i" else np.asarray(values, np.float64)
 
 
 def truth(data: xr.Dataset) -> Floats:

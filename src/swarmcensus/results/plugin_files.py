@@ -16,6 +16,15 @@ def plugin_files_in(data: Any) -> dict[str, dict[str, str]]:
     return content
 
 
+def accuracies_in(data: Any) -> dict[str, tuple[float, float, float]]:
+    """The numbers of accuracies that files of spreads give, by their texts (see `Accuracy.moments`)."""
+    try:
+        found = {str(text): tuple(map(float, given)) for text, given in json.loads(data.attrs["accuracies"]).items()}
+        return {text: (b, w, sd) for text, (b, w, sd) in found.items()}
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
+        return {}
+
+
 def plugin_files_of(data: Any, given: Iterable[Path] = ()) -> list[PluginFile]:
     """The files of a dataset; those that are neither given nor found below the current folder cannot be run."""
     files = []
@@ -25,11 +34,6 @@ def plugin_files_of(data: Any, given: Iterable[Path] = ()) -> list[PluginFile]:
         here += [path for path in given if path.is_file() and read_source(kind, path) == stored["source"]]
         files.append(PluginFile(kind, name, stored["source"], here[0] if here else None))
     return files
-
-
-def spreads_of(data: Any) -> dict[str, PluginFile]:
-    """The files of spreads of a dataset by their names, for texts of accuracies."""
-    return {file.name: file for file in plugin_files_of(data) if file.kind == "spread"}
 
 
 def lies_here(kind: str, name: str, source: str) -> bool:

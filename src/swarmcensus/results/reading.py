@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.results.plugin_files import spreads_of
+from swarmcensus.results.plugin_files import accuracies_in
 from swarmcensus.results.values import EVERY, MISSING, ArrayStore
 from swarmcensus.studies import NUMERIC
 from swarmcensus.support.errors import InputError
@@ -57,13 +57,16 @@ def packed(data: xr.Dataset) -> xr.Dataset:
 
 
 def _moments(data: xr.Dataset) -> NDArray[np.float64]:
-    """The numbers of each setting's accuracy, (setting, 3); NaN for a text that no spread here can read."""
+    """The numbers of each setting's accuracy, (setting, 3); NaN for a text that no installed spread can read.
+
+    Those of spreads in files of a user's are stored: opening results runs no file.
+    """
     accuracies = data["accuracy"].values
-    files = spreads_of(data)
+    stored = accuracies_in(data)
     known: dict[str, tuple[float, float, float]] = {}
     for text in dict.fromkeys(map(str, accuracies.tolist())):
         try:
-            known[text] = start_of(text, files).moments
+            known[text] = stored[text] if text in stored else start_of(text).moments
         except (ValueError, InputError):
             known[text] = np.nan, np.nan, np.nan
     return np.array([known[str(text)] for text in accuracies.tolist()]).reshape(-1, len(NUMERIC))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import in_shell, option, wrong_option
+from swarmcensus.support.quantities import QUANTITIES
 
 COMPARE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
@@ -154,6 +155,9 @@ def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
         if node.id not in known:
             if any(node.id in values for values in known.values()):
                 raise ValueError(f'no coordinate {node.id!r}: a text is quoted, as "{node.id}"')
+            if any(node.id in (name, quantity.title) for name, quantity in QUANTITIES.items()):
+                there = ", ".join(sorted(known))
+                raise ValueError(f"{node.id} is measured, and settings are selected by what a study sets: {there}")
             raise ValueError(
                 f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {', '.join(sorted(known))}"
             )

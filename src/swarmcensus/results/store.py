@@ -23,6 +23,7 @@ from swarmcensus.studies import COORDINATES, Setting, Study, coordinates_of
 from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.files import atomic_write
 from swarmcensus.support.options import command
+from swarmcensus.support.plugins import PluginFile
 from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 from swarmcensus.support.version import __version__
 
@@ -126,6 +127,7 @@ def provenance(study: Study) -> dict[str, Any]:
         **({"adversaries": json.dumps(_adversaries(study), sort_keys=True)} if study.adversaries else {}),
         **({"metrics": json.dumps(sources_of(study.measure.metrics))} if study.measure.metrics else {}),
         **({"parameters": json.dumps(_parameters(study), sort_keys=True)} if _parameters(study) else {}),
+        **({"accuracies": json.dumps(numbers, sort_keys=True)} if (numbers := _accuracies(study)) else {}),
         **({"plugin_files": json.dumps(_plugin_files(study), sort_keys=True)} if study.plugin_files else {}),
         **({"additions": json.dumps(study.additions, sort_keys=True)} if study.additions else {}),
         "machine": f"{platform.system()} {platform.machine()}",
@@ -136,6 +138,12 @@ def provenance(study: Study) -> dict[str, Any]:
 
 def _adversaries(study: Study) -> dict[str, dict[str, str]]:
     return {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries}
+
+
+def _accuracies(study: Study) -> dict[str, tuple[float, float, float]]:
+    """The numbers of accuracies that files of spreads give, by their texts."""
+    every = (accuracy for grid in study.grids for accuracy in grid.swarm.accuracy)
+    return {str(a): a.moments for a in every if any(isinstance(d.kind, PluginFile) for d in a.distributions)}
 
 
 def _plugin_files(study: Study) -> dict[str, dict[str, str]]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains.metrics import parse, variable_of
 from swarmcensus.results.values import (
+    AGREEMENT,
     ENDLESS,
     EVERY,
     LEADS,
@@ -81,7 +82,8 @@ def wrong(data: xr.Dataset) -> str | None:
     """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing."""
     if wrong := wrong_format(data):
         return wrong
-    lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
+    needed = (*VARIABLES, "fingerprint", *(AGREEMENT if any(name in data for name in AGREEMENT) else ()))
+    lacking = [name for name in needed if name not in data]
     if lacking:
         return f"{lacking[0]} is missing"
     try:
@@ -216,7 +218,8 @@ def _missing(data: xr.Dataset) -> str | None:
         if "robot" in dims:
             expected = expected & exists
         if "checkpoint" in dims:  # in merged results, at the checkpoints of the study that ran the trial
-            expected = expected & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
+            looked = _there(data.variables["correct"]) if name in AGREEMENT else _any(there, set(dims) & {"robot"})
+            expected = expected & reached & (looked if merged else True)
         if name == "right_option":
             expected = expected & there
         elif name in ONLY_WHERE and ONLY_WHERE[name][0] in data:

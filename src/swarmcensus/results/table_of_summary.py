@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from swarmcensus.results import measures
 from swarmcensus.results.labels import labels_in
-from swarmcensus.results.summaries import SHORT, asked_anew, done, restated, table_of
+from swarmcensus.results.summaries import asked_anew, done, restated, table_of
+from swarmcensus.results.tails import TAIL, shows_tail
 from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
@@ -18,17 +20,12 @@ from swarmcensus.support.printed_tables import INTERVALS, NUMBER, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
 
-COLUMNS = {quantity.column: quantity for quantity in QUANTITIES.values() if quantity.column}
-SURE = {
-    name: quantity.name for name, quantity in COLUMNS.items() if name not in SHORT
-}  # only with brains that state intervals
+SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
 MOST_NAMED = 8  # settings in a note
-TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.items()}
-DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
-SPARE = {"K": 0, "right": 0, "error": NUMBER + 2, "final error": NUMBER + 1}  # the larger, the sooner left out
-DIGITS = {"K": 1}  # significant digits of an interval's width; 2 for other columns
+SPARE = {"convergence_round": 0, "correct": 0, "convergence_error": NUMBER + 2, "final_error": NUMBER + 1}  # see Column
+DIGITS = {"convergence_round": 1}  # significant digits of an interval's width; 2 for other columns
 
 
 def summary_table(data: xr.Dataset, limit: int, checkpoint: int | None, title: str, more: str) -> Table:
@@ -95,16 +92,13 @@ def _parameter(values: np.ndarray) -> np.ndarray:
 
 def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
     """The columns of numbers of a summary."""
-    trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
-    sure = {name: column for name, column in SURE.items() if column in frame}
-    columns = [
-        _values(frame, name, stored, spare=SPARE.get(name, NUMBER))
-        for name, stored in {**SHORT, **sure, **watched}.items()
-    ]
-    for name, head in (("consensus_right", "exit %"), ("done", "done %")):
+    trials = data.sizes["trial"]
+    names = [name for name in (*SHOWN, *metrics_in(data)) if name in frame and (name != TAIL or shows_tail(data))]
+    columns = [_values(frame, name, _head(data, name)) for name in names]
+    for name in ("consensus_right", "done"):
         if name in frame:
             cells = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame[name]]
-            columns.append(Column(head, cells, spare=NUMBER))
+            columns.append(Column(_head(data, name), cells, spare=NUMBER))
     if "half_width" in frame or (frame["trials"] < trials).any():
         columns.append(Column("trials", [f"{n:,}" for n in frame["trials"]], spare=NUMBER))
     if frame["failed"].any():
@@ -112,30 +106,33 @@ def _numbers(data: xr.Dataset, frame: Any) -> list[Column]:
     if "half_width" in frame:
         decimals = decimals_for(frame["half_width"].min())
         cells = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
-        columns.append(Column("+-", cells, spare=NUMBER))
+        columns.append(Column(_head(data, "half_width"), cells, spare=NUMBER))
     return columns
 
 
-def _values(frame: Any, name: str, column: str, spare: int) -> Column:
+def _head(data: xr.Dataset, name: str) -> str:
+    return measures.head_of(data, name) + " %" * measures.is_share(name)
+
+
+def _values(frame: Any, name: str, head: str) -> Column:
     """A column of values with their intervals."""
-    times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
-    ends = [times * frame[column + end] for end in ("", "_low", "_high")]
+    times, digits, known = 100.0 if measures.is_share(name) else 1.0, DIGITS.get(name, 2), QUANTITIES.get(name)
+    ends = [times * frame[name + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
     usual = max(decimals_for(widths.median(), digits), int(times > 1.0))  # more for a narrow interval
-    if name not in TIMES:  # values of a metric may be whole, infinite, or equal up to rounding
+    if known is None:  # values of a metric may be whole, infinite, or equal up to rounding
         finite = ends[0][np.isfinite(ends[0])]
         usual = 0 if widths.isna().all() and (finite == finite.round()).all() else min(usual, MOST_DECIMALS)
     texts = []
     for value, low, high in zip(*ends, strict=True):
         if np.isnan(low):
-            form = f".{DECIMALS[name]}f" if name in DECIMALS else ",.5g"
+            form = ",.5g" if known is None else f".{known.decimals}f"
             texts.append(("-" if np.isnan(value) else f"{value:{form}}", ""))
         else:
             finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest), 100.0 if times > 1.0 else np.inf))
     values, intervals = map(list, zip(*texts, strict=True))
-    head = f"{name} %" if times > 1.0 else name
-    return Column(head, values, spare=spare, intervals=intervals)
+    return Column(head, values, spare=SPARE.get(name, NUMBER), intervals=intervals)
 
 
 def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> list[str]:
@@ -145,11 +142,12 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> l
     known = frame["convergence_round_low"].notna().any()
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
-        f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} "
+        f"K: {unit} of convergence, error at K: |x - f| there, final error: after the last {unit} "
         f"(medians, {pooled_in_rows(data)}){floor}",
         f"right: robots in the correct bin {when}"
         + ("; [95 %]: over trials" * intervals if known else f"; no intervals: fewer than {FEWEST:,} trials"),
         *([f"[>= x]: {ONE_SIDED}"] if intervals and one_sided else []),
+        *(["error 90: the final error that 90 % of the robots do not exceed"] if shows_tail(data) else []),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
             if "coverage" in frame
@@ -161,7 +159,10 @@ def _legend(data: xr.Dataset, frame: Any, intervals: bool, one_sided: bool) -> l
         *(["robots that are not honest are left out"] if "honest" in data else []),
         *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
         *_clipped(data),
-        *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
+        *(
+            f"{_head(data, name)}: {data[name].attrs['long_name']} ({data[name].attrs['units']})"
+            for name in metrics_in(data)
+        ),
         *(_remeasured(data, key) for key in asked_anew(data)),
         *(
             [

@@ -5,8 +5,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import measures
-from swarmcensus.results.summaries import cells
-from swarmcensus.results.values import robots_in
+from swarmcensus.results.estimates import cells
+from swarmcensus.support.bootstrap import centres
 
 TAIL = "error_90"  # the quantity that is shown next to a median
 TIMES = 4.0  # a robot is far off if its error is more than so many times the median; 0.7 % are if errors are normal
@@ -18,12 +18,12 @@ def far_off(data: xr.Dataset) -> NDArray[np.float64]:
 
     NaN without a trial.
     """
-    made = measures.with_measure(data, "final_error")["final_error"].transpose("setting", "trial", "robot").values
-    exists = np.arange(made.shape[2]) < robots_in(data).values[:, np.newaxis, np.newaxis]
-    known = exists & ~np.isnan(made)
-    with np.errstate(invalid="ignore"):
-        beyond = known & (made > TIMES * cells(data, "final_error")[0][:, np.newaxis, np.newaxis])
-        return np.asarray(beyond.sum(axis=(1, 2)) / known.sum(axis=(1, 2)))
+    limits, shares = TIMES * cells(data, "final_error", intervals=False).value, []
+    for rows in measures.blocks(data):
+        errors = measures.sample(data, "final_error", rows)
+        beyond = np.where(np.isnan(errors), np.nan, errors > limits[rows, np.newaxis, np.newaxis])
+        shares.append(centres(beyond.reshape(len(rows), -1), "mean"))
+    return np.concatenate(shares)
 
 
 def has_tail(data: xr.Dataset) -> NDArray[np.bool_]:

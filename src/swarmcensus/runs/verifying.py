@@ -144,6 +144,9 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
         failed = len(structure.failures(data))
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
+    lacking = done - int((~is_missing(data["agreement_round"].values)).sum() if "agreement_round" in data else 0)
+    if lacking:
+        yield f"{' and '.join(AGREEMENT)} are not in {counted(lacking, 'trial')}: earlier versions did not store them"
     known = {*RUN_ATTRIBUTES}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
     for name in sorted({*data.attrs} - known):
         yield f"the attribute {name} is not of a run"

@@ -136,7 +136,7 @@ class Study:
         return {
             "brains": {b.name: b for b in self.brains},
             "adversaries": {a.name: a for a in self.adversaries},
-            "edges": {t.source: FileEdges([*(t.edges or ())], t.directed) for t in self.topologies if t.source},
+            "edges": {t.source: FileEdges(t.edges or (), t.directed) for t in self.topologies if t.source},
             "plugins": self.plugin_files,
             "images": {p.source: p.grey for p in self.pictures},
             "metrics": {m.name: m for m in self.measure.metrics},

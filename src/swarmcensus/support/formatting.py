@@ -38,7 +38,7 @@ def decimals_for(width: float, digits: int = 2) -> int:
 def rounded(value: float, low: float, high: float, decimals: int, most: float = math.inf) -> tuple[str, str]:
     """A number and its interval as text; one with the value `most`, which nothing exceeds, has a lower end only."""
     text = f"{value:,.{decimals}f}"
-    if value >= most:
+    if value >= most < math.inf:
         return text, f"[>= {low:,.{decimals}f}]"
     return text, f"[{low:,.{decimals}f}, {high:,.{decimals}f}]"
 

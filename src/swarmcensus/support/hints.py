@@ -40,7 +40,7 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     words = {plain, f"{plain}s", plain.removesuffix("s")}
     matches = [n for n in names if plain == n or words & {*OTHER_WORDS.get(n, ())}]
     matches += [n for n in names if len(plain) > 2 and n.startswith(plain)]
-    parts = {part: n for n in names for part in re.split(r"[_/.]", n)}  # such as of "final_error" and "paper/local"
+    parts = {part: n for n in reversed(names) for part in re.split(r"[_/.]", n)}  # of "final_error", "a/b"
     similar = [(n, n) for n in difflib.get_close_matches(plain, names, n=1)]
     similar += [(part, parts[part]) for part in difflib.get_close_matches(plain, parts, n=1, cutoff=PART)]
     similar.sort(key=lambda pair: -difflib.SequenceMatcher(None, plain, pair[0]).ratio())

@@ -128,18 +128,17 @@ def pooled(values: Floats) -> Floats | None:
     return kept if kept.size and not np.isnan(kept).any() else None
 
 
-def estimate_pooled(values: Floats, statistic: str, share: bool = False) -> Estimate:
+def estimate_pooled(values: Floats, statistic: str, share: bool = False, with_ends: bool = True) -> Estimate:
     """The statistic of all values (setting, trial, robot) that are not NaN, and its interval over trials.
 
-    The interval is NaN if some settings lack trials that others have.
+    The interval is NaN if some settings lack trials that others have, and unless `with_ends`.
     """
-    kept = pooled(values)
-    if kept is not None:
-        return estimate(kept, statistic, share)
     known = values[~np.isnan(values)]
     if not known.size:
         return UNKNOWN
-    return Estimate(float(np.median(known) if statistic == "median" else known.mean()), math.nan, math.nan)
+    value = float(np.median(known) if statistic == "median" else known.mean())
+    kept = pooled(values) if with_ends else None
+    return Estimate(value, *(UNKNOWN if kept is None else estimate(kept, statistic, share))[1:])
 
 
 def expected_share(by_trial: Floats) -> float:

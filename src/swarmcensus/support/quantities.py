@@ -41,8 +41,8 @@ class Quantity:
     dims: tuple[str, ...] = PER_ROBOT
     unit: str = "1"
     kind: Any = np.float64
-    label: str = ""  # in tables of comparisons; by default the name in words
-    column: str = ""  # of the table of `show`; not in it if empty
+    label: str = ""  # the head of its column in tables; by default the name in words
+    shown: bool = False  # whether the table of `show` has it
     axis: str = ""  # on axes of figures; by default the name in words
     low: bool | None = None
     statistic: Statistic = "median"
@@ -61,7 +61,7 @@ class Quantity:
 
     @property
     def title(self) -> str:
-        """The label in a comparison."""
+        """The head of its column in tables, without the sign of percent."""
         return self.label or self.name.replace("_", " ")
 
 
@@ -82,6 +82,11 @@ def _decided(decision: Floats) -> Floats:
 def _decided_right(decision: Floats, right_option: Floats) -> Floats:
     known = np.where(np.isnan(right_option), np.nan, 1.0)
     return np.where(np.isnan(decision), np.nan, decision == right_option) * known
+
+
+def _on_right(when: Floats, right: Floats) -> Floats:
+    """When all agreed; infinite for a wrong option, which is not fast, and NaN if no option is right."""
+    return np.where(np.isnan(right), np.nan, np.where(right == 1, when, np.inf))
 
 
 def _done(done_round: Floats) -> Floats:
@@ -105,13 +110,13 @@ def half_width(estimates: Floats) -> Floats:
 ALL = (
     Quantity(
         "convergence_round", "K, the convergence of the informed estimate", "always", unit="rounds", kind=np.int32,
-        label="K", column="K", axis="convergence $K$", low=True, within_rounds=True, summary=True, decimals=0,
+        label="K", shown=True, axis="convergence $K$", low=True, within_rounds=True, summary=True, decimals=0,
         compared="round of convergence",
         page="*K*: the earliest index whose estimate is less than `delta` from all later ones",
     ),
     Quantity(
         "convergence_error", "|x^K - f|, the informed estimate's error at convergence", "always",
-        label="error at K", column="error", axis=r"error $|x^K - f\,|$", low=True, summary=True, decimals=4,
+        label="error at K", shown=True, axis=r"error $|x^K - f\,|$", low=True, summary=True, decimals=4,
         compared="|x - f| at K",
         page='distance of the estimate at *K* from *f* (from `true_fill_ratio` with `truth = "floor"`)',
     ),
@@ -121,12 +126,12 @@ ALL = (
     ),
     Quantity(
         "final_error", "|x - f| after the last round", inputs=("final_estimate", TRUTH), derive=_error,
-        column="final error", axis=r"final error $|x - f\,|$", low=True, summary=True, decimals=4,
+        shown=True, axis=r"final error $|x - f\,|$", low=True, summary=True, decimals=4,
     ),
     Quantity(
         "error_90", "|x - f| after the last round that 90 % of the robots do not exceed", dims=PER_TRIAL,
         inputs=("final_estimate", TRUTH), derive=_error, over_robots=_ninetieth,
-        axis=r"90th percentile of final error $|x - f\,|$", low=True, summary=True, decimals=4,
+        shown=True, axis=r"90th percentile of final error $|x - f\,|$", low=True, summary=True, decimals=4,
     ),
     Quantity(
         "worst_error", "|x - f| of the worst robot after the last round", dims=PER_TRIAL,
@@ -150,7 +155,7 @@ ALL = (
     ),
     Quantity(
         "correct", "fraction of robots in the correct bin", "always", PER_CHECKPOINT,
-        label="right", column="right", axis="share of right robots", low=False, statistic="mean", share=True,
+        label="right", shown=True, axis="share of right robots", low=False, statistic="mean", share=True,
         decimals=1, compared="robots in the correct bin at the last checkpoint",
         page="the fraction of robots whose estimate is in the right bin",
     ),
@@ -213,7 +218,7 @@ ALL = (
         "two files for equal settings",
     ),
     Quantity(
-        "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "",
+        "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "", label="+-",
         page="half the interval of a [rule for trials](long-studies.md#as-many-trials-as-needed); only with a rule",
     ),
     Quantity(
@@ -235,7 +240,7 @@ ALL = (
     ),
     Quantity(
         "decision_round", "the first decision; infinite: never", "decisions", unit="rounds", never=True,
-        label="decision", low=True, summary=True, compared="round of a robot's first decision",
+        low=True, summary=True, compared="round of a robot's first decision",
         page="round of its first decision; infinite for never",
     ),
     Quantity(
@@ -249,9 +254,13 @@ ALL = (
     ),
     Quantity(
         "consensus_round", "the first round after which they did; infinite: never", "decisions", PER_TRIAL, "rounds",
-        never=True, label="right consensus", low=True, summary=True,
-        compared="round of a consensus on the right option",
+        never=True, summary=True,
         page="the round of that agreement; infinite for never",
+    ),
+    Quantity(
+        "right_consensus_round", "round of a consensus on the right option", dims=PER_TRIAL, unit="rounds", never=True,
+        inputs=("consensus_round", "consensus_right"), derive=_on_right, label="right consensus", low=True,
+        summary=True,
     ),
     Quantity(
         "consensus_right", "1 if that option is right, 0 if not, or if there is none", "decisions", PER_TRIAL,
@@ -272,7 +281,7 @@ ALL = (
     ),
     Quantity(
         "done", "robots that are done", inputs=("done_round",), derive=_done,
-        label="done share", low=False, statistic="mean", share=True, summary=True,
+        low=False, statistic="mean", share=True, summary=True,
     ),
     Quantity(
         "done_estimate", "the estimate then", "endings", bounds=(-inf, inf), page="its estimate then; NaN for never"
@@ -283,14 +292,14 @@ ALL = (
     ),
     Quantity(
         "coverage", "fraction of robots whose interval holds the fill ratio", "intervals", PER_CHECKPOINT,
-        column="coverage", axis="share of intervals that hold $f$", statistic="mean", share=True, bounds=(0.0, 1.0),
+        shown=True, axis="share of intervals that hold $f$", statistic="mean", share=True, bounds=(0.0, 1.0),
         decimals=1,
         page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f* (the floor's share with "
         '`truth = "floor"`); this and the next only if a brain has one; NaN for other brains',
     ),
     Quantity(
         "interval_width", "mean width of the robots' intervals", "intervals", PER_CHECKPOINT,
-        label="width", column="interval width", axis="width of the intervals", low=True, bounds=(0.0, 1.0), decimals=4,
+        shown=True, axis="width of the intervals", low=True, bounds=(0.0, 1.0), decimals=4,
         compared="mean width of the robots' intervals at the last checkpoint",
         page="the mean width of these intervals",
     ),

@@ -1,6 +1,7 @@
 """Graphs in files of other programs, read through networkx: GraphML, GML, GEXF, Pajek."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,7 +18,7 @@ VERTICES = re.compile(r"^\s*\*vertices\s+(\d+)", re.IGNORECASE | re.MULTILINE)
 class FileEdges(NamedTuple):
     """The edges of a file: pairs of robots; of a directed one, the second hears the first."""
 
-    pairs: list[tuple[int, int]]
+    pairs: Sequence[tuple[int, int]]
     directed: bool
     nodes: int | None = None  # how many there are, if the file says
 

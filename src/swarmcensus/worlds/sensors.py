@@ -208,12 +208,12 @@ def parse_accuracy(value: object, base: Path | None = None, known: Mapping[str, 
     return Accuracy(sides.black, sides.white)
 
 
-def start_of(text: str, known: Mapping[str, Any] = {}) -> Accuracy:
-    """The accuracies of round 1 from their text in a dataset; files of spreads are `known`. Raises ValueError."""
+def start_of(text: str) -> Accuracy:
+    """The accuracies of round 1 from their text in a dataset. Raises ValueError."""
     sides = re.fullmatch("black=(.*) white=(.*)", text)
     if sides:
-        return parse_accuracy({"black": sides[1], "white": sides[2]}, None, known)
-    return parse_accuracy(text.partition(" drift=")[0], None, known)
+        return parse_accuracy({"black": sides[1], "white": sides[2]})
+    return parse_accuracy(text.partition(" drift=")[0])
 
 
 def parse_assumed(value: object, base: Path | None = None, known: Mapping[str, Any] = {}) -> Accuracy | Misjudgement:

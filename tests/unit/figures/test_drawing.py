@@ -16,6 +16,7 @@ from swarmcensus.figures.lettering import width_of, wrapped
 from swarmcensus.figures.looks import looks_of, palette
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.selecting import TooMuch, where
+from swarmcensus.simulation import agreement, convergence
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import estimate
 from swarmcensus.support.options import shell_options
@@ -64,6 +65,11 @@ def test_scatter_draws_every_robot(local, x, y, last):
 
 def test_padding_and_trials_not_run_are_never_drawn():
     results = forget(forget(study(["0.6", "U(0.5,0.9)"]), trial=slice(3, None)), robot=slice(6, None))
+    kept = results.isel(setting=0, trial=slice(3), robot=slice(6))
+    np.testing.assert_allclose(
+        drawn(figures.scatter(results).axes[0], "median 0.6")[0],
+        [kept.convergence_round.median(), kept.convergence_error.median()],
+    )
     results["convergence_error"][:, 3] = 0.5  # one of the two missing is enough
     results["convergence_round"][:, 4] = 500
     (ax,) = figures.scatter(results).axes
@@ -72,10 +78,6 @@ def test_padding_and_trials_not_run_are_never_drawn():
         assert len(dots) == 3 * 6
         assert np.isfinite(dots).all()
         assert (dots[:, 0] >= 0).all()
-    kept = results.isel(setting=0, trial=slice(3), robot=slice(6))
-    np.testing.assert_allclose(
-        drawn(ax, "median 0.6")[0], [kept.convergence_round.median(), kept.convergence_error.median()]
-    )
 
 
 def test_a_mixed_swarm_is_a_ring_and_lies_below():
@@ -198,6 +200,25 @@ def test_curves_figure():
     np.testing.assert_allclose(shade.get_extents().transformed(ax.transData.inverted()).intervaly, [0.5, 0.6])
     written = texts(figure)
     assert all(t in written for t in ("ring, N = 7", "each of 7 robots", "median robot", "right bin of 10"))
+
+
+def test_curves_mark_what_is_measured():
+    run = trace(30, fill_ratio=0.55, delta=0.01)
+    x = run["estimate"].values
+    figure = figures.curves(run, measures=True)
+    (ax,) = figure.axes
+    settled, agreed = np.median(convergence(x, 0.01)), agreement(x, 0.01)
+    assert 0 < settled < agreed < 50
+    assert set(drawn(ax, "median K")[:, 0]) == {settled}
+    assert set(drawn(ax, "agreement round")[:, 0]) == {agreed}
+    errors = np.abs(x[-1] - 0.55)
+    for name, error in (("error_90", np.quantile(errors, 0.9)), ("worst error", errors.max())):
+        np.testing.assert_allclose(np.abs(drawn(ax, name)[:, 1] - 0.55), [0, error], atol=1e-12)
+    written = texts(figure)
+    assert f"agreement round: {agreed:g}" in written
+    assert "round:\nnever" in texts(figures.curves(run.assign_attrs(delta=1e-6), measures=True))
+    with pytest.raises(InputError, match="measures: the trace should have delta"):
+        figures.curves(trace(3, fill_ratio=0.55), measures=True)
 
 
 @pytest.mark.parametrize(("truth", "bottom", "top"), [(0.0, 0, 0.1), (0.3, 0.3, 0.4), (0.95, 0.9, 1), (1.0, 0.9, 1)])

@@ -72,7 +72,10 @@ def test_an_unknown_kind_is_refused_with_a_suggestion(small_file, refused):
     [
         ("--kind scatter --x robots", "--x goes with --kind heatmap or lines, not with scatter"),
         ("--kind lines --x robot", "x 'robot': did you mean 'robots'? the coordinates that vary here are top"),
-        ("--kind lines --y error", "y 'error': did you mean 'convergence_error'? what is measured"),
+        (
+            "--kind lines --y convergence_eror",
+            "y 'convergence_eror': did you mean 'convergence_error'? what is measured",
+        ),
         ("--kind lines --x checkpoint", "x 'checkpoint': the coordinates that vary"),
         ("--color brian", "color 'brian': did you mean 'brain'? the coordinates that vary here are topology, robots"),
         ("--panels robots,floors", "panels 'floors': did you mean 'floor'?"),

@@ -1,15 +1,17 @@
 """Readers are told where a robot converged before it had seen anything."""
 
+import re
 import tomllib
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.results import cautions_of_needs
+from swarmcensus.results import AGREEMENT, cautions_of_needs, settled_far_off
 from swarmcensus.results.cautions import settled_at_start, warn_of_start
 from swarmcensus.support.files import shipped_study
 from tests.support.small import study_of
@@ -61,6 +63,48 @@ def test_python_warns_of_what_the_shell_warns_of():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sc.run(study, jobs=1, cautions=False)
+
+
+@pytest.fixture(scope="module")
+def misjudged():
+    """Robots misjudge their sensors. In a ring they stay apart; in a full network they agree."""
+    swarm = {"robots": 30, "accuracy": 0.8, "assumed_accuracy": {"error": "U(-0.15, 0.15)"}}
+    world = {"topology": ["full", "ring"], "fill_ratio": 0.35}
+    return sc.run(sc.Study(trials=6, swarm=swarm, world=world, schedule={"rounds": 300}), jobs=1, cautions=False)
+
+
+def test_robots_that_settle_early_and_apart_are_cautioned_of(misjudged, here, capsys):
+    data = misjudged
+    early = np.median(data["convergence_round"].values.astype(float), axis=(1, 2)) < 150
+    assert early.all()
+    assert settled_far_off(data).tolist() == [False, True]
+    says = "setting 1 (minimalistic): K is early and misleads, since robots end far from each other or from the true "
+    with pytest.warns(UserWarning, match=re.escape(says)):
+        table = sc.summary(data)
+    assert table["final_disagreement"][1] > 3 * 0.01 > 3 * table["final_disagreement"][0]
+    assert [one.startswith(says) for one in sc.compare(data, factor="topology").cautions].count(True) == 1
+    assert not any("misleads" in one for one in sc.compare(data, "final_error", factor="topology").cautions)
+    sc.save(data, "s.nc")
+    assert main(["show", "s.nc"]) == 0
+    assert f"warning: {says}" in " ".join(capsys.readouterr().err.split())
+    note = "K misleads in setting 1: settled early, but far from each other or from f"
+    for draw, options in (
+        (sc.plot.scatter, {}), (sc.plot.heatmap, {}), (sc.plot.lines, {"y": "convergence_round"})
+    ):  # fmt: skip
+        for settings, has in (([0], False), ([0, 1], True)):
+            figure = draw(data.isel(setting=settings), **options)
+            assert (note in [" ".join(text.get_text().split()) for text in figure.texts]) == has
+    assert note not in [text.get_text() for text in sc.plot.heatmap(data, z="convergence_error").texts]
+
+
+def test_robots_that_settle_late_or_decide_are_not_cautioned_of(misjudged):
+    late, decided = misjudged.copy(deep=True), misjudged.copy()
+    late["convergence_round"][:] = 200
+    decided["decision"] = xr.zeros_like(misjudged["final_estimate"])
+    before = misjudged.drop_vars([*AGREEMENT])  # a file of an earlier version
+    assert [settled_far_off(one)[1] for one in (late, decided, before)] == [False, False, True]
+    misjudged.attrs["delta"] = 0.05
+    assert not settled_far_off(misjudged).any()
 
 
 def test_truths_on_the_edge_of_a_bin_are_warned_of(here, capsys):

@@ -2,8 +2,10 @@
 
 import io
 import json
+import re
 
 import numpy as np
+import pandas as pd
 import pytest
 from rich.console import Console
 
@@ -11,7 +13,7 @@ import swarmcensus as sc
 from swarmcensus.cli import tables
 from swarmcensus.cli.commands import main
 from swarmcensus.evaluation.paper.report import rounded
-from swarmcensus.results import summaries
+from swarmcensus.results import measures
 from swarmcensus.support import intervals, terminal
 from swarmcensus.support.printed_tables import Table
 
@@ -102,9 +104,9 @@ def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
     for k, (line, row) in enumerate(zip(lines, sc.summary(file).to_dict("records"), strict=False)):
         shown = [str(k), row["topology"], str(row["robots"]), *row["accuracy"].split()]
         assert line.split()[: len(shown)] == shown
-        assert line.count("[") == line.count("]") == 4
+        assert line.count("[") == line.count("]") == 5
     assert not any("…" in line or "..." in line for line in lines)
-    assert len(lines) == 48 + 3
+    assert len(lines) == 48 + 4
     assert same == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
 
 
@@ -122,10 +124,9 @@ def test_show_sorts(file, many, capsys):
 
 
 def test_large_results_are_summed_up_in_blocks(partial, monkeypatch):
-    whole = summaries.points(partial)
-    monkeypatch.setattr(summaries, "BLOCK", 50)
-    for name, values in summaries.points(partial).items():
-        np.testing.assert_array_equal(values, whole[name])
+    whole = sc.summary(partial)
+    monkeypatch.setattr(measures, "BLOCK", 50)
+    pd.testing.assert_frame_equal(sc.summary(partial), whole)
 
 
 @pytest.mark.parametrize(
@@ -181,7 +182,7 @@ def test_a_row_is_a_line_of_any_terminal(many, width, monkeypatch):
     monkeypatch.setattr(terminal, "console", lambda: Console(file=stream, width=width, markup=False, highlight=False))
     tables.settings(many, "many.nc", 4)
     lines = stream.getvalue().splitlines()[:-1]  # the last is a command to be copied
-    assert [line.split()[0] for line in lines if line.startswith(" " * 6)] == ["0", "1", "2", "3"]
+    assert [line.split()[0] for line in lines if re.match(r" {6}\d", line)] == ["0", "1", "2", "3"]
     assert max(map(len, lines)) <= width
     text = " ".join(" ".join(lines).split())
     for word in ("setting", "topology", "robots", "accuracy", "fill_ratio", "rounds", "minimalistic"):

@@ -395,7 +395,7 @@ class TestFormat:
         for command in ("verify second-3.nc --all", "replay second-3.nc --setting 7 --trial 1 --out trace.csv",
                         "compare second-3.nc"):  # fmt: skip
             assert main(command.split()) == 0, command
-        assert "64 of 64 trials run again: the same to the last bit" in capsys.readouterr().out
+        assert "64 of 64 trials run again: the numbers are the same to the last bit" in capsys.readouterr().out
         assert "recent[2]" in (tmp_path / "trace.csv").read_text().partition("\n")[0]
 
     def test_a_run_goes_on_from_a_kept_file(self, tmp_path):
@@ -411,7 +411,10 @@ class TestFormat:
         assert sc.load(tmp_path / "results-3.nc").identical(data)
         both = sc.merge([data, whole])
         assert both["agreement_round"].identical(whole["agreement_round"])
-        assert sc.verify(data, 1.0, jobs=1).differences == []
+        found = sc.verify(data, 1.0, jobs=1)
+        assert found.differences == []
+        lacking = 2 * data.sizes["setting"]
+        assert f"agreement_round and disagreement are not in {lacking} trials: earlier" in found.notes[-1]
 
     def test_another_format_is_refused(self, files, tmp_path):
         sc.save(sc.load(files / "kinds.nc").assign_attrs(format="swarmcensus results 2"), tmp_path / "x.nc")

@@ -31,6 +31,7 @@ BEYOND = ["commons", {"file": "sure", "within": 0.2}, "swift", "steadfast", "tra
 OPTIONAL = ["all.py", "steers.py", {"file": "all.py", "enough": 2}]
 LIARS = [{"robots": [0, 0.4], "brain": "talks.py", "accuracy": 0.9, "honest": False}]
 STOPS = [{"at": 20, "robots": 1, "stop": ["moving", "talking"]}]
+SMALL_WORLD = {"name": "small-world", "rewired": 0.5, "label": "a small world"}
 SLOW = {"from": 0.85, "to": 0.25, "at": 11, "until": 21}
 STUDIES = {  # swarm, world, all else; of 6 robots, 6 trials and 30 rounds unless they say otherwise
     "networks": (
@@ -44,7 +45,11 @@ STUDIES = {  # swarm, world, all else; of 6 robots, 6 trials and 30 rounds unles
         RING | {"fill_ratio": [SLOW, 0.3], "message_delay": [0, 1, 4]},
         {"measure": {"estimates": True, "checkpoints": [1, 20, 30], "metrics": ["mean-error", "recovery-time"]}},
     ),
-    "floors": ({}, MOVING | {"floor": ["tiles", {"clusters": 0.2}, "half"]}, {"measure": {"truth": "floor"}}),
+    "floors": (
+        {},
+        MOVING | {"floor": ["tiles", {"clusters": 0.2}, "half", {"benchmark": "star"}]},
+        {"measure": {"truth": "floor"}},
+    ),
     "adversaries": (
         {"brain": "steadfast", "robots": [5, 8, 11]},
         RING | {"topology": ["ring", "full"]},
@@ -59,7 +64,7 @@ STUDIES = {  # swarm, world, all else; of 6 robots, 6 trials and 30 rounds unles
     ),
     "sums": (
         {"brain": {"file": "adds.py", "weight": [0.3, 0.9]}, "robots": [5, 8]},
-        RING | {"topology": ["full", "scale-free"], "link_success": [1.0, 0.6]},
+        RING | {"topology": ["full", "scale-free", SMALL_WORLD, "random-geometric"], "link_success": [1.0, 0.6]},
         {"schedule": {"rounds": 12}, "members": [{"robots": [0, 0.4], "accuracy": 0.9, "honest": False}]},
     ),
     "optional, moving": (

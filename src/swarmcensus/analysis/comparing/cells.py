@@ -53,10 +53,10 @@ def columns(standings: Standings, worlds: int) -> list[Column]:
 
 
 def _tail_column(name: str, of: list[Floats], trials: NDArray[np.int64]) -> Column:
-    """The column of a tail, which has no marks."""
+    """The column of a tail, which has neither marks nor intervals: it is not tested."""
     value, low, high = of
     texts = numbers(value, low, high, trials, OURS[name])
-    return Column(OURS[name].label, [value for value, _ in texts], intervals=[interval for _, interval in texts])
+    return Column(OURS[name].label, [value for value, _ in texts])
 
 
 def cost_columns(standings: Standings, worlds: int) -> list[Column]:
@@ -94,7 +94,9 @@ def numbers(
     ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # + 0.0 avoids -0.00
     for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
         text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals, largest))
-        if np.isnan(least):
+        if np.isinf(value) and value == least:
+            interval = ""  # it never comes, in nearly all trials
+        elif np.isnan(least):
             interval = (ALWAYS if differences and count >= FEWEST and not np.isnan(value) else "-") * bool(
                 widths.size or count >= FEWEST
             )

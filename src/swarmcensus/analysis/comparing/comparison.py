@@ -32,6 +32,7 @@ from swarmcensus.results import (
     Measure,
     asked_anew,
     cautions_of_needs,
+    cautions_of_settling,
     cells,
     done,
     failed_trials,
@@ -45,7 +46,6 @@ from swarmcensus.results import (
     settled_at_start,
     shows_tail,
 )
-from swarmcensus.support.bootstrap import centres
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
@@ -172,7 +172,7 @@ def compare_dataset(
         raise wrong_option("against", against, "should be the name of a contender")
     reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
     measured, notes_on_measures = measures.chosen(data, metric)
-    margins = _margins(margin, measured)
+    margins = _margins(margin, measured, data)
     numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
         labels = ", ".join(measure.label for measure in measured)
@@ -188,9 +188,7 @@ def compare_dataset(
         for contest, measure in zip(contests(inputs, against=reference, paired=paired), measured, strict=True)
     ]
     costs = {
-        name: centres(grid.spread(measures.numbers(data, name)), "mean")
-        for name in COSTS
-        if not measures.lacks(data, name)
+        name: grid.spread(cells(data, name, intervals=False).value) for name in COSTS if not measures.lacks(data, name)
     }
     sizes = {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
@@ -219,7 +217,7 @@ def compare_dataset(
     )
 
 
-def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]) -> dict[str, float]:
+def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure], data: xr.Dataset) -> dict[str, float]:
     """The margin of each measure that has one. Raises InputError."""
     names = [measure.name for measure in measured]
     if margin is None:
@@ -229,6 +227,7 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
             example = option("margin", f"{names[0]}={margin}") if in_shell() else f"margin={{{names[0]!r}: {margin}}}"
             raise wrong_option("margin", margin, f"there are {len(names)} measures: name one, as {example}")
         margin = {names[0]: margin}
+    margin = {measures.named(data, name, names): value for name, value in margin.items()}
     for name, value in margin.items():
         if name not in names:
             raise wrong_option("margin", name, f"{did_you_mean(name, names)}the measures are {', '.join(names)}")
@@ -322,6 +321,7 @@ def _cautions(
                 f"{', '.join(named)}: in {where} at least half of the robots have K = 0: their estimates never moved "
                 "by delta, so K does not tell how soon they learn"
             )
+        cautions += cautions_of_settling(data)
         if "delta" in asked_anew(data):
             cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
     if asked_anew(data):

@@ -1,18 +1,16 @@
 """The cost of a wrong belief about one's own sensor: the bias that remains, in closed form and as simulated."""
 
 import re
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from swarmcensus.results import require, robots_in, spreads_of
+from swarmcensus.results import require, robots_in
 from swarmcensus.support import intervals
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.intervals import Floats
-from swarmcensus.support.plugins import PluginFile
 from swarmcensus.worlds import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
 EQ_4 = {
@@ -79,7 +77,7 @@ def costs_of(results: xr.Dataset) -> list[Cost]:
 def _cost(selected: xr.Dataset) -> Cost:
     accuracy, belief = str(selected["accuracy"].item()), str(selected["assumed_accuracy"].item())
     f = float(selected["fill_ratio"])
-    true, assumed = (accuracy_of(text, spreads_of(selected)) for text in (accuracy, belief))
+    true, assumed = map(_read, (accuracy, belief))
     assert isinstance(true, Accuracy)
     error = _error(true, assumed, accuracy, belief)
     predicted = np.nan
@@ -95,13 +93,19 @@ def _cost(selected: xr.Dataset) -> Cost:
     return Cost(accuracy, belief, error, f, median, low, high, predicted)
 
 
-def accuracy_of(text: str, files: Mapping[str, PluginFile] = {}) -> Accuracy | Misjudgement:
-    """An accuracy or belief from its canonical text, as stored in a dataset with these files of spreads."""
+def _read(text: str) -> Accuracy | Misjudgement:
+    """An accuracy or belief; one from a file of the user's is read as some spread, as no file is run here."""
+    plain = re.sub(r"[^=]*\.py\(.*?\)", "U(0.0,1.0)", text)
+    return accuracy_of(text if plain == text else plain.partition(" drift=")[0])
+
+
+def accuracy_of(text: str) -> Accuracy | Misjudgement:
+    """An accuracy or belief from its canonical text, as stored in a dataset."""
     sides = dict(re.findall(r"(black|white|error|drift|least|most)=(.*?)(?= (?:white|drift|least|most)=|$)", text))
     if "drift" in sides:
         numbers = {key: float(value) for key, value in sides.items()}
-        return parse_accuracy({"start": text.partition(" drift=")[0], **numbers}, None, files)
-    return parse_assumed(sides or text, None, files) if "error" in sides else parse_accuracy(sides or text, None, files)
+        return parse_accuracy({"start": text.partition(" drift=")[0], **numbers})
+    return parse_assumed(sides or text) if "error" in sides else parse_accuracy(sides or text)
 
 
 def _sides(accuracy: Accuracy) -> tuple[float, float]:

@@ -27,7 +27,9 @@ def add_show_options(sub: argparse.ArgumentParser) -> None:
         help="count right decisions at this round, or at a time such as '5 min' (default: the last checkpoint)",
     )
     sub.add_argument(
-        "--sort", metavar="COLUMN", help="sort by a column, such as error, right, K or fill_ratio (default: as stored)"
+        "--sort",
+        metavar="COLUMN",
+        help="sort by a column, such as 'final error', right, K or fill_ratio (default: as stored)",
     )
     sub.add_argument("--reverse", action="store_true", help="reverse the order of --sort")
     add_shared(sub, "label")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Unpack, get_args
+import re
+from typing import Any, Unpack
 
 import matplotlib as mpl
 import numpy as np
@@ -13,24 +14,27 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import names_of, places_of
-from swarmcensus.figures.clouds import cloud_of, unit_of
+from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened_apart, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.notes import say_lacking
+from swarmcensus.figures.notes import say_far_off, say_lacking, say_tail
 from swarmcensus.figures.page import PageOptions, caption_letters, letters, on_page, page, scale
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import INNER, NOTHING, Own, caption_panels, figure_of, layout, name_axes, sheet
-from swarmcensus.results import TooMuch, titles_in
+from swarmcensus.results import OURS, Measure, TooMuch, cells, measures, titles_in
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
+from swarmcensus.support.hints import did_you_mean
+from swarmcensus.support.quantities import QUANTITIES
 
-Z = Literal["convergence_error", "convergence_round"]
+Z = ("convergence_error", "convergence_round")  # the panels by default
 LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers
 LINE = 0.16  # inches: the height of a row that has a name or a number
 NAME = 120.0  # points: the longest name of a row
 NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
 USUAL = "accuracy", "fill_ratio"  # in rows and in columns
+UNSEEN = r"[$\\{},]"  # signs of formulas that have no width
 ABOVE = 0.3  # inches over a panel for the colour bar
 MOST_NAMED = 8  # values of a coordinate in a message
 
@@ -41,12 +45,12 @@ def heatmap(
     *,
     x: str | None = None,
     y: str | None = None,
-    z: Z | None = None,
+    z: str | None = None,
     title: str | None = None,
     ax: Own = None,
     **more: Unpack[PageOptions],
 ) -> Figure:
-    """Draw medians over robots and trials in a grid of two coordinates.
+    """Draw medians, or means of shares, over robots and trials in a grid of two coordinates.
 
     The left panel shows the error |x^K - f|, and the right one the convergence K in communication rounds, or in ticks
     if robots move. The colour bar over a panel says which colours are best. Cells contain their numbers if these fit.
@@ -54,7 +58,8 @@ def heatmap(
 
     - `x`, `y`: the coordinates in columns and in rows; by default the two that vary. If fewer do, they are the fill
       ratio and the accuracy; if more do, these two if they vary.
-    - `z`: draw one panel only, "convergence_error" or "convergence_round".
+    - `z`: draw one panel only, of any quantity that brains are compared by, such as "final_error", "error_90" or
+      "correct".
     - `title`: the title of the figure.
     - `ax`: axes of your own, one for each panel.
     - `width`, `height`, `font_size`, `labels`: the page, and names of brains (see `PageOptions`).
@@ -70,22 +75,22 @@ def heatmap(
         listed = ", ".join(f"{name} ({_first_values(values)})" for name, values in varying.items())
         vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
         raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
-    texts = texts_of(results, x)
+    texts, downwards = texts_of(results, x), texts_of(results, y)
     across = looks_of(texts.tolist(), "o", x, titles_in(results))
-    clouds = [cloud_of(results.isel(setting=texts == text), False, y) for text in across]
-    looks = looks_of((value for cloud in clouds for value in cloud), "o", y, titles_in(results))
+    measured = [_measure(results, z)] if z else [OURS[name] for name in Z]
+    grid = [(text, value) for text in across for value in dict.fromkeys(downwards[texts == text].tolist())]
+    groups = [np.flatnonzero((texts == text) & (downwards == value)) for text, value in grid]
+    found = [cells(results, measure.name, groups, intervals=False).value for measure in measured]
+    drawn = {value for (_, value), number in zip(grid, found[-1], strict=True) if np.isfinite(number)}
+    looks = looks_of((value for _, value in grid if value in drawn), "o", y, titles_in(results))
     if not looks:
         raise InputError(NOTHING)
-    medians = np.full((2, len(looks), len(across)), np.nan)
-    for column, cloud in enumerate(clouds):
-        for row, value in enumerate(looks):
-            if value in cloud:
-                when, error = cloud[value]
-                medians[:, row, column] = np.median(error), np.median(when)
+    numbers = np.full((len(measured), len(looks), len(across)), np.nan)
+    rows_of, columns_of = [*looks], [*across]
+    for (text, value), *of_cell in zip(grid, *found, strict=True):
+        if value in looks:
+            numbers[:, rows_of.index(value), columns_of.index(text)] = of_cell
     names = shortened_apart([look.name for look in looks.values()], NAME * scale(), letters())
-    drawn = [k for k, name in enumerate(get_args(Z)) if z in (None, name)]
-    if not drawn:
-        raise InputError.named("z", z, f"should be one of {', '.join(get_args(Z))}")
     widest = max(width_of(look.name, letters()) for look in across.values())
     cell = max(
         0.4 * scale(), ((widest if places_of(across)[1] else min(widest, NAME_WIDTH)) + letters()) / 72
@@ -95,36 +100,53 @@ def heatmap(
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
     left = scale() * 0.55 + max(width_of(name, letters()) for name in names) / 72
     left = left if page().width else max(1.25 * scale(), left)  # room for a title on the left
-    room = layout(len(drawn), size=size, left=left, key=False)
+    room = layout(len(measured), size=size, left=left, key=False)
     under = names_of(across, 72 * room.wide, 72 * left)
     numbered = numbered and room.wide >= cell * len(across) and room.high >= LINE * scale() * len(looks)
     size = room.wide, room.high
     axes = sheet(
-        ax, [""] * len(drawn), title, size=size, left=left, key=False, above=ABOVE * scale(), below=under.room,
-        fewer="choose z, convergence_error or convergence_round",
+        ax, [""] * len(measured), title, size=size, left=left, key=False, above=ABOVE * scale(), below=under.room,
+        fewer="choose z, such as convergence_error",
     )  # fmt: skip
     if ax is not None:
         size = axes[0].bbox.width / axes[0].figure.dpi, axes[0].bbox.height / axes[0].figure.dpi
         numbered = size[0] >= cell * len(across) and size[1] >= LINE * scale() * len(looks)
         under = names_of(across, 72 * size[0])
-    styles = ".3f" if np.nanmax(medians[0]) >= 0.1 else ".4f", ",.0f"
     columns, rows = _labelled(len(across), size[0] / cell), _labelled(len(names), size[1] / (LINE * scale()))
-    for k, place in zip(drawn, axes, strict=True):
-        _draw_cells(place, medians[k], (0.01, 1.0)[k], styles[k], numbered)
+    for measure, values, place in zip(measured, numbers, axes, strict=True):
+        _draw_cells(place, values, measure, numbered)
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
         named = place is axes[0] or place.get_label() != INNER
         place.set_yticks(rows, [names[k] if named else "" for k in rows], parse_math=False)
         name_axes(place, title_of(x), title_of(y))
         place.tick_params(length=0)
         place.spines[:].set_visible(False)
-    longest = width_of(f"(b) median convergence K ({unit_of(results).split()[-1]})", caption_letters())
-    narrow = longest > 72 * axes[0].bbox.width / axes[0].figure.dpi
-    convergence = "$K$" if narrow else "convergence $K$"
-    captions = [r"median error $|x^K - f\,|$", f"median {convergence} ({unit_of(results).split()[-1]})"]
+    captions = [_caption(results, measure, 72 * axes[0].bbox.width / axes[0].figure.dpi) for measure in measured]
     if ax is None or not title or len(axes) > 1:
-        caption_panels(axes, [captions[k] for k in drawn], ABOVE * scale(), math=True)
+        caption_panels(axes, captions, ABOVE * scale(), math=True)
+    say_tail(axes, results, [measure.name for measure in measured], "z")
     say_lacking(axes, [results])
+    say_far_off(axes, [results] if "convergence_round" in [measure.name for measure in measured] else [])
     return figure_of(axes)
+
+
+def _measure(results: xr.Dataset, z: str) -> Measure:
+    """The measure of the only panel. Raises InputError."""
+    known = measures.known(results)
+    name = measures.named(results, z, known)
+    if name not in known:
+        raise InputError.named("z", z, f"{did_you_mean(z, known)}should be one of {', '.join(known)}")
+    return known[name]
+
+
+def _caption(results: xr.Dataset, measure: Measure, room: float) -> str:
+    """What a panel of `room` points shows, with its unit; in fewer words if there is no room for all."""
+    axis = QUANTITIES[measure.name].axis if measure.name in QUANTITIES else ""
+    label = measure.label.replace("$", r"\$")
+    unit = unit_of(results).split()[-1] if measure.unit == "rounds" else "%" if measure.share else measure.unit
+    names = [name for name in (axis, axis.replace("convergence ", ""), label) if name]
+    texts = [f"{measure.statistic} {name}" + f" ({unit})" * (unit != "1") for name in names]
+    return next((t for t in texts if width_of(f"(b) {re.sub(UNSEEN, '', t)}", caption_letters()) <= room), texts[-1])
 
 
 def _axes_of(results: xr.Dataset, x: str | None, y: str | None) -> tuple[str, str]:
@@ -148,22 +170,31 @@ def _labelled(count: int, room: float) -> NDArray[np.int64]:
     return np.arange(0, count, max(1, int(np.ceil(count / max(room, 1.0)))))
 
 
-def _draw_cells(axes: Axes, values: NDArray[np.float64], linear: float, style: str, numbered: bool) -> None:
-    colours = mpl.colormaps["viridis_r"].with_extremes(bad="0.9")
-    norm = AsinhNorm(linear_width=linear, vmin=np.nanmin(values), vmax=np.nanmax(values))
+def _draw_cells(axes: Axes, values: NDArray[np.float64], measure: Measure, numbered: bool) -> None:
+    values = 100.0 * values if measure.share else values
+    known = values[np.isfinite(values)]
+    if known.size < np.count_nonzero(~np.isnan(values)):
+        why = f"{measure.label} is infinite in some cells, so its colours have no end: draw it with lines"
+        raise InputError.named("z", measure.name, why)
+    style = ".1f" if measure.share else ",.0f" if measure.unit != "1" else ".3f" if known.max() >= 0.1 else ".4f"
+    colours = mpl.colormaps["viridis_r" if measure.low else "viridis"].with_extremes(bad="0.9")
+    norm: Normalize = AsinhNorm(0.01 if measure.unit == "1" else 1.0, vmin=known.min(), vmax=known.max())
+    if measure.share:
+        norm = Normalize(vmin=known.min(), vmax=known.max())
     image = axes.imshow(values, cmap=colours, norm=norm, aspect="auto", origin="lower")
-    _draw_scale(axes, norm, colours, style)
+    _draw_scale(axes, norm, colours, style, measure.low)
     if numbered:
         write_numbers(axes, image, values, lambda value: f"{value:{style}}", letters() - 1)
 
 
-def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str) -> None:
+def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str, low: bool) -> None:
     """Draw the colour bar over a panel, with the best and the worst number at its ends."""
+    left, right = ("best", "worst") if low else ("worst", "best")
     wide, high = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     bar = axes.inset_axes((0, 1 + 6 / high, min(1.0, 170 / wide), 5 / high))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
     bar.set_axis_off()
-    ends = {0.0: f"best {float(norm.vmin or 0):{style}}", 1.0: f"{float(norm.vmax or 0):{style}} worst"}
+    ends = {0.0: f"{left} {float(norm.vmin or 0):{style}}", 1.0: f"{float(norm.vmax or 0):{style}} {right}"}
     for place, text in ends.items():
         bar.text(
             place,

@@ -16,10 +16,17 @@ from matplotlib.transforms import ScaledTranslation, Transform, blended_transfor
 from numpy.typing import NDArray
 
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
-from swarmcensus.figures.clouds import unit_of
+from swarmcensus.figures.clouds import groups_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import ONE_END, ONE_SIDED, TWO_SIDED, Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
+from swarmcensus.figures.notes import (
+    say_far_off,
+    say_lacking,
+    say_left_out,
+    say_pooled,
+    say_tail,
+    with_numbers,
+)
 from swarmcensus.figures.page import PageOptions, on_page, scale
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -35,19 +42,22 @@ from swarmcensus.figures.sheets import (
     sheet,
 )
 from swarmcensus.results import (
-    bounds_in,
+    TAIL,
+    at_checkpoints,
+    cells,
     derivable,
     is_share,
+    named,
     require,
-    robots_in,
+    sample,
+    shows_tail,
     statistic_of,
     titles_in,
-    with_measure,
 )
 from swarmcensus.studies import title_of
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.intervals import estimate_pooled
+from swarmcensus.support.quantities import PER_ROBOT, PER_TRIAL
 
 SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
 ENDLESS = r"$\infty$"  # the marker of an infinite statistic
@@ -57,6 +67,7 @@ SOLID = "-"
 SIZE = 5.0  # of a dot
 WIDTH = 1.0  # of a line
 DASH = 6.0
+TAILED: dict[str, Any] = {"linestyle": ":", "linewidth": 0.8, "marker": "_", "markersize": SIZE, "markeredgewidth": 0.8}
 BESIDE = 5.0  # between dots with the same x; less if there are many lines
 ROOM = 60.0  # the most that all dots with the same x span, if the values of x are names
 NEAR = 9.0  # the same if they are numbers
@@ -120,15 +131,18 @@ def lines(
     Raises InputError for an unknown variable or coordinate, for results without a finished trial, and for more than 24
     panels.
     """
-    results = with_measure(results, y)
+    y = named(results, y, known_in(results))
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
     panels = [panels] if isinstance(panels, str) else panels
     data = measured(results, y, "checkpoint" in (x, color, *(panels or ())))
+    statistic = statistic or statistic_of(y)
+    tailed = y == "final_error" and statistic == "median" and shows_tail(results)
+    if tailed:
+        data = data.assign({TAIL: measured(results, TAIL, False)[TAIL]})
     check_coordinates(data, x=x, color=color, panels=panels)
     if x == "liars":
         data = from_nobody(data)
     x, color = _axes_of(data, x, color, panels or ())
-    statistic = statistic or statistic_of(y)
     if statistic not in get_args(Statistic):
         raise InputError.named("statistic", statistic, f"should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
@@ -137,6 +151,7 @@ def lines(
     captions = [part.caption for part in parts]
     kept = with_numbers(ax, captions, has)
     parts, series = [parts[k] for k in kept], [series[k] for k in kept]
+    tails = [_series(part.results, TAIL, x, color, "median") if tailed else {} for part in parts]
     every = [point for panel_series in series for points in panel_series.values() for point in points]
     if all(np.isnan(point.value) for point in every):
         raise InputError(NOTHING)
@@ -148,13 +163,15 @@ def lines(
     left = scale() * (LEFT + 0.17 * y_name.count("\n"))
     under = names_of(across, 72 * layout(len(parts), left=left).wide, 72 * left if ax is None else np.inf)
     axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
-    measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
+    reach = [end for p in every for end in (p.low, p.high)]
+    reach += [p.value for panel_tails in tails for points in panel_tails.values() for p in points]
+    measured_axis(axes, [p.value for p in every], reach)
     middle = (len(looks) - 1) / 2
     room = ROOM / max(len(looks) - 1, 1)
     apart = min(BESIDE, room)
     are_numbers = places_of(across)[1]
     step = min(apart, NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
-    for panel_series, place in zip(series, axes, strict=True):
+    for panel_series, panel_tails, place in zip(series, tails, axes, strict=True):
         if all(np.isnan(point.value) for points in panel_series.values() for point in points):
             say_empty(place, f"{NUMBERLESS} {y}")
             continue
@@ -173,17 +190,24 @@ def lines(
                 min(2 * apart, room) * aside,
                 is_share(y),
             )
+            if value in panel_tails:
+                _draw_tail(place, _numbers(panel_tails[value], across), are_numbers, look, step * aside)
         name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), y_name)
     heading = ""
     entries: dict[str, Artist] = {}
     if color:
-        heading, named = keyed(looks, color)
-        entries |= {look.name: _dot(look) for look in named.values()}
+        heading, keyed_looks = keyed(looks, color)
+        entries |= {look.name: _dot(look) for look in keyed_looks.values()}
     _say_marks(entries, every, statistic, is_share(y))
+    if tailed:
+        entries["dotted: 90 % of the\nrobots err less"] = Line2D([], [], color="0.3", **TAILED)
     add_key(axes, heading, entries)
     say_left_out(axes, captions, kept, f"{NUMBERLESS} {y}")
     say_lacking(axes, [results])
+    if statistic == "median" and not tailed:
+        say_tail(axes, results, [y], "y")
     say_pooled(axes, [part.results for part in parts], [x, *([color] if color else [])])
+    say_far_off(axes, [results] if y == "convergence_round" else [])
     return figure_of(axes)
 
 
@@ -203,11 +227,10 @@ def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequenc
 def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
     """The points of each line by its value of `color`; by "" if there is no `color`."""
     if color is None:
-        return {"": points_of(part, y, x, statistic, share=is_share(y))}
+        return {"": points_of(part, y, x, statistic)}
     texts = texts_of(part, color)
     return {
-        text: points_of(part.isel(setting=texts == text), y, x, statistic, share=is_share(y))
-        for text in dict.fromkeys(texts.tolist())
+        text: points_of(part.isel(setting=texts == text), y, x, statistic) for text in dict.fromkeys(texts.tolist())
     }
 
 
@@ -274,6 +297,16 @@ def _draw(
         )  # fmt: skip
 
 
+def _draw_tail(axes: Axes, numbers: NDArray[np.float64], joined: bool, look: Look, aside: float) -> None:
+    """Draw the errors that 90 % of the robots do not exceed, joined by a dotted line if x has numbers."""
+    shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
+    style = TAILED if joined else TAILED | {"linestyle": ""}
+    axes.plot(
+        numbers[0], numbers[1], color=look.colour, transform=axes.transData + shift, label=f"tail {look.name}",
+        zorder=1.8, **style,
+    )  # fmt: skip
+
+
 def _dot(look: Look) -> Line2D:
     return solid_dot(look, SIZE, 0.4)
 
@@ -325,58 +358,44 @@ def _style(place: int, count: int) -> Any:
     return SOLID if place == 0 else (place * DASH, (DASH, (count - 1) * DASH))
 
 
-def variables_of(results: xr.Dataset) -> list[str]:
-    """The names of all numeric variables that are measured in every trial."""
-    return [
+def known_in(results: xr.Dataset) -> list[str]:
+    """The names of all numeric variables that are measured in every trial, and of what is derived from them."""
+    stored = [
         str(name)
         for name, variable in results.data_vars.items()
         if {"setting", "trial"} <= {*variable.dims} <= SIDES and variable.dtype.kind in "biuf"
     ]
+    return [*stored, *derivable(results)]
 
 
-def measured(results: xr.Dataset, name: str, at_checkpoints: bool) -> xr.Dataset:
-    """One variable with the coordinates of the settings, as float64 (setting, trial, robot), NaN where nothing was run.
+def measured(results: xr.Dataset, name: str, split: bool) -> xr.Dataset:
+    """One quantity with the coordinates of the settings, as float64 (setting, trial, robot), NaN where nothing was run.
 
-    A variable recorded at checkpoints is taken at the last one that its setting reaches. With `at_checkpoints`, it is
-    taken at each: settings are then repeated, with the additional coordinate `checkpoint`. Raises InputError for an
-    unknown name.
+    What is recorded at checkpoints is taken at the last one that its setting reaches. With `split`, it is taken at
+    each: settings are then repeated, with the additional coordinate `checkpoint`. Raises InputError for an unknown
+    name.
     """
     require(results)
-    variables = variables_of(results)
-    if name not in variables:
-        known = [*variables, *derivable(results)]
+    if name not in (known := known_in(results)):
         here = f"{did_you_mean(name, known)}what is measured here is {', '.join(known)}"
         raise InputError.named("y", name, here)
-    whole = results[name].dtype.kind == "i"
-    variable = results[name].astype(float)
-    variable = variable.where(variable >= 0) if whole else variable
-    if name == "correct":  # a share of robots: larger swarms weigh more
-        exists = xr.DataArray(np.arange(results.sizes["robot"]), dims="robot") < robots_in(results)
-        variable = variable.where(exists)
-    elif "robot" not in variable.dims:
-        variable = variable.expand_dims("robot")
     settings = results[coordinates_of(results)].drop_vars("checkpoint", errors="ignore")
-    if "checkpoint" in variable.dims:
-        rounds, recorded = results["rounds"].values, results["checkpoint"].values
-        setting, place = np.nonzero(recorded <= rounds[:, np.newaxis])
-        if not at_checkpoints:
-            last = np.append(setting[1:] != setting[:-1], True)[: setting.size]
-            setting, place = setting[last], place[last]
-        at = {"setting": xr.DataArray(setting, dims="setting"), "checkpoint": xr.DataArray(place, dims="setting")}
-        variable = variable.isel(at)
-        settings = settings.isel(setting=setting)
-        if at_checkpoints:
-            settings = settings.assign_coords(checkpoint=("setting", recorded[place]))
-    values = variable.transpose("setting", "trial", "robot").values
-    return xr.Dataset({name: (("setting", "trial", "robot"), values)}, settings.coords, results.attrs)
+    rows = np.arange(results.sizes["setting"])
+    values = sample(results, name, rows)
+    if split and at_checkpoints(results, name):
+        recorded = results["checkpoint"].values
+        rows, place = np.nonzero(recorded <= results["rounds"].values[:, np.newaxis])
+        values = np.empty((rows.size, *values.shape[1:]))
+        for k in np.unique(place):
+            values[place == k] = sample(results, name, rows[place == k], int(recorded[k]))
+        settings = settings.isel(setting=rows).assign_coords(checkpoint=("setting", recorded[place]))
+    found: dict[str, Any] = {name: (PER_ROBOT, values) if values.shape[2] > 1 else (PER_TRIAL, values[:, :, 0])}
+    found |= {"honest": ("setting", results["honest"].values[rows])} if "honest" in results else {}
+    return xr.Dataset(found, settings.coords, results.attrs)
 
 
-def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic, share: bool) -> list[Point]:
+def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic) -> list[Point]:
     """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
-    texts, points = texts_of(part, x), []
-    for text in dict.fromkeys(texts.tolist()):
-        settings = part.isel(setting=texts == text)
-        value, low, high = estimate_pooled(settings[name].values, statistic, share)
-        least, most = bounds_in(settings, name)
-        points.append(Point(text, value, max(low, least), min(high, float(np.max(most)))))
-    return points
+    groups = groups_of(part, x)
+    found = cells(part, name, [*groups.values()], statistic=statistic)
+    return [Point(text, *numbers) for text, numbers in zip(groups, np.transpose(found).tolist(), strict=True)]

@@ -96,6 +96,7 @@ def draw_pareto(
     for more than 24 worlds.
     """
     known = standings.costs | standings.sizes
+    cost = next((name for name in known if cost in (name, QUANTITIES[name].title)), cost)
     if cost not in known:
         there = f"{did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
         raise InputError.named("cost", cost, f"these results have no such cost; {there}")

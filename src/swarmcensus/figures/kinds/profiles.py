@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 BAND = 0.15  # opacity of intervals
-FIRST = ("agreement_round", "consensus_round")
+FIRST = ("agreement_round", "right_consensus_round")
 STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
 
 
@@ -48,7 +48,7 @@ def profiles(
     A trial in which it never comes stays in the share, so its line ends below 100 %. Bands are 95 % intervals over
     trials, round by round.
 
-    - `metric`: a time that may never come, such as "agreement_round", "consensus_round" or "decision_round"; by
+    - `metric`: a time that may never come, such as "agreement_round", "right_consensus_round" or "decision_round"; by
       default the first of these that the results have.
     - `factor`: coordinates that are compared, as in `sc.compare`; by default brains.
     - `title`: the title of the figure.
@@ -94,7 +94,7 @@ def draw_profiles(
                 lines[looks[contender].name] = Line2D([], [], color=colour, linestyle=style, linewidth=1.6)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)
-        name_axes(place, f"{label} ({unit})", "trials by then (%)")
+        name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "trials by then (%)")
     add_key(axes, ", ".join(standings.grid.factor) or "brain", lines)
     say_lacking(axes, results)
     return figure_of(axes)

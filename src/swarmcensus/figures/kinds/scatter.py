@@ -16,11 +16,11 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from swarmcensus.analysis import ALONE, SWARM
-from swarmcensus.figures.clouds import Cloud, Cross, cloud_of, crosses_of, unit_of
+from swarmcensus.figures.clouds import Cloud, Cross, Dot, cloud_of, crosses_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
-from swarmcensus.figures.notes import say_lacking, say_left_out, say_pooled, with_numbers
+from swarmcensus.figures.notes import say_far_off, say_lacking, say_left_out, say_pooled, with_numbers
 from swarmcensus.figures.page import PageOptions, drawing, letters, on_page
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
@@ -156,7 +156,7 @@ def scatter_grid(
         symbol = r"\hat{x}" if panel.local else "x"
         name_axes(place, name, rf"error $|{symbol}^K - f\,|$")
         crosses = crosses_of(panel.results, panel.local, color)
-        crossed = crossed or bool(crosses)
+        crossed = crossed or any(cross is not None for _, cross in crosses.values())
         all_named &= _draw_cloud(place, cloud, crosses, looks)
         _draw_theory(place, curves, looks)
     heading, named = keyed(looks, color)
@@ -175,6 +175,7 @@ def scatter_grid(
     say_left_out(axes, every_caption, kept, UNRUN)
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
+    say_far_off(axes, [panel.results for panel in drawn if not panel.local])
     return figure_of(axes)
 
 
@@ -202,7 +203,7 @@ def _draw_theory(axes: Axes, curves: Curves, looks: dict[str, Look]) -> None:
             )  # fmt: skip
 
 
-def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, Cross], looks: dict[str, Look]) -> bool:
+def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, tuple[Dot, Cross | None]], looks: dict[str, Look]) -> bool:
     """Draw the dots and medians of a panel. Returns whether all of its medians are named."""
     drawn = [text for text in looks if text in cloud]
     total = sum(when.size for when, _ in cloud.values())
@@ -221,17 +222,17 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, Cross], looks: dict
                     zorder=1.9 if looks[text].spread else 2,
                     label=f"dots {text}",
                 )  # fmt: skip
-    medians = [(float(np.median(cloud[text][0])), float(np.median(cloud[text][1]))) for text in drawn]
-    for text, (x, y) in zip(drawn, medians, strict=True):
+    for text in drawn:
+        (x, y), cross = crosses[text]
         dot = median_dot(looks[text], 6, 0.8)
         dot.set(xdata=[x], ydata=[y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
         axes.add_line(dot)
-        if text in crosses:
-            left, right, low, high = crosses[text]
+        if cross is not None:
+            left, right, low, high = cross
             thin: dict[str, Any] = {"color": looks[text].colour, "linewidth": 0.8, "path_effects": halo(1.6)}
             axes.plot([left, right], [y, y], label=f"cross {text}", **thin, zorder=3.5)
             axes.plot([x, x], [low, high], label=f"cross {text}", **thin, zorder=3.5)
-    all_named = label_dots(axes, medians, [looks[text].short for text in drawn])
+    all_named = label_dots(axes, [crosses[text][0] for text in drawn], [looks[text].short for text in drawn])
     beyond = sum(int((error > axes.get_ylim()[1]).sum()) for _, error in cloud.values())
     if beyond:
         axes.text(

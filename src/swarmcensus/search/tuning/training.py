@@ -20,9 +20,10 @@ ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer t
 )  # fmt: skip
 FAILED_LOSS = 1.0  # of a trial that failed
 COMPANIONS = {  # for measures that are often equal for different values: the measure that breaks their ties
-    "consensus_right": "decided_right", "consensus_round": "decided_right", "decided_right": "final_error",
+    "consensus_right": "decided_right", "right_consensus_round": "decided_right", "decided_right": "final_error",
     "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
     "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
+    "agreement_round": "final_disagreement",
 }  # fmt: skip
 MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or 1
 Keep = Callable[[int, Floats], None]  # takes a candidate's place and numbers (measure, world, trial); NaN has failed

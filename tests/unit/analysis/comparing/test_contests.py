@@ -262,8 +262,8 @@ def test_a_share_of_all_has_a_lower_end_only():
 
 def test_average_ranks_are_those_of_each_trial_and_world():
     data = made_up(gap=0.1)
-    found = sc.compare(data, ["final_error", "consensus_round"])
-    for name in ("final_error", "consensus_round"):
+    found = sc.compare(data, ["final_error", "right_consensus_round"])
+    for name in ("final_error", "right_consensus_round"):
         numbers = measures.numbers(data, name).reshape(2, 4, 20)
         by_hand = stats.rankdata(numbers, axis=1).mean(axis=(0, 2))
         ranks = found.ranks[found.ranks["measure"] == name]
@@ -274,7 +274,7 @@ def test_average_ranks_are_those_of_each_trial_and_world():
 
 
 def test_friedmans_tests_are_corrected_for_one_another_alone():
-    found = sc.compare(made_up(trials=6, gap=0.6), ["final_error", "consensus_round", "correct"])
+    found = sc.compare(made_up(trials=6, gap=0.6), ["final_error", "right_consensus_round", "correct"])
     ranks = found.ranks.drop_duplicates("measure")
     once, corrected = ranks["friedman_p"].to_numpy(), ranks["friedman_p_corrected"].to_numpy()
     assert corrected == pytest.approx(holm(once))
@@ -320,11 +320,11 @@ def test_the_cost_is_shown_too():
 def test_events_that_never_happen_rank_last():
     data = made_up(brains=2, worlds=("ring",), trials=10)
     data["consensus_round"][:] = np.inf
-    even = sc.compare(data, "consensus_round").pairs.iloc[0]
+    even = sc.compare(data, "right_consensus_round").pairs.iloc[0]
     assert (even["difference"], even["p"], even["superiority"]) == (0, 1, 0.5)
     data["consensus_round"][0, :9] = 100.0
     data["consensus_right"][0, :9] = 1.0
-    [row] = sc.compare(data, "consensus_round").pairs.to_dict("records")
+    [row] = sc.compare(data, "right_consensus_round").pairs.to_dict("records")
     assert row["p"] == 2 / 2**9
     assert (row["difference"], row["effect"], row["superiority"]) == (-math.inf, 1, 0.95)
 
@@ -333,7 +333,7 @@ def test_who_agrees_on_a_lie_is_not_the_faster_one():
     data = made_up(brains=2, worlds=("ring",), trials=10)
     data["consensus_round"][:] = [[10.0] * 10, [100.0] * 10]
     data["consensus_right"][:] = [[0.0] * 10, [1.0] * 10]
-    [row] = sc.compare(data, "consensus_round").pairs.to_dict("records")
+    [row] = sc.compare(data, "right_consensus_round").pairs.to_dict("records")
     assert (row["one_value"], row["other_value"], row["effect"]) == (math.inf, 100.0, -1)
 
 
@@ -388,8 +388,8 @@ def test_over_all_worlds_nobody_is_better_against_the_mean():
 def test_who_alone_has_numbers_is_neither_first_nor_behind():
     data = made_up(brains=2, worlds=("ring",), trials=10)
     data["consensus_round"][1], data["consensus_right"][1] = np.nan, np.nan
-    found = sc.compare(data, ["final_error", "consensus_round"])
-    assert found.table["consensus_round_standing"].tolist() == ["", ""]
+    found = sc.compare(data, ["final_error", "right_consensus_round"])
+    assert found.table["right_consensus_round_standing"].tolist() == ["", ""]
     assert "right consensus: no two contenders have numbers of it in the same world" in found.verdict
 
 

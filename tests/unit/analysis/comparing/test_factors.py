@@ -175,8 +175,8 @@ def test_a_sentence_has_the_numbers_of_the_table(ran):
 
 def test_profiles_keep_trials_in_which_nothing_happened():
     data = made_up()
-    table = sc.compare(data, "consensus_round").profiles
-    when = measures.numbers(data, "consensus_round")
+    table = sc.compare(data, "right_consensus_round").profiles
+    when = measures.numbers(data, "right_consensus_round")
     one = table[(table["world"] == 0) & (table["contender"] == "minimalistic")]
     assert one["share"].tolist() == [float((when[0] <= at).mean()) for at in one["round"]]
     assert one["round"].iloc[-1] == 500
@@ -184,7 +184,7 @@ def test_profiles_keep_trials_in_which_nothing_happened():
 
 
 def test_profiles_are_drawn_and_other_measures_are_refused(ran):
-    figure = sc.plot.profiles(made_up(), metric="consensus_round")
+    figure = sc.plot.profiles(made_up(), metric="right_consensus_round")
     lines = figure.axes[0].get_lines()
     assert len(lines) == 4
     assert max(lines[0].get_ydata()) < 100.0

@@ -208,6 +208,13 @@ def test_search_finds_a_distant_optimum(companion, tmp_path, monkeypatch):
     assert len(found.evaluations[0].losses) == 1 + companion
 
 
+def test_swarm_is_tuned_to_agree(tmp_path):
+    """Robots differ by `noise`. With much of it they never agree, and how far apart they are leads the search."""
+    found = sc.tune(study_of(tmp_path, "noise = 0.9"), ["noise=0:1"], metric="agreement_round", budget=49, trials=2)
+    assert found.values["noise"] < 0.03
+    assert "where that is the same, by final_disagreement" in found.text.replace("\n#  ", "")
+
+
 def test_failed_trials_are_borne_and_avoided(tmp_path):
     """Above 90 `many` divides by zero: such candidates lose, and the search goes on."""
     study = study_of(tmp_path, "many = 60.0")
