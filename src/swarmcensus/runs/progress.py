@@ -125,7 +125,7 @@ def _notebook_bar(label: str) -> Iterator[Report]:
 
 def _plain_lines(label: str) -> Report:
     last, pace = time.monotonic(), _Pace()
-    before: tuple[str, str] | None = None
+    before = "", ""
 
     def show(progress: Progress) -> None:
         nonlocal last, before
