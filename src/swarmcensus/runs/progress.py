@@ -125,18 +125,19 @@ def _notebook_bar(label: str) -> Iterator[Report]:
 
 def _plain_lines(label: str) -> Report:
     last, pace = time.monotonic(), _Pace()
-    before = "", ""
+    before: tuple[str, str] | None = ("", "")
 
     def show(progress: Progress) -> None:
         nonlocal last, before
         now, steps, speed = time.monotonic(), progress.steps[1] > 0, pace.of(progress)  # steps begin with a logged line
         this = "" if steps else progress.note, progress.stage
         if (this != before and not steps) or ((steps or not progress.note) and now - last >= LINE_SECONDS):
-            last, before = now, before if steps else this
+            last = now
             how = progress.note or ", ".join(filter(None, speed)) or "starting"
             trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
             stage = f"{progress.stage}: " if progress.stage else ""
             print(f"{label}: {stage}{trials}{how}", file=sys.stderr, flush=True)
+        before = None if steps else this  # a line follows what was compiled
 
     return show
 
