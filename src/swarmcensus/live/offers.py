@@ -109,6 +109,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     more = {brain.label: brain for brain in map(brains.load, given)}
     study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = study.settings()
+    warn_of_needs(settings, study.measure.bins)
     offer = _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
     return replace(offer, files=BrainFiles(offer.brains.values()))
 
@@ -143,8 +144,6 @@ def _offer(
         raise InputError(f"{name}: there is no setting to watch", key=name)
     grids = [grid for study in studies for grid in study.grids]
     caution((*(brain for study in studies for brain in study.brains), *more.values()))
-    for study in studies:
-        warn_of_needs(study.settings(), study.measure.bins)
     floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
     plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
     named = [topology for study in studies for topology in study.topologies]

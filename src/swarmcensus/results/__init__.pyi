@@ -10,6 +10,7 @@ from . import (
     summaries as summaries,
 )
 from .cautions import (
+    cautions_of_edges as cautions_of_edges,
     cautions_of_settling as cautions_of_settling,
     settled_at_start as settled_at_start,
     settled_far_off as settled_far_off,

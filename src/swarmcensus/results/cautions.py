@@ -97,20 +97,25 @@ def warn_of_start(data: xr.Dataset, stacklevel: int = 2) -> None:
     )
 
 
-def warn_of_edges(data: xr.Dataset, stacklevel: int = 2) -> None:
-    """Warn about fill ratios on the edge between two bins: estimates just below it count as wrong."""
-    if data.attrs["truth"] != "nominal":  # each trial has its own true fill ratio
-        return
+def cautions_of_edges(data: xr.Dataset) -> list[str]:
+    """A sentence on fill ratios on the edge between two bins, if there are any: estimates just below count as wrong."""
+    if data.attrs.get("truth") != "nominal":  # each trial has its own true fill ratio
+        return []
     bins = int(data.attrs["bins"])
     changes = map(read_change, np.unique(data["fill_ratio_change"].values)) if "fill_ratio_change" in data else ()
     values = np.unique([*data["fill_ratio"].values, *(one.first for one in changes if one)])
     found = [f"{value:g}" for value in values[np.isin(values, np.arange(1, bins) / bins)]]
     if not found:
-        return
+        return []
     named = ", ".join(found[:MOST_NAMED]) + (", ..." if len(found) > MOST_NAMED else "")
-    warnings.warn(
+    return [
         f"fill ratio {named} {'lies' if len(found) == 1 else 'lie'} on the edge between two of the {bins} bins: about "
         "half of good estimates are in the wrong one. Choose another number of bins under [measure], or another fill "
-        "ratio",
-        stacklevel=stacklevel,
-    )
+        "ratio"
+    ]
+
+
+def warn_of_edges(data: xr.Dataset, stacklevel: int = 2) -> None:
+    """Warn about fill ratios on the edge between two bins."""
+    for caution in cautions_of_edges(data):
+        warnings.warn(caution, stacklevel=stacklevel)

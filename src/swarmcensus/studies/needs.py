@@ -21,24 +21,34 @@ def warn_of_needs(settings: Iterable[Setting], bins: int) -> None:
 
 def unmet_needs(settings: Iterable[Setting], bins: int) -> list[str]:
     """A line for each honest brain that is used outside its range; `bins` are those of the study's question."""
-    found: dict[str, dict[str, str]] = {}
+    found: dict[str, dict[str, list[str]]] = {}
     worlds = dict.fromkeys(
-        (brain, s.rounds, s.topology, s.robots, s.accuracy, "round" if s.body is None else "tick")
+        (brain, s.rounds, s.topology, s.robots, s.accuracy, s.fill_ratio, "round" if s.body is None else "tick")
         for s in settings
         for brain in _honest(s)
         if brain.needs
     )
-    for brain, rounds, topology, robots, accuracy, unit in sorted(worlds, key=lambda world: world[1]):
+    for brain, rounds, topology, robots, accuracy, fill_ratio, unit in sorted(worlds, key=lambda world: world[1]):
         there = found.setdefault(brain.name, {})
         lacks = {
             **_lacks_rounds(brain, rounds, unit),
             **_lacks_robots(brain, topology, robots),
             **_lacks_sensors(brain, accuracy),
             **_lacks_question(brain, bins),
+            **_lacks_doubt(brain, fill_ratio),
         }
         for key, sentence in lacks.items():
-            there.setdefault(key, sentence + _parameters(brain, key))
-    return [f"{name} {'. It '.join(sentences.values())}" for name, sentences in found.items() if sentences]
+            said, parameters = there.setdefault(key, [sentence]), _parameters(brain, key)
+            if parameters and parameters not in said:
+                said.append(parameters)
+    return [f"{name} {'. It '.join(map(_phrase, needs.values()))}" for name, needs in found.items() if needs]
+
+
+def _phrase(said: list[str]) -> str:
+    """What a brain lacks, and the values of parameters with which it does."""
+    sentence, *parameters = said
+    more = f", and with {'; '.join(parameters[1:])}" if parameters[1:] else ""
+    return sentence + (f" ({parameters[0]}{more})" if parameters else "")
 
 
 def _honest(setting: Setting) -> Iterator[Brain]:
@@ -88,8 +98,17 @@ def _lacks_question(brain: Brain, bins: int) -> dict[str, str]:
     return {"binary": f"answers whether f is above one half; this study asks for one of {bins:,} bins"}
 
 
+def _lacks_doubt(brain: Brain, fill_ratio: float) -> dict[str, str]:
+    place = fill_ratio * brain.needs.get("steps", 0.0) - 0.5
+    if abs(place - round(place)) > 1e-9:
+        return {}
+    steps = round(brain.needs["steps"])
+    better = f"chooses among the middles of {steps} steps, and f = {fill_ratio:g} is one: it errs less than at other f"
+    return {"steps": better}
+
+
 def _parameters(brain: Brain, key: str) -> str:
     """The parameters that a need depends on, and their values."""
     expression = brain.contents.needs.get(key)
     shown = [f"{name} = {brain.parameters[name]:g}" for name in names_in(expression)] if expression else []
-    return f" ({', '.join(shown)})" if shown else ""
+    return ", ".join(shown)

@@ -111,7 +111,7 @@ ALL = (
     Quantity(
         "convergence_round", "K, the convergence of the informed estimate", "always", unit="rounds", kind=np.int32,
         label="K", shown=True, axis="convergence $K$", low=True, within_rounds=True, summary=True, decimals=0,
-        compared="round of convergence",
+        compared="round of convergence, in which a robot settles (agreement_round: in which robots agree)",
         page="*K*: the earliest index whose estimate is less than `delta` from all later ones",
     ),
     Quantity(

@@ -44,6 +44,16 @@ def unmet(brain, bins=2, **given):
         ({"file": "recurrent", "run": 300}, {}, []),
         ("voter", {"bins": 10}, ["voter answers whether f is above one half; this study asks for one of 10 bins"]),
         ("voter", {}, []),
+        (
+            {"file": "w-msr", "run": 300, "drop": [1, 2]},
+            {},
+            ["w-msr needs 5 neighbours; most robots of ring have 2 or fewer (drop = 2)"],
+        ),
+        (
+            "belief-sharing",
+            {"fill_ratio": [0.35, 0.3]},
+            ["belief-sharing chooses among the middles of 10 steps, and f = 0.35 is one: it errs less than at other f"],
+        ),
         ("commons", {"accuracy": 0.6, "bins": 10}, []),
     ],
 )

@@ -26,11 +26,13 @@ from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.analysis.comparing.verdicts import verdict
 from swarmcensus.results import (
     COSTS,
+    OURS,
     SIZES,
     TAIL,
     TIMES,
     Measure,
     asked_anew,
+    cautions_of_edges,
     cautions_of_needs,
     cautions_of_settling,
     cells,
@@ -57,6 +59,8 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 STILL = 0.5  # share of a contender's robots with K = 0 from which a caution is given
+SETTLING = ("convergence_round", "agreement_round")  # times that say nothing of robots that never moved
+LATE = 0.9  # share of the rounds from which on agreement is late
 
 
 class Comparison(Standings):
@@ -111,14 +115,14 @@ class Comparison(Standings):
         """
         return profiles(self)
 
-    def by(self, *axes: str) -> "pd.DataFrame":
+    def by(self, *axes: str | Sequence[str]) -> "pd.DataFrame":
         """A pandas table: for each combination of these axes' values and contender, the number of each standing.
 
         With `against`, each measure also has the contender's value divided by the reference's (`_ratio`), or for shares
         their difference (`_difference`): the median over these worlds, and the worst. Raises InputError if worlds do
         not differ in such an axis.
         """
-        return groups.groups(self, axes)
+        return groups.groups(self, [name for axis in axes for name in ([axis] if isinstance(axis, str) else axis)])
 
     def __str__(self) -> str:
         """The verdict and the cautions, one sentence a line."""
@@ -172,8 +176,11 @@ def compare_dataset(
         raise wrong_option("against", against, "should be the name of a contender")
     reference = None if against is None else _contender_index(against, grid.contenders, labels_in(whole))
     measured, notes_on_measures = measures.chosen(data, metric)
+    if "delta" in data.attrs:
+        delta = f"delta = {data.attrs['delta']:g}"
+        measured = [replace(measure, meaning=measure.meaning.replace("delta", delta)) for measure in measured]
     margins = _margins(margin, measured, data)
-    numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
+    numbers = [grid.spread(_numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
         labels = ", ".join(measure.label for measure in measured)
         lacking = f"has numbers of {labels}" if done(data).any() else "has been run"
@@ -230,10 +237,17 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
     margin = {measures.named(data, name, names): value for name, value in margin.items()}
     for name, value in margin.items():
         if name not in names:
-            raise wrong_option("margin", name, f"{did_you_mean(name, names)}the measures are {', '.join(names)}")
+            there = f"{did_you_mean(name, [*names, *OURS])}it is not compared: the measures are {', '.join(names)}"
+            raise wrong_option("margin", name, there)
         if not (isinstance(value, int | float) and 0.0 < value < np.inf):
             raise wrong_option("margin", value, "should be a number above 0")
     return {name: float(value) for name, value in margin.items()}
+
+
+def _numbers(data: xr.Dataset, name: str) -> Floats:
+    """The number of each trial, (setting, trial). Robots that never moved have neither settled nor agreed: infinite."""
+    found = measures.numbers(data, name)
+    return np.where(measures.numbers(data, "convergence_round") == 0, np.inf, found) if name in SETTLING else found
 
 
 def _as_shown(contest: Contest, name: str, data: xr.Dataset, grid: Grid) -> Contest:
@@ -242,6 +256,9 @@ def _as_shown(contest: Contest, name: str, data: xr.Dataset, grid: Grid) -> Cont
     Their medians are over all robots of all trials; tests pair trials, by the median robot of each.
     """
     value, low, high = map(grid.spread, cells(data, name))
+    if name in SETTLING:
+        unmoved = grid.spread(cells(data, "convergence_round", intervals=False).value) == 0
+        value, low, high = (np.where(unmoved, np.inf, part) for part in (value, low, high))
     return replace(contest, values=value, value_ends=(low, high))
 
 
@@ -312,15 +329,21 @@ def _cautions(
             cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
         elif named:
             cautions.append(f"{', '.join(named)} are not anonymous: they use their robots' names")
-    if any(measure.name == "convergence_round" for measure in measured):
+    names = [measure.name for measure in measured]
+    if "correct" in names:
+        cautions += cautions_of_edges(data)
+    if "agreement_round" in names:
+        cautions += _of_late_agreement(grid, all_contests[names.index("agreement_round")], data)
+    if {*SETTLING} & {*names}:
         unmoved = np.asarray(grid.spread(settled_at_start(data)) >= STILL)
         named = [name for k, name in enumerate(grid.contenders) if unmoved[:, k].any()]
         if named:
             where = _worlds(np.asarray(unmoved.any(axis=1)))
             cautions.append(
                 f"{', '.join(named)}: in {where} at least half of the robots have K = 0: their estimates never moved "
-                "by delta, so K does not tell how soon they learn"
+                "by delta, so trials in which the median robot did not move count as never settled and never agreed"
             )
+    if "convergence_round" in names:
         cautions += cautions_of_settling(data)
         if "delta" in asked_anew(data):
             cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
@@ -328,6 +351,17 @@ def _cautions(
         changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in asked_anew(data))
         cautions.append(f"computed with {changed}, which is not the study's own")
     return cautions
+
+
+def _of_late_agreement(grid: Grid, contest: Contest, data: xr.Dataset) -> list[str]:
+    """A sentence on worlds in which more rounds would tell more, if there are any."""
+    rounds = grid.spread(data["rounds"].values)
+    late = (contest.values > LATE * rounds) & np.isfinite(contest.values)
+    never = (contest.values == np.inf) | np.isnan(contest.values)
+    found = np.asarray(late.any(axis=1) | never.all(axis=1))
+    if not found.any():
+        return []
+    return [f"agreement round: in {_worlds(found)} robots agree in the last tenth of the run, or never: run longer"]
 
 
 def _of_tails(data: xr.Dataset, grid: Grid) -> list[str]:

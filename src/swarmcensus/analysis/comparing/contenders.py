@@ -78,6 +78,9 @@ def grid_of(
         columns["assumed_accuracy"] = [  # empty for robots that know their sensors
             "" if text == own else text for text, own in zip(columns["assumed_accuracy"], true, strict=True)
         ]
+    kinds = {*columns.get("adversary", [])} - {""}
+    if "liars" in factor and len(kinds) == 1:  # without liars all else is equal
+        columns["adversary"] = [*kinds] * len(names)
     keys = list(zip(*(map(repr, values) for values in columns.values()), strict=True)) or [()] * len(names)
     worlds = {key: k for k, key in enumerate(dict.fromkeys(keys))}
     places = {name: k for k, name in enumerate(contenders)}

@@ -57,6 +57,8 @@ def worlds_by(standings: Standings, axes: Sequence[str]) -> dict[tuple[Any, ...]
     for name in axes:
         if name in standings.grid.common:
             raise wrong_option("by", name, f"all worlds have the same, {standings.grid.common[name]}")
+        if name in standings.grid.factor:
+            raise wrong_option("by", name, "it is the factor that is compared, so worlds do not differ in it")
         if name not in names:
             hint = did_you_mean(name, names)
             raise wrong_option("by", name, f"{hint}worlds differ in {', '.join(names) or 'nothing'}")

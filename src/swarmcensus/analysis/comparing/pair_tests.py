@@ -92,9 +92,17 @@ class Contest:
             return np.asarray((ahead + equal / 2) / (self.tests.below + equal + self.tests.above))
 
     def within(self, margin: float | None) -> NDArray[np.bool_]:
-        """Which pairs in which worlds have an interval of the difference that lies within -margin to margin."""
+        """Which tested pairs have an interval of the difference within -margin to margin, (world, pair).
+
+        None that has an infinite number: a time that never comes is equal to no other.
+        """
         low, high = self.difference_ends
-        return np.asarray((low >= -margin) & (high <= margin) if margin else np.zeros(low.shape, np.bool_))
+        if not margin:
+            return np.zeros(low.shape, np.bool_)
+        first, second = np.array(pairs_of(self.numbers.shape[1]), np.intp).reshape(-1, 2).T
+        endless = np.asarray(np.isinf(self.numbers).any(axis=2))
+        finite = ~(endless[:, first] | endless[:, second])
+        return np.asarray((low >= -margin) & (high <= margin) & finite & ~np.isnan(self.corrected))
 
     @property
     def apart(self) -> NDArray[np.bool_]:

@@ -60,7 +60,8 @@ def _by_world(standings: Standings, contest: Contest) -> str:
     if not (standing == "behind").any():
         return "no contender is told apart from the first" + " in any world" * (worlds > 1)
     there = (standing != "").any(axis=0)
-    order = [k for k in np.lexsort((-np.array(counts["level"]), -np.array(counts["best"]))).tolist() if there[k]]
+    by = contest.average_ranks, -np.array(counts["level"]), -np.array(counts["best"])  # the last first
+    order = [k for k in np.lexsort(by).tolist() if there[k]]
     parts = []
     for k in order[:MOST_NAMED]:
         best, level = counts["best"][k], counts["level"][k]
@@ -83,7 +84,7 @@ def _in_practice(standings: Standings, contest: Contest, margin: float) -> str:
     for k, (first, second) in enumerate(pairs_of(len(standings.contenders))):
         worlds, count = int(tested[:, k].sum()), int(equal[:, k].sum())
         if count:
-            where = f" in {count} of {worlds} worlds" if worlds > 1 else ""
+            where = f" in {count} of {counted(worlds, 'world')}" if len(contest.values) > 1 else ""
             parts.append(f"{standings.contenders[first]} and {standings.contenders[second]}{where}")
     if not parts:
         return f"no two are shown to be equal for practical purposes, within {margin:g}"

@@ -32,7 +32,7 @@ PARAMETERS = {
     "least": 0.001,  # the lower bound of s, times the number of hypotheses
     "debiased": 0.0,  # 1: readings are corrected for the sensor
 }
-NEEDS = {"silent": "every", "perfect_sensors": "not debiased"}
+NEEDS = {"silent": "every", "steps": 10, "perfect_sensors": "not debiased"}
 MEMORY = {
     "readings": 0.0,  # readings since the last step
     "black": 0.0,  # black ones among them

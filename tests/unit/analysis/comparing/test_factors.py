@@ -113,6 +113,16 @@ def test_liars_and_adversaries_are_factors():
     assert found.tails["error_90"][0].shape == (2, 2)  # among liars a tail is always shown
 
 
+def test_liars_are_compared_with_none():
+    members = [{"robots": [0, 2], "brain": "always-black", "honest": False}]
+    study = sc.Study(trials=6, seed=1, swarm={"robots": 6, "accuracy": 0.8}, schedule={"rounds": 5},
+                     world={"topology": ["ring", "full"], "fill_ratio": 0.3}, members=members)  # fmt: skip
+    found = sc.compare(sc.run(study), "final_error", factor="liars")
+    assert found.contenders == ["liars=0", "liars=2"]
+    assert [world["topology"] for world in found.grid.worlds] == ["ring", "full"]
+    assert found.contests[0].paired.all()
+
+
 def test_a_parameter_of_a_brain_is_a_factor():
     data = made_up()
     found = sc.compare(data, "final_error", where='brain == "bayes-bots"', factor="prior")
@@ -149,6 +159,45 @@ def test_pairs_within_the_margin_are_equal_in_practice(ran):
     inside = (pairs["difference_low"] >= -0.02) & (pairs["difference_high"] <= 0.02)
     assert pairs["equal_in_practice"].tolist() == inside.tolist()
     assert not sc.compare(ran, "final_error", factor="topology").pairs["equal_in_practice"].any()
+
+
+def test_only_compared_pairs_with_finite_numbers_are_equal_in_practice():
+    data = made_up()
+    data["consensus_right"][:] = 1.0
+    found = sc.compare(data, "right_consensus_round", margin=1e6)
+    assert not found.pairs["equal_in_practice"].any()  # of each contender, some trials never agree
+    data["consensus_round"][:] = 100.0
+    found = sc.compare(data, "right_consensus_round", margin=1.0, against="voter")
+    assert "voter and" not in str(found)
+    assert len(found.pairs) == 6
+
+
+def test_robots_that_never_moved_neither_settle_nor_agree():
+    data = made_up()
+    data["convergence_round"][0] = 0
+    data["agreement_round"] = (("setting", "trial"), np.where(np.arange(8)[:, None] == 0, 0.0, 50.0) + np.zeros(20))
+    found = sc.compare(data, ["convergence_round", "agreement_round"])
+    for contest in found.contests:
+        assert np.isinf(contest.values[0, 0])
+        assert found.standing(contest)[0, 0] == "behind"
+    assert any("never settled and never agreed" in caution for caution in found.cautions)
+
+
+def test_agreement_in_the_last_rounds_is_a_caution():
+    data = made_up()
+    data["agreement_round"] = (("setting", "trial"), np.full((8, 20), 100.0))
+    assert "run longer" not in str(sc.compare(data, "agreement_round"))
+    data["agreement_round"][1] = 480.0
+    assert "in world 0 robots agree in the last tenth of the run, or never: run longer" in str(
+        sc.compare(data, "agreement_round")
+    )
+
+
+def test_a_fill_ratio_on_the_edge_of_a_bin_is_a_caution():
+    data = made_up()
+    assert "edge" not in str(sc.compare(data, "correct"))
+    data["fill_ratio"][:] = 0.4
+    assert "fill ratio 0.4 lies on the edge between two of the 10 bins" in str(sc.compare(data, "correct"))
 
 
 @pytest.mark.parametrize("margin", [-0.1, 0.0, {"K": 1.0}, {"final_error": "much"}], ids=str)
