@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
 from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
@@ -176,7 +177,9 @@ def _compile_note(setting: Setting, done: int, kinds: int) -> str:
 def _kind_of_swarm(setting: Setting) -> str:
     """A setting's brains and whether robots move: settings that share these share machine code."""
     brains = " and ".join(brain.name for brain in setting.brains)
-    return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}"
+    formats = f", {setting.precision} precision, messages as {setting.message}"
+    formats = "" if setting.brain.numbers == PLAIN else formats
+    return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}{formats}"
 
 
 def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
@@ -210,11 +213,14 @@ def _run_once(setting: Setting, study: Study) -> None:
 
 
 def tiny_settings(settings: list[Setting]) -> list[Setting]:
-    """One tiny setting for each combination of brains, use and kind of floor: running it compiles all they need."""
+    """One tiny setting for each combination of brains, number formats, use and kind of floor.
+
+    Running it compiles all that they need.
+    """
     tiny_by_kind = {}
     for setting in settings:
-        names = tuple(brain.name for brain in setting.brains)
-        key = names, setting.use, setting.floor and setting.floor.kind
+        code = tuple((brain.name, brain.numbers) for brain in setting.brains)
+        key = code, setting.use, setting.floor and setting.floor.kind
         if key not in tiny_by_kind:
             one_of_each = tuple(replace(m, robots=1, share=False, honest=True) for m in setting.members)
             tiny = replace(setting, robots=1 + len(one_of_each), rounds=1, faults=(), members=one_of_each)
