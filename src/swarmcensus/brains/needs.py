@@ -15,6 +15,7 @@ KEYS = {
     "length": "the rounds of a trial, neither fewer nor more",
     "neighbours": "the fewest robots that a robot hears",
     "steps": "the equal steps of [0, 1] of which the middles are the fill ratios that it chooses among",
+    "equal_sensors": "true if it takes black to be read right as often as white",
     "perfect_sensors": "true if it takes readings for the truth",
     "binary": "true if it answers on which side of one half the fill ratio is, and not how large it is",
 }

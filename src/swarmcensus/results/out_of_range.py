@@ -27,7 +27,7 @@ def cautions_of_needs(data: xr.Dataset, compared: Collection[str] = ()) -> list[
         silent = data["setting"].values[(measures.numbers(data, "messages_sent") == 0).any(axis=1)].tolist()
         mute = [settings[n].brain.label for n in silent if n in settings and not settings[n].brain.never_speaks]
         if mute:
-            cautions.append(f"{_named(mute)} sent nothing in some trials, so robots were alone")
+            cautions.append(f"{_named(mute)} sent nothing in all trials or some, so robots were alone there")
     asked = [name for name in compared if "error" in name or (name == "correct" and data.attrs["bins"] != BINARY)]
     binary = [setting.brain.label for setting in settings.values() if setting.brain.needs.get("binary")]
     if asked and binary:

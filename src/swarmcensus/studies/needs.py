@@ -86,6 +86,8 @@ def _lacks_robots(brain: Brain, topology: Topology, robots: int) -> dict[str, st
 
 
 def _lacks_sensors(brain: Brain, accuracy: Accuracy) -> dict[str, str]:
+    if brain.needs.get("equal_sensors") and accuracy.white is not None and accuracy.white != accuracy.black:
+        return {"equal_sensors": f"takes b and w to be equal, so an accuracy of {accuracy} biases its estimates"}
     exact = accuracy.drift is None and all(d.is_number and d.numbers[0] == 1.0 for d in accuracy.distributions)
     if exact or not brain.needs.get("perfect_sensors"):
         return {}

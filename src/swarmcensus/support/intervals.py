@@ -160,7 +160,7 @@ def _normal(level: float) -> float:
     return NormalDist().inv_cdf((1 + level) / 2)
 
 
-def student(trials: int, level: float) -> float:
+def student(trials: float, level: float) -> float:
     """Half the width of an interval of probability `level` of Student's t, in standard errors, for 3 or more trials.
 
     Correct to three digits. Gaver and Kafadar, 1984.

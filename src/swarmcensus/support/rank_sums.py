@@ -2,8 +2,8 @@
 
 The test is exact for up to 60 values, also with ties and infinite values. Test: Wilcoxon, "Individual comparisons by
 ranking methods", 1945; Mann and Whitney, 1947. Difference and its interval: Hodges and Lehmann, 1963; Moses, 1965.
-Interval of the probability: Newcombe, "Confidence intervals for an effect size measure based on the Mann-Whitney
-statistic", 2006, method 5.
+Unequal spreads: Brunner and Munzel, "The nonparametric Behrens-Fisher problem", 2000. Interval of the probability:
+Newcombe, "Confidence intervals for an effect size measure based on the Mann-Whitney statistic", 2006, method 5.
 """
 
 import functools
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import centres
-from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate
+from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, student
 from swarmcensus.support.significance import KEPT_BITS, RankTest, differences, midranks
 
 EXACT = 60  # p is exact up to this number of values in both samples
@@ -28,8 +28,10 @@ def rank_sums(first: Floats, second: Floats) -> RankTest:
 
     `below`, `equal` and `above` count the pairs of a value of `first` and a value of `second`, and `balance` is the
     difference of the shares of those above and below (Cliff's delta). The p-value is twice the share of ways to deal
-    the values out that have a sum of ranks as far on the same side. With more than 60 values it is that of the normal
-    approximation with corrections for ties and continuity.
+    the values out that have a sum of ranks as far on the same side, or that of Brunner and Munzel's test if that is
+    larger: the first is exact for equal distributions, the second nearly so where neither tends to be larger, such as
+    for two of unequal spread. With more than 60 values the first is that of the normal approximation with
+    corrections for ties and continuity.
     """
     mantissa, exponent = np.frexp(np.concatenate([first, second]))
     values = np.ldexp(np.rint(mantissa * KEPT_BITS), exponent)  # ties of decimal numbers stay ties
@@ -37,7 +39,34 @@ def rank_sums(first: Floats, second: Floats) -> RankTest:
     own, others = weights[: first.size, np.newaxis], weights[first.size :]
     below, equal, above = (np.array(part.sum()) for part in (own < others, own == others, own > others))
     balance = np.array((int(above) - int(below)) / max(first.size * second.size, 1))
-    return RankTest(below, equal, above, balance, np.array(_p(weights, first.size)))
+    p = max(_p(weights, first.size), _p_of_unequal(first, second))
+    return RankTest(below, equal, above, balance, np.array(p))
+
+
+def _placements(first: Floats, second: Floats) -> tuple[float, float, float]:
+    """The chance that a value of `first` exceeds one of `second`, its squared error and the degrees of freedom.
+
+    Equal values count one half.
+    """
+    off = np.sign(differences(first[:, np.newaxis], second))
+    over = (1 + off) / 2
+    rows, columns = over.mean(axis=1), over.mean(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        parts = rows.var(ddof=1) / first.size, columns.var(ddof=1) / second.size
+        freedom = sum(parts) ** 2 / (parts[0] ** 2 / (first.size - 1) + parts[1] ** 2 / (second.size - 1))
+    return float(over.mean()), float(sum(parts)), float(freedom)
+
+
+def _p_of_unequal(first: Floats, second: Floats) -> float:
+    """The two-sided p-value of Brunner and Munzel's test; 0 where there is none, as of samples that do not overlap."""
+    if min(first.size, second.size) < 2:
+        return 0.0
+    chance, squared, freedom = _placements(first, second)
+    if not squared > 0.0:
+        return 0.0
+    t2, freedom = (chance - 0.5) ** 2 / squared, max(freedom, 2.0)
+    z2 = math.log1p(t2 / freedom) * (freedom - 1) ** 2 / (freedom - 1.5)  # Gaver and Kafadar, 1984, as in `student`
+    return 2.0 * NormalDist().cdf(-math.sqrt(z2))
 
 
 def _p(weights: NDArray[np.int64], size: int) -> float:
@@ -95,13 +124,27 @@ def _beyond(first: int, second: int, level: float) -> int:
     return int(first * second / 2 + NormalDist().inv_cdf(tail) * spread - 0.5)
 
 
-def ends_of_probability(probability: float, first: int, second: int, level: float = LEVEL) -> tuple[float, float]:
-    """The interval of the probability that a value of one sample exceeds one of the other, for samples of these sizes.
+def ends_of_probability(first: Floats, second: Floats, level: float = LEVEL) -> tuple[float, float]:
+    """The interval of the probability that a value of `first` exceeds one of `second`; equal ones count one half.
 
-    NaN for samples of fewer than 6 values.
+    It holds Newcombe's interval, for distributions that differ by a shift, and that of the placements' variances on the
+    scale of the logit, for unequal spreads. NaN for samples of fewer than 6 values.
     """
-    if min(first, second) < FEWEST:
+    sizes = first.size, second.size
+    if min(sizes) < FEWEST:
         return math.nan, math.nan
+    probability, squared, freedom = _placements(first, second)
+    low, high = _newcombe(probability, *sizes, level)
+    if squared > 0.0 and 0.0 < probability < 1.0:
+        logit = math.log(probability / (1 - probability))
+        reach = student(max(freedom, 2.0) + 1, level) * math.sqrt(squared) / (probability * (1 - probability))
+        least, most = (1 / (1 + math.exp(min(-logit - sign * reach, 700.0))) for sign in (-1, 1))
+        low, high = min(low, least), max(high, most)
+    return low, high
+
+
+def _newcombe(probability: float, first: int, second: int, level: float) -> tuple[float, float]:
+    """Newcombe's interval for samples of these sizes."""
     z2, extra = NormalDist().inv_cdf((1 + level) / 2) ** 2, (first + second) / 2 - 1
 
     def too_far(at: float) -> bool:

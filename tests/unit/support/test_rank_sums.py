@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.support.rank_sums import EXACT, ends_of_probability, rank_sums, shift
+from swarmcensus.support.rank_sums import EXACT, _newcombe, _p_of_unequal, ends_of_probability, rank_sums, shift
 from swarmcensus.support.significance import fewest_trials
 from tests.support.contending import by_every_deal
 
@@ -21,7 +21,8 @@ CASES = {
 
 @pytest.mark.parametrize(("first", "second"), CASES.values(), ids=CASES)
 def test_p_counts_every_way_to_deal_values_out(first, second):
-    assert rank_sums(np.array(first), np.array(second)).p == pytest.approx(by_every_deal(first, second), abs=1e-14)
+    exact, unequal = by_every_deal(first, second), _p_of_unequal(np.array(first), np.array(second))
+    assert rank_sums(np.array(first), np.array(second)).p == pytest.approx(max(exact, unequal), abs=1e-14)
 
 
 def test_counts_and_balance_by_hand():
@@ -35,16 +36,26 @@ def test_p_is_scipys_exact_one_without_ties(size):
     random = np.random.default_rng(size)
     for _ in range(5):
         one, other = random.normal(0.5, 1, size), random.normal(size=size - 1)
-        assert rank_sums(one, other).p == pytest.approx(stats.mannwhitneyu(one, other, method="exact").pvalue)
+        exact = stats.mannwhitneyu(one, other, method="exact").pvalue
+        assert rank_sums(one, other).p == pytest.approx(max(exact, _p_of_unequal(one, other)))
+
+
+@pytest.mark.parametrize("size", [6, 20, 80])
+def test_p_of_unequal_spreads_is_scipys(size):
+    random = np.random.default_rng(size)
+    one, other = random.normal(0.5, 4, size), random.normal(size=2 * size)
+    assert _p_of_unequal(one, other) == pytest.approx(stats.brunnermunzel(one, other).pvalue, rel=0.01)
+    assert _p_of_unequal(one, one + 100) == 0.0
 
 
 def test_p_of_many_values_is_scipys_approximation():
     random = np.random.default_rng(1)
     one, other = (np.rint(3 * random.normal(off, 1, EXACT)) for off in (0.3, 0.0))
-    assert rank_sums(one, other).p == pytest.approx(stats.mannwhitneyu(one, other, method="asymptotic").pvalue)
+    about = stats.mannwhitneyu(one, other, method="asymptotic").pvalue
+    assert rank_sums(one, other).p == pytest.approx(max(about, _p_of_unequal(one, other)))
 
 
-@pytest.mark.parametrize("size", [6, 10, 31])
+@pytest.mark.parametrize("size", [6, 10, 29])
 def test_interval_of_the_shift_holds_what_the_test_does_not_reject(size):
     random = np.random.default_rng(size)
     one, other = random.normal(1, 1, size), random.normal(size=size)
@@ -52,24 +63,27 @@ def test_interval_of_the_shift_holds_what_the_test_does_not_reject(size):
     assert value == pytest.approx(np.median(one[:, None] - other))
     inside, outside = 1e-9 * np.array([1, -1]), 1e-9 * np.array([-1, 1])
     ends = np.array([low, high])
-    assert all(rank_sums(one - off, other).p > 0.05 for off in ends + inside)
-    assert all(rank_sums(one - off, other).p <= 0.05 for off in ends + outside)
+    exact = [
+        stats.mannwhitneyu(one - off, other, method="exact").pvalue for off in (*(ends + inside), *(ends + outside))
+    ]
+    assert [p > 0.05 for p in exact] == [True, True, False, False]
 
 
 def test_few_or_equal_values_have_no_interval():
     assert np.isnan(shift(np.arange(5.0), np.arange(9.0))[1:]).all()
     assert np.isnan(shift(np.ones(8), np.ones(8))[1:]).all()
-    assert np.isnan(ends_of_probability(0.5, 5, 9)).all()
+    assert np.isnan(ends_of_probability(np.arange(5.0), np.arange(9.0))).all()
 
 
 def test_ends_of_the_probability_solve_newcombes_equation():
     for probability, first, second in ((0.8, 10, 14), (0.5, 6, 6), (1.0, 20, 20)):
-        for at in ends_of_probability(probability, first, second):
+        for at in _newcombe(probability, first, second, 0.95):
             extra = (first + second) / 2 - 1
             spread = at * (1 - at) * (1 + extra * (1 - at) / (2 - at) + extra * at / (1 + at)) / (first * second)
             assert (probability - at) ** 2 == pytest.approx(1.959963984540054**2 * spread, abs=1e-9)
-    assert ends_of_probability(1.0, 20, 20)[1] == 1.0
-    assert ends_of_probability(1.0, 20, 20)[0] < 0.95
+    apart = ends_of_probability(20 + np.arange(20.0), np.arange(20.0))
+    assert apart == _newcombe(1.0, 20, 20, 0.95)
+    assert apart[0] < 0.95 < apart[1] == 1.0
 
 
 @pytest.mark.parametrize("tests", [1, 12, 100])

@@ -94,7 +94,7 @@ def numbers(
     ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # + 0.0 avoids -0.00
     for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
         text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals, largest))
-        if np.isinf(value) and value == least:
+        if value == least == np.inf:
             interval = ""  # it never comes, in nearly all trials
         elif np.isnan(least):
             interval = (ALWAYS if differences and count >= FEWEST and not np.isnan(value) else "-") * bool(
@@ -138,6 +138,11 @@ def p_equals(p: float) -> str:
 def probability(value: float, low: float, high: float) -> tuple[str, str]:
     """A probability and its interval as text."""
     return f"{value:.2f}", "" if np.isnan(low) else f"[{low:.2f}, {high:.2f}]"
+
+
+def margin_text(margin: float, measure: Measure) -> str:
+    """A margin in the unit in which the measure is shown."""
+    return f"{100 * margin:g} %" if measure.share else f"{margin:g}"
 
 
 def pair_rows(standings: Standings, worlds: int) -> list[tuple[str, ...]]:

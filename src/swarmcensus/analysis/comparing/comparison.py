@@ -241,6 +241,8 @@ def _margins(margin: float | Mapping[str, float] | None, measured: list[Measure]
             raise wrong_option("margin", name, there)
         if not (isinstance(value, int | float) and 0.0 < value < np.inf):
             raise wrong_option("margin", value, "should be a number above 0")
+        if value >= 1.0 and next(measure for measure in measured if measure.name == name).share:
+            raise wrong_option("margin", value, f"{name} is a share: 5 % is 0.05")
     return {name: float(value) for name, value in margin.items()}
 
 

@@ -21,6 +21,7 @@ from swarmcensus.support.options import in_shell, option, wrong_option
 
 NONE = -1
 BRAIN = "brain"
+LIARS = {"liars", "adversary"}
 REPEATED = {  # coordinates that say the same in other words
     "density": {"side"}, "side": {"density"}, "members": {"liars", "adversary"}, "liars": {"members"},
     "adversary": {"members"}, "fill_ratio_change": {"fill_ratio"},
@@ -68,15 +69,18 @@ def grid_of(
     contenders = list(dict.fromkeys(names))
     if len(contenders) < 2:
         raise InputError(f"there is nothing to compare: all settings are of {contenders[0]}{_other_factors(data)}")
-    coordinates = _of_worlds(data, parameters, factor)
-    columns = {name: data[name].values.tolist() for name in coordinates}
+    columns = {name: data[name].values.tolist() for name in _of_worlds(data, parameters, factor)}
     if BRAIN in columns:
         own = {brain: [name for name in several if name not in factor] for brain, several in parameters.items()}
         columns[BRAIN] = _named_as_in(whole, data, own, shown)
     if {"assumed_accuracy", "accuracy"} <= data.coords.keys() and "assumed_accuracy" in columns:
         true = [str(text).split(" drift=")[0] for text in data["accuracy"].values.tolist()]
-        columns["assumed_accuracy"] = [  # empty for robots that know their sensors
-            "" if text == own else text for text, own in zip(columns["assumed_accuracy"], true, strict=True)
+        if columns["assumed_accuracy"] == true:  # all robots know their sensors
+            columns["assumed_accuracy"] = [""] * len(names)
+    if LIARS & {*factor} and "members" in data.coords:  # members that are honest differ between worlds
+        texts = [str(text).split("; ") for text in data["members"].values.tolist()]
+        columns["members"] = [
+            "; ".join(part for part in several if not part.endswith("not honest")) for several in texts
         ]
     kinds = {*columns.get("adversary", [])} - {""}
     if "liars" in factor and len(kinds) == 1:  # without liars all else is equal
@@ -108,10 +112,11 @@ def grid_of(
     kept = np.flatnonzero(has_pairs)
     seen = (place[kept] != NONE).any(axis=0)
     firsts = [next(s for s in place[w] if s != NONE) for w in kept]
-    differing = [name for name in coordinates if len({repr(columns[name][s]) for s in firsts}) > 1]
-    common = {name: columns[name][firsts[0]] for name in coordinates if name not in differing}
-    if common.get("assumed_accuracy") == "":
-        del common["assumed_accuracy"]
+    differing = [name for name in columns if len({repr(columns[name][s]) for s in firsts}) > 1]
+    common = {name: values[firsts[0]] for name, values in columns.items() if name not in differing}
+    common = {
+        name: value for name, value in common.items() if value != "" or name not in ("assumed_accuracy", "members")
+    }
     differing_worlds = [{name: columns[name][s] for name in differing} for s in firsts]
     there = [c for c, so in zip(contenders, seen, strict=True) if so]
     return Grid(differing_worlds, common, there, place[kept][:, seen], factor), cautions
@@ -191,7 +196,7 @@ def _named_as_in(
 def _levels(data: xr.Dataset, name: str) -> list[str]:
     """The level of each setting: its value, with the coordinate's name unless the value speaks for itself."""
     values = data[name].values.tolist()
-    distinct = [value for value in dict.fromkeys(values) if not isinstance(value, int)]
+    distinct = [value for value in dict.fromkeys(values) if not (isinstance(value, int) or is_idle(value))]
     texts = dict(zip(distinct, distinct_texts(distinct), strict=True))
     plain = caption_form(name) == "{}"
     none = idle_caption(name) or f"no {name}"

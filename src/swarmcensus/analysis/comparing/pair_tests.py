@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import Statistic, centres, intervals
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import LEVEL, estimate
+from swarmcensus.support.intervals import FEWEST, LEVEL, estimate
 from swarmcensus.support.rank_sums import ends_of_probability, rank_sums, shift
 from swarmcensus.support.significance import (
     RankTest,
@@ -94,11 +94,14 @@ class Contest:
     def within(self, margin: float | None) -> NDArray[np.bool_]:
         """Which tested pairs have an interval of the difference within -margin to margin, (world, pair).
 
-        None that has an infinite number: a time that never comes is equal to no other.
+        So has a difference that is the same in 6 trials or more. None that has an infinite number: a time that never
+        comes is equal to no other.
         """
         low, high = self.difference_ends
         if not margin:
             return np.zeros(low.shape, np.bool_)
+        same = np.isnan(low) & np.isnan(high) & (self.pair_trials.min(axis=0) >= FEWEST)
+        low, high = (np.where(same, self.difference, end) for end in (low, high))
         first, second = np.array(pairs_of(self.numbers.shape[1]), np.intp).reshape(-1, 2).T
         endless = np.asarray(np.isinf(self.numbers).any(axis=2))
         finite = ~(endless[:, first] | endless[:, second])
@@ -247,7 +250,7 @@ def _contest(
         tests=tests,
         paired=paired,
         pair_trials=sizes,
-        better_ends=_better_ends(tests, low, paired, sizes, with_intervals),
+        better_ends=_better_ends(numbers, tests, low, paired, sizes, with_intervals),
         met=met,
         ranks=ranks,
         ahead=centres(ahead.T, "mean"),
@@ -273,15 +276,16 @@ def difference_of(
 ) -> tuple[float, float, float]:
     """The difference of two independent samples and the ends of its interval.
 
-    Of medians it is the median of all differences. The interval of a difference of means is put together from the two
-    intervals of the means: Zou and Donner, "Construction of confidence limits about effect measures", 2008.
+    It is that of their medians, or means, and its interval is put together from their two intervals: Zou and Donner,
+    "Construction of confidence limits about effect measures", 2008. If a number is infinite, it is the median of all
+    differences, see `shift`.
     """
-    if statistic == "median":
+    if not (np.isfinite(first).all() and np.isfinite(second).all()):
         return shift(first, second)
-    value = float(first.mean() - second.mean())
+    one, other = (estimate(sample[:, np.newaxis], statistic, share) for sample in (first, second))
+    value = one.value - other.value
     if not with_interval:
         return value, np.nan, np.nan
-    one, other = (estimate(sample[:, np.newaxis], "mean", share) for sample in (first, second))
     return (
         value,
         value - float(np.hypot(one.value - one.low, other.high - other.value)),
@@ -290,9 +294,10 @@ def difference_of(
 
 
 def _better_ends(
-    tests: RankTest, low: bool, paired: NDArray[np.bool_], sizes: NDArray[np.int64], wanted: bool
+    numbers: Floats, tests: RankTest, low: bool, paired: NDArray[np.bool_], sizes: NDArray[np.int64], wanted: bool
 ) -> tuple[Floats, Floats]:
     """The ends of the intervals of `Contest.better`, each (world, pair)."""
+    first, second = np.array(pairs_of(numbers.shape[1]), np.intp).reshape(-1, 2).T
     ends = np.full((2, *paired.shape), np.nan)
     ahead = tests.below if low else tests.above
     behind = tests.above if low else tests.below
@@ -301,8 +306,9 @@ def _better_ends(
         if paired[world, pair]:
             ends[:, world, pair] = _ends_of_trials(*counts)
         else:
-            share = (counts[0] + counts[1] / 2) / sum(counts)
-            ends[:, world, pair] = ends_of_probability(share, *sizes[:, world, pair].tolist())
+            one, other = (numbers[world, who[pair]] for who in (first, second))
+            one, other = one[~np.isnan(one)], other[~np.isnan(other)]
+            ends[:, world, pair] = ends_of_probability(other, one) if low else ends_of_probability(one, other)
     return ends[0], ends[1]
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.analysis.comparing.cells import ALWAYS, NEVER, numbers, p_equals, probability
+from swarmcensus.analysis.comparing.cells import ALWAYS, NEVER, margin_text, numbers, p_equals, probability
 from swarmcensus.analysis.comparing.pair_tests import Contest, pairs_of, test_count
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.results import Measure, is_idle
@@ -21,14 +21,16 @@ def sentences(standings: Standings) -> list[str]:
 def _sentence(standings: Standings, measure: Measure, contest: Contest, world: int, pair: int) -> str:
     first, second = pairs_of(len(standings.contenders))[pair]
     one, other = standings.contenders[first], standings.contenders[second]
-    own, others = contest.pair_trials[:, world, pair].tolist()
-    paired = bool(contest.paired[world, pair])
+    own, others = contest.trials[world, [first, second]].tolist()
+    common, paired = int(contest.pair_trials[:, world, pair].min()), bool(contest.paired[world, pair])
     trials = f"{counted(own, 'trial')} each" if own == others else f"{own:,} and {counted(others, 'trial')}"
+    kind = "mean" if measure.statistic == "mean" else "median"
     texts = [_with_interval(contest, measure, world, who) for who in (first, second)]
     at, low, high = (part[[world], [pair]] for part in (contest.difference, *contest.difference_ends))
-    [(difference, between)] = numbers(at, low, high, np.array([min(own, others)]), measure, differences=True)
+    [(difference, between)] = numbers(at, low, high, np.array([common]), measure, differences=True)
     between = {"": "", ALWAYS: " in every trial"}.get(between, f" {between}")
-    of = f"{'paired differences' if paired else 'differences of pairs of trials'}, {one} - {other}"
+    both = f" in {counted(common, 'trial')}" * (paired and common < max(own, others))
+    of = f"{kind} of paired differences{both}" if paired else f"difference of {kind}s over trials"
     ends = (end[world, pair] for end in contest.better_ends)
     chance = " ".join(probability(contest.better[world, pair], *ends)).strip()
     test = "Wilcoxon's signed-rank test, paired by trial" if paired else "Mann and Whitney's rank-sum test"
@@ -36,15 +38,15 @@ def _sentence(standings: Standings, measure: Measure, contest: Contest, world: i
     p, corrected = (p_equals(float(part[world, pair])) for part in (contest.tests.p, contest.corrected))
     holm = f"; p {corrected} after Holm's correction for {tests:,} tests" if tests > 1 else ""
     margin = standings.margins.get(measure.name)
-    equal = f"; equal for practical purposes, within {margin:g}" if contest.within(margin)[world, pair] else ""
+    within = margin is not None and contest.within(margin)[world, pair]
+    equal = f"; equal for practical purposes, within {margin_text(margin, measure)}" if within and margin else ""
     unit = " %" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
     units = ["" if text.startswith(NEVER) else unit for text in texts]
     ended = [int(np.isfinite(contest.numbers[world, who]).sum()) for who in (first, second)]
     reached = f"; reached in {ended[0]} of {own} and {ended[1]} of {others} trials" if sum(ended) < own + others else ""
     where = ", ".join(f"{name} {grouped(v)}" for name, v in standings.grid.worlds[world].items() if not is_idle(v))
-    kind = "mean" if measure.statistic == "mean" else "median"
     values = f"{one} {texts[0]}{units[0]}, {other} {texts[1]}{units[1]} ({kind}, {trials}{reached})"
-    differs = f"{kind} of {of}, {difference}{between}; probability that {one} is better {chance}"
+    differs = f"{of}, {one} - {other}, {difference}{between}; probability that {one} is better {chance}"
     return (
         f"{measure.label}{f' ({where})' if where else ''}: {values}; {differs}; {test}, two-sided p {p}{holm}{equal}. "
         "Brackets are 95 % intervals over trials."

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.analysis.comparing.cells import p_equals, range_text
+from swarmcensus.analysis.comparing.cells import margin_text, p_equals, range_text
 from swarmcensus.analysis.comparing.pair_tests import Contest, overall_count, pairs_of
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.support.formatting import counted
@@ -25,7 +25,8 @@ def findings(standings: Standings) -> list[str]:
     for measure, contest in zip(standings.measures, standings.contests, strict=True):
         sentences.append(f"{measure.label}: {_by_world(standings, contest)}")
         if margin := standings.margins.get(measure.name):
-            sentences.append(f"{measure.label}: {_in_practice(standings, contest, margin)}")
+            text = margin_text(margin, measure)
+            sentences.append(f"{measure.label}: {_in_practice(standings, contest, margin, text)}")
         if contest.met.sum() > 1 and not np.isnan(contest.duels_corrected).all():
             sentences.append(f"{measure.label}, over all worlds: {_overall(standings, contest)}")
     return sentences
@@ -77,7 +78,7 @@ def _by_world(standings: Standings, contest: Contest) -> str:
     return f"of {counted(worlds, 'world')}, " * (worlds > 1) + "; ".join(parts) + more
 
 
-def _in_practice(standings: Standings, contest: Contest, margin: float) -> str:
+def _in_practice(standings: Standings, contest: Contest, margin: float, text: str) -> str:
     """Such as "equal for practical purposes, within 0.01: a and b in 2 of 3 worlds"."""
     tested, equal = ~np.isnan(contest.corrected), contest.within(margin)
     parts = []
@@ -87,9 +88,9 @@ def _in_practice(standings: Standings, contest: Contest, margin: float) -> str:
             where = f" in {count} of {counted(worlds, 'world')}" if len(contest.values) > 1 else ""
             parts.append(f"{standings.contenders[first]} and {standings.contenders[second]}{where}")
     if not parts:
-        return f"no two are shown to be equal for practical purposes, within {margin:g}"
+        return f"no two are shown to be equal for practical purposes, within {text}"
     more = f"; and {len(parts) - MOST_NAMED} more pairs" if len(parts) > MOST_NAMED else ""
-    return f"equal for practical purposes, within {margin:g}: {'; '.join(parts[:MOST_NAMED])}{more}"
+    return f"equal for practical purposes, within {text}: {'; '.join(parts[:MOST_NAMED])}{more}"
 
 
 def _overall(standings: Standings, contest: Contest) -> str:

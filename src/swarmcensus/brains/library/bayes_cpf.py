@@ -40,6 +40,7 @@ PARAMETERS = {
     "past": 333.0,  # updates: the length of each of two running means of the informed estimate
     "truncated": 0.0,  # 1: the believed accuracy is the mean of the normal truncated to [1/2, 1], not mu
 }
+NEEDS = {"equal_sensors": 1}
 MEMORY = {
     "t": 0.0,  # m: observations, with less weight for older ones
     "n": 0.0,  # black ones among them

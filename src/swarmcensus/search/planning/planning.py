@@ -51,6 +51,8 @@ def plan(
         with contextlib.suppress(Unreachable, NoNetwork, InputError):  # the search itself says so
             whole = sum(seconds_of(search, question, _sizes(search)) for search in searches)
             announce(checked.name, whole, jobs)
+            for search in searches:
+                search.said = whole
         for search in searches:
             try:
                 rows += _rows(search, question)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from swarmcensus.brains import Brain
-from swarmcensus.runs import Progress
+from swarmcensus.runs import Progress, announce, seconds_for
 from swarmcensus.search.planning.areas import capacity, check_network, fewest
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (
@@ -20,11 +20,13 @@ from swarmcensus.search.planning.predictions import (
     worst_fill_ratios,
 )
 from swarmcensus.search.planning.simulating import Case, Curve, Show, affordable, curves, study_of
+from swarmcensus.studies import Study
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.seeds import seed_for
 
 MOST_ROBOTS = 1000  # largest swarm to try, if the mission does not say
 MOST_SECONDS = 3600.0  # predicted, on one core, for one run
+SHORT = 5.0  # seconds of a step of which nothing is said
 CONFIRMED = 3  # fill ratios that are simulated in all trials, of those that may be the worst
 
 
@@ -56,6 +58,7 @@ class Search:
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
     checked: set[int] = field(default_factory=set)  # sizes of swarms with connected networks
+    said: float = 0.0  # seconds, the longest time that was said beforehand
 
     def __post_init__(self) -> None:
         """Find the cases."""
@@ -131,6 +134,8 @@ class Search:
         what = "first look" if trials < mission.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
 
+        self._say_if_longer(study, stage)
+
         def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))
 
@@ -140,3 +145,12 @@ class Search:
             right = f"{100 * curve.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
             LOG.debug("%s, f = %g%s: %s, in %s trials", curve.brain, curve.case.fill_ratio, lie, right, study.trials)
         return found_curves
+
+    def _say_if_longer(self, study: Study, stage: str) -> None:
+        """Say how long a step takes if it takes longer than all that was said before."""
+        if affordable(study, SHORT) >= study.trials:
+            return
+        seconds = seconds_for(study, study.settings(), study.trials, self.jobs)
+        if seconds > max(SHORT, self.said):
+            announce(f"{self.mission.name}, {stage}", seconds, self.jobs)
+            self.said = seconds
