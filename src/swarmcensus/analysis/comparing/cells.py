@@ -14,6 +14,7 @@ from swarmcensus.support.quantities import QUANTITIES
 MOST_DECIMALS = 6
 NEVER = "never"
 ALWAYS = "always"
+RANK_SUM = "the rank-sum test, or Brunner and Munzel's if its p is larger"
 LEAST_P = 0.001  # smaller p-values are shown as "< 0.001"
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
 COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.support.bootstrap import Statistic, centres, intervals
 from swarmcensus.support.formatting import counted
-from swarmcensus.support.intervals import FEWEST, LEVEL, estimate
+from swarmcensus.support.intervals import FEWEST, LEVEL, Estimate, estimate
 from swarmcensus.support.rank_sums import ends_of_probability, rank_sums, shift
 from swarmcensus.support.significance import (
     RankTest,
@@ -282,15 +282,24 @@ def difference_of(
     """
     if not (np.isfinite(first).all() and np.isfinite(second).all()):
         return shift(first, second)
-    one, other = (estimate(sample[:, np.newaxis], statistic, share) for sample in (first, second))
+    one, other = (_alone(sample, statistic, share) for sample in (first, second))
     value = one.value - other.value
-    if not with_interval:
+    if not with_interval or (one.low == one.high == one.value and other.low == other.high == other.value):
         return value, np.nan, np.nan
     return (
         value,
         value - float(np.hypot(one.value - one.low, other.high - other.value)),
         value + float(np.hypot(one.high - one.value, other.value - other.low)),
     )
+
+
+def _alone(sample: Floats, statistic: Statistic, share: bool) -> Estimate:
+    """The median or mean of one sample and its interval, of width 0 if six values or more are equal."""
+    if statistic == "mean":
+        return estimate(sample[:, np.newaxis], "mean", share)
+    value = float(np.median(sample))
+    low, high = (float(end[0]) for end in intervals(sample[np.newaxis], "median"))
+    return Estimate(value, value, value) if np.isnan(low) and sample.size >= FEWEST else Estimate(value, low, high)
 
 
 def _better_ends(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.analysis.comparing.cells import ALWAYS, NEVER, margin_text, numbers, p_equals, probability
+from swarmcensus.analysis.comparing.cells import RANK_SUM, ALWAYS, NEVER, margin_text, numbers, p_equals, probability
 from swarmcensus.analysis.comparing.pair_tests import Contest, pairs_of, test_count
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.results import Measure, is_idle
@@ -33,7 +33,7 @@ def _sentence(standings: Standings, measure: Measure, contest: Contest, world: i
     of = f"{kind} of paired differences{both}" if paired else f"difference of {kind}s over trials"
     ends = (end[world, pair] for end in contest.better_ends)
     chance = " ".join(probability(contest.better[world, pair], *ends)).strip()
-    test = "Wilcoxon's signed-rank test, paired by trial" if paired else "Mann and Whitney's rank-sum test"
+    test = "Wilcoxon's signed-rank test, paired by trial" if paired else RANK_SUM
     tests = test_count(standings.contests)
     p, corrected = (p_equals(float(part[world, pair])) for part in (contest.tests.p, contest.corrected))
     holm = f"; p {corrected} after Holm's correction for {tests:,} tests" if tests > 1 else ""

@@ -10,6 +10,7 @@ from rich.console import Console
 from swarmcensus.analysis.comparing.cells import (  # fmt: skip
     COSTS,
     PAIR_HEADS,
+    RANK_SUM,
     column_head,
     columns,
     cost_columns,
@@ -95,7 +96,7 @@ def pairs_table(standings: Standings, worlds: int) -> Table:
 def _tests(standings: Standings) -> str:
     """Which tests the p-values are of."""
     paired = np.concatenate([contest.paired[~np.isnan(contest.corrected)] for contest in standings.contests])
-    signed, summed = "Wilcoxon's signed-rank test of paired trials", "Mann and Whitney's rank-sum test"
+    signed, summed = "Wilcoxon's signed-rank test of paired trials", RANK_SUM
     return f"p: {signed if paired.all() else summed if not paired.any() else f'{signed}, {summed} of others'}"
 
 
