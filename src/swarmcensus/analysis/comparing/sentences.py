@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.analysis.comparing.cells import RANK_SUM, ALWAYS, NEVER, margin_text, numbers, p_equals, probability
+from swarmcensus.analysis.comparing.cells import ALWAYS, NEVER, RANK_SUM, margin_text, numbers, p_equals, probability
 from swarmcensus.analysis.comparing.pair_tests import Contest, pairs_of, test_count
 from swarmcensus.analysis.comparing.standings import Standings
 from swarmcensus.results import Measure, is_idle

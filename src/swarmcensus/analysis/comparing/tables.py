@@ -39,11 +39,11 @@ def pairs(standings: Standings) -> "pd.DataFrame":
     """See `Comparison.pairs`.
 
     `difference` is the median of paired differences, the difference of medians of others, or that of means, in the
-    measure's `unit`, with the ends of its 95 % interval. `superiority` is the probability that `one` is better in a random trial, where equal ones count one
-    half, with the ends of its interval. `effect` is the rank-biserial correlation, above 0 if `one` is better. `p` is
-    the p-value of the `test`, which is "signed-rank" for paired trials and "rank-sum" for others, `p_holm` the
-    corrected one, `told_apart` whether the pair differs, and `equal_in_practice` whether the interval of the difference
-    lies within the measure's margin.
+    measure's `unit`, with the ends of its 95 % interval. `superiority` is the probability that `one` is better in a
+    random trial, where equal ones count one half, with the ends of its interval. `effect` is the rank-biserial
+    correlation, above 0 if `one` is better. `p` is the p-value of the `test`, which is "signed-rank" for paired trials
+    and "rank-sum" for others, `p_holm` the corrected one, `told_apart` whether the pair differs, and
+    `equal_in_practice` whether the interval of the difference lies within the measure's margin.
     """
     import pandas as pd
 
