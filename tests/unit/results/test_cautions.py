@@ -146,7 +146,7 @@ def test_brains_out_of_range_are_cautioned_of():
         "truth, so an accuracy of 0.7 biases its estimates (debiased = 0)"
     )
     early = "voter needs 230 rounds; this study has 20 (disseminate = 100, explore = 100, listen = 30)"
-    silent = "gated-mean sent nothing in some trials, so robots were alone"
+    silent = "gated-mean sent nothing in all trials or some, so robots were alone there"
     assert cautions_of_needs(data.isel(setting=[1])) == []
     assert cautions_of_needs(data.isel(setting=[0, 1]), ["correct"]) == [late, silent]
     assert cautions_of_needs(data.isel(setting=[2]), ["right_side"])[0] == early
