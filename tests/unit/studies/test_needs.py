@@ -125,11 +125,6 @@ def held(topology, accuracy, fill_ratio, rounds, trials):
     assert len(errors) > len(estimating) > 25
 
 
-@pytest.mark.interpreted
-def test_every_brain_beats_a_half_or_warns():
-    held(*WORLDS[1], trials=1)
-
-
 @pytest.mark.long
 @pytest.mark.parametrize("world", WORLDS, ids=lambda world: "-".join(map(str, world)))
 def test_every_brain_beats_a_half_or_warns_in_twelve_studies(world):
