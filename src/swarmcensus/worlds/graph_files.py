@@ -13,6 +13,7 @@ FORMATS = {".graphml": "GraphML", ".gml": "GML", ".gexf": "GEXF", ".net": "Pajek
 LISTS = re.compile(r"^\s*\*(arcs|edges)list\b", re.IGNORECASE | re.MULTILINE)
 SECTIONS = re.compile(r"^\s*\*(arcs|edges)\b", re.IGNORECASE | re.MULTILINE)
 VERTICES = re.compile(r"^\s*\*vertices\s+(\d+)", re.IGNORECASE | re.MULTILINE)
+NAMELESS = re.compile(r"^\s*\*vertices\s+(\d+)\s*\n(?=\s*\*)", re.IGNORECASE | re.MULTILINE)
 
 
 class FileEdges(NamedTuple):
@@ -60,12 +61,13 @@ def _read(path: Path, kind: str) -> Any:
     import networkx  # imported only for graphs
 
     if kind == "GML":
+        text = path.read_text(encoding="utf-8-sig")
         try:
-            return networkx.read_gml(path)
+            return networkx.parse_gml(text)
         except networkx.NetworkXError:  # nodes without labels, or with equal ones: their ids are unique
-            return networkx.read_gml(path, label="id")
+            return networkx.parse_gml(text, label="id")
     if kind == "Pajek":
-        text = path.read_text(encoding="utf-8")
+        text = NAMELESS.sub(_named_vertices, path.read_text(encoding="utf-8-sig"))
         if LISTS.search(text) or len({section.lower() for section in SECTIONS.findall(text)}) > 1:
             raise TableError.of(path, "should have its links in one section, *Edges or *Arcs, a pair in each line")
         graph = networkx.parse_pajek(text)
@@ -77,6 +79,11 @@ def _read(path: Path, kind: str) -> Any:
             )
         return graph
     return (networkx.read_graphml if kind == "GraphML" else networkx.read_gexf)(path)
+
+
+def _named_vertices(section: re.Match[str]) -> str:
+    """A section of Pajek's vertices that only says how many there are, with a name for each."""
+    return section[0] + "".join(f'{number} "{number}"\n' for number in range(1, int(section[1]) + 1))
 
 
 def _relabelled(graph: Any, numbers: Any) -> Any:

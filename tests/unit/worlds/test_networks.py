@@ -15,7 +15,7 @@ from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.support import plugins
 from swarmcensus.worlds import networks, wiring
 from swarmcensus.worlds.chance import Chance
-from swarmcensus.worlds.graph_files import FileEdges
+from swarmcensus.worlds.graph_files import FileEdges, read_graph
 from swarmcensus.worlds.topologies import random_geometric
 from tests.support.small import study_of
 
@@ -360,6 +360,23 @@ def test_a_label_is_the_name_in_results_and_figures(here, capsys):
 
 PATH, BACK = nx.path_graph(4), nx.DiGraph([(3, 0), (0, 1)])
 BACK.add_node(2)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.net", "*Vertices 3\n*Edges\n1 2\n2 3\n"),
+        (
+            "a.gml",
+            "graph [ node [ id 0 ] node [ id 1 ] node [ id 2 ] edge [ source 0 target 1 ] edge [ source 1 target 2 ] ]",
+        ),
+    ],
+)
+def test_graphs_with_a_byte_order_mark_and_without_names(name, text, tmp_path):
+    (tmp_path / name).write_text(text, encoding="utf-8-sig")
+    assert read_graph(tmp_path / name, False).pairs == [(0, 1), (1, 2)]
+
+
 WRITE = {"graphml": nx.write_graphml, "gml": nx.write_gml, "gexf": nx.write_gexf, "net": nx.write_pajek}
 
 
