@@ -222,11 +222,14 @@ def _contest(
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
     tests = RankTest(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
     paired = np.ones(shape, np.bool_) if paired is None else paired
+    ends = _ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most)
     for world, pair in np.argwhere(~paired & tested).tolist():
         one, other = (numbers[world, who[pair]] for who in (first, second))
         one, other = one[~np.isnan(one)], other[~np.isnan(other)]
         if one.size and other.size:
-            found = difference_of(one, other, statistic, share, with_intervals)
+            left = _alone(one, statistic, share, (world, first[pair]), ends)
+            right = _alone(other, statistic, share, (world, second[pair]), ends)
+            found = difference_of(one, other, left, right, with_intervals)
             difference[world, pair], lowest[world, pair], highest[world, pair] = found
             for into, number in zip(tests, rank_sums(one, other), strict=True):
                 into[world, pair] = number
@@ -243,7 +246,7 @@ def _contest(
         low=low,
         numbers=numbers,
         values=centres(numbers, statistic),
-        value_ends=_ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most),
+        value_ends=ends,
         trials=np.asarray((~np.isnan(numbers)).sum(axis=2)),
         difference=difference,
         difference_ends=(lowest, highest),
@@ -272,9 +275,9 @@ def trials_of_pairs(
 
 
 def difference_of(
-    first: Floats, second: Floats, statistic: Statistic, share: bool, with_interval: bool = True
+    first: Floats, second: Floats, one: Estimate, other: Estimate, with_interval: bool = True
 ) -> tuple[float, float, float]:
-    """The difference of two independent samples and the ends of its interval.
+    """The difference of two independent samples and the ends of its interval, from the estimate of `one` and `other`.
 
     It is that of their medians, or means, and its interval is put together from their two intervals: Zou and Donner,
     "Construction of confidence limits about effect measures", 2008. If a number is infinite, it is the median of all
@@ -282,7 +285,6 @@ def difference_of(
     """
     if not (np.isfinite(first).all() and np.isfinite(second).all()):
         return shift(first, second)
-    one, other = (_alone(sample, statistic, share) for sample in (first, second))
     value = one.value - other.value
     if not with_interval or (one.low == one.high == one.value and other.low == other.high == other.value):
         return value, np.nan, np.nan
@@ -293,12 +295,16 @@ def difference_of(
     )
 
 
-def _alone(sample: Floats, statistic: Statistic, share: bool) -> Estimate:
-    """The median or mean of one sample and its interval, of width 0 if six values or more are equal."""
+def _alone(
+    sample: Floats, statistic: Statistic, share: bool, at: tuple[int, int], ends: tuple[Floats, Floats]
+) -> Estimate:
+    """The median or mean of one sample and its interval, of width 0 if six values or more are equal.
+
+    `ends` are those of medians, found for all samples at once, and `at` is the sample's place there.
+    """
     if statistic == "mean":
         return estimate(sample[:, np.newaxis], "mean", share)
-    value = float(np.median(sample))
-    low, high = (float(end[0]) for end in intervals(sample[np.newaxis], "median"))
+    value, low, high = float(np.median(sample)), float(ends[0][at]), float(ends[1][at])
     return Estimate(value, value, value) if np.isnan(low) and sample.size >= FEWEST else Estimate(value, low, high)
 
 
