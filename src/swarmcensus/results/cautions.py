@@ -43,7 +43,7 @@ def settled_far_off(data: xr.Dataset) -> NDArray[np.bool_]:
         return np.zeros(data.sizes["setting"], np.bool_)
     late, *far = (centres(measures.numbers(data, name), "median") for name in ("convergence_round", *apart))
     decides = data["decision"].notnull().any(("trial", "robot")).values if "decision" in data else False
-    early = late <= EARLY * data["rounds"].values
+    early = (late > 0) & (late <= EARLY * data["rounds"].values)
     return np.asarray(early & (np.maximum(*far) > FAR * float(data.attrs["delta"])) & ~np.asarray(decides))
 
 
