@@ -79,6 +79,30 @@ def test_backward_pass_finds_what_every_round_shows(robots):
     assert len(found) > 3 or robots == 1
 
 
+@pytest.mark.parametrize("robots", [2, 3, 6, 21, 22, 45])
+@pytest.mark.parametrize("lying", [0, 2])
+def test_a_row_that_is_just_too_wide_is_found(robots, lying):
+    """Rows differ from the last one, which is just within delta, in the few estimates that a quantile lies between."""
+    chance, agreed_from = np.random.default_rng(robots), called(agreement.agreed_from)
+    honest = np.arange(robots + lying) < robots if lying else np.zeros(0, np.bool_)
+    found = set()
+    for _ in range(60):
+        last = np.sort(chance.normal(0.5, 0.01, robots))
+        delta = half_width(last) * (1 + 1e-9)
+        other, moved = last.copy(), chance.integers(0, max(robots // 8, 1) + 1, 2)
+        other[: moved[0] + 1] -= chance.choice([0.0, 1e-6, 0.01])
+        other[robots - 1 - moved[1] :] += chance.choice([0.0, 1e-6, 0.01])
+        if chance.random() < 0.5:  # only the upper one of the two around the lower quantile
+            below = int(0.05 * (robots - 1))
+            other = np.concatenate([last[: below + 1], last[below : below + 1], last[below + 2 :]])
+        rows = np.full((2, robots + lying), 0.99)
+        rows[:, :robots] = other, last
+        expected = metrics.agreement(rows[:, :robots], delta)
+        assert agreed_from(rows, 0, honest, delta, np.empty(robots + lying), 0.0) == expected
+        found.add(expected)
+    assert found == {0.0, 1.0}
+
+
 def test_error_at():
     curves = np.array([[0.5, 0.1], [0.6, 0.2]])
     assert metrics.error_at(curves, np.array([1, 0]), 0.55) == pytest.approx([0.05, 0.45])
