@@ -1,6 +1,6 @@
 """The statistics of a comparison: a test of every two contenders in every world, corrected for their number.
 
-Contenders whose trials share random numbers are paired, trial by trial; others are independent samples.
+Contenders are paired, trial by trial, where their trials share random numbers; others are independent samples.
 """
 
 import functools

@@ -1,4 +1,4 @@
-"""Which contenders are compared trial by trial: those whose trials share random numbers."""
+"""Which contenders are compared trial by trial: those with trials that share random numbers."""
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,7 @@ UNKNOWN = "not paired: these results do not say which random numbers their trial
 def pairing_of(data: xr.Dataset, grid: Grid) -> tuple[NDArray[np.bool_], list[str]]:
     """Which pairs are compared trial by trial in which worlds, (world, pair), and why, a sentence each.
 
-    Brains meet the same random numbers. Settings that differ in something else share those whose addresses are equal.
+    Brains meet the same random numbers. Settings that differ in something else share those with equal addresses.
     """
     pairs = pairs_of(len(grid.contenders))
     if grid.factor in ((), ("brain",)):

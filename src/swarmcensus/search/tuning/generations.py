@@ -110,7 +110,7 @@ class _SearchRun:
         left = (plan.budget.evaluations or 0) - len(self.log.evaluations)
         search = max((plan.budget.seconds or 0.0) - self.seconds, left * self.training.candidate_seconds(), 0.0)
         settings = plan.study.settings()
-        more = 1.0 + len(plan.worlds) / len(settings)  # what is found runs beside the original
+        more = 1.0 + len(plan.worlds) / len(settings)  # what is found runs next to the original
         evaluation = more * seconds_for(plan.study, settings, plan.study.trials, jobs, plan.study.measure.local)
         announce(f"searching {plan.target.program.name}", search + evaluation, jobs, "at most about")
 
