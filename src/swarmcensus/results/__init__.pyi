@@ -44,7 +44,7 @@ from .measures import (
     statistic_of as statistic_of,
 )
 from .merging import merge as merge
-from .out_of_range import cautions_of_needs as cautions_of_needs
+from .out_of_range import Origins as Origins, cautions_of_needs as cautions_of_needs, known_origins as known_origins
 from .partial import opened as opened, say_partial as say_partial
 from .presence import check_there as check_there, folder_of as folder_of
 from .reading import packed as packed, readable as readable

@@ -31,6 +31,7 @@ from swarmcensus.results import (
     TAIL,
     TIMES,
     Measure,
+    Origins,
     asked_anew,
     cautions_of_edges,
     cautions_of_needs,
@@ -40,6 +41,7 @@ from swarmcensus.results import (
     failed_trials,
     far_off,
     has_tail,
+    known_origins,
     labels_in,
     loaded,
     measures,
@@ -189,7 +191,8 @@ def compare_dataset(
         ContestInput(each, measure.statistic, measure.low, measure.share)
         for each, measure in zip(numbers, measured, strict=True)
     ]
-    paired, pairing = pairing_of(data, grid)
+    origins = known_origins(data)
+    paired, pairing = pairing_of(data, grid, origins)
     all_contests = [
         _as_shown(contest, measure.name, data, grid)
         for contest, measure in zip(contests(inputs, against=reference, paired=paired), measured, strict=True)
@@ -205,7 +208,7 @@ def compare_dataset(
         value, low, high = map(grid.spread, cells(data, TAIL))
         tails[TAIL] = value, low, high
         cautions += _of_tails(data, grid)
-    cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs)]
+    cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs, origins)]
     title = str(data.attrs.get("title", ""))
     return Comparison(
         title=title,
@@ -289,6 +292,7 @@ def _cautions(
     numbers_of: list[Floats],
     all_contests: list[Contest],
     costs: dict[str, Floats],
+    origins: Origins,
 ) -> list[str]:
     """What limits a comparison, one sentence each."""
     cautions = []
@@ -308,7 +312,7 @@ def _cautions(
             cautions.append(
                 f"{measure.label}: there are no numbers of {', '.join(names)} in {_worlds(lacking.any(axis=1))}"
             )
-    cautions += cautions_of_needs(data, [measure.name for measure in measured])
+    cautions += cautions_of_needs(data, [measure.name for measure in measured], origins)
     cautions += filter(None, (in_worlds_too_few(all_contests), overall_too_few(all_contests)))
     pairs = [(grid.contenders[i], grid.contenders[j]) for i, j in pairs_of(len(grid.contenders))]
     cautions += [

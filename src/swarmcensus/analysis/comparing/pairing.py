@@ -6,15 +6,14 @@ from numpy.typing import NDArray
 
 from swarmcensus.analysis.comparing.contenders import NONE, Grid
 from swarmcensus.analysis.comparing.pair_tests import pairs_of
-from swarmcensus.results import origins_of
+from swarmcensus.results import Origins
 from swarmcensus.studies import addresses
-from swarmcensus.support.errors import InputError
 
 BRAINS_SHARE = "paired by trial: trials of one number share readings, networks and all else that chance decides"
 UNKNOWN = "not paired: these results do not say which random numbers their trials share"
 
 
-def pairing_of(data: xr.Dataset, grid: Grid) -> tuple[NDArray[np.bool_], list[str]]:
+def pairing_of(data: xr.Dataset, grid: Grid, origins: Origins) -> tuple[NDArray[np.bool_], list[str]]:
     """Which pairs are compared trial by trial in which worlds, (world, pair), and why, a sentence each.
 
     Brains meet the same random numbers. Settings that differ in something else share those with equal addresses.
@@ -22,9 +21,14 @@ def pairing_of(data: xr.Dataset, grid: Grid) -> tuple[NDArray[np.bool_], list[st
     pairs = pairs_of(len(grid.contenders))
     if grid.factor in ((), ("brain",)):
         return np.ones((len(grid.worlds), len(pairs)), np.bool_), [BRAINS_SHARE]
-    streams = _streams(data, grid)
+    numbers = dict(enumerate(data["setting"].values.tolist()))
+    streams = {
+        place: addresses.streams(origins[number][1], origins[number][0].seed)
+        for place, number in numbers.items()
+        if number in origins
+    }
     paired = np.zeros((len(grid.worlds), len(pairs)), np.bool_)
-    if streams is None:
+    if not streams:
         return paired, [UNKNOWN]
     shared: dict[str, None] = {}
     there = np.zeros_like(paired)
@@ -48,20 +52,3 @@ def pairing_of(data: xr.Dataset, grid: Grid) -> tuple[NDArray[np.bool_], list[st
         names = " and ".join(grid.factor)
         reasons.append(f"{some}not paired: their random numbers depend on {names}, so trials share none of them")
     return paired, reasons
-
-
-def _streams(data: xr.Dataset, grid: Grid) -> dict[int, dict[str, object]] | None:
-    """The addresses of the random numbers of each place; None if the results do not tell their studies."""
-    if not {"study", "merged"} & data.attrs.keys() or "fingerprint" not in data:
-        return None
-    places = np.unique(grid.place[grid.place != NONE]).tolist()
-    numbers = data["setting"].values[places].tolist()
-    try:
-        origins = origins_of(data, numbers)
-    except InputError:
-        return None
-    found = {}
-    for place, number in zip(places, numbers, strict=True):
-        study, setting = origins[number]
-        found[place] = addresses.streams(setting, study.seed)
-    return found
