@@ -104,8 +104,12 @@ def _read(name: str) -> Evaluation:
     }
     worlds = known.pop("worlds", {})
     figures = tuple(_figure(table, dots) for table in known.pop("figures", ()))
-    claims = tuple(_claim(table, contenders, worlds) for table in known.pop("claims"))
-    return Evaluation(name, figures=figures, claims=claims, **known)
+    claims: dict[str, Claim] = {}
+    for table in known.pop("claims"):
+        like = claims.get(table.pop("like", ""))
+        same = {"sentence": like.sentence, "section": like.section} if like else {}
+        claims[table["id"]] = _claim(same | table, contenders, worlds)
+    return Evaluation(name, figures=figures, claims=tuple(claims.values()), **known)
 
 
 def _figure(table: Mapping[str, Any], dots: str) -> PaperFigure:

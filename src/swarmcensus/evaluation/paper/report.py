@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -94,7 +95,8 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], sourc
             for outcome in claims
         ],
     }
-    return json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    text = json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False)
+    return re.sub(r"{[^{}]*}", lambda found: re.sub(r"\n *", " ", found[0]), text) + "\n"  # a setting is one line
 
 
 def _numbers(values: Sequence[float]) -> list[float | None]:
