@@ -18,6 +18,7 @@ from swarmcensus.support.intervals import Floats
 
 MARGIN = 0.05  # of every ordering: what differs by less, as a ratio or a share, speaks neither for it nor against it
 MUCH = 1.25  # a ratio of "much" more; what lies between it and its inverse is alike
+NO_DIFFERENCE = {"less": 1.0, "more": 1.0, "lower": 0.0, "higher": 0.0}  # of ratios and of differences
 LATE = 0.9  # of a run: a swarm that settles only then may not have settled at all
 YES, NO, NEITHER = "yes", "no", "neither"  # what one setting says
 HOLDS, PARTLY, FAILS = "holds", "holds in part", "does not hold"
@@ -33,30 +34,23 @@ class Missing(LookupError):
 
 
 class Needed(NamedTuple):
-    """The numbers that speak for a claim (`right`), and beyond which they speak against it (`borne`), and both as text.
+    """The numbers that speak for a claim (`right`), those outside of which speak against it, and both as text.
 
     The ranges differ for orderings, by the margin on both sides of no difference.
     """
 
     words: str
     right: Range
-    borne: Range
+    tolerated: Range
 
     @classmethod
     def of(cls, threshold: str, right: Sequence[float] = ()) -> "Needed":
         """The ranges of an ordering, of "below 0.05" and the like, or of other words with the range `right`."""
-        less, more = 1 - MARGIN, 1 + MARGIN
-        orderings = {
-            "less": ((-INFINITE, less), (-INFINITE, more)),
-            "more": ((more, INFINITE), (less, INFINITE)),
-            "lower": ((-INFINITE, -MARGIN), (-INFINITE, MARGIN)),
-            "higher": ((MARGIN, INFINITE), (-MARGIN, INFINITE)),
-        }
-        if threshold in orderings:
-            within, borne = orderings[threshold]
-            if within[0] == -INFINITE:
-                return cls(f"below {within[1]:g}, not above {borne[1]:g}", within, borne)
-            return cls(f"above {within[0]:g}, not below {borne[0]:g}", within, borne)
+        if threshold in NO_DIFFERENCE:
+            below, above = NO_DIFFERENCE[threshold] - MARGIN, NO_DIFFERENCE[threshold] + MARGIN
+            if threshold in ("less", "lower"):
+                return cls(f"below {below:g}, not above {above:g}", (-INFINITE, below), (-INFINITE, above))
+            return cls(f"above {above:g}, not below {below:g}", (above, INFINITE), (below, INFINITE))
         plain = {
             "much less": f"below {1 / MUCH:g}",
             "much more": f"above {MUCH:g}",
@@ -70,6 +64,11 @@ class Needed(NamedTuple):
             right = (-INFINITE, end) if found[1] == "below" else (end, INFINITE)
         low, high = right
         return cls(words, (low, high), (low, high))
+
+    def tolerates(self, detail: "Detail") -> bool:
+        """Whether all of a setting's interval is tolerated."""
+        low, high = detail.interval or (detail.value, detail.value)
+        return self.tolerated[0] <= low and high <= self.tolerated[1]
 
 
 @dataclass(frozen=True)
@@ -202,7 +201,7 @@ class Evidence:
         return ratio(self.counts @ np.asarray(hits, float), self.counts @ np.asarray(tries, float))
 
     def judge(self, found: Found, needed: Needed) -> Detail:
-        """What a setting says: yes if its interval is in the right range, no if all of it is beyond what is borne."""
+        """What a setting says: yes if its interval is in the right range, no if it is outside what is tolerated."""
         setting, statistic, made_of = found
         assert statistic is not None
         if statistic.size == 1:
@@ -213,7 +212,7 @@ class Evidence:
         if statistic.size == 1 or self.trials >= intervals.FEWEST:
             if needed.right[0] <= low and high <= needed.right[1]:
                 says = YES
-            elif high < needed.borne[0] or low > needed.borne[1]:
+            elif high < needed.tolerated[0] or low > needed.tolerated[1]:
                 says = NO
         return Detail(setting, value, None if statistic.size == 1 else (low, high), says, made_of)
 
@@ -268,7 +267,10 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
             f"Left out, as neither of the two settles before the last tenth of the run: {len(left_out)} of {total} "
             f"({'; '.join(left_out)})."
         )
-    return Outcome(claim, verdict_on(details), details, note, min(details, key=support, default=None))
+    verdict = verdict_on(details)
+    if verdict == UNDECIDED and evidence.trials >= intervals.FEWEST and all(claim.needed.tolerates(d) for d in details):
+        verdict = FAILS  # there is no order
+    return Outcome(claim, verdict, details, note, min(details, key=support, default=None))
 
 
 def verdict_on(details: Sequence[Detail]) -> str:

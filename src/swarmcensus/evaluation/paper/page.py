@@ -134,7 +134,7 @@ def strip(outcome: Outcome) -> str:
     """
     needed = outcome.claim.needed
     drawn = [(d, *d.interval) for d in outcome.details if d.interval and _finite(d.value, *d.interval)]
-    thresholds = sorted({end for end in (*needed.right, *needed.borne) if _finite(end)})
+    thresholds = sorted({end for end in (*needed.right, *needed.tolerated) if _finite(end)})
     ends = [end for _, low, high in drawn for end in (low, high)] + thresholds
     if len(drawn) < FEWEST or min(ends) == max(ends):
         return ""

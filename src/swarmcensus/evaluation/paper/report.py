@@ -58,8 +58,8 @@ def tally(outcome: Outcome) -> str:
 def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], source: str) -> str:
     """The text of claims.json: each claim with its statistic, threshold, value, interval, verdict and settings.
 
-    `source` is what was published. Settings in the range `right` speak for a claim, those outside `borne` against it;
-    null is no bound. `interval` is null if the value is exact. Value and interval of a claim are those of its worst
+    `source` is what was published. Settings in the range `right` speak for a claim, those outside `tolerated` against
+    it; null is no bound. `interval` is null if the value is exact. Value and interval of a claim are those of its worst
     setting. Equal datasets give equal bytes.
     """
     texts = ("id", "title", "sentence", "section", "statistic")
@@ -82,7 +82,7 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], sourc
                 **{key: getattr(outcome.claim, key) for key in texts},
                 "threshold": outcome.claim.needed.words,
                 "right": _numbers(outcome.claim.needed.right),
-                "borne": _numbers(outcome.claim.needed.borne),
+                "tolerated": _numbers(outcome.claim.needed.tolerated),
                 "verdict": outcome.verdict,
                 **_values(outcome.worst),
                 "note": outcome.note,

@@ -266,6 +266,12 @@ def test_all_orderings_have_one_margin(threshold, value, said):
     assert Evidence({}, trials=30).judge(Found("", wide), needed).verdict == NEITHER
 
 
+def test_there_is_no_order_where_all_are_the_same():
+    assert verdict("denser-first", only(lambda density, **_: density == 10, K=1 / 0.9)).verdict == FAILS
+    noisy = verdict("denser-first", only(lambda density, **_: density == 10, K=1 / 0.9, noise=0.5))
+    assert noisy.verdict == UNDECIDED
+
+
 def test_swarms_that_never_settle_are_in_no_order():
     """Of two that settle in the last tenth of a run the order of K says nothing; of one there is no doubt."""
     late = verdict("denser-first", only(lambda accuracy, **_: accuracy == "0.525", K=3))
