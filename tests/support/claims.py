@@ -20,6 +20,7 @@ def worst(claim):
 
 
 def counts(claim):
-    """How many settings say yes, no and neither."""
+    """How many settings say yes, no and neither, and how many are left out."""
     said = [setting["verdict"] for setting in claim["settings"]]
-    return ", ".join(str(said.count(each)) for each in (YES, NO, NEITHER))
+    numbers = [*(said.count(each) for each in (YES, NO, NEITHER)), len(claim["left_out"])]
+    return ", ".join(map(str, numbers))

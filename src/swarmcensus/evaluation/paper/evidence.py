@@ -117,13 +117,24 @@ class Claim:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A claim as measured: its verdict, the details, a note on them, and the worst, which supports it least."""
+    """A claim as measured: its verdict, the details, settings left out, and the worst, which supports it least."""
 
     claim: Claim
     verdict: str
     details: Sequence[Detail] = ()
-    note: str = ""
+    left_out: Sequence[str] = ()
     worst: Detail | None = None
+
+    @property
+    def note(self) -> str:
+        """Which settings are left out, and why."""
+        if not self.left_out:
+            return ""
+        total = counted(len(self.details) + len(self.left_out), "setting")
+        return (
+            f"Left out, as neither of the two settles before the last tenth of the run: {len(self.left_out)} of "
+            f"{total} ({'; '.join(self.left_out)})."
+        )
 
     @property
     def explanation(self) -> str:
@@ -260,17 +271,10 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
         least = min(low - claim.needed.right[0], claim.needed.right[1] - high)
         return (NO, NEITHER, YES).index(detail.verdict), -math.inf if math.isnan(least) else least
 
-    note = ""
-    if left_out:
-        total = counted(len(details) + len(left_out), "setting")
-        note = (
-            f"Left out, as neither of the two settles before the last tenth of the run: {len(left_out)} of {total} "
-            f"({'; '.join(left_out)})."
-        )
     verdict = verdict_on(details)
     if verdict == UNDECIDED and evidence.trials >= intervals.FEWEST and all(claim.needed.tolerates(d) for d in details):
         verdict = FAILS  # there is no order
-    return Outcome(claim, verdict, details, note, min(details, key=support, default=None))
+    return Outcome(claim, verdict, details, left_out, min(details, key=support, default=None))
 
 
 def verdict_on(details: Sequence[Detail]) -> str:

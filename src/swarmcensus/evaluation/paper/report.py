@@ -51,8 +51,9 @@ def measured(detail: Detail) -> tuple[str, str]:
 
 
 def tally(outcome: Outcome) -> str:
-    """The number of settings by what they say, such as "30 yes, 3 neither"."""
-    return ", ".join(f"{outcome.count(said)} {said}" for said in (YES, NO, NEITHER) if outcome.count(said))
+    """The number of settings by what they say, such as "30 yes, 3 neither, 1 left out"."""
+    numbers = {said: outcome.count(said) for said in (YES, NO, NEITHER)} | {"left out": len(outcome.left_out)}
+    return ", ".join(f"{number} {said}" for said, number in numbers.items() if number)
 
 
 def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], source: str) -> str:
@@ -85,6 +86,7 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], sourc
                 "tolerated": _numbers(outcome.claim.needed.tolerated),
                 "verdict": outcome.verdict,
                 **_values(outcome.worst),
+                "left_out": list(outcome.left_out),
                 "note": outcome.note,
                 "explanation": outcome.explanation,
                 "settings": [
@@ -121,7 +123,7 @@ def show(claims: Sequence[Outcome], console: Console | None = None) -> None:
     table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
     table.add_column("verdict", no_wrap=True)
     table.add_column("claim")
-    table.add_column("worst setting [95 %]", no_wrap=True)
+    table.add_column("worst setting [95 %], needed", no_wrap=True)
     for outcome in claims:
         verdict = outcome.verdict
         if not console.options.ascii_only:
@@ -130,7 +132,7 @@ def show(claims: Sequence[Outcome], console: Console | None = None) -> None:
         if outcome.worst:
             value.append(" ".join(measured(outcome.worst)).strip())
             value.append(f"\n{outcome.claim.needed.words}", "dim")
-            if outcome.verdict != HOLDS or outcome.count(NEITHER):
+            if outcome.verdict != HOLDS or outcome.count(NEITHER) or outcome.left_out:
                 value.append(f"\n{tally(outcome)}")
         about = Text(outcome.claim.title)
         for detail in [detail for detail in outcome.details if detail.verdict == NO and detail.made_of][:EXAMPLES]:

@@ -40,7 +40,7 @@ def done(tmp_path_factory):
 
 
 def outcome(verdict, *details, **changes):
-    return Outcome(dataclasses.replace(CLAIM, **changes), verdict, details, "", details[0] if details else None)
+    return Outcome(dataclasses.replace(CLAIM, **changes), verdict, details, (), details[0] if details else None)
 
 
 def a_page(tmp_path, *outcomes):
@@ -190,7 +190,7 @@ MEASURED = {
     said: Detail("scale-free, f = 0.55, U(0.525,0.975)", 12.34, (11.5, 123.5), said, "1234 and 100") for _, said in SAID
 }
 CHECKED = [
-    Outcome(claim, verdict, (MEASURED[said],) * 44, "", MEASURED[said])
+    Outcome(claim, verdict, (MEASURED[said],) * 44, ("ring",), MEASURED[said])
     for claim, (verdict, said) in zip(PAPER.claims, itertools.cycle(SAID), strict=False)
 ]
 
