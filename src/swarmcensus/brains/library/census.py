@@ -104,7 +104,12 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """The sums without gain, both running means and both noises times v, the own sums, and the mark or a state."""
+    """The message of the readings so far."""
+    return said(me)
+
+
+def said(me):
+    """The sums without gain, both running means and the noise times v, the own sums, and the mark or a state."""
     v = (me.v + me.fresh) / gain(me)
     short, chance = me.short, me.chance
     if me.fresh > 0.0:
@@ -140,7 +145,7 @@ def receive(me, message):
 
 def fuse(me):
     """Average all voices, step beyond the mean, look for a change, and make the estimate."""
-    s, v, short, chance, noise, me.own_s, me.own_v, _ = broadcast(me)
+    s, v, short, chance, noise, me.own_s, me.own_v, _ = said(me)
     look_around(me)
     voices, others_s, others_v = me.heard, me.heard_s, me.heard_v
     if me.marks == BEGUN:
