@@ -70,6 +70,7 @@ MEMORY = {
 MESSAGE = ("s", "v", "product")
 ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v", "heard_product")
+NEEDS = {"robots": 5}  # fewer may stop too early in a small arena whose ground is coarse
 
 
 def stream(me):
