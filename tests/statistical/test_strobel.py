@@ -17,6 +17,7 @@ def test_the_study_is_the_published_experiment():
         assert setting.rounds == 10_000
         body = setting.body
         assert (body.tick, body.speed, body.tile, body.radio_range) == (1, 0.1, 0.1, 0.5)
+        assert (body.straight_mean, body.turn_most) == (40, 4)
         parameters = setting.brain.parameters
         assert setting.rounds // parameters["phase"] == 217
         assert parameters["silent"] == 3

@@ -176,6 +176,13 @@ def walk_of(setting: Setting, given: Inputs, stop: np.ndarray, commands: np.ndar
     )  # fmt: skip
 
 
+def senders_heard(setting: Setting, seed: int, trial: int) -> np.ndarray:
+    """How many robots each one hears (tick, robot) on a walk that no brain steers."""
+    given, stop = inputs_of(setting, seed, trial), np.zeros(1, np.uint8)
+    chunks = walk_of(setting, given, stop, commands_of(setting)).chunks(setting.rounds)
+    return np.concatenate([np.diff(chunk.heard).reshape(-1, setting.robots) for chunk in chunks])
+
+
 @dataclass(frozen=True)
 class Ride:
     """One trial of moving robots in full; arrays (tick, robot), index 0 before the first tick."""

@@ -1,24 +1,25 @@
 """The evaluations that `reproduce` runs: the paper's own, and published results on rivals.
 
-Each is a file next to this one, `paper.toml` and `rivals.toml`. There a claim names the function that measures it, and
-perhaps one that explains why it does not hold and one that writes a note, as a text, or as a table with its arguments.
+Each is a file next to this one, `paper.toml` and `rivals.toml`. There a claim names a function of `measures.py`, what
+this measures (functions of `quantities.py`), the contenders that it compares, and the worlds in which it does.
 """
 
 from __future__ import annotations
 
+import itertools
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from swarmcensus.evaluation.paper import explanations, measures, rival_explanations, rival_measures
-from swarmcensus.evaluation.paper.evidence import Claim, Range
+from swarmcensus.evaluation.paper import measures, quantities
+from swarmcensus.evaluation.paper.evidence import Claim, Needed
+from swarmcensus.evaluation.paper.quantities import Contender
 from swarmcensus.results import finished, places_with
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
@@ -26,8 +27,6 @@ from swarmcensus.support.intervals import FEWEST
 
 if TYPE_CHECKING:
     from swarmcensus.figures import Scale
-
-INFINITE = float("inf")
 
 
 @dataclass(frozen=True)
@@ -95,14 +94,22 @@ def evaluation(name: str) -> Evaluation:
     return EVALUATIONS[name]
 
 
-def _read(name: str, measuring: ModuleType, explaining: ModuleType) -> Evaluation:
-    """The evaluation of a file; its claims name functions of the two modules."""
+def _read(name: str) -> Evaluation:
+    """The evaluation of a file."""
     known = tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text(encoding="utf-8"))
     dots = known.pop("dots", "")
-    contenders = {one: (where.pop("study"), where) for one, where in known.pop("contenders", {}).items()}
+    contenders = {
+        each: Contender(each, where.pop("study"), where, bool(where.pop("local", False)))
+        for each, where in known.pop("contenders").items()
+    }
+    worlds = known.pop("worlds", {})
     figures = tuple(_figure(table, dots) for table in known.pop("figures", ()))
-    claims = tuple(_claim(table, contenders, measuring, explaining) for table in known.pop("claims"))
-    return Evaluation(name, figures=figures, claims=claims, **known)
+    claims: dict[str, Claim] = {}
+    for table in known.pop("claims"):
+        like = claims.get(table.pop("like", ""))
+        same = {"sentence": like.sentence, "section": like.section} if like else {}
+        claims[table["id"]] = _claim(same | table, contenders, worlds)
+    return Evaluation(name, figures=figures, claims=tuple(claims.values()), **known)
 
 
 def _figure(table: Mapping[str, Any], dots: str) -> PaperFigure:
@@ -110,48 +117,43 @@ def _figure(table: Mapping[str, Any], dots: str) -> PaperFigure:
     return PaperFigure(views=tuple(View(**panel) for panel in given.pop("panels")), **given)
 
 
-def _claim(
-    table: Mapping[str, Any],
-    contenders: Mapping[str, tuple[str, Mapping[str, Any]]],
-    measuring: ModuleType,
-    explaining: ModuleType,
-) -> Claim:
-    """A claim; its studies are those that it names, and those of its contenders."""
-    given = {"right": _range_of(table["threshold"])} | dict(table)
-    measure = dict(given["measure"]) if isinstance(given["measure"], dict) else {"name": given["measure"]}
-    studies = list(given.get("studies", ()))
-    for key, value in measure.items():
-        if key in ("first", "second"):
-            measure[key] = contenders[value]
-            studies.append(measure[key][0])
-        elif key in ("others", "contenders"):
-            measure[key] = [contenders[name] for name in value]
-            studies += [study for study, _ in measure[key]]
-        elif key == "of" and contenders:
-            measure[key] = getattr(measuring, value)
-    made = {"measure": _function(measuring, measure), "right": tuple(given["right"])}
-    for key, module in (("note", measuring), ("explanation", explaining)):
-        made |= {key: _function(module, given[key])} if key in given else {}
-    return Claim(**given | made | {"studies": tuple(dict.fromkeys(studies))})
+def _claim(table: Mapping[str, Any], contenders: Mapping[str, Contender], worlds: Mapping[str, Any]) -> Claim:
+    """A claim; its studies are those of its contenders."""
+    given = dict(table)
+    studies: dict[str, None] = {}
+    parts = []
+    for part in _several(given.pop("measure")):
+        measure = dict(part)
+        for key, value in measure.items():
+            if key in ("first", "others", "contenders"):
+                measure[key] = [contenders[name] for name in _several(value)]
+                studies |= dict.fromkeys(contender.study for contender in measure[key])
+            elif key == "of":
+                measure[key] = [getattr(quantities, name) for name in _several(value)]
+            elif key == "worlds":
+                measure[key] = _worlds(_several(value), worlds)
+            elif key == "accuracies":
+                measure[key] = worlds[value]["accuracy"]
+        parts.append(partial(getattr(measures, measure.pop("name")), **measure))
+    needed = Needed.of(given.pop("threshold"), given.pop("right", ()))
+    return Claim(needed=needed, measures=tuple(parts), studies=tuple(studies), **given)
 
 
-def _function(module: ModuleType, wanted: str | Mapping[str, Any]) -> Callable[..., Any]:
-    """A function of a module by its name, or by a table of its name and arguments."""
-    given = {"name": wanted} if isinstance(wanted, str) else dict(wanted)
-    function: Callable[..., Any] = getattr(module, given.pop("name"))
-    return partial(function, **given) if given else function
+def _several(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
 
 
-def _range_of(threshold: str) -> Range | None:
-    """The range that words such as "below 0.05" and "within 0.8 to 1.25" mean; None for other words."""
-    if found := re.fullmatch(r"within (\S+) to (\S+)", threshold):
-        return float(found[1]), float(found[2])
-    if found := re.match(r"(below|above) (-?\d\S*)", threshold):
-        end = float(found[2])
-        return (-INFINITE, end) if found[1] == "below" else (end, INFINITE)
-    return None
+def _worlds(wanted: Sequence[str | Mapping[str, Any]], known: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The worlds of tables, one after another, or of names, combined."""
+    tables = [each for each in wanted if not isinstance(each, str)]
+    names = [known[each] for each in wanted if isinstance(each, str)]
+    worlds = []
+    for axes in tables or [{key: value for table in names for key, value in table.items()}]:
+        values = [_several(value) for value in axes.values()]
+        worlds += [dict(zip(axes, world, strict=True)) for world in itertools.product(*values)]
+    return worlds
 
 
-PAPER = _read("paper", measures, explanations)
-RIVALS = _read("rivals", rival_measures, rival_explanations)
+PAPER = _read("paper")
+RIVALS = _read("rivals")
 EVALUATIONS = {each.name: each for each in (PAPER, RIVALS)}

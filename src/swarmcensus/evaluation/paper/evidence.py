@@ -1,10 +1,11 @@
-"""How claims are judged: statistics of settings, bootstrapped over trials, and the rule of verdicts."""
+"""How claims are judged: statistics of settings, bootstrapped over trials, margins, and the rule of verdicts."""
 
-import contextlib
+import itertools
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,32 +16,92 @@ from swarmcensus.support import intervals
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 
-YES, NO, OPEN = "yes", "no", "undecided"  # of one setting
-HOLDS, FAILS, UNDECIDED, UNMEASURED = "holds", "does not hold", "not decided", "not measured"
+MARGIN = 0.05  # of every ordering: what differs by less, as a ratio or a share, speaks neither for it nor against it
+MUCH = 1.25  # a ratio of "much" more; what lies between it and its inverse is alike
+NO_DIFFERENCE = {"less": 1.0, "more": 1.0, "lower": 0.0, "higher": 0.0}  # of ratios and of differences
+LATE = 0.9  # of a run: a swarm that settles only then may not have settled at all
+YES, NO, NEITHER = "yes", "no", "neither"  # what one setting says
+HOLDS, PARTLY, FAILS = "holds", "holds in part", "does not hold"
+UNDECIDED, UNMEASURED = "not decided", "not measured"
+VERDICTS = (FAILS, PARTLY, UNDECIDED, UNMEASURED, HOLDS)
+INFINITE = math.inf
 Range = tuple[float, float]
-BELOW_ZERO, BELOW_ONE, ABOVE_ONE = (-math.inf, 0.0), (-math.inf, 1.0), (1.0, math.inf)
+Where = Mapping[str, Any]
 
 
 class Missing(LookupError):
     """The datasets lack settings or trials that a claim needs."""
 
 
+class Needed(NamedTuple):
+    """The numbers that speak for a claim (`right`), those outside of which speak against it, and both as text.
+
+    The ranges differ for orderings, by the margin on both sides of no difference.
+    """
+
+    words: str
+    right: Range
+    tolerated: Range
+
+    @classmethod
+    def of(cls, threshold: str, right: Sequence[float] = ()) -> "Needed":
+        """The ranges of an ordering, of "below 0.05" and the like, or of other words with the range `right`."""
+        if threshold in NO_DIFFERENCE:
+            below, above = NO_DIFFERENCE[threshold] - MARGIN, NO_DIFFERENCE[threshold] + MARGIN
+            if threshold in ("less", "lower"):
+                return cls(f"below {below:g}, not above {above:g}", (-INFINITE, below), (-INFINITE, above))
+            return cls(f"above {above:g}, not below {below:g}", (above, INFINITE), (below, INFINITE))
+        plain = {
+            "much less": f"below {1 / MUCH:g}",
+            "much more": f"above {MUCH:g}",
+            "alike": f"within {1 / MUCH:g} to {MUCH:g}",
+        }
+        words = plain.get(threshold, threshold)
+        if found := re.fullmatch(r"within (\S+) to (\S+)", words):
+            right = float(found[1]), float(found[2])
+        elif found := re.match(r"(below|above) (-?\d\S*)", words):
+            end = float(found[2])
+            right = (-INFINITE, end) if found[1] == "below" else (end, INFINITE)
+        low, high = right
+        return cls(words, (low, high), (low, high))
+
+    def tolerates(self, detail: "Detail") -> bool:
+        """Whether all of a setting's interval is tolerated."""
+        low, high = detail.interval or (detail.value, detail.value)
+        return self.tolerated[0] <= low and high <= self.tolerated[1]
+
+
 @dataclass(frozen=True)
 class Detail:
-    """A claim in one setting: the measured value, its 95 % interval (None: exact) and the verdict."""
+    """A claim in one setting: the measured value, its 95 % interval (None: exact) and what it says.
+
+    `made_of` has the numbers behind the value as text.
+    """
 
     setting: str
     value: float
     interval: Range | None
     verdict: str
+    made_of: str = ""
+
+
+class Found(NamedTuple):
+    """A statistic in one setting: of the sample, then of each resample; only the first if it is exact.
+
+    None stands for two swarms of which neither has settled.
+    """
+
+    setting: str
+    statistic: Floats | None
+    made_of: str = ""
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of the paper and how it is checked. `sentence` is quoted word for word, with formulas as plain text.
+    """A published sentence and how it is checked. A quoted `sentence` is whole, with formulas as plain text.
 
-    `right` is the range in which the statistic confirms the sentence, and `threshold` says so in words. `measure`
-    yields one detail per setting and raises Missing if data are missing. `studies` are the studies that it needs.
+    Each of `measures` yields what it finds in each setting and raises Missing if data are missing; `studies` are those
+    that they need. The `explanation` is printed unless the claim holds.
     """
 
     id: str
@@ -48,32 +109,40 @@ class Claim:
     sentence: str
     section: str
     statistic: str
-    threshold: str
-    right: Range
-    measure: Callable[["Evidence", Range], Iterable[Detail]]
+    needed: Needed
+    measures: tuple[Callable[["Evidence"], Iterable[Found | Detail]], ...]
     studies: tuple[str, ...] = ()
-    note: Callable[["Evidence"], str] = lambda _: ""  # a further remark on the data
-    explanation: Callable[["Evidence", Sequence[Detail]], str] = lambda *_: ""  # why the claim fails
+    explanation: str = ""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A claim as measured: its verdict, the details, and the worst of them, which supports it least."""
+    """A claim as measured: its verdict, the details, settings left out, and the worst, which supports it least."""
 
     claim: Claim
     verdict: str
     details: Sequence[Detail] = ()
-    note: str = ""
-    worst: Detail | None = field(default=None)
-    explanation: str = ""
+    left_out: Sequence[str] = ()
+    worst: Detail | None = None
 
     @property
-    def holds(self) -> bool | None:
-        """True, False, or None where it was not decided or not measured."""
-        return {HOLDS: True, FAILS: False}.get(self.verdict)
+    def note(self) -> str:
+        """Which settings are left out, and why."""
+        if not self.left_out:
+            return ""
+        total = counted(len(self.details) + len(self.left_out), "setting")
+        return (
+            f"Left out, as neither of the two settles before the last tenth of the run: {len(self.left_out)} of "
+            f"{total} ({'; '.join(self.left_out)})."
+        )
+
+    @property
+    def explanation(self) -> str:
+        """What is to be said of a claim that does not hold, or only in part."""
+        return self.claim.explanation if self.verdict in (FAILS, PARTLY) else ""
 
     def count(self, verdict: str) -> int:
-        """How many settings say YES, NO or OPEN."""
+        """How many settings say YES, NO or NEITHER."""
         return sum(d.verdict == verdict for d in self.details)
 
 
@@ -92,12 +161,17 @@ class Evidence:
         self.counts = intervals.resample(max(self.trials, 1), resamples)
         self._medians: dict[object, Floats] = {}
 
-    def setting(self, study: str, **where: object) -> xr.Dataset:
+    def setting(self, study: str, where: Where) -> xr.Dataset:
         """The one setting with these coordinates, with the trials in use. Raises Missing if there is none."""
         data, place = self._find(study, where)
         return data.isel(setting=place, trial=slice(self.trials))
 
-    def column(self, study: str, variable: str, **where: object) -> Floats:
+    def number(self, study: str, coordinate: str, where: Where) -> float:
+        """A coordinate of one setting, such as its `rounds`. Raises Missing."""
+        data, place = self._find(study, where)
+        return float(data[coordinate].values[place])
+
+    def column(self, study: str, variable: str, where: Where) -> Floats:
         """A variable of one setting as it is recorded, (trial,), (trial, robot) or (trial, checkpoint)."""
         data, place = self._find(study, where)
         if variable not in data:
@@ -106,7 +180,7 @@ class Evidence:
         values = np.asarray(column.transpose("trial", ...).values, float)
         return values[:, : int(robots_in(data).values[place])] if "robot" in column.dims else values
 
-    def _find(self, study: str, where: Mapping[str, object]) -> tuple[xr.Dataset, int]:
+    def _find(self, study: str, where: Where) -> tuple[xr.Dataset, int]:
         data = self.datasets.get(study)
         if data is None or not all(name in data for name in where):
             raise Missing(f"{study}: {where}")
@@ -115,18 +189,18 @@ class Evidence:
             raise Missing(f"{study}: {places.size} settings with {where}")
         return data, int(places[0])
 
-    def values(self, study: str, variable: str, **where: object) -> Floats:
+    def values(self, study: str, variable: str, where: Where) -> Floats:
         """`column` of a variable that is never negative. Raises Missing if it or one of its trials is missing."""
-        values = self.column(study, variable, **where)
+        values = self.column(study, variable, where)
         if not (values >= 0).all():  # -1 and NaN mark trials that were not run
             raise Missing(f"{study}: trials with {where}")
         return values
 
-    def median(self, study: str, variable: str, **where: object) -> Floats:
+    def median(self, study: str, variable: str, where: Where) -> Floats:
         """The median over robots and trials of one setting: of the sample, then of each resample. Raises Missing."""
         key = study, variable, *sorted(where.items())
         if key not in self._medians:
-            self._medians[key] = intervals.medians(self.values(study, variable, **where), self.counts)
+            self._medians[key] = intervals.medians(self.values(study, variable, where), self.counts)
         return self._medians[key]
 
     def mean(self, by_trial: Floats) -> Floats:
@@ -135,21 +209,30 @@ class Evidence:
 
     def share(self, hits: NDArray[Any], tries: NDArray[Any]) -> Floats:
         """All hits divided by all tries, both (trial,): of the sample, then of each resample; NaN without tries."""
-        all_hits, all_tries = self.counts @ np.asarray(hits, float), self.counts @ np.asarray(tries, float)
-        shares = np.full(all_tries.shape, np.nan)
-        np.divide(all_hits, all_tries, out=shares, where=all_tries > 0)
-        return shares
+        return ratio(self.counts @ np.asarray(hits, float), self.counts @ np.asarray(tries, float))
 
-    def judge(self, setting: str, statistic: Floats, right: Range) -> Detail:
-        """The verdict is yes if the interval lies within `right`, and no if it lies outside on one side."""
-        value, low, high = intervals.interval(statistic)
-        verdict = OPEN
-        if self.trials >= intervals.FEWEST:
-            if right[0] < low and high < right[1]:
-                verdict = YES
-            elif high < right[0] or low > right[1]:
-                verdict = NO
-        return Detail(setting, value, (low, high), verdict)
+    def judge(self, found: Found, needed: Needed) -> Detail:
+        """What a setting says: yes if its interval is in the right range, no if it is outside what is tolerated."""
+        setting, statistic, made_of = found
+        assert statistic is not None
+        if statistic.size == 1:
+            value = low = high = float(statistic[0])
+        else:
+            value, low, high = intervals.interval(statistic)
+        says = NEITHER
+        if statistic.size == 1 or self.trials >= intervals.FEWEST:
+            if needed.right[0] <= low and high <= needed.right[1]:
+                says = YES
+            elif high < needed.tolerated[0] or low > needed.tolerated[1]:
+                says = NO
+        return Detail(setting, value, None if statistic.size == 1 else (low, high), says, made_of)
+
+
+def ratio(above: Floats, below: Floats) -> Floats:
+    """The quotient; NaN where the divisor is 0, so that such a setting decides nothing."""
+    quotient = np.full(above.shape, np.nan)
+    np.divide(above, below, out=quotient, where=below != 0)
+    return quotient
 
 
 def check(datasets: Mapping[str, xr.Dataset], claims: Iterable[Claim]) -> list[Outcome]:
@@ -169,24 +252,41 @@ def common_trials(datasets: Mapping[str, xr.Dataset], studies: Iterable[str]) ->
 
 
 def outcome(claim: Claim, evidence: Evidence) -> Outcome:
-    """Check one claim: it holds if all settings say yes, and does not hold if at least one says no."""
+    """Check one claim. Swarms of which neither has settled are left out: their K are in no order."""
+    details: list[Detail] = []
+    left_out = []
     try:
-        details = tuple(claim.measure(evidence, claim.right))
-        note = claim.note(evidence)
+        for found in itertools.chain.from_iterable(measure(evidence) for measure in claim.measures):
+            if isinstance(found, Detail):
+                details.append(found)
+            elif found.statistic is None:
+                left_out.append(found.setting)
+            else:
+                details.append(evidence.judge(found, claim.needed))
     except Missing:
         return Outcome(claim, UNMEASURED)
-    verdicts = {d.verdict for d in details}
-    explanation = ""
-    with contextlib.suppress(Missing):  # a reason may need more data than the verdict does
-        explanation = claim.explanation(evidence, details) if NO in verdicts else ""
-    undecided = f"{UNDECIDED} by {counted(evidence.trials, 'trial')}"
-    verdict = FAILS if NO in verdicts else undecided if OPEN in verdicts else HOLDS
 
-    def margin(detail: Detail) -> float:
+    def support(detail: Detail) -> tuple[int, float]:
         low, high = detail.interval or (detail.value, detail.value)
-        least = min(low - claim.right[0], claim.right[1] - high)
-        return -math.inf if math.isnan(least) else least
+        least = min(low - claim.needed.right[0], claim.needed.right[1] - high)
+        return (NO, NEITHER, YES).index(detail.verdict), -math.inf if math.isnan(least) else least
 
-    order = (NO, OPEN, YES)
-    worst = min(details, key=lambda d: (order.index(d.verdict), margin(d)))
-    return Outcome(claim, verdict, details, note, worst, explanation)
+    verdict = verdict_on(details)
+    if verdict == UNDECIDED and evidence.trials >= intervals.FEWEST and all(claim.needed.tolerates(d) for d in details):
+        verdict = FAILS  # there is no order
+    return Outcome(claim, verdict, details, left_out, min(details, key=support, default=None))
+
+
+def verdict_on(details: Sequence[Detail]) -> str:
+    """A claim holds if most settings speak for it and none against it.
+
+    It does not hold if none speaks for it or most against it, and otherwise holds in part. Nothing is decided if no
+    setting speaks either way.
+    """
+    said = [detail.verdict for detail in details]
+    half = len(said) / 2
+    if YES not in said and NO not in said:
+        return UNDECIDED
+    if NO not in said and said.count(YES) > half:
+        return HOLDS
+    return FAILS if YES not in said or said.count(NO) > half else PARTLY

@@ -1,256 +1,212 @@
-"""How each claim of the paper is measured: a function that yields one detail per setting, or a note on the data.
-
-Unless a name says otherwise, R = 10 and C = 1,000 on fixed networks, with 100 robots; 25 robots move for 10,000 ticks,
-and K counts ticks. Swarms that move at the same density share their trajectories in each trial, so that the joint
-bootstrap of trials compares them as pairs.
-"""
+"""How claims are measured: a statistic of each setting, and its comparison between settings."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.checks import minimalism
-from swarmcensus.evaluation.paper.evidence import ABOVE_ONE, BELOW_ZERO, NO, OPEN, YES, Detail, Evidence, Range
+from swarmcensus.evaluation.paper.evidence import NEITHER, NO, YES, Detail, Evidence, Found, Where, ratio
+from swarmcensus.evaluation.paper.quantities import (
+    Contender,
+    consensus_time,
+    convergence,
+    end_of,
+    error,
+    right_robots,
+    rounds,
+    unsettled,
+    wrong_share,
+)
 from swarmcensus.support import intervals
+from swarmcensus.support.formatting import counted
 from swarmcensus.support.intervals import Floats
 
-NUMBERS = tuple(f"{0.525 + 0.05 * i:.3f}" for i in range(10))  # the homogeneous swarms' accuracies
-MIXED = "U(0.525,0.975)"
-ALL = (*NUMBERS, MIXED)
-FILLS = (0.55, 0.95)
-GRID = tuple(itertools.product(FILLS, ALL))
-SPARSE = ("ring", "line", "scale-free")
-TOPOLOGIES = ("full", *SPARSE)
-K, ERROR = "convergence_round", "convergence_error"
-BOTH = ((K, "convergence"), (ERROR, "error"))
-IMPAIRED = "0.625"
-WORST = NUMBERS[:4]  # b = w up to 0.675
+Statistic = Callable[[Evidence, Contender, Where], Floats]
+Contenders = Sequence[Contender]
+Statistics = Sequence[Statistic]
+Worlds = Sequence[Where]
 PAPER_TRIALS = 30
-D1, D10 = "D = 1", "D = 10"
-# The study of each swarm, and the coordinates that select its settings there. At the last two R = 1.
-SWARMS: dict[str, tuple[str, dict[str, object]]] = {
-    **{topology: ("topologies", {"topology": topology, "robots": 100}) for topology in TOPOLOGIES},
-    D1: ("moving", {"density": 1.0, "robots": 25}),
-    D10: ("moving", {"density": 10.0, "robots": 25}),
-    "same-observations": ("same-observations", {"topology": "scale-free"}),
-    "same-rounds": ("same-rounds", {"topology": "scale-free"}),
-}
+TITLES = {"fill_ratio": "f", "robots": "N"}
 
 
-def at(evidence: Evidence, name: str, swarm: str, fill: float, accuracy: str) -> Floats:
-    """The median of a variable over robots and trials in one setting of a swarm of `SWARMS`."""
-    study, where = SWARMS[swarm]
-    return evidence.median(study, name, accuracy=accuracy, fill_ratio=fill, **where)
+def compared(
+    evidence: Evidence,
+    of: Statistics,
+    first: Contenders,
+    others: Contenders,
+    worlds: Worlds,
+    how: Callable[[Floats, Floats], Floats],
+) -> Iterator[Found]:
+    """Statistics of the first contenders compared with those of each other one, in each world."""
+    for statistic, one, other, world in itertools.product(of, first, others, worlds):
+        names = [label(statistic)] * (len(of) > 1) + [f"{one.name} / {other.name}", world_label(world)]
+        yield _both(evidence, statistic, ", ".join(names), (one, world), (other, world), how)
 
 
-def alone(evidence: Evidence, name: str, accuracy: str) -> Floats:
-    """The median of a variable of the local estimate at f = 0.55, as in the paper's Fig. 2a, without a network."""
-    return evidence.median("local", name, robots=100, accuracy=accuracy, fill_ratio=0.55)
+ratios = partial(compared, how=ratio)
+differences = partial(compared, how=np.subtract)
 
 
-def right_robots(evidence: Evidence, swarm: str, fill: float, accuracy: str) -> Floats:
-    """The share of robots in the right bin, (trial, checkpoint)."""
-    study, where = SWARMS[swarm]
-    return evidence.values(study, "correct", accuracy=accuracy, fill_ratio=fill, **where)
+def changes(
+    evidence: Evidence, of: Statistics, contenders: Contenders, before: Where, after: Where, worlds: Worlds = ({},)
+) -> Iterator[Found]:
+    """Statistics in one part of each world divided by those in another part of it."""
+    for statistic, contender, world in itertools.product(of, contenders, worlds):
+        names = [label(statistic)] * (len(of) > 1) + [contender.name] + [world_label(world)] * bool(world)
+        names.append(f"{world_label(after)} / {world_label(before)}")
+        pair = (contender, {**world, **after}), (contender, {**world, **before})
+        yield _both(evidence, statistic, ", ".join(names), *pair, ratio)
 
 
-def ratio(above: Floats, below: Floats) -> Floats:
-    """The quotient; NaN where the divisor is 0, so that such a setting decides nothing."""
-    quotient = np.full(above.shape, np.nan)
-    np.divide(above, below, out=quotient, where=below != 0)
-    return quotient
+def _both(
+    evidence: Evidence,
+    statistic: Statistic,
+    name: str,
+    one: tuple[Contender, Where],
+    other: tuple[Contender, Where],
+    how: Callable[[Floats, Floats], Floats],
+) -> Found:
+    """Two settings compared; nothing where neither has settled."""
+    if statistic in (convergence, rounds) and all(unsettled(evidence, *setting) for setting in (one, other)):
+        return Found(name, None)
+    above, below = statistic(evidence, *one), statistic(evidence, *other)
+    return Found(name, how(above, below), _pair(above, below))
 
 
-def errors(
-    evidence: Evidence, right: Range, swarms: Sequence[str], fills: Sequence[float], accuracies: Sequence[str] = ALL
-) -> Iterator[Detail]:
-    """Median errors. Settings are named by what differs between them."""
-    for swarm, accuracy, fill in itertools.product(swarms, accuracies, fills):
-        parts = [swarm, *[accuracy] * (len(accuracies) > 1), *[f"f = {fill}"] * (len(fills) > 1)]
-        yield evidence.judge(", ".join(parts), at(evidence, ERROR, swarm, fill, accuracy), right)
+def numbers(evidence: Evidence, of: Statistics, contenders: Contenders, worlds: Worlds = ({},)) -> Iterator[Found]:
+    """Statistics of each contender by itself."""
+    for statistic, contender, world in itertools.product(of, contenders, worlds):
+        names = [contender.name] + [world_label(world)] * bool(world)
+        yield Found(", ".join(names), statistic(evidence, contender, world))
 
 
-def full_agrees(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The largest spread of final estimates within a fully connected trial: exact, without an interval."""
-    for robots, (f, accuracy) in itertools.product((10, 100), GRID):
-        final = evidence.values(
-            "topologies", "final_estimate", topology="full", robots=robots, accuracy=accuracy, fill_ratio=f
-        )
-        spread = float(np.ptp(final, axis=1).max())
-        yield Detail(f"N = {robots}, {accuracy}, f = {f}", spread, None, YES if spread < right[1] else NO)
-
-
-def full_first(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """K of the fully connected network divided by K of each other topology."""
-    for topology, (f, accuracy) in itertools.product(SPARSE, GRID):
-        faster = ratio(at(evidence, K, "full", f, accuracy), at(evidence, K, topology, f, accuracy))
-        yield evidence.judge(f"full / {topology}, {accuracy}, f = {f}", faster, right)
-
-
-def swarm_ratios(evidence: Evidence, right: Range, of: Sequence[str], above: str, below: str) -> Iterator[Detail]:
-    """Medians of one swarm divided by those of another. Where there are several, each is named."""
-    for name, (f, accuracy) in itertools.product(of, GRID):
-        both = ratio(at(evidence, name, above, f, accuracy), at(evidence, name, below, f, accuracy))
-        yield evidence.judge(f"{dict(BOTH)[name]}, " * (len(of) > 1) + f"{accuracy}, f = {f}", both, right)
-
-
-def informed_first(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """K of the informed estimate divided by K of the local one, both in observations."""
-    for topology, accuracy in itertools.product(TOPOLOGIES, ALL):
-        together = 10 * at(evidence, K, topology, 0.55, accuracy)
-        faster = ratio(together, alone(evidence, "local_convergence_step", accuracy))
-        yield evidence.judge(f"{topology}, {accuracy}", faster, right)
-
-
-def helps_poor(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The gain in median error by communication: its mean over the five poorer sensors minus that over the better."""
-    for topology in TOPOLOGIES:
-        gains = np.array([
-            alone(evidence, "local_convergence_error", accuracy) - at(evidence, ERROR, topology, 0.55, accuracy)
-            for accuracy in NUMBERS
-        ])  # fmt: skip
-        yield evidence.judge(topology, gains[:5].mean(0) - gains[5:].mean(0), right)
-
-
-def grows(evidence: Evidence, right: Range, swarms: Sequence[str]) -> Iterator[Detail]:
-    """Kendall's rank correlation of accuracy with median K and with median error.
-
-    It is -1 if each better sensor has a smaller median.
-    """
-    first, second = np.triu_indices(len(NUMBERS), 1)
-    for (name, what), swarm, f in itertools.product(BOTH, swarms, FILLS):
-        medians = np.array([at(evidence, name, swarm, f, accuracy) for accuracy in NUMBERS])
-        tau = np.sign(medians[second] - medians[first]).mean(0)
-        yield evidence.judge(f"{what}, {swarm}, f = {f}", np.asarray(tau), right)
-
-
-def steps_back(evidence: Evidence, swarms: Sequence[str]) -> str:
-    """A note on the single steps of accuracy that make a swarm slower, with the whole interval of the ratio above 1."""
-    steps = list(itertools.product(swarms, FILLS, itertools.pairwise(NUMBERS)))
-    back = []
-    for swarm, f, (worse, better) in steps:
-        slower = ratio(at(evidence, K, swarm, f, better), at(evidence, K, swarm, f, worse))
-        if evidence.judge("", slower, ABOVE_ONE).verdict == YES:
-            back.append(f"{swarm}, f = {f}, {worse} to {better}")
-    if not back:
-        return f"Of {len(steps)} single steps of accuracy, none slows a swarm beyond doubt."
-    return f"Of {len(steps)} single steps of accuracy, {len(back)} slow the swarm: {'; '.join(back)}."
-
-
-def mixed_like_middle(evidence: Evidence, right: Range, fill: float) -> Iterator[Detail]:
-    """The heterogeneous swarm divided by the geometric mean of b = w = 0.725 and 0.775, which stands for 0.75."""
-    for (name, what), topology in itertools.product(BOTH, TOPOLOGIES):
-        below, above = (at(evidence, name, topology, fill, accuracy) for accuracy in ("0.725", "0.775"))
-        both = ratio(at(evidence, name, topology, fill, MIXED), np.sqrt(below * above))
-        yield evidence.judge(f"{what}, {topology}", both, right)
-
-
-def blacker(evidence: Evidence, right: Range, swarms: Sequence[str], of: str = K) -> Iterator[Detail]:
-    """A median at f = 0.95 divided by that at f = 0.55."""
-    for swarm, accuracy in itertools.product(swarms, ALL):
-        both = ratio(at(evidence, of, swarm, 0.95, accuracy), at(evidence, of, swarm, 0.55, accuracy))
-        yield evidence.judge(f"{swarm}, {accuracy}", both, right)
-
-
-def same_observations(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """R = 1 divided by R = 10 for the same number of observations: K in observations, and error."""
-    for (name, what), (f, accuracy) in itertools.product(BOTH, GRID):
-        seldom = (10 if name == K else 1) * at(evidence, name, "scale-free", f, accuracy)
-        often = at(evidence, name, "same-observations", f, accuracy)
-        yield evidence.judge(f"{what}, {accuracy}, f = {f}", ratio(often, seldom), right)
-
-
-def consensus(evidence: Evidence, right: Range, swarm: str) -> Iterator[Detail]:
-    """The share of trials in which all robots are right at the end."""
-    for f, accuracy in itertools.product(FILLS, NUMBERS[3:]):
-        yield unanimous(f"{accuracy}, f = {f}", right_robots(evidence, swarm, f, accuracy), right)
-
-
-def mixed_consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The share of trials in which all robots of the heterogeneous swarm that moves are right at the end."""
-    for f in FILLS:
-        yield unanimous(f"f = {f}", right_robots(evidence, D1, f, MIXED), right)
-
-
-def unanimous(setting: str, robots: Floats, right: Range) -> Detail:
+def unanimous(evidence: Evidence, contenders: Contenders, worlds: Worlds) -> Iterator[Detail]:
     """The share of trials in which all robots are right at the last checkpoint, with Wilson's interval.
 
-    `robots` is the share of right robots (trial, checkpoint). The verdict is no if one robot in one trial is wrong, and
-    yes if all are right in at least as many trials as the paper ran.
+    A setting says no if one robot in one trial is wrong, and yes if all are right in at least as many trials as the
+    paper ran. In the first case it says how likely the paper's observation is at the measured rate.
     """
-    trials = len(robots)
-    share, low, high = intervals.share_interval(int((robots[:, -1] == 1).sum()), trials)
-    return Detail(setting, share, (low, high), NO if share < right[0] else YES if trials >= PAPER_TRIALS else OPEN)
+    for contender, world in itertools.product(contenders, worlds):
+        study, where = contender.within(world)
+        right = evidence.values(study, "correct", where)[:, -1]
+        trials, hits = len(right), int((right == 1).sum())
+        share, low, high = intervals.share_interval(hits, trials)
+        says = NO if hits < trials else YES if trials >= PAPER_TRIALS else NEITHER
+        wrong = round((1 - right).sum() * evidence.number(study, "robots", where))
+        about = (
+            f"{counted(wrong, 'robot')} wrong; at this rate the paper's {PAPER_TRIALS} trials are all right with a "
+            f"probability of {100 * share**PAPER_TRIALS:.0f} %"
+        )
+        yield Detail(f"{contender.name}, {world_label(world)}", share, (low, high), says, about if says == NO else "")
 
 
-def sooner_right(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Share of wrong robots on ring and line minus that on scale-free, over all checkpoints and accuracies."""
-    for topology, f in itertools.product(("ring", "line"), FILLS):
-        more = [
-            right_robots(evidence, topology, f, accuracy) - right_robots(evidence, "scale-free", f, accuracy)
-            for accuracy in NUMBERS[3:]
+def ranks(
+    evidence: Evidence, of: Statistics, contenders: Contenders, accuracies: Sequence[str], worlds: Worlds
+) -> Iterator[Found]:
+    """Kendall's rank correlation of accuracy with medians: -1 if each better sensor has a smaller median.
+
+    Swarms that have not settled count as equal.
+    """
+    first, second = np.triu_indices(len(accuracies), 1)
+    for statistic, contender, world in itertools.product(of, contenders, worlds):
+        settings = [{**world, "accuracy": accuracy} for accuracy in accuracies]
+        medians = np.array([statistic(evidence, contender, setting) for setting in settings])
+        if statistic is convergence:
+            medians = np.minimum(medians, end_of(evidence, contender, settings[0]))
+        tau = np.sign(medians[second] - medians[first]).mean(0)
+        yield Found(f"{label(statistic)}, {contender.name}, {world_label(world)}", np.asarray(tau))
+
+
+def gains(
+    evidence: Evidence, contenders: Contenders, others: Contenders, accuracies: Sequence[str], worlds: Worlds
+) -> Iterator[Found]:
+    """The gain in median error by communication of the poorer half of sensors minus that of the better half.
+
+    It is a share of the mean error of robots alone.
+    """
+    half = len(accuracies) // 2
+    for contender, world in itertools.product(contenders, worlds):
+        by_itself, together = (
+            np.array([error(evidence, who, {**world, "accuracy": accuracy}) for accuracy in accuracies])
+            for who in (others[0], contender)
+        )
+        saved = by_itself - together
+        gain = ratio(saved[:half].mean(0) - saved[half:].mean(0), by_itself.mean(0))
+        yield Found(f"{contender.name}, {world_label(world)}", gain)
+
+
+def between(
+    evidence: Evidence, of: Statistics, contenders: Contenders, accuracy: str, middle: Sequence[str], worlds: Worlds
+) -> Iterator[Found]:
+    """Medians at one accuracy divided by the geometric mean of those at the accuracies on both sides of the middle."""
+    for statistic, contender, world in itertools.product(of, contenders, worlds):
+        one, below, above = (statistic(evidence, contender, {**world, "accuracy": a}) for a in (accuracy, *middle))
+        name = f"{label(statistic)}, {contender.name}, {world_label(world)}"
+        yield Found(name, ratio(one, np.sqrt(below * above)))
+
+
+def sooner_right(
+    evidence: Evidence, first: Contenders, others: Contenders, accuracies: Sequence[str], worlds: Worlds
+) -> Iterator[Found]:
+    """The share of wrong robots over all checkpoints and accuracies, divided by that of another contender."""
+    for one, other, world in itertools.product(first, others, worlds):
+        above, below = (
+            np.mean([wrong_share(evidence, who, {**world, "accuracy": accuracy}) for accuracy in accuracies], axis=0)
+            for who in (one, other)
+        )
+        name = f"{one.name} / {other.name}, {world_label(world)}"
+        yield Found(name, ratio(above, below), _pair(above, below))
+
+
+def spared(evidence: Evidence, first: Contenders, others: Contenders, worlds: Worlds, liars: int) -> Iterator[Found]:
+    """The share of right robots that `liars` liars cost another contender, minus what they cost the first."""
+    for one, other, world in itertools.product(first, others, worlds):
+        lost = [
+            right_robots(evidence, who, {**world, "liars": 0}) - right_robots(evidence, who, {**world, "liars": liars})
+            for who in (one, other)
         ]
-        yield evidence.judge(f"{topology}, f = {f}", evidence.mean(-np.mean(more, axis=(0, 2))), right)
+        yield Found(world_label(world), lost[1] - lost[0], _pair(lost[1], lost[0]))
 
 
-def mixed_sooner(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Share of wrong robots in the heterogeneous swarm minus that in the worst swarm that it is compared with."""
-    for f in FILLS:
-        yield evidence.judge(f"f = {f}", np.min([_less_wrong(evidence, f, a) for a in WORST], axis=0), right)
+def pattern_against_share(
+    evidence: Evidence, contenders: Contenders, patterned: Where, plain: Where, harder: Where
+) -> Iterator[Found]:
+    """The slowdown by a pattern of the floor divided by the slowdown by a harder fill ratio."""
+    for contender in contenders:
+        longer, base, slow = (consensus_time(evidence, contender, world) for world in (patterned, plain, harder))
+        yield Found(contender.name, ratio(longer / base, slow / base), _pair(longer / base, slow / base))
 
 
-def overtaken(evidence: Evidence) -> str:
-    """A note on the swarms that the heterogeneous one beats with the whole interval."""
-    parts = []
-    for f in FILLS:
-        beaten = [a for a in WORST if evidence.judge("", _less_wrong(evidence, f, a), BELOW_ZERO).verdict == YES]
-        parts.append(f"at f = {f}: {', '.join(beaten) or 'none'}")
-    return f"Swarms that it leaves behind beyond doubt: {'; '.join(parts)}."
-
-
-def _less_wrong(evidence: Evidence, fill: float, accuracy: str) -> Floats:
-    """Share of wrong robots in the heterogeneous swarm minus that in another, over all checkpoints."""
-    gain = right_robots(evidence, D1, fill, MIXED) - right_robots(evidence, D1, fill, accuracy)
-    return evidence.mean(-gain.mean(axis=1))
-
-
-def expense(evidence: Evidence) -> str:
-    """A note on the cost in time of poor sensors: their K divided by that of the best sensors."""
-    parts = []
-    for swarm, f in itertools.product((D1, D10), FILLS):
-        slower = ratio(at(evidence, K, swarm, f, IMPAIRED), at(evidence, K, swarm, f, NUMBERS[-1]))
-        _, low, high = intervals.interval(slower)
-        parts.append(f"{low:.1f} to {high:.1f} ({swarm}, f = {f})")
-    return f"The expense, K over that of b = w = {NUMBERS[-1]}, {100 * intervals.LEVEL:g} %: {', '.join(parts)}."
-
-
-def like_tree(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Share of right robots at D = 1 divided by that on the scale-free network, at the same numbers of observations."""
-    for f, accuracy in GRID:
-        moving = evidence.mean(right_robots(evidence, D1, f, accuracy).mean(axis=1))
-        fixed = evidence.mean(right_robots(evidence, "scale-free", f, accuracy).mean(axis=1))
-        yield evidence.judge(f"{accuracy}, f = {f}", ratio(moving, fixed), right)
-
-
-def settled_like_tree(evidence: Evidence) -> str:
-    """A note on K and error, divided by those of the scale-free network at R = 1: smallest and largest ratio."""
-    parts = []
-    for name, what in BOTH:
-        both = [
-            float(ratio(at(evidence, name, D1, f, a), at(evidence, name, "same-observations", f, a))[0])
-            for f, a in GRID
-        ]
-        parts.append(f"median {what} is {min(both):.2f} to {max(both):.2f} times")
-    return f"At R = 1, where a round is an observation too: {' and '.join(parts)} that of the scale-free network."
-
-
-def minimal(evidence: Evidence, right: Range) -> Iterator[Detail]:
+def minimal(evidence: Evidence) -> Iterator[Found]:
     """What a robot needs after many observations in a large swarm, minus what it needs at first in a small one."""
     table = minimalism.footprints(brains.load("minimalistic"))
     least = table[minimalism.SWARMS[0], minimalism.AGES[0]]
     for name, few in least.items():
         growth = max(footprint[name] for footprint in table.values()) - few
         unit = "numbers" if name in ("memory", "message") else "lines"
-        yield Detail(f"{name}, {few} {unit}", float(growth), None, YES if growth <= right[1] else NO)
+        yield Found(f"{name}, {few} {unit}", np.array([float(growth)]))
+
+
+def _pair(one: Floats, other: Floats) -> str:
+    """The two numbers of a sample that are compared."""
+    return " and ".join(f"{x[0]:.0f}" if abs(x[0]) >= 100 else f"{x[0]:.3g}" for x in (one, other))
+
+
+def label(statistic: Statistic) -> str:
+    """A statistic in words."""
+    return statistic.__name__.replace("_", " ")
+
+
+def world_label(world: Mapping[str, Any]) -> str:
+    """A world in words, such as "f = 0.55, tiles"."""
+    return ", ".join(_coordinate(name, value) for name, value in world.items())
+
+
+def _coordinate(name: str, value: Any) -> str:
+    if name == "liars":
+        return f"{value or 'no'} liar{'s' * (value > 1)}"
+    return value if isinstance(value, str) else f"{TITLES.get(name, name)} = {value:g}"

@@ -14,8 +14,8 @@ from urllib.parse import quote
 import xarray as xr
 
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure
-from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
-from swarmcensus.evaluation.paper.report import SIGNS, WORDS, kind, measured, tally
+from swarmcensus.evaluation.paper.evidence import HOLDS, MARGIN, MUCH, NEITHER, NO, VERDICTS, YES, Outcome
+from swarmcensus.evaluation.paper.report import SIGNS, measured, tally
 from swarmcensus.support import intervals
 from swarmcensus.support.files import data_path
 from swarmcensus.support.formatting import CLOCK, counted
@@ -23,9 +23,9 @@ from swarmcensus.support.templates import render
 from swarmcensus.support.version import __version__
 
 # the drawing of a claim, in pixels; in colours of the page
-WIDTH, HEIGHT, LEFT, MARGIN, LETTERS = 960.0, 180.0, 60.0, 12.0, 11.0
-COLOURS = {YES: "var(--yes)", NO: "var(--no)", OPEN: "var(--open)"}
-SHAPES = {YES: "dot", NO: "cross", OPEN: "ring"}
+WIDTH, HEIGHT, LEFT, EDGE, LETTERS = 960.0, 180.0, 60.0, 12.0, 11.0
+COLOURS = {YES: "var(--yes)", NO: "var(--no)", NEITHER: "var(--open)"}
+SHAPES = {YES: "dot", NO: "cross", NEITHER: "ring"}
 FEWEST = 4  # settings: fewer are read as easily in their list
 
 
@@ -64,15 +64,15 @@ class Reproduction:
 
 def html(done: Reproduction) -> str:
     """The text of index.html: findings, figures, claims, how they were made, and files. Empty parts are left out."""
-    others = [outcome for outcome in done.claims if outcome.holds is not True]
+    others = [outcome for outcome in done.claims if outcome.verdict != HOLDS]
     return render(
         Path(__file__).with_name("page.html.jinja"),
         of=done.of,
         version=__version__,
         style=Path(__file__).with_name("page.css").read_text(encoding="utf-8"),
         claims=done.claims,
-        counts=Counter(map(kind, done.claims)),
-        findings=sorted(others, key=lambda outcome: outcome.holds is None),  # refuted claims first
+        counts=Counter(outcome.verdict for outcome in done.claims),
+        findings=sorted(others, key=lambda outcome: VERDICTS.index(outcome.verdict)),
         figures=[_figure(done, figure, paths) for figure, paths in done.figures],
         command=done.command,
         versions=_versions(done),
@@ -82,23 +82,15 @@ def html(done: Reproduction) -> str:
         files=[_file(done, path) for path in done.files],
         level=intervals.LEVEL,
         resamples=intervals.RESAMPLES,
-        words=WORDS,
+        margin=MARGIN,
+        much=MUCH,
+        verdicts=VERDICTS[::-1],
         signs=SIGNS,
-        yes=YES,
-        no=NO,
-        open=OPEN,
-        kind=kind,
-        kind_of_detail=_kind_of_detail,
         measured=measured,
         tally=tally,
         counted=counted,
         strip=strip,
     )
-
-
-def _kind_of_detail(detail: Detail) -> str:
-    """The verdict on a claim that this setting alone would give."""
-    return {YES: HOLDS, NO: FAILS}.get(detail.verdict, OPEN)
 
 
 def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> dict[str, Any]:
@@ -137,11 +129,12 @@ def _link(done: Reproduction, path: Path) -> str:
 def strip(outcome: Outcome) -> str:
     """Value and interval of each setting, with the range in which the claim holds as a shaded band, as SVG.
 
-    Each setting is a vertical interval with a dot, a ring (undecided) or a cross (on the wrong side) at its value.
+    Each setting is a vertical interval with a dot, a ring (neither) or a cross (against the claim) at its value.
     The scale is logarithmic where all values are positive. Empty for few settings, and where values have no interval.
     """
+    needed = outcome.claim.needed
     drawn = [(d, *d.interval) for d in outcome.details if d.interval and _finite(d.value, *d.interval)]
-    thresholds = [end for end in outcome.claim.right if _finite(end)]
+    thresholds = sorted({end for end in (*needed.right, *needed.tolerated) if _finite(end)})
     ends = [end for _, low, high in drawn for end in (low, high)] + thresholds
     if len(drawn) < FEWEST or min(ends) == max(ends):
         return ""
@@ -150,7 +143,7 @@ def strip(outcome: Outcome) -> str:
 
     def y(value: float) -> float:
         inside = min(max(value, min(ends)), max(ends))  # an open end of the band is the edge of the drawing
-        return MARGIN + (top - scale(inside)) / (top - bottom) * (HEIGHT - 2 * MARGIN)
+        return EDGE + (top - scale(inside)) / (top - bottom) * (HEIGHT - 2 * EDGE)
 
     labels: dict[float, float] = {}
     for end in (*thresholds, min(ends), max(ends)):  # thresholds first: the others yield
@@ -175,7 +168,7 @@ def strip(outcome: Outcome) -> str:
         width=WIDTH,
         height=HEIGHT,
         left=LEFT,
-        band=sorted(map(y, outcome.claim.right)),
+        band=sorted(map(y, needed.right)),
         thresholds=list(map(y, thresholds)),
         labels=labels,
         marks=marks,

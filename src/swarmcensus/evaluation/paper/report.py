@@ -4,12 +4,26 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from swarmcensus.evaluation.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Outcome
+from swarmcensus.evaluation.paper.evidence import (
+    FAILS,
+    HOLDS,
+    MARGIN,
+    MUCH,
+    NEITHER,
+    NO,
+    PARTLY,
+    UNDECIDED,
+    UNMEASURED,
+    YES,
+    Detail,
+    Outcome,
+)
 from swarmcensus.support import intervals
 from swarmcensus.support.formatting import decimals_for, rounded
 from swarmcensus.support.version import __version__
@@ -17,9 +31,15 @@ from swarmcensus.support.version import __version__
 if TYPE_CHECKING:
     from rich.console import Console
 
-WORDS = {HOLDS: "holds", FAILS: "does not hold", OPEN: "not decided", UNMEASURED: "not measured"}
-SIGNS = {HOLDS: "✓", FAILS: "✗", OPEN: "?", UNMEASURED: "–"}
-COLOURS = {HOLDS: "bold blue", FAILS: "bold red", OPEN: "bold yellow", UNMEASURED: "dim"}
+SIGNS = {HOLDS: "✓", PARTLY: "~", FAILS: "✗", UNDECIDED: "?", UNMEASURED: "–", YES: "✓", NO: "✗", NEITHER: "?"}
+COLOURS = {
+    HOLDS: "bold blue",
+    PARTLY: "bold magenta",
+    FAILS: "bold red",
+    UNDECIDED: "bold yellow",
+    UNMEASURED: "dim",
+}
+EXAMPLES = 2  # settings against a claim that are printed
 
 
 def measured(detail: Detail) -> tuple[str, str]:
@@ -30,26 +50,20 @@ def measured(detail: Detail) -> tuple[str, str]:
     return rounded(detail.value, low, high, decimals_for(high - low))
 
 
-def kind(outcome: Outcome) -> str:
-    """The verdict without the number of trials: a key of WORDS, SIGNS and COLOURS."""
-    if outcome.holds is None:
-        return UNMEASURED if outcome.verdict == UNMEASURED else OPEN
-    return HOLDS if outcome.holds else FAILS
-
-
 def tally(outcome: Outcome) -> str:
-    """The number of settings by verdict, such as "30 yes, 3 undecided"."""
-    return ", ".join(f"{outcome.count(verdict)} {verdict}" for verdict in (YES, NO, OPEN) if outcome.count(verdict))
+    """The number of settings by what they say, such as "30 yes, 3 neither, 1 left out"."""
+    numbers = {said: outcome.count(said) for said in (YES, NO, NEITHER)} | {"left out": len(outcome.left_out)}
+    return ", ".join(f"{number} {said}" for said, number in numbers.items() if number)
 
 
 def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], source: str) -> str:
     """The text of claims.json: each claim with its statistic, threshold, value, interval, verdict and settings.
 
-    `source` is what was published. `right` is the range in which a claim holds, null for no bound; `interval` is null
-    if the value is exact. Value and interval of a claim are those of its worst setting. Equal datasets give equal
-    bytes.
+    `source` is what was published. Settings in the range `right` speak for a claim, those outside `tolerated` against
+    it; null is no bound. `interval` is null if the value is exact. Value and interval of a claim are those of its worst
+    setting. Equal datasets give equal bytes.
     """
-    texts = ("id", "title", "sentence", "section", "statistic", "threshold")
+    texts = ("id", "title", "sentence", "section", "statistic")
     about = {
         "format": "swarmcensus claims 1",
         "paper": source,
@@ -63,20 +77,28 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], sourc
             "level": intervals.LEVEL,
             "seed": intervals.SEED,
         },
+        "margins": {"ordering": MARGIN, "much": MUCH},
         "claims": [
             {
                 **{key: getattr(outcome.claim, key) for key in texts},
-                "right": _numbers(outcome.claim.right),
+                "threshold": outcome.claim.needed.words,
+                "right": _numbers(outcome.claim.needed.right),
+                "tolerated": _numbers(outcome.claim.needed.tolerated),
                 "verdict": outcome.verdict,
                 **_values(outcome.worst),
+                "left_out": list(outcome.left_out),
                 "note": outcome.note,
                 "explanation": outcome.explanation,
-                "settings": [{**_values(detail), "verdict": detail.verdict} for detail in outcome.details],
+                "settings": [
+                    {**_values(detail), "verdict": detail.verdict, "made_of": detail.made_of}
+                    for detail in outcome.details
+                ],
             }
             for outcome in claims
         ],
     }
-    return json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    text = json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False)
+    return re.sub(r"{[^{}]*}", lambda found: re.sub(r"\n *", " ", found[0]), text) + "\n"  # a setting is one line
 
 
 def _numbers(values: Sequence[float]) -> list[float | None]:
@@ -101,16 +123,19 @@ def show(claims: Sequence[Outcome], console: Console | None = None) -> None:
     table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
     table.add_column("verdict", no_wrap=True)
     table.add_column("claim")
-    table.add_column("worst setting [95 %]", no_wrap=True)
+    table.add_column("worst setting [95 %], needed", no_wrap=True)
     for outcome in claims:
-        verdict = WORDS[kind(outcome)]
+        verdict = outcome.verdict
         if not console.options.ascii_only:
-            verdict = f"{SIGNS[kind(outcome)]} {verdict}"
+            verdict = f"{SIGNS[verdict]} {verdict}"
         value = Text()
         if outcome.worst:
             value.append(" ".join(measured(outcome.worst)).strip())
-            value.append(f"\nneeded: {outcome.claim.threshold}", "dim")
-            if outcome.holds is not True:
+            value.append(f"\n{outcome.claim.needed.words}", "dim")
+            if outcome.verdict != HOLDS or outcome.count(NEITHER) or outcome.left_out:
                 value.append(f"\n{tally(outcome)}")
-        table.add_row(Text(verdict, COLOURS[kind(outcome)]), outcome.claim.title, value)
+        about = Text(outcome.claim.title)
+        for detail in [detail for detail in outcome.details if detail.verdict == NO and detail.made_of][:EXAMPLES]:
+            about.append(f"\n{detail.setting}: {detail.made_of}", "dim")
+        table.add_row(Text(verdict, COLOURS[outcome.verdict]), about, value)
     console.print(table)
