@@ -12,6 +12,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.studies.needs import unmet_needs
 from tests.support.small import study_of
 
 SURE = brains.load("sure").functions
@@ -114,6 +115,11 @@ def test_an_interval_with_one_colour_only_is_no_end(f, done):
     SURE.fuse(me)
     assert 0.03 < SURE.half(me, 0.05 / 5.0) < 0.06
     assert SURE.done(me) == done
+
+
+def test_a_swarm_of_four_is_warned_of():
+    sentences = [unmet_needs(study_of("sure", robots=robots).settings(), 10) for robots in (4, 5)]
+    assert sentences == [["sure needs 5 robots; this study has 4"], []]
 
 
 def test_robots_that_are_done_keep_the_interval_of_their_look():
