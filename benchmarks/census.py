@@ -28,7 +28,7 @@ RIVALS = ("commons", "swift", "tracking")
 SIMPLE = ("minimalistic", "alone")
 FORGETFUL = {"file": str(EXAMPLE / "forgetful.py"), "half": 30}
 INSIDER = str(EXAMPLE / "insider.py")
-TRIALS = (400, 100)  # of networks, of robots that move
+TRIALS = (400, 200)  # of networks, of robots that move
 NEAR, FAR, EARLY, CHANGED = 1.15, 1.5, 1.1, 1.3  # bars of ratios
 LYING = {0.2: 1.15, 0.4: 1.3}  # shares of liars, and the bars of ratios to `alone`
 
@@ -303,24 +303,21 @@ def without(quick):
 
 def draw(rows, path):
     """A point a world in a row a brain: its RMS to that of the best of commons, swift and tracking."""
-    brains = ("census", *RIVALS, "minimalistic")
     figure, (axes,) = harness.panels(1, 1, 7.2, 3.4)
-    random = np.random.default_rng(1)
-    labels = []
-    for k, (brain, colour) in enumerate(zip(brains, NAMED, strict=False)):
+    random, labels = np.random.default_rng(1), []
+    for k, (brain, colour) in enumerate(zip(("census", *RIVALS, "minimalistic"), NAMED, strict=False)):
         ratios = np.array([row[brain] / row[row["best"]] for row in rows])
-        heights = k + random.uniform(-0.25, 0.25, len(rows))
-        axes.plot(ratios, heights, "o", color=colour, ms=5, alpha=0.55, mec="white", mew=0.4)
+        heights = k + random.uniform(-0.3, 0.3, len(rows))
+        axes.plot(ratios, heights, "o", color=colour, ms=5, alpha=0.6, mec="white", mew=0.4)
         worst = ratios.argmax()
-        axes.annotate(
-            rows[worst]["world"], (ratios[worst], heights[worst]), (5, 0), textcoords="offset points", va="center",
-            fontsize=7.5, path_effects=halo(2.0), annotation_clip=False,
-        )  # fmt: skip
+        axes.text(1.1 * ratios[worst], heights[worst], rows[worst]["world"], va="center", size=8, path_effects=halo(2))
         labels.append(f"{brain}\n{np.sum(ratios <= NEAR)} of {len(rows)} within {NEAR}")
-    for bar, style in ((1.0, "-"), (NEAR, ":"), (FAR, ":")):
-        axes.axvline(bar, color="0.6", lw=0.8, ls=style, zorder=0)
-    axes.set(xscale="log", xlabel="RMS error to that of the best of commons, swift and tracking; a point is a world")
-    axes.set_yticks(range(len(brains)), labels)
+    for bar in (1.0, NEAR, FAR):
+        axes.axvline(bar, color="0.6", lw=0.8, ls=":" if bar > 1.0 else "-", zorder=0)
+    axes.set(xscale="log", xlabel="RMS error to the best of commons, swift and tracking; a point is a world")
+    axes.set_xticks([0.5, 1.0, NEAR, FAR, 2.0, 5.0, 10.0, 20.0, 50.0], [0.5, 1, "", 1.5, 2, 5, 10, 20, 50])
+    axes.minorticks_off()
+    axes.set_yticks(range(len(labels)), labels)
     axes.invert_yaxis()
     figure.savefig(path, dpi=200)
 
