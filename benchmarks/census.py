@@ -38,11 +38,11 @@ GRAPHS = {
     "small world": {"networkx": "watts_strogatz_graph", "k": 4, "p": 0.1},
 }
 MEMBERS = {"two good": [{"robots": 2, "accuracy": 0.95}], "half useless": [{"robots": 0.5, "accuracy": 0.505}]}
-SILENT = {"stop": ["sensing", "talking"]}
+FAILS = {"stop": ["sensing", "talking"]}
 FAULTS = {
-    "half join at 201": [{"at": 1, "until": 201, "robots": 0.5} | SILENT],
-    "half fail at 101": [{"at": 101, "robots": 0.5} | SILENT],
-    "a third fails at 301": [{"at": 301, "robots": 1 / 3} | SILENT],
+    "half join at 201": [{"at": 1, "until": 201, "robots": 0.5} | FAILS],
+    "half fail at 101": [{"at": 101, "robots": 0.5} | FAILS],
+    "a third is silent from 301": [{"at": 301, "robots": 1 / 3, "stop": "talking"}],
 }
 WORDS = {
     "robots": "N = ", "accuracy": "b = ", "fill_ratio": "f = ", "link_success": "links ", "message_delay": "late ",
@@ -86,14 +86,14 @@ CHANGING = (
     MOVING | {"density": [1, 10], "fill_ratio": [(0.85, 0.25, 1201), (0.65, 0.55, 1201)]},
     {"topology": MAIN[:2], "message_delay": 10} | FALL,
     {"topology": "scale-free", "accuracy": SPREAD} | FALL,
-    {"topology": "ring", "faults": "a third fails at 301"} | FALL,
+    {"topology": "ring", "faults": "a third is silent from 301"} | FALL,
     STRIPES | {"fill_ratio": (0.75, 0.45, 1501)},
 )
 LIED_TO = (  # a fifth lies
     {"topology": MAIN[1:], "liars": ["always-black", "opposite", "creeper"]} | FALL,
     {"topology": "ring", "link_success": 0.2, "liars": "opposite"},
     {"topology": "ring", "message_delay": 10, "liars": "opposite"},
-    {"topology": "scale-free", "faults": "a third fails at 301", "liars": "opposite"},
+    {"topology": "scale-free", "faults": "a third is silent from 301", "liars": "opposite"},
     STRIPES | {"liars": "opposite"},
     MOVING | {"density": 5, "fill_ratio": (0.75, 0.45, 1501), "liars": "opposite"},
 )
