@@ -151,30 +151,57 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     assert error.endswith("no such field: name another brain with --wrapping\n")
 
 
-def test_the_shipped_insider_is_what_its_first_lines_say():
-    """By hand: sums move by `step`, own sums by `own`, both further by `grow` a round, from round `sleeps` on."""
-    told = {"step": 0.02, "own": 0.05, "short": -0.01, "grow": 0.01}
-    told |= {"weight": 3.0, "sleeps": 1.0, "noise": 4.0, "anew": 2.0}
-    lies = adversary.load("insider.py", EXAMPLE).with_parameters(told)
-    used, honest = brains.lying_brain(lies, brains.load("census")), brains.load("census")
-    fields = list(honest.message)
+KNOWN = "census"  # a brain with the sums that the shipped insider knows
 
-    def said(one, me):
-        return dict(zip(fields, one.functions.broadcast(me), strict=True))
 
-    me, other = robot(used, 7, 10), robot(honest, 7, 10)
-    assert said(used, me) == pytest.approx(said(honest, other))  # asleep
-    for one, state in ((used, me), (honest, other)):
-        state.luck = 0.75
-        one.functions.fuse(state)
-        one.functions.observe(state, 7, 10)
-    found, due = said(used, me), said(honest, other)
-    for total, weight, step in (("s", "v", 0.02), ("own_s", "own_v", 0.05), ("short_s", "short_v", -0.01)):
-        x = due[total] / due[weight]
-        moved = x + min(max(1.0 - x, -max(step + 0.01, 0.0)), max(step + 0.01, 0.0))
-        if total == "s":
-            moved = min(x, 1.0) + min(1.0 - min(x, 1.0), 0.03)
-        assert found[weight] == pytest.approx(3.0 * due[weight])
-        assert found[total] == pytest.approx(moved * 3.0 * due[weight])
-    assert (found["noise"], found["anew"]) == pytest.approx((4.0 * due["noise"], 2.0))
-    assert (found["coins"], found["company"]) == (due["coins"], due["company"])
+@pytest.mark.parametrize(
+    ("lie", "due"),
+    [
+        ({"sleeps": 2.0, "step": 0.05}, lambda honest, r, e: honest),
+        (
+            {"step": 0.05, "own": 0.02, "weight": 3.0},
+            lambda honest, r, e: [
+                3.0 * (honest[0] + 0.05 * honest[1]),
+                3.0 * honest[1],
+                3.0 * (honest[2] + 0.02 * honest[3]),
+                3.0 * honest[3],
+            ],
+        ),
+        ({"errors": 1.5}, lambda honest, r, e: [(r + 1.5 * e) * honest[1], *honest[1:]]),
+        ({"errors": -1.0}, lambda honest, r, e: [(r - e) * honest[1], *honest[1:]]),
+    ],
+)
+def test_the_shipped_insider_is_what_its_first_lines_say(lie, due):
+    """After one round in which it has read 14 of 20 and a neighbour 12 of 20, all with b = 0.8 and w = 0.7."""
+    honest = brains.load(KNOWN)
+    used = brains.lying_brain(adversary.load("insider.py", EXAMPLE).with_parameters(lie), honest)
+    swarm = [used.robot(0.8, 0.7), honest.robot(0.8, 0.7)]
+    message = said_after(honest, honest.robot(0.8, 0.7), 12)
+    after = []
+    for one, me in zip((used, honest), swarm, strict=True):
+        said_after(one, me, 14)
+        one.functions.receive(me, tuple(message.values()))
+        one.functions.fuse(me)
+        after.append(dict(zip(one.message, one.functions.broadcast(me), strict=True)))
+    r = (0.65 - 0.3) / 0.5
+    error = (0.65 * 0.35 / 40) ** 0.5 / 0.5
+    found, truth = ([said.pop(name) for name in ("s", "v", "own_s", "own_v")] for said in after)
+    assert found == pytest.approx(due(truth, r, error))
+    assert after[0] == after[1]
+
+
+def test_an_insider_repeats_what_it_said():
+    honest = brains.load(KNOWN)
+    used = brains.lying_brain(adversary.load("insider.py", EXAMPLE).with_parameters({"repeats": 2.0}), honest)
+    me, said = used.robot(0.8, 0.7), []
+    for blacks in (3, 16, 0, 20, 5):
+        said.append(said_after(used, me, blacks))
+        used.functions.fuse(me)
+    old, *later = [[message[name] for name in ("s", "v", "own_s", "own_v")] for message in said[1:]]
+    assert later == [pytest.approx(old)] * 3
+
+
+def said_after(brain, me, blacks):
+    """A robot's message after 20 more readings, by field."""
+    brain.functions.observe(me, blacks, 20)
+    return dict(zip(brain.message, brain.functions.broadcast(me), strict=True))
