@@ -167,7 +167,9 @@ def fuse(me):
         if me.marks == BEGUN and me.v > SETTLED:
             me.marks = STILL
         make_estimate(me, mean_s, mean_v)
-    forget_messages(me)
+    me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_short = me.heard_chance = 0.0
+    me.heard_noise = me.heard_own_s = me.heard_own_v = me.heard_marks = 0.0
+    me.alarms = me.begun = me.begun_s = me.begun_v = 0.0
 
 
 def look_around(me):
@@ -240,13 +242,6 @@ def make_estimate(me, s, v):
         near = (me.own_s + me.heard_own_s) / near_v
         weight = (1.0 + me.heard) * me.squares * near_v / (v * v)
         me.x += weight / (1.0 + weight) * (near - me.x)
-
-
-def forget_messages(me):
-    """Forget the messages and readings of this round."""
-    me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_short = me.heard_chance = 0.0
-    me.heard_noise = me.heard_own_s = me.heard_own_v = me.heard_marks = 0.0
-    me.alarms = me.begun = me.begun_s = me.begun_v = 0.0
 
 
 def estimate(me):
