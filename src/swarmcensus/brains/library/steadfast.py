@@ -8,7 +8,8 @@ A neighbour whose o / p differs by more than PAIR of them is not heard.
 
 2. r is the mean of the own o / p and those of all who are heard, with weights p, but at most the own p. Each counts as
 if it were at most WINSOR standard errors from the last r, and not at all beyond NEAR. So a minority cannot draw r far.
-Its standard error is E = W / (2 sqrt(sum of weights)). Both are averaged over the last 1 / RECENT of all rounds.
+Its standard error is E = W / (2 sqrt(sum of weights)). Both are averaged over the last 1 / RECENT of all rounds, or
+LARGE rounds.
 
 3. Sums with s / v more than GATE E from r are not counted. Others weigh at most CAP times as much as the own.
 
@@ -21,7 +22,8 @@ e = min(memory, max(LEAST, p / 4)). If it leaves o / p by more than z sqrt(noise
 readings. The noise is measured as in `census`, by how far readings are from `short`, with random signs. Where ground
 hangs together it is above 1 / 4, and then W^2 = 4 noise; else W = 1.
 
-A robot that has read nothing gives all messages the same weight. Anonymous: there are no names to forge.
+A robot that has read nothing gives all messages the same weight. Anonymous: there are no names to forge. As in
+`commons`, a robot remembers what rounding took of its sums, so that they bear single precision.
 """
 
 import math
@@ -36,6 +38,8 @@ CAP = 2.0  # the largest weight of a message, in own weights
 LEAST = 10.0  # evidence that the short mean may always hold, in readings of a perfect sensor
 LIVES = 16.0  # lives of the short mean over which the noise is averaged
 STEEPEST = 1e6  # the largest ratio of sums that a robot can have
+MOST = 1e30  # and the most evidence
+LARGE = 8192.0  # times new evidence: the sum of which rounding takes too much of it
 
 PARAMETERS = {
     "memory": 100.0,  # the most evidence in the short mean
@@ -46,6 +50,10 @@ MEMORY = {
     "v": 0.0,  # evidence, mixed
     "own_s": 0.0,  # o
     "own_v": 0.0,  # p
+    "s_rest": 0.0,  # what rounding took of s,
+    "v_rest": 0.0,  # of v,
+    "own_s_rest": 0.0,  # of o
+    "own_v_rest": 0.0,  # and of p
     "fresh_s": 0.0,  # of this round
     "fresh": 0.0,
     "short": 0.5,
@@ -74,12 +82,29 @@ def observe(me, blacks, looks):
     slope = me.b + me.w - 1.0
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
-    me.s += s
-    me.v += v
-    me.own_s += s
-    me.own_v += v
     me.fresh_s += s
     me.fresh += v
+    if max(me.v, me.own_v) < LARGE * v:
+        me.s += s
+        me.v += v
+        me.own_s += s
+        me.own_v += v
+        return
+    me.s, me.s_rest = added(me.s, me.s_rest + s)
+    me.v, me.v_rest = added(me.v, me.v_rest + v)
+    me.own_s, me.own_s_rest = added(me.own_s, me.own_s_rest + s)
+    me.own_v, me.own_v_rest = added(me.own_v, me.own_v_rest + v)
+
+
+def added(total, more):
+    """A sum with more added, and what rounding took of it."""
+    larger = total + more
+    return larger, more - (larger - total)
+
+
+def lost(mean, own, heard, messages):
+    """What rounding took of the mean of an own number and those in messages, whose sum is `heard`."""
+    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)
 
 
 def broadcast(me):
@@ -94,7 +119,7 @@ def width(me):
 
 def sound(s, v):
     """Whether a robot can have such sums."""
-    return abs(s) <= STEEPEST * v and v > 0.0
+    return 0.0 < v <= MOST and abs(s) <= STEEPEST * v
 
 
 def receive(me, message):
@@ -133,15 +158,20 @@ def count(me, s, v):
 
 def fuse(me):
     """Average all voices, and bound the result."""
-    me.s = (me.s + me.heard_s) / (1.0 + me.heard)
-    me.v = (me.v + me.heard_v) / (1.0 + me.heard)
+    s = (me.s + me.heard_s) / (1.0 + me.heard)
+    v = (me.v + me.heard_v) / (1.0 + me.heard)
+    if me.v_rest != 0.0:  # of sums that are large
+        me.s_rest += lost(s, me.s, me.heard_s, me.heard)
+        me.v_rest += lost(v, me.v, me.heard_v, me.heard)
+    me.s = s
+    me.v = v
     if me.fresh > 0.0:
         watch(me)
+        look_around(me)
     if me.v > 0.0:
         prior = min(0.25, 0.0625 / me.v)
         me.x = (me.s + 0.5 * prior) / (me.v + prior)
     if me.own_v > 0.0:
-        look_around(me)
         bound(me)
     me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_near_s = me.heard_near_v = 0.0
 
@@ -162,16 +192,16 @@ def watch(me):
     if me.own_v > 1.01 * e and off * off * e > me.z * me.z * max(me.noise, 0.125):
         me.own_s = me.near_s = me.short
         me.own_v = me.near_v = 1.0
+        me.own_s_rest = me.own_v_rest = 0.0
 
 
 def look_around(me):
     """What the robots near have read."""
-    part = min(1.0, RECENT * me.fresh / me.own_v)
+    part = min(1.0, max(RECENT * me.fresh / me.own_v, 1.0 / LARGE))
     me.near_s += part * ((me.own_s + me.heard_near_s) / me.own_v - me.near_s)
     me.near_v += part * ((me.own_v + me.heard_near_v) / me.own_v - me.near_v)
-    if me.near_v > 0.0:
-        me.near = me.near_s / me.near_v
-        me.error = 0.5 * width(me) / math.sqrt(me.own_v * me.near_v)
+    me.near = me.near_s / me.near_v
+    me.error = 0.5 * width(me) / math.sqrt(me.own_v * me.near_v)
 
 
 def bound(me):
@@ -183,6 +213,7 @@ def bound(me):
     if abs(off) > GATE * me.error:
         me.s = me.near * me.own_v
         me.v = me.own_v
+        me.s_rest = me.v_rest = 0.0
         off = 0.0
     me.x = me.near + min(max(off, -CUT * me.error), CUT * me.error)
 
