@@ -5,8 +5,8 @@ of RMS with 95 % intervals: trials are drawn again, the same ones for all brains
 `q95` and `worst` are ratios of the 95 % quantile and of the worst robot. The best of several brains is chosen by the
 same trials, so a ratio to it is a little too large. No constant of these brains was chosen on SEED.
 
-Without `--quick`, tables are also written to benchmarks/census-*.csv. `honest --figure FILE` draws the ratios of all
-honest worlds.
+All questions take half an hour to an hour on two cores, five to ten minutes with `--quick`. Without it, tables are also
+written to benchmarks/census-*.csv. `honest --figure FILE` draws the ratios of all honest worlds.
 """
 
 import csv
@@ -319,7 +319,7 @@ def draw(rows, path):
     axes.minorticks_off()
     axes.set_yticks(range(len(labels)), labels)
     axes.invert_yaxis()
-    figure.savefig(path, dpi=200)
+    figure.savefig(path, dpi=160)
 
 
 if __name__ == "__main__":
