@@ -1,163 +1,192 @@
-"""Steadfast: commons among liars, where a robot's own readings bound the influence of all others for good.
+"""Steadfast: commons among liars, bounded by what a robot and its neighbours have read themselves.
 
-Sums s, v of evidence are mixed as in commons, with k = b + w - 1 and x = s / v. In addition, a robot keeps its own
-evidence, n black of t readings: q = (n + 2) / (t + 4), with the standard error e = sqrt(q (1 - q) / (t + 4)). It counts
-a message (s_j, v_j), which claims x_j = s_j / v_j, if
+Sums s, v of evidence are mixed as in `commons`, with k = b + w - 1. A robot also says o, p, the same sums of its own
+readings alone. A lie about these cannot go far, because everybody has readings of the same floor to compare it with.
 
-    |k x_j + 1 - w - q| <= sure e    it is compatible with the robot's own readings, and
-    |x_j - x| <= near d              it is not far from most voices, whose typical distance d follows all m of a round:
+1. Pairs. A neighbour's o / p and the own differ by chance with the standard error W sqrt(1 / p + 1 / p') / 2, or less.
+A neighbour whose o / p differs by more than PAIR of them is not heard.
 
-    d <- (8 d + sum min(|x_j - x|, 2 d)) / (8.5 + m)    so that fewer than half of them cannot increase it
+2. r is the mean of the own o / p and those of all who are heard, with weights p, but at most the own p. Each counts as
+if it were at most WINSOR standard errors from the last r, and not at all beyond NEAR. So a minority cannot draw r far.
+Its standard error is E = W / (2 sqrt(sum of weights)). Both are averaged over the last 1 / RECENT of all rounds.
 
-with a weight of at most `cap` v. Then
+3. Sums with s / v more than GATE E from r are not counted. Others weigh at most CAP times as much as the own.
 
-    s, v <- means of own and counted;    s, v += min(1, lean fresh / t) (own sums - s, v)
+4. The estimate is s / v, cut to r -+ CUT E. If s / v is more than GATE E from r, others have mixed in lies: the robot
+sets its sums to r. So for any lie the error is hardly above sqrt(1 + CUT^2) E. E is the error of a robot alone over the
+root of the number of honest robots near.
 
-so that the effect of a lie at t0 has faded to (t0 / t)^(1 + lean) at t; readings do not fade, because the own sums keep
-them. Finally, the estimate of commons is clipped to what the own readings allow:
+5. Change, by own readings only, which nobody else can move. `short` is a running mean of the latest, with the evidence
+e = min(memory, max(LEAST, p / 4)). If it leaves o / p by more than z sqrt(noise / e), the robot forgets its other own
+readings. The noise is measured as in `census`, by how far readings are from `short`, with random signs. Where ground
+hangs together it is above 1 / 4, and then W^2 = 4 noise; else W = 1.
 
-    |x - f| <= |own - f| + sure e / |k|,    own = (q + w - 1) / k
-
-This bound holds for any number of liars, and falls as 1 / sqrt(t). It is the only protection if most of a robot's
-neighbours lie, as next to a lying hub of a tree. Because the gates depend on readings, x is not quite unbiased; if
-black lies in clusters, e is too small, and honest robots exclude each other. Anonymous: there are no names to forge.
-
-As in `commons`, a robot remembers what rounding took of s, v, so that they bear single precision. The own sums are made
-of counts, which float32 holds to 2^24 readings.
+A robot that has read nothing gives all messages the same weight. Anonymous: there are no names to forge.
 """
 
-LARGE = 16384.0  # own readings: the sums of which rounding takes too much of a reading
-VOICES = 8.0  # the number of voices over which the typical distance is averaged
-LEAST = 1e-6  # typical distance; smaller ones are rounding
+import math
+
+PAIR = 4.5  # standard errors between two robots' own readings
+NEAR = 2.5  # from r to own readings that count in it
+WINSOR = 0.6  # and the largest that they count as
+RECENT = 20.0  # r is averaged over the last 1 / RECENT of all rounds
+GATE = 4.0  # from r to sums that count
+CUT = 1.25  # and to the estimate
+CAP = 2.0  # the largest weight of a message, in own weights
+LEAST = 10.0  # evidence that the short mean may always hold, in readings of a perfect sensor
+LIVES = 16.0  # lives of the short mean over which the noise is averaged
+STEEPEST = 1e6  # the largest ratio of sums that a robot can have
 
 PARAMETERS = {
-    "sure": 2.0,  # own standard errors: the largest distance of a compatible message
-    "near": 4.0,  # typical distances: the largest distance of a counted message from the own ratio
-    "lean": 3.0,  # the pull towards the own sums, in shares of new readings
-    "cap": 2.0,  # the largest weight of a message, in own weights
+    "memory": 100.0,  # the most evidence in the short mean
+    "z": 4.0,  # standard deviations that show a change
 }
 MEMORY = {
     "s": 0.0,  # evidence for black, mixed
     "v": 0.0,  # evidence, mixed
-    "s_rest": 0.0,  # what rounding took of s
-    "v_rest": 0.0,  # and of v
-    "n": 0.0,  # own black readings
-    "t": 0.0,  # own readings
-    "fresh": 0.0,  # readings since the last round
-    "typical": 0.25,  # distance of a voice, d
-    "voices": 0.0,  # messages since the last round
-    "apart": 0.0,  # the sum of their distances, each clipped to 2 d
-    "heard": 0.0,  # messages that count
-    "heard_s": 0.0,  # the sums in them
+    "own_s": 0.0,  # o
+    "own_v": 0.0,  # p
+    "fresh_s": 0.0,  # of this round
+    "fresh": 0.0,
+    "short": 0.5,
+    "chance": 0.0,  # the running mean with signs
+    "sign": 1.0,
+    "signed": 0.0,  # evidence since it was drawn
+    "noise": 0.125,
+    "near_s": 0.0,  # r, times near_v
+    "near_v": 0.0,  # the sum of weights, in own p
+    "near": 0.5,  # r
+    "error": 1.0,  # E
+    "bound": 0.0,  # rounds in which a limit has changed the estimate
+    "x": 0.5,  # estimate
+    "heard": 0.0,  # messages that count; the sums in them:
+    "heard_s": 0.0,
     "heard_v": 0.0,
+    "heard_near_s": 0.0,
+    "heard_near_v": 0.0,
 }
-MESSAGE = ("s", "v")
-ROLES = {"s": "information", "v": "confidence"}
+MESSAGE = ("s", "v", "own_s", "own_v")
+ROLES = {"s": "information", "v": "confidence", "own_s": "information", "own_v": "confidence"}
 
 
 def observe(me, blacks, looks):
-    """Add unbiased evidence, weighted by how much the sensor tells, count the own readings."""
+    """Add unbiased evidence, weighted by how much the sensor tells."""
     slope = me.b + me.w - 1.0
-    add(me, slope * (blacks - looks * (1.0 - me.w)), slope * slope * looks)
-    me.n += blacks
-    me.t += looks
-    me.fresh += looks
-
-
-def add(me, s, v):
-    """Add to the mixed sums, and what rounding took before if they are large."""
-    if me.t < LARGE:
-        me.s += s
-        me.v += v
-        return
-    me.s, me.s_rest = added(me.s, me.s_rest + s)
-    me.v, me.v_rest = added(me.v, me.v_rest + v)
-
-
-def added(total, more):
-    """A sum with more added, and what rounding took of it."""
-    larger = total + more
-    return larger, more - (larger - total)
-
-
-def lost(mean, own, heard, messages):
-    """What rounding took of the mean of an own number and those in messages, whose sum is `heard`."""
-    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)
+    s = slope * (blacks - looks * (1.0 - me.w))
+    v = slope * slope * looks
+    me.s += s
+    me.v += v
+    me.own_s += s
+    me.own_v += v
+    me.fresh_s += s
+    me.fresh += v
 
 
 def broadcast(me):
-    """The mixed sums."""
-    return me.s, me.v
+    """The mixed sums, and those of the own readings."""
+    return me.s, me.v, me.own_s, me.own_v
 
 
-def black(me):
-    """The shrunk share of the own black readings; 1/2 at first."""
-    return (me.n + 2.0) / (me.t + 4.0)
+def width(me):
+    """W: how many times more own readings vary than independent ones."""
+    return max(1.0, 2.0 * math.sqrt(me.noise))
 
 
-def error(me):
-    """Its standard error."""
-    q = black(me)
-    return (q * (1.0 - q) / (me.t + 4.0)) ** 0.5
+def sound(s, v):
+    """Whether a robot can have such sums."""
+    return abs(s) <= STEEPEST * v and v > 0.0
 
 
 def receive(me, message):
-    """A neighbour's sums, if they pass the gates."""
-    s, v = message
-    if v <= 0.0:
+    """A neighbour's sums, as far as the own readings allow."""
+    s, v, own_s, own_v = message
+    if not sound(s, v):
         return
-    x = s / v
-    share = 1.0
-    me.voices += 1.0
-    if me.v > 0.0:
-        distance = abs(x - me.s / me.v)
-        me.apart += min(distance, 2.0 * me.typical)
-        if distance > me.near * me.typical:
-            return
-        share = min(1.0, me.cap * me.v / v)
-    slope = me.b + me.w - 1.0
-    if me.t > 0.0 and abs(slope * x + 1.0 - me.w - black(me)) > me.sure * error(me):
+    if me.own_v <= 0.0:
+        count(me, s / v, 1.0)
         return
+    if not sound(own_s, own_v):
+        return
+    weight = min(own_v, me.own_v)
+    other = own_s / own_v
+    half = 0.5 * width(me)
+    if abs(other - me.own_s / me.own_v) > PAIR * half * math.sqrt(1.0 / me.own_v + 1.0 / weight):
+        return
+    off = other - me.near
+    error = math.sqrt(half * half / weight + me.error * me.error)
+    if me.near_v == 0.0:
+        off = error = 0.0
+    if abs(off) <= NEAR * error:
+        me.heard_near_s += weight * (other - off + min(max(off, -WINSOR * error), WINSOR * error))
+        me.heard_near_v += weight
+    if me.near_v == 0.0 or abs(s / v - me.near) <= GATE * me.error:
+        share = min(1.0, CAP * max(me.v, me.own_v) / v)
+        count(me, share * s, share * v)
+
+
+def count(me, s, v):
+    """Count sums."""
     me.heard += 1.0
-    me.heard_s += share * s
-    me.heard_v += share * v
+    me.heard_s += s
+    me.heard_v += v
 
 
 def fuse(me):
-    """The mean of all counted voices, pulled towards the own sums."""
-    if me.voices > 0.0 and me.v > 0.0:
-        me.typical = max((VOICES * me.typical + me.apart) / (VOICES + 0.5 + me.voices), LEAST)
-    voices = 1.0 + me.heard
-    s = (me.s + me.heard_s) / voices
-    v = (me.v + me.heard_v) / voices
-    if me.v_rest != 0.0:  # of sums that are large
-        me.s_rest += lost(s, me.s, me.heard_s, me.heard)
-        me.v_rest += lost(v, me.v, me.heard_v, me.heard)
-    me.s = s
-    me.v = v
-    if me.t > 0.0:
-        slope = me.b + me.w - 1.0
-        lean = min(1.0, me.lean * me.fresh / me.t)
-        own_s = slope * (me.n - me.t * (1.0 - me.w))
-        own_v = slope * slope * me.t
-        add(me, lean * (own_s - me.s), lean * (own_v - me.v))
-    me.fresh = 0.0
-    me.voices = 0.0
-    me.apart = 0.0
-    me.heard = 0.0
-    me.heard_s = 0.0
-    me.heard_v = 0.0
+    """Average all voices, and bound the result."""
+    me.s = (me.s + me.heard_s) / (1.0 + me.heard)
+    me.v = (me.v + me.heard_v) / (1.0 + me.heard)
+    if me.fresh > 0.0:
+        watch(me)
+    if me.v > 0.0:
+        prior = min(0.25, 0.0625 / me.v)
+        me.x = (me.s + 0.5 * prior) / (me.v + prior)
+    if me.own_v > 0.0:
+        look_around(me)
+        bound(me)
+    me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_near_s = me.heard_near_v = 0.0
+
+
+def watch(me):
+    """Learn how much own readings vary, and begin again with the latest if the floor has changed."""
+    e = min(me.own_v, me.memory, max(LEAST, 0.25 * me.own_v))
+    part = min(me.fresh / e, 1.0)
+    off = part * (me.fresh_s / me.fresh - me.short)
+    me.short += off
+    me.chance += me.sign * off - part * me.chance
+    me.noise += part / LIVES * (me.chance * me.chance * e - me.noise)
+    me.signed += me.fresh
+    if me.signed >= e:
+        me.signed = 0.0
+        me.sign = 1.0 if me.luck < 0.5 else -1.0
+    off = me.short - me.own_s / me.own_v
+    if me.own_v > 1.01 * e and off * off * e > me.z * me.z * max(me.noise, 0.125):
+        me.own_s = me.near_s = me.short
+        me.own_v = me.near_v = 1.0
+
+
+def look_around(me):
+    """What the robots near have read."""
+    part = min(1.0, RECENT * me.fresh / me.own_v)
+    me.near_s += part * ((me.own_s + me.heard_near_s) / me.own_v - me.near_s)
+    me.near_v += part * ((me.own_v + me.heard_near_v) / me.own_v - me.near_v)
+    if me.near_v > 0.0:
+        me.near = me.near_s / me.near_v
+        me.error = 0.5 * width(me) / math.sqrt(me.own_v * me.near_v)
+
+
+def bound(me):
+    """Cut the estimate, and set the sums to r where they hold lies."""
+    off = me.s / me.v - me.near
+    if abs(off) <= CUT * me.error:
+        return
+    me.bound += 1.0
+    if abs(off) > GATE * me.error:
+        me.s = me.near * me.own_v
+        me.v = me.own_v
+        off = 0.0
+    me.x = me.near + min(max(off, -CUT * me.error), CUT * me.error)
 
 
 def estimate(me):
-    """The ratio of the sums with the prior of commons, clipped to what the own readings allow and to [0, 1]."""
-    if me.v <= 0.0:
-        return 0.5
-    prior = min(0.25, 0.0625 / me.v)
-    x = (me.s + 0.5 * prior) / (me.v + prior)
-    slope = me.b + me.w - 1.0
-    if me.t > 0.0 and abs(slope) > 1e-12:
-        middle = (black(me) + me.w - 1.0) / slope
-        half = me.sure * error(me) / abs(slope)
-        x = min(max(x, middle - half), middle + half)
-    return min(max(x, 0.0), 1.0)
+    """The estimate, in [0, 1]."""
+    return min(max(me.x, 0.0), 1.0)
