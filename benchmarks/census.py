@@ -106,6 +106,7 @@ INSIDERS = {
     "r + E": {"errors": 1.0},
     "r + 2 E": {"errors": 2.0},
     "r + 3 E": {"errors": 3.0},
+    "own readings 2 errors off, r + 3 E": {"own_errors": 2.0, "errors": 3.0},
     "little evidence": {"weight": 1e-3, "step": 0.05},
     "much evidence": {"weight": 1e3, "step": 0.05},
     "repeats round 20": {"repeats": 20.0},
@@ -190,7 +191,7 @@ def table(name, title, rows):
     found, lines = [], []
     for row in rows:
         cells = [cell if isinstance(cell, str) else f"{cell:.3g}" for cell in row.values()]
-        widths = [56, *(max(len(key), 9) + 2 for key in list(row)[1:])]
+        widths = [64, *(max(len(key), 9) + 2 for key in list(row)[1:])]
         new = [cells] if found else [list(row), cells]
         for line in new:
             print("".join(map(str.ljust, line, widths)), flush=True)
@@ -273,7 +274,7 @@ def liars(quick=False):
 
 
 def lied_to(name, world, quick):
-    """The row of a world with liars; insiders know brains that send the sums of their own readings."""
+    """The row of a world with liars; insiders know steadfast alone."""
     others = ("census", "commons", "minimalistic")
     brains = ("steadfast", "alone", *(() if "insider" in name else others))
     found = errors_of(world, {brain: brain for brain in brains}, trials_of(world, quick))
