@@ -80,6 +80,7 @@ MEMORY = {
 }
 MESSAGE = ("s", "v", "short", "chance", "noise", "own_s", "own_v", "marks")
 ROLES = {"s": "information", "v": "confidence", "own_s": "information", "own_v": "confidence"}
+NEEDS = {"mutual": 1}  # momentum is unstable where links go one way only
 SUMS = (
     "heard", "heard_s", "heard_v", "heard_short", "heard_chance", "heard_noise", "heard_own_s", "heard_own_v",
     "heard_marks", "alarms", "begun", "begun_s", "begun_v",
