@@ -5,8 +5,8 @@ of RMS with 95 % intervals: trials are drawn again, the same ones for all brains
 `q95` and `worst` are ratios of the 95 % quantile and of the worst robot. The best of several brains is chosen by the
 same trials, so a ratio to it is a little too large. No constant of these brains was chosen on SEED.
 
-Without `--quick`, tables are also written to benchmarks/census-*.csv. `honest --figure FILE` draws the ratios of all
-honest worlds.
+All questions take half an hour to an hour on two cores, five to ten minutes with `--quick`. Without it, tables are also
+written to benchmarks/census-*.csv. `honest --figure FILE` draws the ratios of all honest worlds.
 """
 
 import csv
@@ -106,6 +106,7 @@ INSIDERS = {
     "r + E": {"errors": 1.0},
     "r + 2 E": {"errors": 2.0},
     "r + 3 E": {"errors": 3.0},
+    "own readings 2 errors off, r + 3 E": {"own_errors": 2.0, "errors": 3.0},
     "little evidence": {"weight": 1e-3, "step": 0.05},
     "much evidence": {"weight": 1e3, "step": 0.05},
     "repeats round 20": {"repeats": 20.0},
@@ -190,7 +191,7 @@ def table(name, title, rows):
     found, lines = [], []
     for row in rows:
         cells = [cell if isinstance(cell, str) else f"{cell:.3g}" for cell in row.values()]
-        widths = [56, *(max(len(key), 9) + 2 for key in list(row)[1:])]
+        widths = [64, *(max(len(key), 9) + 2 for key in list(row)[1:])]
         new = [cells] if found else [list(row), cells]
         for line in new:
             print("".join(map(str.ljust, line, widths)), flush=True)
@@ -273,7 +274,7 @@ def liars(quick=False):
 
 
 def lied_to(name, world, quick):
-    """The row of a world with liars; insiders know brains that send the sums of their own readings."""
+    """The row of a world with liars; insiders know steadfast alone."""
     others = ("census", "commons", "minimalistic")
     brains = ("steadfast", "alone", *(() if "insider" in name else others))
     found = errors_of(world, {brain: brain for brain in brains}, trials_of(world, quick))
@@ -319,7 +320,7 @@ def draw(rows, path):
     axes.minorticks_off()
     axes.set_yticks(range(len(labels)), labels)
     axes.invert_yaxis()
-    figure.savefig(path, dpi=200)
+    figure.savefig(path, dpi=160)
 
 
 if __name__ == "__main__":

@@ -151,57 +151,54 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     assert error.endswith("no such field: name another brain with --wrapping\n")
 
 
-KNOWN = "census"  # a brain with the sums that the shipped insider knows
+STEADFAST = brains.load("steadfast")
+OURS = ("s", "v", "own_s", "own_v")  # its message
+
+
+def insider(**lie):
+    """The shipped insider, as a brain."""
+    return brains.lying_brain(adversary.load("insider.py", EXAMPLE).with_parameters(lie), STEADFAST)
+
+
+def said_after(brain, me, blacks):
+    """A robot's message after 20 more readings."""
+    brain.functions.observe(me, blacks, 20)
+    return brain.functions.broadcast(me)
 
 
 @pytest.mark.parametrize(
     ("lie", "due"),
     [
-        ({"sleeps": 2.0, "step": 0.05}, lambda honest, r, e: honest),
+        ({"sleeps": 2.0, "step": 0.05}, lambda me: (me.s, me.v, me.own_s, me.own_v)),
         (
             {"step": 0.05, "own": 0.02, "weight": 3.0},
-            lambda honest, r, e: [
-                3.0 * (honest[0] + 0.05 * honest[1]),
-                3.0 * honest[1],
-                3.0 * (honest[2] + 0.02 * honest[3]),
-                3.0 * honest[3],
-            ],
+            lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v),
         ),
-        ({"errors": 1.5}, lambda honest, r, e: [(r + 1.5 * e) * honest[1], *honest[1:]]),
-        ({"errors": -1.0}, lambda honest, r, e: [(r - e) * honest[1], *honest[1:]]),
+        (
+            {"own_errors": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
+            lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v),
+        ),
+        ({"errors": -1.5}, lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s, me.own_v)),
     ],
 )
 def test_the_shipped_insider_is_what_its_first_lines_say(lie, due):
-    """After one round in which it has read 14 of 20 and a neighbour 12 of 20, all with b = 0.8 and w = 0.7."""
-    honest = brains.load(KNOWN)
-    used = brains.lying_brain(adversary.load("insider.py", EXAMPLE).with_parameters(lie), honest)
-    swarm = [used.robot(0.8, 0.7), honest.robot(0.8, 0.7)]
-    message = said_after(honest, honest.robot(0.8, 0.7), 12)
-    after = []
-    for one, me in zip((used, honest), swarm, strict=True):
+    """After a round in which it has read 14 of 20 and a neighbour 12 of 20, as a robot that is honest."""
+    assert tuple(STEADFAST.message) == OURS
+    used, heard = insider(**lie), said_after(STEADFAST, STEADFAST.robot(0.8, 0.7), 12)
+    liar, honest = used.robot(0.8, 0.7), STEADFAST.robot(0.8, 0.7)
+    for one, me in ((used, liar), (STEADFAST, honest)):
         said_after(one, me, 14)
-        one.functions.receive(me, tuple(message.values()))
+        one.functions.receive(me, heard)
         one.functions.fuse(me)
-        after.append(dict(zip(one.message, one.functions.broadcast(me), strict=True)))
-    r = (0.65 - 0.3) / 0.5
-    error = (0.65 * 0.35 / 40) ** 0.5 / 0.5
-    found, truth = ([said.pop(name) for name in ("s", "v", "own_s", "own_v")] for said in after)
-    assert found == pytest.approx(due(truth, r, error))
-    assert after[0] == after[1]
+    assert used.functions.broadcast(liar) == pytest.approx(due(honest))
+    assert 0.0 < honest.near - 1.5 * honest.error < honest.near < 1.0
 
 
-def test_an_insider_repeats_what_it_said():
-    honest = brains.load(KNOWN)
-    used = brains.lying_brain(adversary.load("insider.py", EXAMPLE).with_parameters({"repeats": 2.0}), honest)
+def test_an_insider_repeats_its_sums_of_a_round():
+    used = insider(repeats=2.0)
     me, said = used.robot(0.8, 0.7), []
-    for blacks in (3, 16, 0, 20, 5):
+    for blacks in (13, 12, 14, 13, 11):
         said.append(said_after(used, me, blacks))
         used.functions.fuse(me)
-    old, *later = [[message[name] for name in ("s", "v", "own_s", "own_v")] for message in said[1:]]
-    assert later == [pytest.approx(old)] * 3
-
-
-def said_after(brain, me, blacks):
-    """A robot's message after 20 more readings, by field."""
-    brain.functions.observe(me, blacks, 20)
-    return dict(zip(brain.message, brain.functions.broadcast(me), strict=True))
+    assert said[2:] == [pytest.approx(said[1])] * 3
+    assert said[1][3] < me.own_v
