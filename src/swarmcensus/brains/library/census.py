@@ -8,14 +8,14 @@ divided by the gain that momentum gives them, so that robots with and without it
 
 2. Without momentum, the own sums weigh as much as all messages, so that late messages do not split the swarm in parts
 that never mix. Then what a robot has just read weighs much. Let A be the sum of squares of what has stayed with it of
-its own readings. The evidence in s / v is at most v^2 / A. So s / v is averaged with r, the ratio of the own readings of
-all n voices heard, which the paper shares; the weights are v^2 / (n A) and the evidence in r.
+its own readings. The evidence in s / v is at most v^2 / A. So s / v is averaged with r, the ratio of the own readings
+of all n voices heard, which the paper shares; the weights are v^2 / (n A) and the evidence in r.
 
 3. Change. `short` is a running mean of the latest readings, with the evidence e = min(v, memory, max(LEAST, v / 4)),
-mixed as s / v is. It leaves s / v if the floor changes, or by chance. `chance` measures what chance does: it is a
-running mean of how far readings are from `short`, times a random sign that a robot keeps for e. The noise is the mean
-of chance^2 e. What patches below many robots do shows in past distances alone, so it is at least their mean square, cut
-at CUT times itself. Where one round mixes all it is 1 / (4 n). A robot begins again, with the short ratio, if
+mixed as s / v is. It leaves s / v if the floor changes, or by chance. What chance does is in `chance`, a running mean
+of how far readings are from `short`, times a random sign that a robot keeps for e. The noise is the mean of chance^2 e,
+but at least that of past (s / v - short)^2 e, cut at CUT times itself, in which patches below many robots show. Where
+one round mixes all it is 1 / (4 n). A robot begins again, with the short ratio, if
 
     (s / v - short)^2 > z^2 noise / e;  or (confirm^2 + 2 ln(n / m)) noise / e, if m > 0 of n voices have just begun;
     or lone^2 noise / e, if none has, and the short ratios heard do not differ in the same direction.
@@ -55,7 +55,7 @@ MEMORY = {
     "fresh": 0.0,
     "short": 0.5,
     "chance": 0.0,
-    "sign": 0.0,  # 1 or -1; none before the first is drawn
+    "sign": 0.0,
     "signed": 0.0,  # evidence since it was
     "noise": 0.0,
     "seen": 0.0,  # the mean square of past distances
@@ -203,13 +203,13 @@ def step(me, s, v, sent_s, sent_v):
 
 def has_changed(me, ratio, v):
     """Learn what chance does, and tell whether the short ratio differs by more."""
-    voices = 1.0 + me.heard
-    e = short_evidence(me, v)
+    voices, e = 1.0 + me.heard, short_evidence(me, v)
     part = min(me.fresh / e, 1.0)
     if me.lives == 0.0:
         me.noise = 0.25 / voices
     me.lives = min(me.lives + part, LIVES)
-    me.noise += part / (FIRST + me.lives) * (me.chance * me.chance * e - me.noise)
+    late = min(1.0, v / me.own_v) if me.marks == STILL and me.own_v > 0.0 else 1.0  # what is not on its way
+    me.noise += min(part / late, 1.0) / (FIRST + me.lives) * (me.chance * me.chance * e - me.noise)
     me.signed += me.fresh
     if me.signed >= e:
         me.signed = 0.0
@@ -217,7 +217,7 @@ def has_changed(me, ratio, v):
     if v <= 1.01 * e or me.marks == BEGUN:  # the short ratio holds nearly all readings
         return False
     off = ratio - me.short
-    me.seen += part / (FIRST + me.lives) * (min(off * off * e / (1.0 - e / v), CUT * me.noise) - me.seen)
+    me.seen += late * part / (FIRST + me.lives) * (min(off * off * e / (1.0 - e / v), CUT * me.noise) - me.seen)
     noise = 0.25 / voices if me.marks == MIXED else max(me.noise, me.seen)
     least = me.z * me.z
     if me.begun > 0.0:
