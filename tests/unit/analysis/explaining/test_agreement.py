@@ -116,7 +116,7 @@ def test_what_is_wrong_differs():
     assert found.settings[0].limit == max(one.terms, key=one.terms.get)
 
 
-MIXED = [{"robots": 3, "brain": "steadfast"}]
+MIXED = [{"robots": 3, "brain": "sure"}]
 
 
 @pytest.mark.parametrize(
