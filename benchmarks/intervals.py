@@ -1,21 +1,16 @@
 """How often intervals hold the truth: python benchmarks/intervals.py [QUESTION] [--quick].
 
 `rules` draws trials whose truth is known and says how often 95 % intervals hold it, also where a rule ends that asks
-for an interval of some width; `looks` what such a rule costs. The others are of the brain `sure`: how often its
-intervals hold, and how many robots stop on a wrong answer, in all worlds of studies/beyond.toml and among robots that
-move. Those take forty minutes on two cores together.
+for an interval of some width; `looks` what such a rule costs.
 """
 
 import resource
 import time
-import tomllib
-from pathlib import Path
 
 import harness
 import numpy as np
 
-import swarmcensus as sc
-from swarmcensus import Study, run, theory
+from swarmcensus import Study, run
 from swarmcensus.studies.precision import Until
 from swarmcensus.support.intervals import estimate
 
@@ -203,144 +198,6 @@ def looks():
         harness.show(f"  {text}: {looks} looks, the last one at all: {spent:.2f} s, {spent / simulating:.0%} of it")
     after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     harness.show(f"peak of memory: {after / 1024:.0f} MiB, of which the looks need {(after - before) / 1024:.0f} MiB")
-
-
-# ---- the brain sure
-
-
-WORLDS = Path(__file__).parents[1] / "studies" / "beyond.toml"
-SENSORS = [0.525, 0.875, 1.0, "U(0.525, 0.975)"]
-
-
-def cell(results, i):
-    """What a setting is, in a line."""
-    names = ("robots", "topology", "accuracy", "fill_ratio", "link_success")
-    return " ".join(str(results[name].values[i]) for name in names)
-
-
-@harness.question(unasked=False)
-def sure():
-    """Shares of robots whose interval holds f, cell by cell and at each checkpoint."""
-    brain = {"file": "sure", "within": 1e-9, "alpha": [0.05, 0.2]}
-    study = sc.Study(
-        trials=harness.trials(400),
-        seed=13,
-        swarm={"brain": brain, "robots": [10, 40], "accuracy": SENSORS},
-        world={"topology": ["full", "ring", "scale-free"], "fill_ratio": [0.55, 0.95], "link_success": [1.0, 0.3]},
-        schedule={"rounds": 248, "observations_per_round": 10},
-        measure={"checkpoints": [20, 56, 120, 248]},
-    )
-    results = sc.run(study)
-    shares = results["coverage"].values
-    mean, error = shares.mean(axis=2), shares.std(axis=2, ddof=1) / shares.shape[2] ** 0.5
-    for alpha in (0.05, 0.2):
-        rows = results["alpha"].values == alpha
-        off, sd = mean[rows] - (1 - alpha), error[rows]
-        low, high, middle = mean[rows].min(), mean[rows].max(), mean[rows].mean()
-        print(f"alpha = {alpha}: {off.size} shares from {low:.3f} to {high:.3f}, mean {middle:.4f}")
-        beyond = np.abs(off) > 0.015 + 1.96 * sd
-        below = (beyond & (off < 0)).sum()
-        print(f"  beyond 1.5 points by more than its 95 % interval: {beyond.sum()}, of them below: {below}")
-        row, at = np.unravel_index(mean[rows].argmin(), off.shape)
-        print(f"  lowest: {cell(results, np.flatnonzero(rows)[row])} at round {results['checkpoint'].values[at]}")
-
-
-@harness.question(unasked=False)
-def stops():
-    """Shares of robots that stop on a wrong answer, and when they do, beside who knew all readings."""
-    alpha, within, rounds = 0.05, 0.05, 1016
-    tables = tomllib.loads(WORLDS.read_text(encoding="utf-8"))
-    tables["trials"] = harness.trials(50)
-    tables["swarm"]["brain"] = {"file": "sure", "within": within, "alpha": alpha}
-    tables["schedule"]["rounds"] = rounds
-    tables["measure"]["checkpoints"] = [rounds]
-    results = sc.run(sc.Study(**tables))
-    at, said = results["done_round"].values, results["done_estimate"].values
-    there, done = np.isfinite(results["final_estimate"].values), np.isfinite(said)
-    truth = results["fill_ratio"].values
-    off = np.abs(said - truth[:, None, None]) > within
-    wrong = np.where(there, off, np.nan)
-    wrong = np.nansum(wrong, axis=2) / there.sum(axis=2)
-    mean, error = wrong.mean(axis=1), wrong.std(axis=1, ddof=1) / wrong.shape[1] ** 0.5
-    print(f"stopped: {done.sum() / there.sum():.1%} of robots, {off[there].mean():.2%} of all on a wrong answer;")
-    print(f"  above {alpha} in {(mean > alpha).sum()} of {mean.size:,} cells, surely so in", end=" ")
-    print(f"{(mean - 1.96 * error > alpha).sum()}; most in")
-    for i in np.argsort(-mean)[:5]:
-        print(f"  {cell(results, i)}: {mean[i]:.1%} +- {1.96 * error[i]:.1%}")
-    variance = float(theory.reading_variance(0.55, 0.625))
-    for i in range(mean.size):
-        robots = int(results["robots"].values[i])
-        if cell(results, i).endswith(" 0.625 0.55 1.0") and robots == 100:
-            needed = (1.96 / within) ** 2 * variance / 10 / robots
-            when = f"round {np.median(at[i][done[i]]):.0f}" if done[i].any() else "nobody"
-            print(f"  {cell(results, i)}: {when}, oracle {max(needed, 1.0):.1f}")
-
-
-@harness.question(unasked=False)
-def patches():
-    """The same among robots that move, held against the floor's own share: stops within 0.05, and coverage if none."""
-    print("moving; wrong: % of robots that stop on a wrong answer; cover: % at ticks 248, 1016, 4088, without stops")
-    print("robots density floor          accuracy          wrong  stopped at tick  cover")
-    for robots in (1, 2, 5, 10, 20, 50, 100):
-        for density in (1, 10):
-            walk(robots, density)
-
-
-def walk(robots, density, trials=400, seed=401, brain="sure"):
-    """A line a floor and accuracy, all on the same walks."""
-    study = sc.Study(
-        trials=harness.trials(trials),
-        seed=seed,
-        swarm={"brain": {"file": brain, "within": [0.05, 1e-9]}, "robots": robots, "accuracy": [0.7, 0.875, 0.95]},
-        world={
-            "topology": "moving",
-            "density": density,
-            "fill_ratio": 0.55,
-            "floor": ["tiles", {"clusters": 0.4}, {"stripes": 0.5}],
-        },
-        schedule={"ticks": 4088},
-        measure={"truth": "floor", "checkpoints": [248, 1016, 4088]},
-    )
-    results = sc.run(study)
-    settings = results[["within", "floor", "accuracy"]].to_dataframe()
-    for (floor, accuracy), rows in settings.groupby(["floor", "accuracy"], sort=False):
-        stops, none = (rows.index[rows["within"] == within].item() for within in (0.05, 1e-9))
-        said, at = results["done_estimate"].values[stops], results["done_round"].values[stops]
-        done = np.isfinite(said)
-        wrong = (done & (np.abs(said - results["true_fill_ratio"].values[stops][:, None]) > 0.05)).mean(axis=1)
-        error = 196 * wrong.std(ddof=1) / len(wrong) ** 0.5
-        when = np.median(np.where(done, at, np.inf))
-        cover = " ".join(f"{100 * share:5.1f}" for share in results["coverage"].values[none].mean(axis=1))
-        print(
-            f"{robots:6} {density:7} {floor:14} {accuracy:8} {100 * wrong.mean():6.1f} +- {error:4.1f} "
-            f"{100 * done.mean():7.1f}% {when:7.0f}  {cover}",
-            flush=True,
-        )
-
-
-@harness.question(unasked=False)
-def seen():
-    """How far the share of black under robots that walk for long is from the floor's own share."""
-    for robots in (1, 2, 5, 10, 20, 50):
-        for density in (1, 10):
-            study = sc.Study(
-                trials=harness.trials(30),
-                seed=301,
-                swarm={"brain": "commons", "robots": robots, "accuracy": 1.0},
-                world={
-                    "topology": "moving",
-                    "density": density,
-                    "fill_ratio": 0.55,
-                    "floor": ["tiles", {"clusters": 0.4}, {"stripes": 0.5}],
-                },
-                schedule={"ticks": 400_000 // robots},
-                measure={"truth": "floor"},
-            )
-            results = sc.run(study)
-            off = results["final_estimate"].mean("robot") - results["true_fill_ratio"]
-            root = ((off**2).mean("trial") ** 0.5).values
-            found = ", ".join(f"{floor} {x:.3f}" for floor, x in zip(results["floor"].values, root, strict=True))
-            print(f"{robots} robots, density {density}: the ground seen differs from the floor by {found}")
 
 
 if __name__ == "__main__":

@@ -1,57 +1,65 @@
-"""Insider: it knows the source of `census`, and lies in each of its sums by another step towards `goal`.
+"""Insider: it knows the source of `steadfast`, and moves the sums of all readings and of its own towards black.
 
-`step` moves the sums of all readings, `own` those of its own readings, `short` those of the latest; each grows by
-`grow` a round. It is honest in the first `sleeps` rounds. The defaults are those of a creeper that lies in all alike.
+Where `errors` is not 0, it says r + `errors` E instead of s / v: r is the mean of what robots near have read, and E its
+standard error, both as it knows them itself. Or it repeats its sums at the end of round `repeats`. Until then, and
+until round `sleeps`, it is honest.
 """
 
-KNOWS = ("short_v", "own_v")  # the evidence in two of the sums of census
+KNOWS = ("s", "v", "own_s", "own_v", "near", "error")
 PARAMETERS = {
-    "goal": 1.0,
-    "step": 0.01, "own": 0.01, "short": 0.01, "grow": 0.0, "sleeps": 0.0,
+    "step": 0.0,  # how far it moves s / v; towards white below 0
+    "own": 0.0,  # and its own readings,
+    "own_errors": 0.0,  # also in their standard errors
+    "errors": 0.0,
     "weight": 1.0,  # times the evidence in all sums
-    "noise": 1.0,  # times the noise that it measures
-    "seen": 1.0,  # times the noise that differences have shown it
-    "anew": -1.0,  # what it says of a change: 1 for begun anew, 2 for trying one, 3 for both, 0; the truth below 0
-}  # fmt: skip
-MEMORY = {"round": 0.0}
+    "sleeps": 0.0,
+    "repeats": 0.0,  # 0: never
+}
+MEMORY = {
+    "round": 0.0,
+    "old_s": 0.0,  # what it repeats
+    "old_v": 0.0,
+    "old_own_s": 0.0,
+    "old_own_v": 0.0,
+}
 
 
 def lies(me):
-    return me.round >= me.sleeps
-
-
-def moved(me, x, step):
-    far = max(step + me.grow * me.round, 0.0) * lies(me)
-    return x + min(max(me.goal - x, -far), far)
+    return me.round >= max(me.sleeps, me.repeats)
 
 
 def lie(me, x):
-    return moved(me, x, me.step)
+    if not lies(me):
+        return x
+    if me.repeats > 0.0:
+        return me.old_s / me.old_v if me.old_v > 0.0 else x
+    return me.near + me.errors * me.error if me.errors != 0.0 else x + me.step
 
 
 def boast(me, confidence):
-    return confidence * me.weight if lies(me) else confidence
+    if not lies(me):
+        return confidence
+    return me.old_v if me.repeats > 0.0 else confidence * me.weight
 
 
 def say_own_s(me, value):
-    return moved(me, value / me.own_v, me.own) * boast(me, me.own_v) if me.own_v > 0.0 else value
+    if not lies(me):
+        return value
+    if me.repeats > 0.0:
+        return me.old_own_s
+    return (value + me.own * me.own_v + 0.5 * me.own_errors * me.own_v**0.5) * me.weight
 
 
-def say_short_s(me, value):
-    return moved(me, value / me.short_v, me.short) * boast(me, me.short_v) if me.short_v > 0.0 else value
-
-
-def say_noise(me, value):
-    return value * me.noise if lies(me) else value
-
-
-def say_seen(me, value):
-    return value * me.seen if lies(me) else value
-
-
-def say_anew(me, value):
-    return float(int(me.anew)) if me.anew >= 0.0 and lies(me) else value
+def say_own_v(me, value):
+    if not lies(me):
+        return value
+    return me.old_own_v if me.repeats > 0.0 else value * me.weight
 
 
 def plot(me):
     me.round += 1.0
+    if me.round == me.repeats:
+        me.old_s = me.s
+        me.old_v = me.v
+        me.old_own_s = me.own_s
+        me.old_own_v = me.own_v

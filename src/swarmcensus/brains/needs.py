@@ -14,6 +14,7 @@ KEYS = {
     "rounds": "the fewest rounds of a trial",
     "length": "the rounds of a trial, neither fewer nor more",
     "neighbours": "the fewest robots that a robot hears",
+    "mutual": "true if it diverges where a robot does not hear all that hear it",
     "steps": "the equal steps of [0, 1] of which the middles are the fill ratios that it chooses among",
     "equal_sensors": "true if it takes black to be read right as often as white",
     "perfect_sensors": "true if it takes readings for the truth",

@@ -73,13 +73,16 @@ def _lacks_robots(brain: Brain, topology: Topology, robots: int) -> dict[str, st
     lacks = {}
     if robots < (least := brain.needs.get("robots", 0.0)):
         lacks["robots"] = f"needs {counted(round(least), 'robot')}; this study has {robots:,}"
-    least = brain.needs.get("neighbours", 0.0)
-    if not least or topology.moves or robots > MOST_ROBOTS:
+    least, mutual = brain.needs.get("neighbours", 0.0), brain.needs.get("mutual", 0.0)
+    if not (least or mutual) or topology.moves or robots > MOST_ROBOTS:
         return lacks
     there = robots - 1.0
     if not topology.is_full:
-        receivers = topology.links(robots, 0, 0, 1, lossless=True, sums=False).receivers
-        there = float(np.median(np.bincount(receivers, minlength=robots)))
+        links = topology.links(robots, 0, 0, 1, lossless=True, sums=False)
+        there = float(np.median(np.bincount(links.receivers, minlength=robots)))
+        to, back = links.receivers * robots + links.senders, links.senders * robots + links.receivers
+        if mutual and not np.array_equal(np.sort(to), np.sort(back)):
+            lacks["mutual"] = f"needs robots that hear each other; some links of {topology} go one way only"
     if there < least:
         lacks["neighbours"] = f"needs {least:g} neighbours; most robots of {topology} have {there:g} or fewer"
     return lacks

@@ -21,8 +21,11 @@ class Occurrence(NamedTuple):
 class Scopes:
     """Where the names of one function are declared."""
 
-    def __init__(self, function: ast.FunctionDef) -> None:
-        """Find all names, and where each occurs."""
+    def __init__(self, function: ast.FunctionDef, parameters: frozenset[str] = frozenset()) -> None:
+        """Find all names, and where each occurs; a robot that is asked for a parameter, a constant in C, does not."""
+        self.constants = {
+            id(node.value) for node in ast.walk(function) if isinstance(node, ast.Attribute) and node.attr in parameters
+        }
         self.given = {argument.arg for argument in (*function.args.posonlyargs, *function.args.args)}
         self.found: dict[str, list[Occurrence]] = {}
         self.statements: dict[Path, ast.stmt] = {}
@@ -48,7 +51,7 @@ class Scopes:
             here = (*path, (block, k))
             self.statements[here] = statement
             for node in _header(statement):
-                if isinstance(node, ast.Name):
+                if isinstance(node, ast.Name) and id(node) not in self.constants:
                     both = isinstance(statement, ast.AugAssign) and node is statement.target
                     is_load = isinstance(node.ctx, ast.Load)
                     each = Occurrence(here, statement, loops, is_load or both, not is_load or both)

@@ -24,7 +24,7 @@ class Function:
         self.name = name
         self.node = unit.functions[name]
         self.comments = comments
-        self.scopes = Scopes(self.node)
+        self.scopes = Scopes(self.node, unit.parameters)
         self.say = Expressions(unit, name)
         self.names = unit.kinds.names[name]
         self.result = unit.results[name]

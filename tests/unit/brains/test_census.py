@@ -1,103 +1,211 @@
-"""census: ripe sums weigh readings by age, coins tell the noise, and a change is found and passed on."""
+"""census: each equation by hand, weights by brute force, the noise, and that it errs as the best and without a tail."""
 
 import math
 
 import numpy as np
 import pytest
-from scipy.stats import f as f_ratio, norm
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.support.places import EXAMPLE
 from tests.support.small import study_of
 
 CENSUS = brains.load("census")
 DO = CENSUS.functions
-INSIDER = str(EXAMPLE / "insider.py")
-NEVER = {"file": "census", "z": 1e6, "confirm": 1e6}  # finds no change
+STILL, MIXED, BEGUN = -1.0, -2.0, -3.0
+Z, CONFIRM, LONE = (CENSUS.parameters[name] for name in ("z", "confirm", "lone"))
+NEVER = {"file": "census", "z": 1e6, "confirm": 1e6, "lone": 1e6}  # finds no change
 
 
-def robots(number, b=0.8, w=0.8, finds=True):
-    """Robots that hear nobody yet; `finds` is whether they look for changes."""
+def robots(number, b=0.8, w=0.7, **fields):
+    """Robots that hear nobody yet."""
     made = [CENSUS.robot(b, w) for _ in range(number)]
     for name, me in enumerate(made):
-        me.name, me.luck = float(name), 0.3
-        if not finds:
-            me.z = me.confirm = NEVER["z"]
+        for field, value in {"name": float(name), "luck": 0.3, **fields}.items():
+            setattr(me, field, value)
     return made
 
 
-def round_of(swarm, readings, heard, draws=None):
-    """One round: readings are (blacks, looks) a robot, `heard` has for each robot those that it hears."""
+def round_of(swarm, readings, heard):
+    """One round: readings are (blacks, looks) of each robot, `heard` has for each robot those that it hears."""
     for me, (blacks, looks) in zip(swarm, readings, strict=True):
         DO.observe(me, blacks, looks)
     said = [DO.broadcast(me) for me in swarm]
     for k, me in enumerate(swarm):
         for j in heard[k]:
             DO.receive(me, said[j])
-        me.luck = 0.3 if draws is None else draws[k]
         DO.fuse(me)
 
 
-def ring(number):
-    return [[(k - 1) % number, (k + 1) % number] for k in range(number)]
+def ring(number, before=1, after=1):
+    return [[(k + step) % number for step in (*range(-before, 0), *range(1, after + 1))] for k in range(number)]
 
 
-@pytest.mark.parametrize("r", [5, 50, 120, 190])
-def test_a_reading_of_round_r_weighs_as_the_formula_says(r):
-    """1 - (r / t)^2 of the mean weight 2 / 3, up to 1 / t; by changing that reading alone."""
-    ratios = []
-    for black in (0.0, 10.0):
-        (me,) = robots(1, 1.0, 1.0, finds=False)
-        for t in range(1, 201):
-            round_of([me], [(black if t == r else 5.0, 10.0)], [[]])
-        ratios.append(me.ripe_s / me.ripe_v)
-    assert (ratios[1] - ratios[0]) * 200 == pytest.approx((1 - (r / 200) ** 2) * 3 / 2, abs=0.03)
+# ---- each equation by hand
 
 
-def test_nothing_is_biased_by_losses_lateness_and_late_joiners():
-    """Readings that are what is expected of f leave every ratio at f, whatever is heard, and when."""
+def test_a_message_has_the_sums_without_gain_and_running_means_times_v():
+    """k = 0.5: three of four black add 0.5 (3 - 4 0.3) = 0.9 to s, and 0.25 4 = 1 to v."""
+    (me,) = robots(1)
+    DO.observe(me, 3.0, 4.0)
+    assert DO.broadcast(me) == pytest.approx((0.9, 1.0, 0.9, 0.0, 0.0, 0.9, 1.0, 1.0))  # e = v: all of the reading
+    (me,) = robots(1, s=59.1, v=119.0, rounds=10.0, unit=30.0, short=0.5, chance=0.02, sign=-1.0, noise=0.1, marks=7.0)
+    DO.observe(me, 3.0, 4.0)
+    short, chance = 0.5 + 0.4 / 10, 0.02 - (0.4 + 0.02) / 10  # the gain is 3; v = 40, so that e = 10
+    assert DO.broadcast(me) == pytest.approx((20.0, 40.0, 40 * short, 40 * chance, 4.0, 0.9, 1.0, 7.0))
+
+
+@pytest.mark.parametrize(("v", "e"), [(5.0, 5.0), (20.0, 10.0), (100.0, 25.0), (1000.0, 100.0)])
+def test_evidence_of_the_short_ratio(v, e):
+    assert DO.short_evidence(robots(1)[0], v) == e
+
+
+@pytest.mark.parametrize(
+    ("state", "s", "v", "short", "squares"),
+    [
+        (4.0, (8 + 6 + 3) / 3, (20 + 10 + 10) / 3, (10 + 4 + 2) / 40, 9 / 9),  # means of three
+        (MIXED, (8 + 6 + 3) / 3, (20 + 10 + 10) / 3, (10 + 4 + 2) / 40, 9 / 9),
+        (STILL, (16 + 6 + 3) / 4, (40 + 10 + 10) / 4, (20 + 4 + 2) / 60, 9 / 4),  # its own count as those of both
+        (BEGUN, (8 + 3) / 2, (20 + 10) / 2, (10 + 4 + 2) / 40, 9 / 4),  # only the second has begun again too
+    ],
+)
+def test_weights_of_a_mean(state, s, v, short, squares):
+    (me,) = robots(1, s=8.0, v=20.0, short=0.5, squares=9.0, rounds=1.0, unit=1.0, first=2.0, marks=state, z=1e6)
+    DO.receive(me, (6.0, 10.0, 4.0, 0.0, 1.0, 0.0, 0.0, 4.0))
+    DO.receive(me, (3.0, 10.0, 2.0, 0.0, 1.0, 0.0, 0.0, BEGUN if state == BEGUN else 3.0))
+    me.confirm = me.lone = 1e6
+    DO.fuse(me)
+    assert (me.s, me.v, me.short, me.squares) == pytest.approx((s, v, short, squares))
+
+
+def test_a_step_goes_beyond_the_mean_by_the_momentum():
+    (me,) = robots(1, marks=5.0, rounds=4.0, unit=8.0, said_unit=5.0, said_s=10.0, said_v=30.0)  # the gain is 2
+    DO.step(me, 6.0, 20.0, 7.0, 21.0)
+    assert (me.s, me.v) == pytest.approx((12.0 + 0.9 * 2.0, 40.0 + 0.9 * 10.0))
+    assert (me.said_s, me.said_v, me.said_unit) == pytest.approx((14.0, 42.0, 9.0))
+    assert (me.unit, me.rounds) == pytest.approx((9.0 + 0.9 * 4.0, 5.0))
+    me.said_v = 1e3  # it would lose more than half
+    DO.step(me, 6.0, 20.0, 7.0, 21.0)
+    assert me.v == pytest.approx(20.0 * 12.6 / 5.0)
+    me.marks = STILL
+    DO.step(me, 6.0, 20.0, 7.0, 21.0)
+    assert (me.s, me.v, DO.gain(me)) == (6.0, 20.0, 1.0)
+
+
+def test_the_estimate_is_averaged_with_what_all_voices_read():
+    """r = 4 / 8 of four voices; v^2 / (n A) = 100 / (4 2), against 8: 12.5 and 8. The prior weighs 1 / (16 v)."""
+    (me,) = robots(1, marks=STILL, squares=2.0, heard=3.0, own_s=1.5, own_v=3.0, heard_own_s=2.5, heard_own_v=5.0)
+    DO.make_estimate(me, 4.0, 10.0)
+    mixed = (4.0 + 0.003125) / 10.00625
+    assert me.x == pytest.approx((12.5 * mixed + 8.0 * 0.5) / 20.5)
+    for state, begun in ((9.0, 0.0), (STILL, 1.0)):  # with momentum, or while the floor may have changed
+        me.marks, me.begun = state, begun
+        DO.make_estimate(me, 4.0, 10.0)
+        assert me.x == pytest.approx(mixed)
+
+
+def test_the_noise_is_a_mean_of_squares_of_chance_and_of_past_distances():
+    """v = 400, so e = 100; a round of evidence 5 is a twentieth of a life, and its weight 0.05 / (2 + 0.05)."""
+    (me,) = robots(1, fresh=5.0, chance=0.03, heard=4.0, short=0.44, marks=9.0)
+    weight = 0.05 / 2.05
+    DO.has_changed(me, 0.5, 400.0)
+    noise = 0.05 + weight * (0.0009 * 100.0 - 0.05)
+    assert me.noise == pytest.approx(noise)
+    assert me.seen == pytest.approx(weight * 4.0 * noise)  # 0.0036 100 / (1 - 1/4) is more than is counted
+    assert (me.sign, me.signed) == (0.0, 5.0)
+    me.signed, me.luck = 96.0, 0.7
+    DO.has_changed(me, 0.5, 400.0)
+    assert (me.sign, me.signed) == (-1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("least", "fields"),
+    [
+        (Z**2, {"heard_s": 1.0, "heard_short": 0.5}),
+        (LONE**2, {"heard_s": 1.0, "heard_short": 1.5}),  # nobody else sees it
+        (CONFIRM**2, {"heard": 3.0, "begun": 4.0}),
+        (CONFIRM**2 + 2.7726, {"heard": 7.0, "begun": 2.0}),  # 2 ln 4
+        (Z**2, {"heard": 1e9, "begun": 1.0}),  # never more than for a change that nobody else found
+    ],
+)
+@pytest.mark.parametrize("state", [MIXED, STILL])
+def test_what_shows_a_change(least, fields, state):
+    for times in (0.99, 1.01):
+        (me,) = robots(1, marks=state, lives=16.0, noise=0.1, **fields)
+        noise = 0.1 if state == STILL else 0.25 / (1.0 + me.heard)  # one round mixes all
+        me.short = 0.5 - math.sqrt(times * least * noise / 100.0)
+        assert DO.has_changed(me, 0.5, 400.0) == (times > 1.0)
+
+
+def test_a_robot_that_begins_again_counts_only_those_that_have():
+    first, other = robots(2, s=50.0, v=100.0, rounds=50.0, unit=50.0, marks=STILL, short=0.8, noise=1e-4, lives=16.0)
+    round_of([first], [(0.0, 0.0)], [[]])
+    assert (first.marks, first.s, first.v, first.x) == (BEGUN, 0.8, 1.0, pytest.approx(0.782, abs=0.001))
+    round_of([first, other], [(0.0, 0.0), (0.0, 0.0)], [[1], []])
+    assert (first.s, first.v) == (0.8, 1.0)
+    first.s, first.v = 24.0, 30.5
+    round_of([first], [(0.0, 0.0)], [[]])
+    assert first.marks == STILL
+
+
+# ---- brute force
+
+
+@pytest.mark.parametrize(("before", "after", "loses"), [(1, 1, False), (1, 1, True), (1, 0, True)])
+def test_weights_of_all_readings_by_matrices(before, after, loses):
+    """With momentum on a steady ring, or without; if nobody hears its own news, A is the sum of its squared weights."""
+    random, number, rounds = np.random.default_rng(1), 30, 25
+    swarm, links = robots(number, 1.0, 1.0, z=1e6, confirm=1e6, lone=1e6), ring(number, before, after)
+    matrix = np.eye(number) * (before + after if loses else 1)
+    for me, heard in zip(matrix, links, strict=True):
+        me[heard] = 1.0
+    matrix /= matrix.sum(1, keepdims=True)
+    if loses:
+        for me in swarm:  # they know of a change of the network
+            me.marks, me.rounds, me.unit = STILL, 1.0, 1.0
+    sent, said = np.zeros((2, number, rounds, number))  # weights of each reading in each sum
+    readings = random.integers(0, 5, (rounds, number)).astype(float)
+    for t in range(rounds):
+        sent[:, t] += np.eye(number)
+        mean = np.tensordot(matrix, sent, 1)
+        g = 0.9 if t > 1 and not loses else 0.0
+        sent, said = mean + g * (mean - said), sent
+        round_of(swarm, [(n, 4.0) for n in readings[t]], links)
+    s, v = np.tensordot(mean, readings, 2), 4.0 * mean.sum((1, 2))
+    if not loses:
+        assert [me.x for me in swarm] == pytest.approx(s / v, rel=1e-3)  # the prior weighs less
+    own = [4.0 * np.sum(mean[k, :, k] ** 2) for k in range(number)]
+    if loses:
+        assert [me.v for me in swarm] == pytest.approx(v)
+        assert all(me.squares <= due + 1e-12 for me, due in zip(swarm, own, strict=True))
+    if after == 0:
+        assert [me.squares for me in swarm] == pytest.approx(own)
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_nothing_is_biased_by_losses_lateness_and_late_joiners(late):
+    """Readings that are what is expected of f leave every ratio at f, whatever is heard, and when.
+
+    All have momentum for ten rounds, unless some begin late; then messages of robots with and without it are mixed.
+    """
     random = np.random.default_rng(1)
-    swarm, f = robots(6, 0.9, 0.7), 0.3
-    old = []
+    swarm, f, old, mixed = robots(6, 0.9, 0.7), 0.3, [], False
     for t in range(60):
-        looks = random.integers(0, 5, 6) * (np.arange(6) < 4 + (t > 20) * 2)
-        readings = [(n * (0.9 * f + 0.3 * (1 - f)), float(n)) for n in looks]
-        for me, (blacks, n) in zip(swarm, readings, strict=True):
-            DO.observe(me, blacks, n)
+        looks = random.integers(1, 5, 6) * (np.arange(6) < (4 if late and t < 20 else 6))
+        for me, n in zip(swarm, looks, strict=True):
+            DO.observe(me, n * (0.9 * f + 0.3 * (1 - f)), float(n))
         old.append([DO.broadcast(me) for me in swarm])
         for k, me in enumerate(swarm):
-            for j in np.flatnonzero(random.random(6) < 0.3):
+            steady = t < 10
+            for j in ring(6)[k] if steady else np.flatnonzero(random.random(6) < 0.3):
                 if j != k:
-                    DO.receive(me, old[-1 - int(random.integers(0, min(len(old), 4)))][j])
-            me.luck = random.random()
+                    DO.receive(me, old[-1 if steady else -1 - int(random.integers(0, 4))][j])
             DO.fuse(me)
-            for s, v in ((me.s, me.v), (me.ripe_s, me.ripe_v), (me.short_s, me.short_v)):
-                assert s == pytest.approx(f * v, abs=1e-9 * max(v, 1.0))
-
-
-def test_coins_vary_as_the_short_ratio_does():
-    """300 swarms of six on a ring: an F test of two variances at 0.1 %. With f = 1/2 they should be equal."""
-    random = np.random.default_rng(2)
-    coins, ratios = [], []
-    for _ in range(300):
-        swarm = robots(6, finds=False)
-        for _ in range(25):
-            blacks = random.binomial(4, 0.5, 6)
-            round_of(swarm, [(float(n), 4.0) for n in blacks], ring(6), random.random(6))
-        coins.append(swarm[0].coins)
-        ratios.append(swarm[0].short_s - 0.5 * swarm[0].short_v)
-    statistic = np.mean(np.square(coins)) / np.mean(np.square(ratios))
-    low, high = f_ratio.ppf([0.0005, 0.9995], 300, 300)
-    assert low < statistic < high
-
-
-@pytest.mark.parametrize("topology", ["ring", "full"])
-def test_robots_hardly_ever_restart_where_nothing_changes(topology):
-    """Then estimates are those of a brain that finds no change, to the bit: in 18 of 20 trials or more."""
-    study = study_of(["census", NEVER], robots=30, accuracy=0.75, rounds=400, trials=20, seed=4, topology=topology)
-    found, never = sc.run(study)["final_estimate"].values
-    assert (found == never).all(axis=-1).sum() >= 18
+            assert me.s == pytest.approx(f * me.v, abs=1e-9 * max(me.v, 1.0))
+            assert me.own_s == pytest.approx(f * me.own_v)
+            assert me.v == 0.0 or me.short == pytest.approx(f)
+        mixed |= len({me.marks > 0.0 for me in swarm}) == 2
+    assert mixed
+    assert all(me.marks == STILL for me in swarm)
 
 
 def test_robots_that_one_round_mixes_all_of_know_the_same():
@@ -105,277 +213,60 @@ def test_robots_that_one_round_mixes_all_of_know_the_same():
     everybody = [[j for j in range(5) if j != k] for k in range(5)]
     for t in range(4):
         round_of(swarm, [(2.0 + 0.1 * k, 4.0) for k in range(5)], everybody)
-        assert len({(round(me.s, 9), round(me.v, 9)) for me in swarm}) == 1
-        assert all(me.company == -2.0 for me in swarm) == (t > 0)
+        assert len({round(me.x, 12) for me in swarm}) == 1
+        assert all(me.marks == MIXED for me in swarm) == (t > 0)
     everybody[0] = everybody[0][1:]  # a message is lost
-    round_of(swarm, [(1.0, 4.0)] * 5, everybody)
-    assert [me.company for me in swarm] == [-1.0, -2.0, -2.0, -2.0, -2.0]
-    round_of(swarm, [(1.0, 4.0)] * 5, [[j for j in range(5) if j != k] for k in range(5)])
-    assert all(me.company == -1.0 for me in swarm)  # they hear of it
+    for heard in (1, 5):
+        round_of(swarm, [(1.0, 4.0)] * 5, everybody)
+        assert [me.marks for me in swarm].count(STILL) == heard  # they hear of it
 
 
-def settled():
-    """Two robots that agree on f = 0.5 after 400 rounds."""
-    swarm = robots(2)
-    random = np.random.default_rng(3)
-    for _ in range(400):
-        round_of(swarm, [(2.0, 4.0)] * 2, [[1], [0]], random.random(2))
-    return swarm
+@pytest.mark.parametrize(("accuracy", "looks", "talk"), [(0.5, 4.0, True), (0.8, 0.0, True), (0.8, 4.0, False)])
+def test_nothing_is_divided_by_zero(accuracy, looks, talk):
+    """With sensors that tell nothing, no readings, or no neighbours."""
+    swarm = robots(3, accuracy, accuracy)
+    for _ in range(30):
+        round_of(swarm, [(0.5 * looks, looks)] * 3, ring(3) if talk else [[]] * 3)
+    assert all(math.isfinite(getattr(me, field)) for me in swarm for field in CENSUS.memory)
+    assert [DO.estimate(me) for me in swarm] == [pytest.approx(0.5)] * 3
 
 
-def test_restarted_robot_ignores_old_sums():
-    first, other = settled()
-    assert first.anew == other.anew == 0.0
-    for _ in range(60):
-        if first.anew:
-            break
-        round_of([first], [(4.0, 4.0)], [[]])
-    assert first.anew == 1.0
-    assert first.v < 3.0
-    begun = first.x
-    assert begun > 0.55
-    DO.receive(first, DO.broadcast(other))
-    DO.fuse(first)
-    assert first.v < 3.0
-    assert first.x == pytest.approx(begun, abs=0.01)  # the prior counts more now
+@pytest.mark.long(but=["ring-0.55"])
+@pytest.mark.parametrize("f", [0.1, 0.55])
+@pytest.mark.parametrize("topology", ["ring", "nobody"])
+def test_noise_is_what_chance_does_to_the_short_ratio(topology, f):
+    """What is counted as noise, against the variance of `short` times e, over 20,000 rounds: within 15 %."""
+    number, looks, rounds = 8, 4, 20000
+    readings = np.random.default_rng(7).random((rounds * looks, number)) < 0.8 * f + 0.1
+    links = [[k, (k + 1) % number] for k in range(number)] if topology == "ring" else None
+    brain = CENSUS.with_parameters({"z": 1e6, "confirm": 1e6, "lone": 1e6})
+    found = sc.infer(readings.astype(float), links, 0.9, looks, brain)
+    noise, seen, short = (found[field].values[..., 1000:, :] for field in ("noise", "seen", "short"))
+    assert np.maximum(noise, seen).mean() == pytest.approx(np.mean((short - f) ** 2) * 100.0, rel=0.15)
 
 
-@pytest.mark.parametrize(
-    ("voices", "begun", "least"),
-    [(3, 1, 1.5**2), (8, 1, 1.5**2), (21, 1, 1.5**2 + 1.9302), (84, 2, 1.5**2 + 3.3165), (9001, 1, 3.5**2)],
-)
-def test_few_restarted_robots_need_more_confirmation(voices, begun, least):
-    """2 ln(n / 8 m) by hand: 2 ln 2.625 and 2 ln 5.25; never more than for a change of its own."""
-    for times, begins in ((0.98, 0.0), (1.02, 1.0)):
-        me, _ = settled()
-        me.begun, me.fresh, me.coin, me.alone, me.noise = float(begun), 0.0, 0.0, 0.0, voices
-        noise = 0.25 / voices  # never more
-        off = math.sqrt(times * least * noise / 50.0)
-        me.short_v = 50.0 * voices  # with those of others, which are 0 here, a mean of 50
-        me.short_s = me.short_v * (me.ripe_s / me.ripe_v + off)
-        DO.compare(me, 1000.0, float(voices))
-        assert me.anew == begins
+# ---- swarms
 
 
-def met(readings, rounds=1, talk=True):
-    """Robots with `readings` (blacks, looks) in each round, that all hear each other."""
-    swarm = robots(len(readings), finds=False)
-    heard = [[j for j in range(len(swarm)) if j != k and talk] for k in range(len(swarm))]
-    for _ in range(rounds):
-        round_of(swarm, readings, heard)
-    return swarm
-
-
-def test_r_is_a_capped_weighted_mean():
-    """By hand: k = 0.6, so v = 0.36 a reading and o / p = (black share - 0.2) / 0.6."""
-    first, second, _ = met([(5.0, 10.0), (12.0, 20.0), (6.0, 10.0)])
-    f = [(share - 0.2) / 0.6 for share in (0.5, 0.6, 0.6)]
-    assert first.near == pytest.approx((f[0] + f[1] + f[2]) / 3)  # the 20 readings count as 10, as many as its own
-    assert second.near == pytest.approx((2 * f[1] + f[0] + f[2]) / 4)
-    assert first.error == pytest.approx(0.5 / (0.36 * 10 * 3) ** 0.5)
-    assert second.error == pytest.approx(0.5 / (0.36 * 20 * 2) ** 0.5)
-
-
-def test_sums_far_from_r_are_not_counted():
-    (me,) = met([(50.0, 100.0)], rounds=10)
-    for far, counts in ((4.9, True), (5.1, False)):
-        said = list(DO.broadcast(me))
-        fields = dict(zip(CENSUS.message, range(len(said)), strict=True))
-        claim = me.near + far * me.error
-        said[fields["ripe_s"]], said[fields["s"]] = claim * me.ripe_v, claim * me.v
-        DO.receive(me, tuple(said))
-        assert me.counted == counts
-        DO.clear(me)
-
-
-@pytest.mark.parametrize(
-    ("off", "told"), [(1.7, 1.7), (-1.9, -1.75 * 0.6 / 0.75), (2.2, 1.75 * 0.3 / 0.75), (2.6, 0.0), (4.0, 0.0)]
-)
-def test_estimate_is_drawn_to_nearby_readings(off, told):
-    (me,) = met([(50.0, 100.0)], rounds=10)
-    me.x = me.near + off * me.error
-    DO.cut(me)
-    assert me.x == pytest.approx(me.near + told * me.error)
-    assert me.guard == 0.0
-
-
-@pytest.mark.parametrize("value", [math.nan, -math.inf, 1e30])
-@pytest.mark.parametrize(
-    "field", ["s", "v", "ripe_s", "ripe_v", "short_s", "short_v", "coins", "noise", "seen", "own_s", "own_v"]
-)
-def test_no_message_spoils_a_robot(field, value):
-    first, second = met([(50.0, 100.0), (51.0, 100.0)], rounds=10)
-    said = [value if name == field else x for name, x in zip(CENSUS.message, DO.broadcast(second), strict=True)]
-    DO.receive(first, tuple(said))
-    for _ in range(50):
-        round_of([first, second], [(50.0, 100.0)] * 2, [[1], [0]])
-    known = [getattr(me, name) for me in (first, second) for name in CENSUS.memory]
-    assert all(map(math.isfinite, known))
-    assert max(abs(me.x - 0.5) for me in (first, second)) < 0.05
-    assert max(me.noise for me in (first, second)) < 1.0
-
-
-def test_own_readings_decide_whether_a_change_is_one():
-    """Logarithms of likelihoods of normal readings, whose variance is 1 / (4 v)."""
-    for truth, changed in ((0.2, True), (0.5, False)):
-        (me,) = met([(50.0, 100.0)], rounds=10)
-        me.short_s, me.short_v = 0.2 * me.short_v, me.short_v
-        DO.begin_anew(me)
-        assert me.trial == 4.0
-        before, readings = me.trial, (0.6 * truth + 0.2) * 10.0
-        DO.observe(me, readings, 10.0)
-        own, others = me.own_s / me.own_v, 0.3
-        me.guess = others  # of the round before, which those readings are not in
-        DO.fuse(me)
-        if me.trial > 0.0:
-            gained = norm.logpdf(truth, others, 0.5 / 3.6**0.5) - norm.logpdf(truth, own, 0.5 / 3.6**0.5)
-            assert me.trial - before == pytest.approx(gained)
-        for _ in range(200):
-            if me.trial == 0.0:
-                break
-            me.ripe_s, me.s = 0.2 * me.ripe_v, 0.2 * me.v  # what others say
-            DO.observe(me, readings, 10.0)
-            DO.fuse(me)
-        assert me.trial == 0.0
-        assert (me.own_s / me.own_v == pytest.approx(0.2)) == changed
-        assert (me.guard > 0.0) != changed
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    "liar",
-    [
-        "always-black", "opposite", "shouter", "noisy-mirror", "creeper",
-        {"file": INSIDER, "anew": 3.0, "step": 0.3, "short": 0.3, "own": 0.0},
-        {"file": INSIDER, "anew": 0.0, "step": 0.0, "short": 0.3, "own": 0.0},
-    ],
-)  # fmt: skip
-def test_it_is_better_than_alone_among_liars(liar):
+@pytest.mark.parametrize("topology", ["ring", "full"])
+def test_honest_robots_err_as_the_best_and_without_a_tail(topology):
+    """In 19 of 20 trials or more, no robot finds a change where there is none: estimates are the same to the bit."""
+    best = "swift" if topology == "ring" else "commons"
     study = study_of(
-        ["census", "alone"], robots=20, accuracy=0.75, rounds=600, trials=50, seed=8,
-        members=[{"robots": 6, "brain": liar, "honest": False}], topology=["full", "ring"],
-    )  # fmt: skip
-    results = sc.run(study)
-    errors = np.nanmedian(abs(results["final_estimate"] - 0.55), axis=(1, 2))
-    is_ours = results["brain"].values == "census"
-    assert (errors[is_ours] < errors[~is_ours]).all()
+        ["census", NEVER, best], robots=50, accuracy=0.625, rounds=400, trials=20, seed=4, topology=topology
+    )
+    found, never, other = sc.run(study)["final_estimate"].values
+    assert (found == never).all(axis=-1).sum() >= 19
+    errors, others = abs(found - 0.55), abs(other - 0.55)
+    assert np.sqrt(np.mean(errors**2)) < 1.15 * np.sqrt(np.mean(others**2))
+    assert errors.max() < 1.5 * others.max()
 
 
-# ---- what the limits are made of
-
-
-@pytest.mark.parametrize("repeats", [0.0, 0.7])
-@pytest.mark.parametrize("q", [0.1, 0.5])
-def test_correlation_of_successive_readings(q, repeats):
-    """Each reading is the one before with this probability; over 20,000 rounds."""
-    random = np.random.default_rng(8)
-    (me,) = robots(1, 1.0, 1.0)
-    me.near, me.rounds, me.fresh, me.last = q, 2.0, 1.0, 0.0
-    known = []
-    for same in random.random(20000) < repeats:
-        me.fresh_s = me.last if same else float(random.random() < q)
-        DO.walk(me)
-        known.append(me.alike)
-    assert np.mean(known[5000:]) == pytest.approx(repeats, abs=0.05)
-
-
-@pytest.mark.parametrize(("times", "begins"), [(0.98, 0.0), (1.02, 1.0)])
-def test_noise_of_a_mixed_network_is_at_least_half_of_the_most(times, begins):
-    """(1.02 z)^2 times half of 0.25 / n is a change, (0.98 z)^2 is none, though the coins tell of no noise."""
-    (me,) = robots(1)
-    for _ in range(100):
-        round_of([me], [(5.0, 10.0)], [[]])
-    me.company, me.noise, me.coin, me.fresh, me.alone, me.coins = -2.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    me.short_v = 50.0 * 20.0
-    off = times * 3.5 * math.sqrt(0.5 * 0.25 / 20.0 / 50.0)
-    me.short_s = me.short_v * (me.ripe_s / me.ripe_v + off)
-    DO.compare(me, 1000.0, 20.0)
-    assert me.anew == begins
-
-
-# ---- whom it hears
-
-
-def test_a_neighbour_with_other_readings_is_not_heard():
-    honest = met([(50.0, 100.0), (50.0, 100.0), (86.0, 100.0)])  # apart by 5.1 standard errors
-    pair = met([(50.0, 100.0), (50.0, 100.0)])
-    for me, other in zip(honest, pair, strict=False):
-        assert (me.ripe_s, me.ripe_v, me.near) == (other.ripe_s, other.ripe_v, other.near)
-
-
-@pytest.mark.parametrize(("blacks", "counted"), [(50.0, "whole"), (54.0, "clipped"), (80.0, "not")])
-def test_far_readings_are_clipped(blacks, counted):
-    """Of two robots with v = 36: 0.6 standard errors of a reading and r, and none from 2.5 on."""
-    (me,), (other,) = met([(50.0, 100.0)], rounds=10), met([(blacks, 100.0)], rounds=10)
-    f, error = (blacks / 100 - 0.2) / 0.6, math.sqrt(0.25 / 360 + me.error**2)
-    DO.receive(me, DO.broadcast(other))
-    assert (me.near_heard_v == 0.0) == (counted == "not")
-    if counted != "not":
-        due = f if counted == "whole" else me.near + 0.6 * error
-        assert me.near_heard_s / me.near_heard_v == pytest.approx(due)
-
-
-@pytest.mark.parametrize(
-    ("own_trial", "its_trial", "looks", "heard"),
-    [(0.0, 4.0, 100.0, 1.0), (4.0, 4.0, 100.0, 0.0), (0.0, 0.0, 0.0, 0.0), (4.0, 0.0, 0.0, 1.0)],
-)
-def test_who_tries_a_change_need_not_agree(own_trial, its_trial, looks, heard):
-    """Its readings are old; but two that both try hear each other only if they agree, and who reads nothing hears."""
-    me, other = met([(50.0, 100.0)] * 2, rounds=10)
-    other.own_s, other.trial, me.trial = 0.9 * other.own_v, its_trial, own_trial
-    if looks:
-        DO.observe(me, looks / 2.0, looks)
-    DO.receive(me, DO.broadcast(other))
-    assert me.voices == heard
-
-
-def test_a_robot_that_started_again_hears_all_again():
-    """Once it has seen enough, or where it reads nothing."""
-    for v, looks in ((31.0, 10.0), (1.0, 0.0)):
-        me, other = met([(50.0, 100.0)] * 2, rounds=10)
-        DO.begin_anew(me)
-        me.s = me.v = v
-        for _ in range(2):
-            round_of([me, other], [(looks / 2.0, looks), (50.0, 100.0)], [[1], [0]])
-        assert me.anew == 0.0
-        assert me.v > v + 10.0
-
-
-def test_a_robot_on_guard_leans_on_what_was_read_near_it():
-    (me,) = met([(50.0, 100.0)], rounds=10)
-    me.ripe_s += 8.0 * me.error * me.ripe_v
-    DO.fuse(me)
-    assert me.x == me.near
-    assert me.s / me.v == me.ripe_s / me.ripe_v == pytest.approx(me.near)
-    assert me.guard == me.rounds == 11.0
-    me.s, before = me.v, me.near
-    DO.observe(me, 50.0, 100.0)
-    me.company = -1.0
-    DO.doubt(me)
-    lean = 3.0 * 100.0 / 1100.0
-    assert me.s / me.v == pytest.approx(1.0 - lean * (1.0 - before), rel=0.1)
-
-
-def test_refuted_changes_cost_trust_and_one_that_holds_restores_it():
-    (me,) = met([(50.0, 100.0)], rounds=50)
-    for trust, pause in ((2.0, 8.0), (1.0, 16.0)):
-        DO.begin_anew(me)
-        while me.trial > 0.0:
-            me.ripe_s, me.s = 0.2 * me.ripe_v, 0.2 * me.v  # what others say
-            DO.observe(me, 5.0, 10.0)
-            DO.fuse(me)
-        assert (me.trust, me.pause) == (trust, pause)
-    DO.begin_anew(me)
-    assert me.trial == 1.0
-    DO.observe(me, 2.0, 10.0)
-    me.ripe_s = me.s = me.guess = 0.0
-    DO.fuse(me)
-    trial = me.trial
-    assert trial > 1.0
-    DO.begin_anew(me)
-    assert me.trial == trial  # it goes on
-    while me.trial > 0.0:
-        DO.observe(me, 2.0, 10.0)
-        me.ripe_s = me.s = 0.0
-        DO.fuse(me)
-    assert me.trust == 4.0
+@pytest.mark.parametrize("topology", ["ring", "full"])
+def test_all_robots_find_a_change_of_a_fifth(topology):
+    change = {"from": 0.55, "to": 0.35, "at": 201}
+    study = study_of(
+        "census", robots=30, accuracy=0.8, rounds=400, trials=20, seed=5, topology=topology, fill_ratio=change
+    )
+    (found,) = sc.run(study)["final_estimate"].values
+    assert abs(found - 0.35).max() < 0.05

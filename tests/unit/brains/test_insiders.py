@@ -151,30 +151,54 @@ def test_the_shell_notes_what_is_never_said_and_shows_what_is(tmp_path, monkeypa
     assert error.endswith("no such field: name another brain with --wrapping\n")
 
 
-def test_the_shipped_insider_is_what_its_first_lines_say():
-    """By hand: sums move by `step`, own sums by `own`, both further by `grow` a round, from round `sleeps` on."""
-    told = {"step": 0.02, "own": 0.05, "short": -0.01, "grow": 0.01}
-    told |= {"weight": 3.0, "sleeps": 1.0, "noise": 4.0, "anew": 2.0}
-    lies = adversary.load("insider.py", EXAMPLE).with_parameters(told)
-    used, honest = brains.lying_brain(lies, brains.load("census")), brains.load("census")
-    fields = list(honest.message)
+STEADFAST = brains.load("steadfast")
+OURS = ("s", "v", "own_s", "own_v")  # its message
 
-    def said(one, me):
-        return dict(zip(fields, one.functions.broadcast(me), strict=True))
 
-    me, other = robot(used, 7, 10), robot(honest, 7, 10)
-    assert said(used, me) == pytest.approx(said(honest, other))  # asleep
-    for one, state in ((used, me), (honest, other)):
-        state.luck = 0.75
-        one.functions.fuse(state)
-        one.functions.observe(state, 7, 10)
-    found, due = said(used, me), said(honest, other)
-    for total, weight, step in (("s", "v", 0.02), ("own_s", "own_v", 0.05), ("short_s", "short_v", -0.01)):
-        x = due[total] / due[weight]
-        moved = x + min(max(1.0 - x, -max(step + 0.01, 0.0)), max(step + 0.01, 0.0))
-        if total == "s":
-            moved = min(x, 1.0) + min(1.0 - min(x, 1.0), 0.03)
-        assert found[weight] == pytest.approx(3.0 * due[weight])
-        assert found[total] == pytest.approx(moved * 3.0 * due[weight])
-    assert (found["noise"], found["anew"]) == pytest.approx((4.0 * due["noise"], 2.0))
-    assert (found["coins"], found["company"]) == (due["coins"], due["company"])
+def insider(**lie):
+    """The shipped insider, as a brain."""
+    return brains.lying_brain(adversary.load("insider.py", EXAMPLE).with_parameters(lie), STEADFAST)
+
+
+def said_after(brain, me, blacks):
+    """A robot's message after 20 more readings."""
+    brain.functions.observe(me, blacks, 20)
+    return brain.functions.broadcast(me)
+
+
+@pytest.mark.parametrize(
+    ("lie", "due"),
+    [
+        ({"sleeps": 2.0, "step": 0.05}, lambda me: (me.s, me.v, me.own_s, me.own_v)),
+        (
+            {"step": 0.05, "own": 0.02, "weight": 3.0},
+            lambda me: (3 * (me.s + 0.05 * me.v), 3 * me.v, 3 * (me.own_s + 0.02 * me.own_v), 3 * me.own_v),
+        ),
+        (
+            {"own_errors": 2.0},  # in a ratio of own sums one is 1 / (2 sqrt(own_v))
+            lambda me: (me.s, me.v, me.own_s + me.own_v * 2.0 * 0.5 / me.own_v**0.5, me.own_v),
+        ),
+        ({"errors": -1.5}, lambda me: ((me.near - 1.5 * me.error) * me.v, me.v, me.own_s, me.own_v)),
+    ],
+)
+def test_the_shipped_insider_is_what_its_first_lines_say(lie, due):
+    """After a round in which it has read 14 of 20 and a neighbour 12 of 20, as a robot that is honest."""
+    assert tuple(STEADFAST.message) == OURS
+    used, heard = insider(**lie), said_after(STEADFAST, STEADFAST.robot(0.8, 0.7), 12)
+    liar, honest = used.robot(0.8, 0.7), STEADFAST.robot(0.8, 0.7)
+    for one, me in ((used, liar), (STEADFAST, honest)):
+        said_after(one, me, 14)
+        one.functions.receive(me, heard)
+        one.functions.fuse(me)
+    assert used.functions.broadcast(liar) == pytest.approx(due(honest))
+    assert 0.0 < honest.near - 1.5 * honest.error < honest.near < 1.0
+
+
+def test_an_insider_repeats_its_sums_of_a_round():
+    used = insider(repeats=2.0)
+    me, said = used.robot(0.8, 0.7), []
+    for blacks in (13, 12, 14, 13, 11):
+        said.append(said_after(used, me, blacks))
+        used.functions.fuse(me)
+    assert said[2:] == [pytest.approx(said[1])] * 3
+    assert said[1][3] < me.own_v

@@ -335,8 +335,8 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):
         until(page, "[state.drawn, state.scenes[0].title.includes('momentum = 0.5')]", [33, True])
         save(mine, text.replace("def fuse(me):", "def fuse(me:"), 200)
         playwright.expect(page.locator("#broken")).to_contain_text("The page shows the brain as it was before.")
-        save(mine, text.replace('"crowd": 50.0', '"crowd": 60.0'), 300)
-        until(page, "[state.drawn, state.scenes[0].title.includes('crowd = 60.0')]", [33, True])
+        save(mine, text.replace('"memory": 100.0', '"memory": 110.0'), 300)
+        until(page, "[state.drawn, state.scenes[0].title.includes('memory = 110.0')]", [33, True])
         assert page.locator("#broken").is_hidden()
         assert page.input_value("#control-momentum") == "0.5"
         page.fill("#control-momentum", "much")

@@ -262,6 +262,7 @@ ODD = {
     "names of the self-test": "me.x = test_put(me)",
     "the largest real number": "me.x = min(me.x + 1.0, 3.4028235e38)\nme.y = 3.4028235e38",
     "whole beside real numbers": "k = 16777217\nif k > 16777216.0 + me.y * 0.0:\n    me.y += 1.0\nme.x += 16777217",
+    "a helper that reads a parameter alone": "me.x *= tuned(me)",
     "large whole numbers": "k = int(me.x) + 16777217\nme.x = less(k) * 0.001\nme.y = k",
 }
 FAULTS = {
@@ -283,6 +284,7 @@ HELPERS = {
     "less": "\n\ndef less(k):\n    return (k - 16777216.0) * 0.5\n",
     "INT32_MAX": "\n\nINT32_MAX = 5.0\nBRAIN_MESSAGE_BYTES = 3.0\n",
     "grown": "\n\ndef grown(me):\n    me.y += 1.0\n    return me.y\n",
+    "tuned": "\n\ndef tuned(me):\n    return me.gain * 0.75\n",
     "shrunk": "\n\ndef shrunk(me):\n    me.x -= 1.0\n",
     "WHOLES": "\n\nWHOLES = (0, 2, -1, 0)\n",
     "not_called": "\n\n# Left out.\ndef not_called(me):\n    me.x = me.y + 1.0\n    return me.x\n",

@@ -10,6 +10,7 @@ from swarmcensus.studies import unmet_needs
 from tests.support.small import study_of
 
 W_MSR = "w-msr says nothing before round 1,351; this study has 300 (phase = 450, run = 0, silent = 3)"
+ONE_WAY = {"name": "round", "edges": [[k, (k + 1) % 5] for k in range(5)], "directed": True}
 WORLDS = [
     (topology, *world)
     for topology in ("ring", "scale-free", "full")
@@ -55,6 +56,13 @@ def unmet(brain, bins=2, **given):
             ["belief-sharing chooses among the middles of 10 steps, and f = 0.35 is one: it errs less than at other f"],
         ),
         ("commons", {"accuracy": 0.6, "bins": 10}, []),
+        (
+            "swift",
+            {"topology": ONE_WAY},
+            ["swift needs robots that hear each other; some links of round go one way only"],
+        ),
+        ("commons", {"topology": ONE_WAY}, []),
+        ("swift", {"topology": ["ring", "full", "scale-free"]}, []),
     ],
 )
 def test_each_need_is_compared_with_the_study(brain, given, said):

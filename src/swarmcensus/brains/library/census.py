@@ -80,6 +80,7 @@ MEMORY = {
 }
 MESSAGE = ("s", "v", "short", "chance", "noise", "own_s", "own_v", "marks")
 ROLES = {"s": "information", "v": "confidence", "own_s": "information", "own_v": "confidence"}
+NEEDS = {"mutual": 1}  # momentum is unstable where links go one way only
 SUMS = (
     "heard", "heard_s", "heard_v", "heard_short", "heard_chance", "heard_noise", "heard_own_s", "heard_own_v",
     "heard_marks", "alarms", "begun", "begun_s", "begun_v",
@@ -104,7 +105,12 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """The sums without gain, both running means and both noises times v, the own sums, and the mark or a state."""
+    """The message of the readings so far."""
+    return said(me)
+
+
+def said(me):
+    """The sums without gain, both running means and the noise times v, the own sums, and the mark or a state."""
     v = (me.v + me.fresh) / gain(me)
     short, chance = me.short, me.chance
     if me.fresh > 0.0:
@@ -140,7 +146,7 @@ def receive(me, message):
 
 def fuse(me):
     """Average all voices, step beyond the mean, look for a change, and make the estimate."""
-    s, v, short, chance, noise, me.own_s, me.own_v, _ = broadcast(me)
+    s, v, short, chance, noise, me.own_s, me.own_v, _ = said(me)
     look_around(me)
     voices, others_s, others_v = me.heard, me.heard_s, me.heard_v
     if me.marks == BEGUN:
@@ -162,7 +168,9 @@ def fuse(me):
         if me.marks == BEGUN and me.v > SETTLED:
             me.marks = STILL
         make_estimate(me, mean_s, mean_v)
-    forget_messages(me)
+    me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_short = me.heard_chance = 0.0
+    me.heard_noise = me.heard_own_s = me.heard_own_v = me.heard_marks = 0.0
+    me.alarms = me.begun = me.begun_s = me.begun_v = 0.0
 
 
 def look_around(me):
@@ -235,13 +243,6 @@ def make_estimate(me, s, v):
         near = (me.own_s + me.heard_own_s) / near_v
         weight = (1.0 + me.heard) * me.squares * near_v / (v * v)
         me.x += weight / (1.0 + weight) * (near - me.x)
-
-
-def forget_messages(me):
-    """Forget the messages and readings of this round."""
-    me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_short = me.heard_chance = 0.0
-    me.heard_noise = me.heard_own_s = me.heard_own_v = me.heard_marks = 0.0
-    me.alarms = me.begun = me.begun_s = me.begun_v = 0.0
 
 
 def estimate(me):

@@ -1,10 +1,12 @@
 """Sure: eight copies of commons, whose spread tells each robot how sure the swarm is, and when to stop looking.
 
-Robots form eight groups by their names. Readings of a group go into one of eight pairs of sums, and each pair is mixed
-as in commons. Readings of different robots are independent for a given floor and network, however long those of one
-robot hang together. So the ratios of the pairs differ only by chance, and show the error of the overall ratio:
+Readings go into one of eight pairs of sums, and each pair is mixed as in commons. A robot begins with the pair of its
+name, modulo eight, and feeds all in turn: for one round each, then for two, for four, and so on. So the ratios of the
+pairs differ only by chance, and show the error of the overall ratio:
 
-    f = sum s_k / V,  V = sum v_k,  se^2 = sum (s_k - f v_k)^2 / (V^2 - sum v_k^2),  f +- max(t se, ln(1/alpha) / (n k))
+    f = sum s_k / V,  V = sum v_k,  se^2 = sum (s_k - f v_k)^2 / (V^2 - sum v_k^2) + c^2 / (f (1 - f))
+
+    f +- max(t se, ln(1/alpha) / (n k))
 
 with n the readings of a neighbourhood, and k the swarm's mean of b + w - 1, derived from v. No robot needs to know the
 number of robots, the network, or its losses. t is the two-sided quantile of Student's t at alpha, whose degrees of
@@ -15,27 +17,27 @@ freedom are fewer the more the shares h_k = v_k / V differ (Satterthwaite, 1946)
 The last term is for sensors so good that all readings may be equal: if a share ln(1/alpha)/n of the floor differs, n
 readings miss it with a probability below alpha.
 
-Moving on. Groups may be few or unequal, so a robot feeds all pairs in turn, one block of rounds each, once its blocks
-are long against the time in which its own readings hang together. It measures r, the correlation of the ground in
-successive rounds, and moves on after LONG r / (1 - r) rounds, with r larger by ERRORS standard errors. So it stays
-while it knows nothing. Blocks also have a least length, which doubles after every eight: ground may hang together for
-longer than successive rounds show. With fewer than eight robots, nobody is sure before all pairs are fed.
+Patches. On a coarse floor all robots nearby may read the same patch, and then the pairs agree on a wrong ratio. But
+robots of other patches have read another share of black. So robots also mix the product of each reading with the mean
+of the same robot's earlier readings. Its mean is f^2 + c, where c is the variance between the shares that single robots
+have read, beyond the variance of independent readings. If a robot needs a time T to see other ground, c is about
+f (1 - f) T/t after a time t. About T/t is also the part of all evidence that has not spread beyond its patch, and that
+part may be off by the root of f (1 - f): this error is the second term of se^2. It vanishes on independent ground.
 
 Looks. After 8, 24, 56, 120, ... rounds, the robot checks whether half the width of its interval is at most `within`, at
-alpha_j = 4 alpha/((j + 3)(j + 4)) in the j-th look, and if so is done; all alpha_j sum up to alpha. It goes on sending.
-The interval is for the ground that robots see: on a floor that is seen over and over, for its own share of black.
+alpha_j = 4 alpha/((j + 3)(j + 4)) in the j-th look, and is done if so; all alpha_j sum up to alpha. It is not done if
+the interval contains 0 or 1, as ground of one colour may be one patch of a coarse floor. It goes on sending, and its
+later intervals are at the same alpha_j. They are for the ground that robots see: on a floor that is seen over and over,
+for its own share of black.
 
-As in `commons`, a robot remembers what rounding took of the sums of the present stream, so that they bear single
-precision.
+As in `commons`, a robot remembers what rounding took of the sums of the present stream, and of the products, so that
+they bear single precision.
 """
 
 import math
 
 STREAMS = 8
-LONG = 30.0  # a block, in times in which the readings of a robot hang together
-ERRORS = 2.0  # standard errors by which the measured correlation may be too small
 LEAST = 1.0 / 64.0  # the variance of ground that seems to be all of one colour
-MANY = 1048576.0  # the most rounds in the mean that measures it, for single precision
 LARGE = 8192.0  # times new evidence: the sum of which rounding takes too much of it
 
 PARAMETERS = {
@@ -47,32 +49,33 @@ MEMORY = {
     "v": (0.0,) * 8,  # evidence, mixed
     "s_rest": 0.0,  # what rounding took of s in the present stream
     "v_rest": 0.0,  # and of v
+    "product": 0.0,  # evidence times the products of readings and the mean of the same robot's earlier ones, mixed
+    "product_rest": 0.0,  # what rounding took of it
     "heard": 0.0,  # messages since the last round
     "heard_s": (0.0,) * 8,  # the sums in them
     "heard_v": (0.0,) * 8,
-    "moved": 0.0,  # how often it has moved on, modulo eight
-    "block": 1.0,  # the least rounds of a block
-    "stayed": 0.0,  # the rounds of the present one
-    "fresh_blacks": 0.0,  # readings since the last round that say black
-    "fresh": 0.0,  # and all of them
-    "last": 0.0,  # the share of black in those before, less its mean
-    "pairs": 0.0,  # successive rounds with readings
-    "product": 0.0,  # the mean product of their shares, less their mean: the covariance
-    "left": 8.0,  # rounds until the next look
+    "heard_product": 0.0,
+    "fresh": 0.0,  # readings since the last round
+    "fresh_s": 0.0,  # and their evidence for black
+    "own": 0.5,  # the share of black in all before, alone
+    "before": 0.5,  # the estimate at the end of the last round
+    "block": 1.0,  # the rounds for which a stream is fed
+    "left": 8.0,  # rounds until all have been, and until the next look
     "look": 0.0,  # j
     "looks": 0.0,  # own readings
     "voices": 0.0,  # the own and those heard, summed over rounds
     "rounds": 0.0,
     "sure": 0.0,  # 1: done
 }
-MESSAGE = ("s", "v")
+MESSAGE = ("s", "v", "product")
 ROLES = {"s": "information", "v": "confidence"}
-SUMS = ("heard", "heard_s", "heard_v")
+SUMS = ("heard", "heard_s", "heard_v", "heard_product")
+NEEDS = {"robots": 5}  # fewer may stop too early in a small arena whose ground is coarse
 
 
 def stream(me):
     """The stream that the robot feeds."""
-    return int((me.name + me.moved) % 8.0)
+    return int((me.name + (STREAMS * me.block - me.left) // me.block) % STREAMS)
 
 
 def observe(me, blacks, looks):
@@ -82,8 +85,8 @@ def observe(me, blacks, looks):
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
     me.looks += looks
-    me.fresh_blacks += blacks
     me.fresh += looks
+    me.fresh_s += s
     if me.v[k] < LARGE * v:
         me.s[k] += s
         me.v[k] += v
@@ -105,21 +108,23 @@ def lost(mean, own, heard, messages):
 
 def broadcast(me):
     """All sums."""
-    return me.s, me.v
+    return me.s, me.v, me.product + fresh_products(me)
 
 
 def receive(me, message):
     """A neighbour's sums."""
-    s, v = message
+    s, v, product = message
     me.heard += 1.0
     for k in range(STREAMS):
         me.heard_s[k] += s[k]
         me.heard_v[k] += v[k]
+    me.heard_product += product
 
 
 def fuse(me):
-    """Average all voices, move on at the end of a block, and look at the interval if it is time."""
+    """Average all voices, and look at the interval after all streams were fed."""
     voices = 1.0 + me.heard
+    mix_products(me, voices)
     if me.v_rest != 0.0:  # of sums that are large
         k = stream(me)
         me.s_rest += lost((me.s[k] + me.heard_s[k]) / voices, me.s[k], me.heard_s[k], me.heard)
@@ -130,75 +135,69 @@ def fuse(me):
         me.heard_s[k] = 0.0
         me.heard_v[k] = 0.0
     me.heard = 0.0
+    me.before = estimate(me)
     me.voices += voices
     me.rounds += 1.0
-    me.stayed += 1.0
-    compare(me)
-    r = alike(me)
-    if me.stayed >= me.block and (1.0 - r) * me.stayed >= LONG * r:
-        move_on(me)
     me.left -= 1.0
+    if me.left % me.block == 0.0:  # the next stream
+        me.s_rest = 0.0
+        me.v_rest = 0.0
     if me.left == 0.0:
-        me.left = me.rounds + 8.0
-        me.look += 1.0
-        if half(me, 4.0 * me.alpha / ((me.look + 3.0) * (me.look + 4.0))) <= me.within:
-            me.sure = 1.0
-
-
-def compare(me):
-    """Learn how readings of successive rounds vary together."""
-    if me.fresh <= 0.0:
-        return
-    now = me.fresh_blacks / me.fresh - ((me.b + me.w - 1.0) * estimate(me) + 1.0 - me.w)
-    if me.looks > me.fresh:
-        me.pairs += 1.0
-        me.product += (now * me.last - me.product) / min(me.pairs, MANY)
-    me.last = now
-    me.fresh_blacks = 0.0
-    me.fresh = 0.0
-
-
-def alike(me):
-    """The most that the ground of successive rounds may be correlated; 1 while that is not known."""
-    slope = me.b + me.w - 1.0
-    if me.pairs == 0.0 or slope == 0.0:
-        return 1.0
-    f = estimate(me)
-    q = slope * f + 1.0 - me.w
-    ground = max(f * (1.0 - f), LEAST)
-    noise = q * (1.0 - q) * (me.pairs + 1.0) / (me.looks * slope * slope * ground)
-    error = math.sqrt((noise * noise + 0.25 / ground) / min(me.pairs, MANY))
-    return min(max(me.product / (slope * slope * ground) + ERRORS * error, 0.0), 1.0)
-
-
-def move_on(me):
-    """Feed the next stream."""
-    me.moved += 1.0
-    me.stayed = 0.0
-    me.s_rest = 0.0
-    me.v_rest = 0.0
-    if me.moved == 8.0:
-        me.moved = 0.0
         me.block *= 2.0
+        me.left = STREAMS * me.block
+        if me.sure == 0.0:
+            look(me)
+
+
+def fresh_products(me):
+    """What fresh readings add, and former rounding. The mean of `apart` is 0: it only takes noise away."""
+    slope = me.b + me.w - 1.0
+    apart = me.fresh_s - slope * slope * me.fresh * me.own
+    return me.fresh_s * me.own + me.before * apart + me.product_rest
+
+
+def mix_products(me, voices):
+    """Average the products of all voices, and count fresh readings as earlier ones."""
+    slope = me.b + me.w - 1.0
+    own, me.product_rest = added(me.product, fresh_products(me))
+    me.product = (own + me.heard_product) / voices
+    me.product_rest += lost(me.product, own, me.heard_product, me.heard)
+    me.heard_product = 0.0
+    if me.fresh > 0.0 and slope != 0.0:
+        me.own += (me.fresh_s / (slope * slope) - me.fresh * me.own) / me.looks
+    me.fresh = 0.0
+    me.fresh_s = 0.0
+
+
+def look(me):
+    """Be done if the interval is narrow, and holds neither 0 nor 1."""
+    me.look += 1.0
+    near = half(me, spent(me))
+    s, v = sums(me)
+    if near <= me.within and near * v < s < v - near * v:
+        me.sure = 1.0
+
+
+def spent(me):
+    """The part of alpha for this look."""
+    return 4.0 * me.alpha / ((me.look + 3.0) * (me.look + 4.0))
 
 
 def half(me, alpha):
     """Half the width of the interval that misses f with probability alpha; 1 while a stream has no evidence."""
-    s = 0.0
-    v = 0.0
+    s, v = sums(me)
     for k in range(STREAMS):
         if me.v[k] <= 0.0:
             return 1.0
-        s += me.s[k]
-        v += me.v[k]
     if me.looks == 0.0 or alpha <= 0.0:  # without permitted errors, the interval is everything
         return 1.0
+    f = s / v
     off = 0.0
     squares = 0.0
     cubes = 0.0
     for k in range(STREAMS):
         h = me.v[k] / v
-        apart = me.s[k] / v - s / v * h
+        apart = me.s[k] / v - f * h
         off += apart * apart
         squares += h * h
         cubes += h * h * h
@@ -207,7 +206,9 @@ def half(me, alpha):
     degrees = (1.0 - squares) * (1.0 - squares) / (squares - 2.0 * cubes + squares * squares)
     slope = math.sqrt(min(v / me.looks, 1.0))
     least = math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
-    return max(quantile(alpha, max(degrees, 1.0)) * math.sqrt(off / (1.0 - squares)), least)
+    c = max(me.product / v - f * f, 0.0)
+    error = math.sqrt(off / (1.0 - squares) + c * c / max(f * (1.0 - f), LEAST))
+    return max(quantile(alpha, max(degrees, 1.0)) * error, least)
 
 
 def quantile(alpha, degrees):
@@ -240,13 +241,19 @@ def inside(t, degrees):
     return 2.0 / math.pi * (math.atan(t / math.sqrt(degrees)) + total) if odd > 0.0 else total
 
 
-def estimate(me):
-    """The ratio of all sums, with the prior of commons, in [0, 1]."""
+def sums(me):
+    """The sums of all streams."""
     s = 0.0
     v = 0.0
     for k in range(STREAMS):
         s += me.s[k]
         v += me.v[k]
+    return s, v
+
+
+def estimate(me):
+    """The ratio of all sums, with the prior of commons, in [0, 1]."""
+    s, v = sums(me)
     if v <= 0.0:
         return 0.5
     prior = min(0.25, 0.0625 / v)
@@ -255,12 +262,8 @@ def estimate(me):
 
 def interval(me):
     """The interval at alpha, clipped to [0, 1]; all of [0, 1] while a stream has no evidence."""
-    s = 0.0
-    v = 0.0
-    for k in range(STREAMS):
-        s += me.s[k]
-        v += me.v[k]
-    near = half(me, me.alpha)
+    s, v = sums(me)
+    near = half(me, spent(me) if me.sure > 0.0 else me.alpha)
     if v <= 0.0 or near >= 1.0:
         return 0.0, 1.0
     return min(max(s / v - near, 0.0), 1.0), min(max(s / v + near, 0.0), 1.0)

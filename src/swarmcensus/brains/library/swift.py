@@ -50,6 +50,7 @@ MEMORY = {
 }
 MESSAGE = ("s", "v", "company")
 ROLES = {"s": "information", "v": "confidence"}
+NEEDS = {"mutual": 1}  # momentum is unstable where links go one way only
 SUMS = ("heard", "heard_s", "heard_v", "heard_company", "alarms")
 
 
