@@ -7,9 +7,9 @@ of robots than in the first round, hears one without momentum or evidence, or if
 divided by the gain that momentum gives them, so that robots with and without it can be mixed.
 
 2. Without momentum, the own sums weigh as much as all messages, so that late messages do not split the swarm in parts
-that never mix. Then what a robot has just read weighs much. Let A be the sum of squares of the weights of its own
-readings. The evidence in s / v is at most v^2 / A. So s / v is averaged with r, the ratio of the own readings of all n
-voices heard, which is what the paper shares; the weights are v^2 / (n A) and the evidence in r.
+that never mix. Then what a robot has just read weighs much. Let A be the sum of squares of what has stayed with it of
+its own readings. The evidence in s / v is at most v^2 / A. So s / v is averaged with r, the ratio of the own readings of
+all n voices heard, which the paper shares; the weights are v^2 / (n A) and the evidence in r.
 
 3. Change. `short` is a running mean of the latest readings, with the evidence e = min(v, memory, max(LEAST, v / 4)),
 mixed as s / v is. It leaves s / v if the floor changes, or by chance. `chance` measures what chance does: it is a
@@ -37,7 +37,7 @@ BEGUN = -3.0  # the robot has begun again
 PARAMETERS = {
     "momentum": 0.9,
     "memory": 100.0,  # the most evidence in the short ratio
-    "z": 4.5,  # standard deviations that show a change
+    "z": 5.0,  # standard deviations that show a change
     "confirm": 1.5,  # that confirm one with which all voices have begun
     "lone": 6.0,  # that show one which no other robot sees
 }
