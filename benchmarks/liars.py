@@ -1,8 +1,7 @@
 """What liars cost, and where our own brains are worse than others: python benchmarks/liars.py QUESTION.
 
-Errors are medians of the final errors over honest robots and trials. A second table has the error that 90 % of a
-trial's robots do not exceed (`error_90`). inf: estimates are no numbers any more, as those of `commons` where somebody
-shouts.
+Errors are those of honest robots after the last round, over all trials. inf: estimates are no numbers any more, as
+those of `commons` where somebody shouts.
 """
 
 from pathlib import Path
@@ -11,24 +10,15 @@ import harness
 import numpy as np
 
 import swarmcensus as sc
-from swarmcensus import brains
 
 BRAINS = ["steadfast", "commons", "minimalistic", "alone", "gated-mean"]
 KINDS = ["always-black", "opposite", "random", "shouter", "slow-liar", "forger"]
+CREEPERS = [{"file": "creeper", "step": [0.005, 0.01, 0.02, 0.05]}]
+ALL_KINDS = [*KINDS, "always-white", "noisy-mirror", "jammer", *CREEPERS]
 SHARES = [0, 0.1, 0.2, 0.3]
 TRIALS = 20
 TOP = 1.0
 GEOMETRIC = {"networkx": "random_geometric_graph", "radius": 0.4}
-WORST_TRIALS = 200
-NEVER = 1e9
-VARIANTS = {
-    "as shipped": {},
-    "near = 1e9": {"near": NEVER},
-    "sure = 1e9": {"sure": NEVER},
-    "lean = 0": {"lean": 0.0},
-    "cap = 1e9": {"cap": NEVER},
-    "sure = 3": {"sure": 3.0},
-}
 FORGETFUL = {"file": str(Path(__file__).parents[1] / "studies" / "example" / "forgetful.py"), "half": 30}
 FULL, RING, LATE = {"topology": "full"}, {"topology": "ring"}, {"topology": "full", "message_delay": 10}
 CLUSTERS = {"topology": "moving", "side": 2.0, "floor": {"clusters": 0.4}}
@@ -49,17 +39,6 @@ def show(table, rows, brains):
     for what, part in zip(("median error", "error_90"), found, strict=True):
         print(f"{what}:\n{part.round(4).to_string()}")
     return found
-
-
-@harness.question(unasked=False)
-def results(file):
-    """Of studies/beyond/liars*.toml: errors by world and by kind, means over settings."""
-    table = errors(sc.load(file))
-    table["world"] = table["topology"].str.split("(").str[0] + " " + table["robots"].astype(str)
-    order = list(dict.fromkeys(table["brain"]))
-    for rows in (["world", "share"], ["kind", "share"]):
-        part = table if rows[0] == "world" else table[table["robots"] == 20]
-        show(part, rows, order)
 
 
 @harness.question
@@ -104,47 +83,25 @@ def kinds(figure=None):
 
 
 @harness.question
-def worst():
-    """Median errors among creepers, and among many opposite liars."""
+def cost():
+    """The RMS error among each kind of liars to that of robots alone, on the worst of three networks. A minute."""
+    brains = ["steadfast", "minimalistic", "alone"]
     study = sc.Study(
-        trials=harness.trials(WORST_TRIALS),
+        trials=harness.trials(100),
         seed=13,
-        swarm={"robots": 20, "accuracy": 0.625, "brain": ["steadfast", "minimalistic", "alone"]},
-        members=[{"robots": [0, 0.1, 0.2, 0.4], "brain": ["creeper", "opposite"], "honest": False}],
-        world={"topology": ["full", GEOMETRIC, "ring"], "fill_ratio": 0.55},
-        schedule={"rounds": 500, "observations_per_round": 10},
-    )
-    table = errors(sc.run(study))
-    table["network"] = table["topology"].str.split("(").str[0]
-    table["kind"] = table["kind"].where(table["liars"] > 0, "none")
-    show(table, ["kind", "share", "network"], ["steadfast", "minimalistic", "alone"])
-
-
-@harness.question
-def parts():
-    """What each part of steadfast does, as shipped and without it or set otherwise. Half a minute on two cores."""
-    study = sc.Study(
-        trials=harness.trials(10),
-        seed=13,
-        swarm={
-            "robots": 20,
-            "accuracy": [0.625, "U(0.525, 0.975)"],
-            "brain": [{"file": "steadfast", **given} for given in VARIANTS.values()],
-        },
-        members=[{"robots": [0, 0.1, 0.3], "brain": harness.few(KINDS), "honest": False}],
-        world={"topology": {"networkx": "random_geometric_graph", "radius": 0.4}, "fill_ratio": [0.12, 0.55]},
+        swarm={"robots": 20, "accuracy": 0.75, "brain": brains},
+        members=[{"robots": [0, 0.2, 0.4], "brain": harness.few(ALL_KINDS), "honest": False}],
+        world={"topology": ["ring", "scale-free", "full"], "fill_ratio": 0.55},
         schedule={"rounds": 500, "observations_per_round": 10},
     )
     results = sc.run(study)
-    error = abs(results["final_estimate"] - results["fill_ratio"]).median(["trial", "robot"]).values
-    shares = (results["liars"] / results["robots"]).values.round(1)
-    shipped = {name: results[name].values for name in ("near", "sure", "lean", "cap")}
-    usual = {name: brains.load("steadfast").parameters[name] for name in shipped}
-    print("mean, worst".ljust(14), *(f"{100 * share:>12.0f} % liars" for share in (0, 0.1, 0.3)))
-    for name, given in VARIANTS.items():
-        mine = np.logical_and.reduce([values == given.get(key, usual[key]) for key, values in shipped.items()])
-        cells = [error[mine & (shares == share)] for share in (0.0, 0.1, 0.3)]
-        print(name.ljust(14), *(f"{one.mean():.4f}, {one.max():.4f}".rjust(20) for one in cells))
+    table = errors(results)
+    table["error"] = np.sqrt(((results["final_estimate"] - 0.55) ** 2).mean(["trial", "robot"]).values)
+    table["kind"] = table["adversary"].str.removeprefix("adversaries/")
+    table["share"] = [f"{share:.0%}" for share in table["share"]]
+    found = table.pivot_table("error", ["topology", "share", "kind"], "brain", sort=False)
+    found = found.div(found["alone"], axis=0)[brains[:2]].groupby(["share", "kind"], sort=False).max()
+    print(found.unstack("share").round(2).to_string(na_rep=""))
 
 
 def liars(brain, robots):

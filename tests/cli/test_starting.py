@@ -72,7 +72,7 @@ def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
 
 
 @pytest.mark.long(but_every=4)
-@pytest.mark.long(only=["leaderboard", "beyond/changing", "beyond/liars", "rivals/opinions", "formats"])
+@pytest.mark.long(only=["leaderboard", "beyond/changing", "rivals/opinions", "formats"])
 @pytest.mark.parametrize("name", shipped_studies())
 def test_each_is_copied_with_what_it_names(name, here, capsys):
     assert main(["studies", name, "--out", "copied/mine.toml"]) == 0

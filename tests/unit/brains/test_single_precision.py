@@ -13,7 +13,7 @@ from swarmcensus.checks.lives_in_single import single_lives
 from swarmcensus.cli.commands import main
 from tests.support import ring_recordings
 
-LONG_LIVED = ("commons", "swift", "tracking", "sure")
+LONG_LIVED = ("commons", "swift", "tracking", "steadfast", "sure")
 KEPT = {
     "    return larger, more - (larger - total)\n": "    return larger, 0.0\n",
     "    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)\n": "    return 0.0\n",
