@@ -113,7 +113,6 @@ WORLDS = {  # what it is: our brain, one more, accuracy, world, members
     "2 of 20 say that all is black, full": ("commons", "steadfast", 0.625, FULL, liars("always-black", 2)),
     "messages 10 rounds late, full": ("commons", "swift", 0.625, LATE, []),
     "2 of 20 creep, full": ("steadfast", "commons", 0.625, FULL, liars("creeper", 2)),
-    "8 of 20 are opposite, full": ("steadfast", "commons", 0.625, FULL, liars("opposite", 8)),
     "black in clusters, moving": ("steadfast", "commons", 0.7, CLUSTERS, []),
     "6 of 20 told 0.55 for 0.75, full": (
         "self-taught", "commons", 0.75, FULL, [{"robots": 6, "assumed_accuracy": 0.55}]
