@@ -9,6 +9,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
 from tests.support.lives import lived
+from tests.support.places import EXAMPLE
 from tests.support.second import fixed
 from tests.support.small import study_of
 
@@ -186,20 +187,13 @@ def test_swarms_with_liars_live_as_by_brute_force(name):
 
 # ---- over trials
 
-INSIDER = '''"""It says what is just believed: r + `step` E, and own readings `own` E off."""
-
-KNOWS = ("near", "error", "own_v")
-PARAMETERS = {"step": 3.9, "own": 1.0}
-
-
-def lie(me, x):
-    return me.near + me.step * me.error
-
-
-def say_own_s(me, value):
-    return (me.near + me.own * me.error) * me.own_v
-'''
 CREEPER = {"file": "creeper", "step": 0.02}
+LIARS = {
+    "creeper": CREEPER,
+    "insider": {"file": str(EXAMPLE / "insider.py"), "own_errors": 1.0, "errors": 3.9},
+    "opposite": "opposite",
+    "shouter": "shouter",
+}
 
 
 def square_errors(brain="steadfast", liar=None, robots=0, rounds=400, fill_ratio=0.55):
@@ -222,12 +216,10 @@ def alone():
 
 
 @pytest.mark.long(but=["creeper"])
-@pytest.mark.parametrize("name", ["creeper", "insider", "opposite", "shouter"])
-def test_errors_beside_those_of_a_robot_alone(name, alone, tmp_path):
+@pytest.mark.parametrize("name", LIARS)
+def test_errors_beside_those_of_a_robot_alone(name, alone):
     """At most 1.15 times as large among 20 % liars, 1.3 times among 40 %."""
-    (tmp_path / "insider.py").write_text(INSIDER)
-    liar = {"creeper": CREEPER, "insider": str(tmp_path / "insider.py")}.get(name, name)
-    among_few, among_many = (square_errors(liar=liar, robots=robots) for robots in (4, 8))
+    among_few, among_many = (square_errors(liar=LIARS[name], robots=robots) for robots in (4, 8))
     assert (among_few < 1.15 * alone).all()
     assert (among_many < 1.3 * alone).all()
 
