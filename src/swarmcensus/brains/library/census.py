@@ -39,7 +39,7 @@ PARAMETERS = {
     "memory": 100.0,  # the most evidence in the short ratio
     "z": 5.0,  # standard deviations that show a change
     "confirm": 1.5,  # that confirm one with which all voices have begun
-    "lone": 6.0,  # that show one which no other robot sees
+    "lone": 7.0,  # that show one which no other robot sees
 }
 MEMORY = {
     "s": 0.0,  # evidence for black, times the gain
