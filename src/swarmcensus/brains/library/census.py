@@ -14,8 +14,8 @@ of all n voices heard, which the paper shares; the weights are v^2 / (n A) and t
 3. Change. `short` is a running mean of the latest readings, with the evidence e = min(v, memory, max(LEAST, v / 4)),
 mixed as s / v is. It leaves s / v if the floor changes, or by chance. What chance does is in `chance`, a running mean
 of how far readings are from `short`, times a random sign that a robot keeps for e. The noise is the mean of chance^2 e,
-but at least that of past (s / v - short)^2 e, cut at CUT times itself, in which patches below many robots show. Where
-one round mixes all it is 1 / (4 n). A robot begins again, with the short ratio, if
+but at least 1 / (4 CROWD n), and at least that of past (s / v - short)^2 e, cut at CUT times itself, in which patches
+show. Where one round mixes all it is 1 / (4 n). A robot begins again, with the short ratio, if
 
     (s / v - short)^2 > z^2 noise / e;  or (confirm^2 + 2 ln(n / m)) noise / e, if m > 0 of n voices have just begun;
     or lone^2 noise / e, if none has, and the short ratios heard do not differ in the same direction.
@@ -30,6 +30,7 @@ SETTLED = 30.0  # evidence from which on a robot that has begun again counts the
 CUT = 4.0  # times the noise: the largest square of a distance that counts
 FIRST = 2.0  # weight of the first guess of the noise, 1 / (4 n), in lives of the short ratio
 LIVES = 16.0  # over which the noise is averaged
+CROWD = 8.0  # times n: the most robots that the noise is taken to be averaged over
 STILL = -1.0  # instead of the sum of marks: no momentum;
 MIXED = -2.0  # one round mixes all;
 BEGUN = -3.0  # the robot has begun again
@@ -56,7 +57,7 @@ MEMORY = {
     "short": 0.5,
     "chance": 0.0,
     "sign": 0.0,
-    "signed": 0.0,  # evidence since it was
+    "signed": 0.0,  # evidence since the sign was drawn
     "noise": 0.0,
     "seen": 0.0,  # the mean square of past distances
     "lives": 0.0,  # of the short ratio in both
@@ -169,8 +170,8 @@ def fuse(me):
             me.marks = STILL
         make_estimate(me, mean_s, mean_v)
     me.fresh_s = me.fresh = me.heard = me.heard_s = me.heard_v = me.heard_short = me.heard_chance = 0.0
-    me.heard_noise = me.heard_own_s = me.heard_own_v = me.heard_marks = 0.0
-    me.alarms = me.begun = me.begun_s = me.begun_v = 0.0
+    me.heard_noise = me.heard_own_s = me.heard_own_v = me.heard_marks = me.alarms = 0.0
+    me.begun = me.begun_s = me.begun_v = 0.0
 
 
 def look_around(me):
@@ -218,7 +219,7 @@ def has_changed(me, ratio, v):
         return False
     off = ratio - me.short
     me.seen += late * part / (FIRST + me.lives) * (min(off * off * e / (1.0 - e / v), CUT * me.noise) - me.seen)
-    noise = 0.25 / voices if me.marks == MIXED else max(me.noise, me.seen)
+    noise = 0.25 / voices if me.marks == MIXED else max(me.noise, me.seen, 0.25 / (CROWD * voices))
     least = me.z * me.z
     if me.begun > 0.0:
         least = min(least, me.confirm * me.confirm + 2.0 * math.log(voices / me.begun))
@@ -229,9 +230,8 @@ def has_changed(me, ratio, v):
 
 def begin(me):
     """Begin again, with the short ratio as one reading of a perfect sensor."""
-    me.s, me.v = me.short, 1.0
+    me.s, me.v, me.marks = me.short, 1.0, BEGUN
     me.own_s = me.own_v = me.squares = 0.0
-    me.marks = BEGUN
 
 
 def make_estimate(me, s, v):
