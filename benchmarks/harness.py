@@ -55,7 +55,7 @@ def answer(module):
     global IS_QUICK
     questions = {name: it for name, it in module.items() if hasattr(it, "unasked")}
     parser = argparse.ArgumentParser(description=module["__doc__"], formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help="answers in seconds")
+    parser.add_argument("--quick", action="store_true", help="fewer trials")
     below = parser.add_subparsers(dest="question", metavar="QUESTION")
     for name, it in questions.items():
         about = inspect.getdoc(it) or ""
