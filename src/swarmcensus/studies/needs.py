@@ -1,5 +1,6 @@
 """Where a study does not give a brain what its file says that it needs (`brains/needs.py`), in sentences."""
 
+import functools
 import warnings
 from collections.abc import Iterable, Iterator
 
@@ -78,14 +79,21 @@ def _lacks_robots(brain: Brain, topology: Topology, robots: int) -> dict[str, st
         return lacks
     there = robots - 1.0
     if not topology.is_full:
-        links = topology.links(robots, 0, 0, 1, lossless=True, sums=False)
-        there = float(np.median(np.bincount(links.receivers, minlength=robots)))
-        to, back = links.receivers * robots + links.senders, links.senders * robots + links.receivers
-        if mutual and not np.array_equal(np.sort(to), np.sort(back)):
+        there, both_ways = _neighbours(topology, robots)
+        if mutual and not both_ways:
             lacks["mutual"] = f"needs robots that hear each other; some links of {topology} go one way only"
     if there < least:
         lacks["neighbours"] = f"needs {least:g} neighbours; most robots of {topology} have {there:g} or fewer"
     return lacks
+
+
+@functools.lru_cache(maxsize=64)
+def _neighbours(topology: Topology, robots: int) -> tuple[float, bool]:
+    """How many robots most robots hear, and whether all links go both ways; once for all settings of a network."""
+    links = topology.links(robots, 0, 0, 1, lossless=True, sums=False)
+    to, back = links.receivers * robots + links.senders, links.senders * robots + links.receivers
+    both_ways = np.array_equal(np.sort(to), np.sort(back))
+    return float(np.median(np.bincount(links.receivers, minlength=robots))), both_ways
 
 
 def _lacks_sensors(brain: Brain, accuracy: Accuracy) -> dict[str, str]:
