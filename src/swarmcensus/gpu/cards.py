@@ -157,6 +157,7 @@ class _Held:
     ) -> None:
         """Compile the program, upload what it is given, and make room for what it finds."""
         self.driver, self.sizes, self.local, self.metrics = driver, sizes, local, metrics
+        self.formats = not local and any(brain.parts for brain in setting.brains)
         self.program = driver.build(source(setting.brains, sizes.features))
         for group, brain in enumerate(setting.brains):
             numbers = np.array(parameters(brain), _number(setting))

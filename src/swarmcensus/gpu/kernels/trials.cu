@@ -133,7 +133,7 @@ KERNEL(alone) {
                 robot_fuse(me.brains, at.group);
                 note_estimate(given, at, k, robot_estimate(me.brains, at.group));
             }
-            finish(me, given, at);
+            note_state(me, given, at);
         }
     }
 }
