@@ -171,6 +171,9 @@ class _Held:
 
     def _upload(self, given: Inputs, setting: Setting) -> None:
         sensors, links, one = given.sensors, given.links, self.given
+        if self.local and self.sizes.features.changes and sensors.b.shape[1] == 1:  # nobody waits for who makes tables
+            sides = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
+            sensors = sensors._replace(**dict(zip("bw", sides, strict=True)))
         keys = {"readings_key": sensors.key, "losses_key": given.radio.key, "order_key": sensors.order}
         for name, key in (keys | {"luck_key": given.draws}).items():
             getattr(one, name)[: key.size] = key.tolist()

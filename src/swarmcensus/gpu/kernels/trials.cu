@@ -110,9 +110,11 @@ KERNEL(alone) {
             for (int64_t k = 1; k <= given.rounds; k++) {
                 const int64_t left = given.looks - (k - 1) % given.looks, tick = (k - 1) / given.looks + 1;
                 if (left == given.looks) {
-                    if (given.sensors > 1) {
+#if CHANGES
+                    if (tick > 1) {
                         renew(given, at.trial, at.i, tick);
                     }
+#endif
                     blacks = blacks_of(given, at.trial, at.i, tick);
                 }
                 const int64_t trial = given.first + at.trial;
