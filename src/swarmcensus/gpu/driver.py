@@ -65,6 +65,9 @@ class Driver(Protocol):
     def build(self, source: str) -> Program:
         """Compile CUDA C++, or find it in the cache on disk."""
 
+    def set_constant(self, program: Program, name: str, values: bytes) -> None:
+        """Give a constant array of a program its values, for the launches that follow."""
+
     def upload(self, array: np.ndarray) -> Buffer:
         """Copy an array to the card."""
 
@@ -158,6 +161,12 @@ class Cuda:
     def compile(self, source: str) -> bytes:
         """The machine code of a source for this card. Raises CardError with the compiler's first error."""
         return compiled(self._nvrtc, source, self.target)
+
+    def set_constant(self, program: _Module, name: str, values: bytes) -> None:
+        """Give a constant array of a program its values, for the launches that follow."""
+        place, _ = self.call("cuModuleGetGlobal", program.handle, name.encode())
+        array = np.frombuffer(values, np.uint8)
+        self.call("cuMemcpyHtoD", place, array.ctypes.data, array.nbytes)
 
     def upload(self, array: np.ndarray) -> _Memory:
         """Copy an array to the card."""
