@@ -227,6 +227,8 @@ def _dispatch(brains: tuple[Brain, ...]) -> str:
             given = [f"blanks + {' + '.join(starts[: group + 1])}" if n == "blanks" else n for n in given]
             call = f"brain_{group}::robot_{name}({', '.join([f'&me.of_{group}', *given])})"
             last = group == len(brains) - 1
-            lines += [f"    return {call};" if last else f"    if (group == {group}) {{\n        return {call};\n    }}"]
+            lines += [
+                f"    return {call};" if last else f"    if (group == {group}) {{\n        return {call};\n    }}"
+            ]
         parts.append("\n".join([*lines, "}"]))
     return "\n\n".join(parts)
