@@ -331,7 +331,7 @@ def _blanks(setting: Setting, local: bool) -> np.ndarray:
     schedule = schedule_of(setting, alone=local)
     flat: list[float] = []
     for brain in setting.brains:
-        for name, value in (brain.memory | (schedule if brain is setting.brain else {})).items():
+        for value in (brain.memory | (schedule if brain is setting.brain else {})).values():
             flat += value if isinstance(value, tuple) else [value]
         flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
     return np.array(flat, _number(setting))
