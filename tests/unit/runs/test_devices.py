@@ -9,7 +9,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.gpu import CardError, CardFull, CardLost, paying
+from swarmcensus.gpu import CardError, CardFull, CardLost, choosing
 from swarmcensus.runs import devices, verifying
 from swarmcensus.runs.running import run
 from swarmcensus.support.errors import InputError, Interrupted
@@ -112,7 +112,7 @@ def test_one_that_is_known_to_be_too_large_is_refused_before_anything_runs(card,
         run(study, device="gpu", out="r.nc")
     assert not card.batches
     assert not [*here.iterdir()]
-    monkeypatch.setattr(paying, "WORTH", 0.0)
+    monkeypatch.setattr(choosing, "WORTH", 0.0)
     run(study.with_(schedule={"rounds": 20}), device="auto")
     assert {setting.robots for setting, *_ in card.batches} == {4}
 
@@ -124,8 +124,8 @@ def test_a_lost_card_ends_the_run_and_keeps_finished_work(monkeypatch, here):
         run(study, device="gpu", out="r.nc")
     card, lines = put(monkeypatch, FakeCard()), []
     assert same(run(study, device="gpu", out="r.nc", say=lines.append), run(study))
-    assert lines == ["r.nc: found 7 of 10 trials; 7 of them in 1 shard of a run that was cut off"]
-    assert sum(trials for _, _, trials, _ in card.batches) == 3
+    assert lines == ["r.nc: found 8 of 10 trials; 8 of them in 1 shard of a run that was cut off"]
+    assert sum(trials for _, _, trials, _ in card.batches) == 2
 
 
 def test_ctrl_c_keeps_finished_batches(card, here):
@@ -155,6 +155,15 @@ def test_failing_trials_fail_as_on_the_cpu(card, here):
     assert on_card.attrs["failed"] == on_cpu.attrs["failed"]
 
 
+def test_brains_that_do_not_translate_are_refused_with_their_line(card, refused, here):
+    source = brains.load("minimalistic").source
+    (here / "deep.py").write_text(source.replace("    me.t += looks\n", "    me.t += looks * min(1, 4_000_000_000)\n"))
+    (here / "s.toml").write_text(SMALL.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "deep.py"]'))
+    line = 1 + source.splitlines().index("    me.t += looks")
+    assert refused("run", "s.toml", "--device", "gpu").startswith(f"swarmcensus: brain file deep.py, line {line}: ")
+    assert not card.batches
+
+
 def test_auto_takes_a_card_for_long_studies_only(card):
     assert same(run(ring(), device="auto"), run(ring()))
     assert not card.batches
@@ -164,7 +173,7 @@ def test_auto_takes_a_card_for_long_studies_only(card):
 
 def test_auto_is_silent_without_a_card(no_card, caplog, monkeypatch):
     caplog.set_level(logging.INFO)
-    monkeypatch.setattr(paying, "WORTH", 0.0)
+    monkeypatch.setattr(choosing, "WORTH", 0.0)
     assert same(run(ring(), device="auto"), run(ring()))
     assert not caplog.text
 

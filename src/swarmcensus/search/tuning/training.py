@@ -93,7 +93,7 @@ class Training:
         """The predicted seconds of a candidate on one core."""
         every = np.ones((len(self.worlds), self.trials), np.bool_)
         local = every if self.local else None
-        tasks = plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS, self.placing.on_card)
+        tasks = plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS, self.placing.room)
         return sum(task.cost for task in tasks)
 
     def run(
@@ -108,8 +108,8 @@ class Training:
         settings = [world_with(world, program) for program in programs for world in self.worlds]
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
-        placing = Placing(self.placing.card, np.tile(self.placing.on_card, len(programs)))
-        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS, placing.on_card)
+        placing = Placing(self.placing.card, np.tile(self.placing.room, len(programs)))
+        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS, placing.room)
         tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate after the other
         kept = 0
 
