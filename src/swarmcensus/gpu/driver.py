@@ -206,8 +206,8 @@ class Cuda:
     def wait(self, stop: np.ndarray) -> bool:
         """Wait until all launches are over; False if `stop` (uint8, shape (1,)) was set meanwhile."""
         pause = FIRST_PAUSE
+        self._answer("cuCtxSetCurrent", self._driver.cuCtxSetCurrent(self._context))
         while True:
-            self.call("cuCtxSetCurrent", self._context)
             answer = self._driver.cuStreamQuery(0)
             if int(answer[0]) != NOT_READY:
                 self._answer("cuStreamQuery", answer)

@@ -53,6 +53,14 @@ def test_a_small_program_shows_that_a_card_works(card):
         examined()
 
 
+def test_constants_get_their_values(card):
+    given = np.zeros(1)
+    card.constants[b"given"] = given.ctypes.data
+    opened = open_driver()
+    opened.set_constant(opened.build("one"), "given", np.float64(0.25).tobytes())
+    assert given == 0.25
+
+
 def test_memory_is_freed_with_its_buffer(card):
     opened = open_driver()
     before, found = opened.free(), np.ones(5, np.uint8)
