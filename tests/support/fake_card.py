@@ -1,5 +1,7 @@
 """A stand-in for a card: the CPU engine computes what it runs."""
 
+import threading
+
 import numpy as np
 
 from swarmcensus.gpu import Card, CardFull, CardLost
@@ -13,13 +15,14 @@ class FakeCard(Card):
     name = "Fake 1"
 
     def __init__(self, most=1000):
-        self.most, self.batches = most, []
+        self.most, self.batches, self.threads = most, [], set()
 
     def most_trials(self, setting, metrics, local):
         return self.most
 
     def run_batch(self, setting, seed, first, trials, metrics, stop, local=False):
         batch = run_batch(setting, seed, first, trials, metrics, stop, local)
+        self.threads.add(threading.get_ident())
         self.batches.append((setting, first, trials, local))
         return batch
 

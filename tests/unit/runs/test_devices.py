@@ -69,6 +69,7 @@ def test_a_study_of_all_kinds_gives_the_same_file(card, here):
     assert on_card.attrs["device"] == "gpu (Fake 1)"
     assert "device" not in run(study).attrs
     assert {local for *_, local in card.batches} == {False, True}
+    assert len(card.threads) == 1
     assert sum(trials for _, _, trials, local in card.batches if not local) == on_card.attrs["trials_done"]
 
 
