@@ -215,8 +215,9 @@ def _pool(state: State, jobs: int, cluster: str | None, device: Device) -> Itera
         return
     if not _is_complete(state):
         pools.compile_for([(state.study, on_cpu)], state.show)
-    with LeavableThreads(jobs) as executor:
-        threads = pools.Threads(executor, jobs, state.study, state.settings, state.placing.card)
+    card = state.placing.card
+    with LeavableThreads(jobs) as executor, LeavableThreads(1 if card else 0) as feeder:
+        threads = pools.Threads(executor, jobs, state.study, state.settings, card, feeder)
         try:
             yield threads
         finally:

@@ -1,6 +1,8 @@
 """Studies on a card, for which a stand-in computes: what runs there, what on the CPU, and what is said."""
 
 import logging
+import threading
+import time
 import warnings
 
 import numpy as np
@@ -63,13 +65,14 @@ def failing_on(card, after, error):
 
 
 def test_a_study_of_all_kinds_gives_the_same_file(card, here):
-    study = sc.Study.parse(SMALL).with_(measure={"local": True, "estimates": True})
+    study, before = sc.Study.parse(SMALL).with_(measure={"local": True, "estimates": True}), threading.active_count()
     on_card = run(study, device="gpu", out="card.nc")
     assert same(on_card, run(study))
     assert on_card.attrs["device"] == "gpu (Fake 1)"
     assert "device" not in run(study).attrs
     assert {local for *_, local in card.batches} == {False, True}
     assert len(card.threads) == 1
+    assert threading.active_count() == before
     assert sum(trials for _, _, trials, local in card.batches if not local) == on_card.attrs["trials_done"]
 
 
@@ -144,6 +147,25 @@ def test_ctrl_c_keeps_finished_batches(card, here):
     resumed = run(study.with_(trials=300), out="r.nc")
     assert resumed.attrs["device"] == "gpu (Fake 1)"
     assert same(resumed, run(study))
+
+
+def test_ctrl_c_stops_a_batch(card):
+    begun = threading.Event()
+
+    def run_batch(*given):
+        begun.set()
+        while not given[5][0]:
+            time.sleep(0.001)
+
+    def press(*_):
+        if begun.is_set():
+            raise KeyboardInterrupt
+
+    card.run_batch = run_batch
+    started = time.monotonic()
+    with pytest.raises(Interrupted, match=r"^stopped after 0 of 5 trials$"):
+        run(ring(), device="gpu", progress=press)
+    assert time.monotonic() - started < 1.0
 
 
 def test_failing_trials_fail_as_on_the_cpu(card, here):

@@ -72,11 +72,13 @@ class Training:
     def __enter__(self) -> Self:
         """Create the threads."""
         self._executor = LeavableThreads(self.jobs)
+        self._feeder = LeavableThreads(1 if self.placing.card else 0)
         return self
 
     def __exit__(self, *_: object) -> None:
         """End them."""
         self._executor.shutdown()
+        self._feeder.shutdown()
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""
@@ -127,11 +129,12 @@ class Training:
 
         state = State(seeded, settings, values, report, None, np.zeros(0), slice(None), placing)
         state.total, state.work_total = wanted.size, sum(task.cost for task in tasks)
-        pool = pools.Threads(self._executor, self.jobs, seeded, settings, placing.card)
+        pool = pools.Threads(self._executor, self.jobs, seeded, settings, placing.card, self._feeder)
         try:
             stopped = run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool)
-        finally:
+        except BaseException:
             pool.halt()
+            raise
         report(Progress(state.done, state.total, state.work_done, state.work_total))
         if stopped:
             raise KeyboardInterrupt
