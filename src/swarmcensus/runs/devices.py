@@ -15,7 +15,7 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import wrong_option
+from swarmcensus.support.options import option, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.gpu import Card  # runs on the CPU import nothing of it
@@ -59,7 +59,13 @@ def check_device(device: str, cluster: bool = False) -> None:
         hint = did_you_mean(str(device), DEVICES)
         raise wrong_option("device", device, f"{hint}should be {', '.join(DEVICES[:-1])} or {DEVICES[-1]}")
     if device == "gpu" and not cluster:
-        open_card(device)
+        from swarmcensus.gpu import CardError
+
+        try:
+            open_card(device)
+        except CardError as error:
+            why = f"{option('device', device)}: {error}"
+            raise CardError(why, key="device", value=device) from None
 
 
 def all_on_cpu(settings: Sequence[Setting]) -> Placing:

@@ -254,7 +254,8 @@ COMMANDS = {
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_refuse_a_card_that_is_not_there(command, no_card, files, refused):
-    assert refused(*COMMANDS[command].split(), "--device", "gpu") == "swarmcensus: this machine has no NVIDIA card"
+    said = refused(*COMMANDS[command].split(), "--device", "gpu")
+    assert said == "swarmcensus: --device gpu: this machine has no NVIDIA card"
 
 
 @pytest.mark.parametrize("command", ["plan", "tune"])
