@@ -1,4 +1,4 @@
-from . import driver as driver
+from . import driver as driver, paying as paying
 from .cards import Card as Card, why_not as why_not
 from .driver import (
     Buffer as Buffer,

@@ -10,7 +10,7 @@ from swarmcensus.engine.codegen import kept_of_message
 from swarmcensus.engine.constants import CLIPPED, FULL, HEARD, LISTED, COVERAGE, PART, SENT, VERDICTS, WIDTH, WRONG
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
 from swarmcensus.gpu.given import ARRAYS, Given
-from swarmcensus.gpu.source import Features, parameters, source
+from swarmcensus.gpu.source import Features, measures, parameters, source
 from swarmcensus.simulation import Batch, Metrics, bins_at, consensus_of, inputs_of, run_batch, schedule_of
 from swarmcensus.studies import Setting
 from swarmcensus.translation import owed_numbers
@@ -24,6 +24,8 @@ CHUNK = 64  # rounds that one block looks at for agreement
 SPARE = 0.9  # the share of the free memory that a batch may take
 MOST_WORK = 2e10  # robots times rounds of a batch: about a second
 LAUNCHES = 64  # rounds of a large swarm between two looks at whether to stop
+
+MEASURES = ("tables", "settle", "agree", "check", "decide")  # kernels that know of no brain
 
 Arrays = dict[str, np.ndarray]
 
@@ -158,7 +160,10 @@ class _Held:
         """Compile the program, upload what it is given, and make room for what it finds."""
         self.driver, self.sizes, self.local, self.metrics = driver, sizes, local, metrics
         self.formats = not local and any(brain.parts for brain in setting.brains)
-        self.program = driver.build(source(setting.brains, sizes.features))
+        kernels = "alone.cu" if local else "trials.cu" if sizes.is_small else "crowds.cu"
+        threads = next(n for n in (128, 256, 512, 1024) if n >= (sizes.robots if sizes.is_small and not local else 1))
+        self.program = driver.build(source(setting.brains, sizes.features, kernels, threads))
+        self.measures = driver.build(measures())
         for group, brain in enumerate(setting.brains):
             numbers = np.array(parameters(brain), _number(setting))
             if numbers.size:
@@ -313,7 +318,8 @@ class _Held:
     def _launch_blocks(self, kernel: str, blocks: int, threads: int, shared: int, **numbers: int) -> None:
         for name, value in numbers.items():
             setattr(self.given, name, value)
-        self.driver.launch(self.program, kernel, blocks, -(-threads // 32) * 32, shared, bytes(self.given))
+        program = self.measures if kernel in MEASURES else self.program
+        self.driver.launch(program, kernel, blocks, -(-threads // 32) * 32, shared, bytes(self.given))
 
 
 def _number(setting: Setting) -> np.dtype[Any]:

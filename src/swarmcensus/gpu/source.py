@@ -37,14 +37,17 @@ def is_additive(brains: tuple[Brain, ...]) -> bool:
 
 
 @functools.lru_cache(maxsize=64)
-def source(brains: tuple[Brain, ...], features: Features) -> str:
-    """The program for swarms of these brains, whatever their parameters. Raises InputError for what C does not know."""
+def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads: int) -> str:
+    """The program with the kernels of a file, for blocks of so many threads and these brains, whatever their parameters.
+
+    Raises InputError for what C does not know.
+    """
     number = "float" if brains[0].numbers.precision == "single" else "double"
     defined = {name: int(value) for name, value in features._asdict().items()} | {
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
         "groups": len(brains), "width": len(codegen.kept_of_message(brains[0], len(brains) > 1)),
         "additive": int(is_additive(brains)), "counted": int(features.counted),
-        "formats": int(any(brain.parts for brain in brains)), "options": max(brain.options for brain in brains),
+        "formats": int(any(brain.parts for brain in brains)), "options": max(brain.options for brain in brains), "most_threads": threads,
     }  # fmt: skip
     return "\n\n".join(
         [  # brains come before macros, which could have a name of theirs
@@ -54,10 +57,19 @@ def source(brains: tuple[Brain, ...], features: Features) -> str:
             _text("machine.h"),
             "\n".join(f"#define {name.upper()} {value}" for name, value in defined.items()),
             STRUCT,
-            _text("random.h"),
+            *map(_text, ("given.h", "random.h")),
             _dispatch(brains),
-            *map(_text, ("rounds.h", "sums.h", "trials.cu", "crowds.cu", "measures.cu")),
+            *map(_text, ("rounds.h", "sums.h", kernels)),
         ]
+    )
+
+
+@functools.cache
+def measures() -> str:
+    """The program that measures estimates, whatever the brains."""
+    return "\n\n".join(
+        [_text("types.h"), "typedef double number;", "#define MOST_THREADS 1024", _text("machine.h"), STRUCT]
+        + [*map(_text, ("given.h", "random.h", "tables.cu", "measures.cu"))]
     )
 
 
@@ -93,7 +105,6 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
         [
             f'extern "C" {{ BRAIN_CONSTANT number parameters_{group}[{max(len(parameters(brain)), 1)}]; }}',
             f"namespace brain_{group} {{",
-            "typedef long long int32_t;  // whole numbers have 64 bits, as in the engine",
             "\n".join(_parameters(group, brain)),
             bare(brain, "\n".join(coded), codec),
             _fitted(brain, said, coded, mixed),
@@ -187,7 +198,7 @@ def _code(part: Part, said: list[str], owed: dict[int, str], real: Callable[[flo
 
 # what the kernels call of the brain of a robot's group: result, arguments
 CALLS = {
-    "say": ("::int32_t", "number *out, int64_t &clipped"),
+    "say": ("int32_t", "number *out, int64_t &clipped"),
     "take": ("void", "const number *in"),
     "get_sums": ("void", "number *out"),
     "set_sums": ("void", "const number *in"),

@@ -108,7 +108,7 @@ def _header(brain: Brain) -> str:
 def bare(brain: Brain, talk: str, codec: Unit) -> str:
     """A brain's C for a program that runs many: without includes, comments, bytes and parameters.
 
-    `talk` is text that calls functions of the `codec`. Raises InputError.
+    Whole numbers have 64 bits, as in the engine. `talk` is text that calls functions of the `codec`. Raises InputError.
     """
     try:
         unit = unit_of(brain)
@@ -125,7 +125,10 @@ def bare(brain: Brain, talk: str, codec: Unit) -> str:
         ]
     except Untranslatable as error:
         raise BrainError.of(brain.path, error, where=f"brain file {brain.path}, line {error.line}") from None
-    return "\n\n".join(part for part in parts if part)
+    text = "\n\n".join(part for part in parts if part)
+    for board, engine in {"int32_t": "int64_t", "INT32_": "INT64_", repr(2.0**31): "9223372036854775808.0"}.items():
+        text = text.replace(board, engine)
+    return text
 
 
 def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:

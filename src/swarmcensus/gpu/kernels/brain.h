@@ -19,7 +19,7 @@ BRAIN_PART bool robot_is_finite(struct brain *me) {
     return finite;
 }
 
-BRAIN_PART ::int32_t robot_say(struct brain *me, number *out, int64_t &clipped) {
+BRAIN_PART int32_t robot_say(struct brain *me, number *out, int64_t &clipped) {
     ${jam}
     struct message message;
     if (!broadcast(me, &message)) {

@@ -27,24 +27,18 @@ PART Place place_of(const Given &given, int64_t trial, int64_t i) {
     at.group = group_of(given, trial, i);
     at.outbox = given.outbox + trial * (given.delay + 2) * WIDTH * given.robots;
     at.signals = given.signals + trial * (given.delay + 2) * given.robots;
+    at.said = given.k % (given.delay + 2);
+    at.heard = next_slot(given, at.said);
     return at;
 }
 
 #define BLOCKS ((given.robots + BLOCK_SIZE - 1) / BLOCK_SIZE)
 
-KERNEL(tables) {
-    PHASE {
-        const int64_t n = BLOCK * THREADS + thread;
-        if (n < given.tables_made * given.sensors) {
-            renew(given, n / given.sensors, n % given.sensors, given.k);
-        }
-    }
-}
-
 // Full networks: what each block of robots says is added up, then the blocks, then what is before and after each robot.
 
 PART const number *said_in(const Given &given, int64_t trial) {
-    return place_of(given, trial, 0).outbox + slot_of(given, given.k - given.delay) * WIDTH * given.robots;
+    const Place at = place_of(given, trial, 0);
+    return at.outbox + at.heard * WIDTH * given.robots;
 }
 
 KERNEL(sums) {

@@ -7,7 +7,8 @@
 #ifdef __CUDACC__
 
 #define PART BRAIN_PART
-#define KERNEL(name) extern "C" __global__ void __launch_bounds__(1024) name(const __grid_constant__ Given given)
+#define APART __device__ static __noinline__
+#define KERNEL(name) extern "C" __global__ void __launch_bounds__(MOST_THREADS) name(const __grid_constant__ Given given)
 #define PHASE if (const uint32_t thread = threadIdx.x; true)
 #define BARRIER __syncthreads()
 #define BLOCK ((int64_t)blockIdx.x)
@@ -36,6 +37,7 @@ PART void add_all(uint32_t *sum, uint32_t what) {
 #else
 
 #define PART BRAIN_PART
+#define APART static
 #define KERNEL(name) \
     extern "C" void name(const Given given, const int64_t BLOCK, const int64_t THREADS, unsigned char *SHARED)
 #define PHASE for (uint32_t thread = 0; thread < THREADS; thread++)

@@ -42,9 +42,10 @@ PART uint64_t key_of(double x) {
 PART double of_key(uint64_t key) { return from_bits(key >> 63 ? key & ~(1ull << 63) : ~key); }
 
 // The honest estimate of a row with so many before it, in order; digit by digit.
-PART uint64_t select(const Given &given, int64_t trial, const double *row, int64_t rank TOGETHER) {
+APART uint64_t select(const Given &given, int64_t trial, const double *row, int64_t rank TOGETHER) {
     Shared *ours = (Shared *)SHARED;
     uint64_t prefix = 0, mask = 0;
+#pragma unroll 1
     for (int32_t shift = 56; shift >= 0; shift -= 8) {
         PHASE {
             for (int64_t digit = thread; digit < 256; digit += THREADS) {
@@ -77,7 +78,7 @@ struct Quantile {
 };
 
 // The two honest estimates around a quantile of a row, and the quantile, linear as in NumPy.
-PART Quantile quantile_of(const Given &given, int64_t trial, const double *row, int64_t count, double share TOGETHER) {
+APART Quantile quantile_of(const Given &given, int64_t trial, const double *row, int64_t count, double share TOGETHER) {
     Shared *ours = (Shared *)SHARED;
     const double place = (double)(count - 1) * share;
     const int64_t rank = (int64_t)place;
@@ -118,7 +119,7 @@ PART Quantile quantile_of(const Given &given, int64_t trial, const double *row, 
 #define MARGIN 1e-12
 
 // Whether the estimates around the lower quantile are a and b or more, those around the other c and d or less.
-PART bool are_inside(const Given &given, int64_t trial, const double *row, int64_t count, const double *bounds TOGETHER) {
+APART bool are_inside(const Given &given, int64_t trial, const double *row, int64_t count, const double *bounds TOGETHER) {
     Shared *ours = (Shared *)SHARED;
     PHASE {
         if (thread < 4) {

@@ -117,7 +117,7 @@ PART double accuracy_in(const Given &given, const double *side, int64_t trial, i
 }
 
 // Make the tables that the j-th sensor of a trial reads by in round k; those of the same numbers stay.
-PART void renew(const Given &given, int64_t trial, int64_t j, int64_t k) {
+APART void renew(const Given &given, int64_t trial, int64_t j, int64_t k) {
     const double b = accuracy_in(given, given.b, trial, j, k), w = accuracy_in(given, given.w, trial, j, k);
     const double f = fill_ratio_in(given, k);
     double *stand = given.stand + 3 * (trial * given.sensors + j);

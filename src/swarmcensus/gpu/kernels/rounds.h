@@ -14,35 +14,32 @@ struct alignas(8) Robot {
 #endif
 };
 
-// Where a robot of a trial stands, and where the messages of its trial are: word w of what robot j said in round q is
-// outbox[(q % slots * WIDTH + w) * stride + j].
+// Where a robot of a trial stands, and where the messages of its trial are: word w of what robot j said in a round is
+// outbox[(slot * WIDTH + w) * stride + j], and the slots take turns.
 struct Place {
     int64_t trial, i, group, stride;
     number *outbox;
     uint8_t *signals;
     const number *before, *after;  // sums over the robots before it and after it, word w at w * apart
     int64_t apart;
+    int64_t heard, said;  // slots: of what is heard in this round, and of what is said for the next
 };
 
 PART int64_t group_of(const Given &given, int64_t trial, int64_t i) {
     return GROUPS > 1 ? given.groups[trial * given.robots + i] : 0;
 }
 
-PART bool is_honest(const Given &given, int64_t trial, int64_t i) {
-    return given.liars == 0 || given.honest[trial * given.robots + i];
-}
+PART int64_t next_slot(const Given &given, int64_t slot) { return slot + 1 < given.delay + 2 ? slot + 1 : 0; }
 
-PART int64_t slot_of(const Given &given, int64_t round) { return round % (given.delay + 2); }
-
+// Whether what robot j did in a round that is heard now is noise.
 PART bool is_noise(const Given &given, const Place &at, int64_t round, int64_t j) {
-    return at.signals[slot_of(given, round) * at.stride + j] == NOISE && works(given, at.trial, TALKING, j, round);
+    return at.signals[at.heard * at.stride + j] == NOISE && works(given, at.trial, TALKING, j, round);
 }
 
 // Robot `at` hears what robot j said.
 PART void hear_one(Robot &me, const Given &given, const Place &at, int64_t k, int64_t j) {
-    const int64_t slot = slot_of(given, k - given.delay);
 #if SIGNALLED
-    if (at.signals[slot * at.stride + j] != SAID) {
+    if (at.signals[at.heard * at.stride + j] != SAID) {
         return;
     }
 #endif
@@ -62,7 +59,7 @@ PART void hear_one(Robot &me, const Given &given, const Place &at, int64_t k, in
 #endif
     number message[WIDTH];
     for (int32_t w = 0; w < WIDTH; w++) {
-        message[w] = at.outbox[(slot * WIDTH + w) * at.stride + j];
+        message[w] = at.outbox[(at.heard * WIDTH + w) * at.stride + j];
     }
     robot_take(me.brains, at.group, message);
 }
@@ -74,9 +71,8 @@ PART void hear(Robot &me, const Given &given, const Place &at, int64_t k) {
 #if COUNTED && !SIGNALLED
     me.heard += given.robots - 1;
 #elif COUNTED
-    const int64_t slot = slot_of(given, k - given.delay);
     me.heard += given.said[at.trial * (given.rounds + 1) + k - given.delay];
-    me.heard -= at.signals[slot * at.stride + at.i] == SAID;
+    me.heard -= at.signals[at.heard * at.stride + at.i] == SAID;
 #endif
 #elif MODE == LISTED
     const int64_t *bounds = given.bounds + (given.graphs > 1 ? at.trial * (given.robots + 1) : 0) + at.i;
@@ -89,15 +85,14 @@ PART void hear(Robot &me, const Given &given, const Place &at, int64_t k) {
     }
 #endif
 #if ADDITIVE && SOUND
-    const int64_t slot = slot_of(given, k - given.delay);
     number sums[WIDTH];
     robot_get_sums(me.brains, at.group, sums);
     for (int64_t link = bounds[0]; link < bounds[1]; link++) {
         for (int32_t w = 0; w < WIDTH; w++) {
-            sums[w] = sums[w] + at.outbox[(slot * WIDTH + w) * at.stride + senders[link]];
+            sums[w] = sums[w] + at.outbox[(at.heard * WIDTH + w) * at.stride + senders[link]];
         }
 #if COUNTED
-        me.heard += at.signals[slot * at.stride + senders[link]] == SAID;
+        me.heard += at.signals[at.heard * at.stride + senders[link]] == SAID;
 #endif
     }
     robot_set_sums(me.brains, at.group, sums);
@@ -203,7 +198,6 @@ PART void pass(Robot &me, const Given &given, const Place &at, int64_t k) {
 #endif
             robot_look(me.brains, at.group, blacks_of(given, at.trial, at.i, k + 1), (double)given.looks);
         }
-        const int64_t slot = slot_of(given, k + 1);
         number message[WIDTH];
         #if FORMATS
         const int32_t signal = robot_say(me.brains, at.group, message, me.clipped);
@@ -212,10 +206,10 @@ PART void pass(Robot &me, const Given &given, const Place &at, int64_t k) {
         const int32_t signal = robot_say(me.brains, at.group, message, none);
 #endif
         for (int32_t w = 0; w < WIDTH; w++) {
-            at.outbox[(slot * WIDTH + w) * at.stride + at.i] = message[w];
+            at.outbox[(at.said * WIDTH + w) * at.stride + at.i] = message[w];
         }
 #if SIGNALLED
-        at.signals[slot * at.stride + at.i] = (uint8_t)signal;
+        at.signals[at.said * at.stride + at.i] = (uint8_t)signal;
 #if COUNTED && MODE == FULL
         add(given.said + at.trial * (given.rounds + 1) + k + 1, signal == SAID);
 #endif
