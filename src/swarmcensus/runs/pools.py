@@ -15,7 +15,7 @@ import numpy as np
 from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
 from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, LeavableThreads, code_cache, compiler, interruptible
-from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
+from swarmcensus.runs.tasks import Bundle, Crew, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
@@ -67,10 +67,10 @@ class Threads:
     def __init__(
         self, executor: Executor, jobs: int, study: Study, settings: list[Setting], card: "Card | None" = None
     ) -> None:
-        """Use the executor's threads, of which `jobs` will be busy at once."""
-        self.executor, self.jobs, self.card = executor, jobs, card
+        """Use the executor's threads, which are so many `jobs`."""
+        self.executor, self.crew, self.card = executor, Crew(jobs), card
         self._feeder = LeavableThreads(1) if card else None
-        self._on_card = set[Future[Outcome]]()
+        self._on_card = set[object]()
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
         self.metrics = metrics_of(study)
@@ -79,18 +79,18 @@ class Threads:
     @property
     def queue_length(self) -> int:
         """How many bundles should be submitted at a time: those for the card keep no thread waiting."""
-        return 4 * self.jobs + len(self._on_card)
+        return 4 * self.crew.jobs + len(self._on_card)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
         on_card = self._feeder is not None and bundle[0].on_card
         executor = self._feeder if self._feeder and on_card else self.executor
-        given = (*self.common, bundle, self.metrics, self.stop, self.jobs, outcome, self.card)
+        given = (*self.common, bundle, self.metrics, self.stop, self.crew, outcome, self.card)
         future = executor.submit(run_bundle, *given)
-        if on_card:
-            self._on_card.add(future)
-            future.add_done_callback(self._on_card.discard)
+        unfinished = self._on_card if on_card else self.crew.unfinished
+        unfinished.add(future)
+        future.add_done_callback(unfinished.discard)
         self._outcomes[future] = outcome
         return future
 
