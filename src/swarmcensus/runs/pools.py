@@ -15,7 +15,7 @@ import numpy as np
 from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
 from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
-from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
+from swarmcensus.runs.tasks import Bundle, Crew, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
@@ -73,9 +73,9 @@ class Threads:
         card: "Card | None" = None,
         feeder: Executor | None = None,
     ) -> None:
-        """Use the executor's threads, of which `jobs` will be busy at once, and the `feeder`'s one for a card."""
-        self.executor, self.jobs, self.card, self.feeder = executor, jobs, card, feeder
-        self._on_card = set[Future[Outcome]]()
+        """Use the executor's threads, which are so many `jobs`, and the `feeder`'s one for a card."""
+        self.executor, self.crew, self.card, self.feeder = executor, Crew(jobs), card, feeder
+        self._on_card = set[object]()
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
         self.metrics = metrics_of(study)
@@ -84,17 +84,17 @@ class Threads:
     @property
     def queue_length(self) -> int:
         """How many bundles should be submitted at a time: those for the card keep no thread waiting."""
-        return 4 * self.jobs + len(self._on_card)
+        return 4 * self.crew.jobs + len(self._on_card)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
         feeder = self.feeder if bundle[0].on_card else None
-        given = (*self.common, bundle, self.metrics, self.stop, self.jobs, outcome, self.card)
+        given = (*self.common, bundle, self.metrics, self.stop, self.crew, outcome, self.card)
         future = (feeder or self.executor).submit(run_bundle, *given)
-        if feeder:
-            self._on_card.add(future)
-            future.add_done_callback(self._on_card.discard)
+        unfinished = self._on_card if feeder else self.crew.unfinished
+        unfinished.add(future)
+        future.add_done_callback(unfinished.discard)
         self._outcomes[future] = outcome
         return future
 

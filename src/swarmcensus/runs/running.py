@@ -103,8 +103,7 @@ def run(
             state.output.announce(known, total, 0.0)  # for `status`, while brains compile or workers start
             state.output.parts.sketch = partial(_save_without_trials, state, marks, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
-        every = len(settings) * study.trials * (1 + study.measure.local)
-        pool = stack.enter_context(_pool(state, min(jobs, every), cluster, device))
+        pool = stack.enter_context(_pool(state, jobs, cluster, device))
         try:
             interrupted = _run_stages(state, pool, None if cluster else jobs, announce_from)
         except KeyboardInterrupt:  # between two stages
@@ -170,7 +169,7 @@ def recompute(
     tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.room)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     LOG.debug("%s: %s trials again, in %s threads", study.name, f"{state.total:,}", jobs)
-    with _pool(state, min(jobs, state.total * (1 + local)), None, device) as pool:
+    with _pool(state, jobs, None, device) as pool:
         if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt
     return values

@@ -1,7 +1,9 @@
 """Cuts a study into tasks, bundles short ones, and runs bundles."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from contextlib import nullcontext
+from dataclasses import dataclass, field, replace
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -25,6 +27,7 @@ from swarmcensus.simulation import (
     Batch,
     MetricFails,
     Metrics,
+    is_crowd,
     line_of_failure,
     run_batch,
     run_ride,
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from swarmcensus.gpu import Card
 
 RIDE_BYTES = 256_000_000  # most memory for the curves of all states on one trajectory
+CROWDS = Lock()  # for trials that no other may run beside, as they take much memory: each uses all threads
 EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings
 EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one more task costs 0.1 ms
 UNLIMITED = 2**31
@@ -68,6 +72,18 @@ class Failure:
     setting: int
     trial: int
     why: str
+
+
+@dataclass
+class Crew:
+    """The threads of a run, and the bundles that they have not finished."""
+
+    jobs: int = 1
+    unfinished: set[object] = field(default_factory=set)
+
+    def idle(self) -> int:
+        """How many threads a bundle may use: those that have none are shared among all that have."""
+        return max(1, self.jobs // max(1, len(self.unfinished)))
 
 
 Bundle = tuple[Task, ...]
@@ -199,16 +215,16 @@ def run_bundle(
     bundle: Bundle,
     metrics: Metrics,
     stop: NDArray[np.uint8],
-    threads: int = 1,
+    crew: Crew | None = None,
     outcome: Outcome | None = None,
     card: "Card | None" = None,
 ) -> Outcome:
     """Run tasks one after another, while `stop` (uint8, shape (1,)) is 0; a failing trial does not affect others.
 
-    `threads` is how many threads do this at once and share the memory. What is done is added to `outcome` at once.
+    Threads of the `crew` that have nothing to do help with large trials. What is done is added to `outcome` at once.
     Tasks for a card run on the CPU if there is no `card`. Raises CardError, also for a card that is full or lost.
     """
-    outcome = [] if outcome is None else outcome
+    outcome, crew = [] if outcome is None else outcome, crew or Crew()
     for task in bundle:
         if stop[0]:
             break
@@ -216,7 +232,7 @@ def run_bundle(
             _run_on_card(card, settings, seed, task, metrics, stop, outcome)
             continue
         try:
-            outcome += _run(settings, seed, task, metrics, stop, threads)
+            outcome += _run(settings, seed, task, metrics, stop, crew)
         except InputError as error:
             singles = _single_trials(task)
             if len(singles) == 1:
@@ -227,7 +243,7 @@ def run_bundle(
                 location = "" if located else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
                 outcome += [Failure(n, task.first, f"{error}{location}") for n in task.settings]
             else:
-                outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, threads)
+                outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, crew)
     return outcome
 
 
@@ -285,14 +301,18 @@ def _single_trials(task: Task) -> list[Task]:
 
 
 def _run(
-    settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], threads: int
+    settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], crew: Crew
 ) -> list[Piece]:
     chosen, local = [settings[n] for n in task.settings], task.kind == "local"
-    with watched(chosen, seed, task.first, task.trials):
+    crowd = task.kind != "ride" and is_crowd(chosen[0], local)
+    with CROWDS if crowd else nullcontext(), watched(chosen, seed, task.first, task.trials):
         if task.kind == "ride":
             batches = run_ride(chosen, seed, task.first, metrics, stop)
+        elif stop[0]:
+            batches = None
         else:
-            batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, threads)
+            idle = (lambda: crew.jobs) if crowd else crew.idle
+            batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, idle)
             batches = None if batch is None else [batch] * len(chosen)
     return _pieces(task, batches or [], metrics)
 
