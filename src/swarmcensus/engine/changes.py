@@ -9,9 +9,8 @@ stay.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.compiling import inside, loop
 from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.draws import binomial_row
 
@@ -45,7 +44,7 @@ class Source(NamedTuple):
     changes: bool  # whether tables may differ from those of the round before
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def source_of(sensors):
     """A source of a trial's readings, whose tables are not made yet."""
     looks, robots = sensors.looks, sensors.b.size
@@ -55,7 +54,7 @@ def source_of(sensors):
     return Source(tables, stand, sensors, sensors.drift.shape[1] > 0 or sensors.course[UNTIL] > 1.0)
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def renew(source, k):
     """Make the tables of round k: kind 0 for PART observations, the last kind for the rest.
 
