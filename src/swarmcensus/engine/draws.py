@@ -87,9 +87,12 @@ def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
 
 
 @loop()
-def arrange(reading, blacks, bits, left, key, trial, step):
-    """Draw the next single reading of a round with `left` readings to go, `blacks` of them black, in random order."""
-    words(key, trial, step, np.int64(0), np.uint64(0), np.uint64(bits.size), bits)
+def arrange(reading, blacks, bits, left, key, trial, step, first):
+    """Draw the next single reading of a round with `left` readings to go, `blacks` of them black, in random order.
+
+    `first` (even) is the number of the first of these robots.
+    """
+    words(key, trial, step, np.int64(0), first, np.uint64(bits.size), bits)
     for i in range(reading.size):
         black = unit(bits[i]) * left < blacks[i]
         reading[i] = 1.0 if black else 0.0

@@ -11,8 +11,20 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains.metrics import Metric
-from swarmcensus.engine import Inputs, Measures, Segments, States, Swarm, Tally, compiler, interruptible
-from swarmcensus.engine.constants import PART, VERDICTS
+from swarmcensus.engine import (
+    ALONE,
+    Inputs,
+    Measures,
+    Segments,
+    States,
+    Swarm,
+    Tally,
+    compiler,
+    interruptible,
+    parts_of,
+    run_together,
+)
+from swarmcensus.engine.constants import BLOCK, PART, VERDICTS
 from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
@@ -93,17 +105,19 @@ def run_batch(
     stop: np.ndarray,
     local: bool = False,
     threads: int = 1,
+    team: int = 1,
 ) -> Batch | None:
     """Run trials first ... first + trials - 1; None if `stop` (uint8, shape (1,)) was set meanwhile.
 
-    With `local`, the metrics are of the local estimate by single observation. So many `threads` share the memory.
+    With `local`, the metrics are of the local estimate by single observation. So many `threads` share the memory. A
+    `team` of threads shares each trial, to the same bits.
     """
     given = inputs_of(setting, seed, first, trials, order=local)
     if not setting.members and (local or not metrics.watched):
-        return _live(setting, given, trials, metrics, stop, local, threads)
+        return _live(setting, given, trials, metrics, stop, local, threads, team)
     batches = []
     for k in range(trials):  # metrics of files see one trial at a time, and each trial has other members
-        batch = _live(setting, given.of(k), 1, metrics, stop, local, threads)
+        batch = _live(setting, given.of(k), 1, metrics, stop, local, threads, team)
         if batch is None:
             return None
         batches.append(batch)
@@ -111,8 +125,9 @@ def run_batch(
 
 
 def _live(
-    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool, threads: int
-) -> Batch | None:
+    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool, threads: int,
+    team: int,
+) -> Batch | None:  # fmt: skip
     first = given.first
     looks = setting.observations_per_round
     rounds = setting.rounds * (looks if local else 1)
@@ -129,7 +144,8 @@ def _live(
     length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1, threads)
     segments = -(-rounds // length)
     states = states._replace(rows=np.empty((length, setting.robots)))
-    room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0)
+    team = min(team, swarm.of_block.size - 1)
+    room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0, team)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)
     checkpoints = np.array(metrics.checkpoints, np.int64)
@@ -140,8 +156,8 @@ def _live(
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         with blaming(setting, first, trials):
-            groups = swarm, given, states, room, measures, tally, intervals
-            finished = compiler.compile_world("kernel").simulate(*groups, rounds, local, begin, end, stop)
+            groups = given, states, room, measures, tally, intervals, rounds, local, begin, end
+            finished = _simulate(swarm, groups, stop, team)
         if not finished:
             return None
         check_estimates(setting, given, measures.wrong, local)  # before a metric fails because of them
@@ -169,13 +185,29 @@ def _live(
     )  # fmt: skip
 
 
-def room_of(states: States, snapshots: int, outboxes: int) -> Segments:
-    """Room for so many copies of states, and of their messages."""
+def _simulate(swarm: Swarm, groups: tuple[Any, ...], stop: np.ndarray, team: int) -> bool:
+    """Whether `kernel.simulate` came to the end, in one thread or in several that share each trial."""
+    simulate = compiler.compile_world("kernel").simulate
+    if team == 1:
+        return bool(simulate(swarm, *groups, stop, ALONE))
+    parts = parts_of(swarm, team)
+
+    def run_part(number: int, gate: int, halt: np.ndarray) -> bool:
+        own, begin = parts[number]
+        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate])))
+
+    return all(run_together(run_part, team, stop))
+
+
+def room_of(states: States, snapshots: int, outboxes: int, threads: int = 1) -> Segments:
+    """Room for so many copies of states, and of their messages, and for what threads that share a trial tell others."""
     return Segments(
         np.empty((snapshots, *states.memory.shape), np.uint8),
         np.empty((outboxes, *states.outbox.shape), np.uint8),
         np.empty((outboxes, *states.signals.shape), np.uint8),
         np.empty((3, states.memory.shape[0])),
+        np.empty((-(-states.memory.shape[0] // BLOCK), states.outbox.shape[1]), np.uint8),
+        np.zeros((3, threads)),
     )
 
 
@@ -300,7 +332,7 @@ def _rerun(
     tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
     end, stop = -(-setting.rounds // len(states.rows)), np.zeros(1, np.uint8)
     groups = swarm, given, states, room, measures, tally, no_intervals()
-    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop)
+    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop, ALONE)
     estimates: np.ndarray = room.extremes[2]
     return estimates
 
