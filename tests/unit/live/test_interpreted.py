@@ -19,6 +19,7 @@ from swarmcensus.live.simulated import Simulated
 
 WORLDS = [
     {"robots": "8", "density": "4"},
+    {"robots": "8", "density": "4", "floor": "clusters(0.3)"},
     {"topology": "ring", "robots": "8", "brain": "census", "beside": "commons", "link_success": "0.7"},
     {"topology": "scale-free", "robots": "8", "liars": "0.25", "fill_ratio": "0.55"},
 ]
