@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import textwrap
+from itertools import accumulate
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,7 +13,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import codegen, compiler, strict
-from swarmcensus.engine.constants import PHASES
+from swarmcensus.engine.constants import BLOCK, PHASES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.support.small import GO, SEED, settings_of
 
@@ -174,17 +175,26 @@ def test_uncompiled_functions_are_not_called(monkeypatch):
         run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
 
 
-@pytest.mark.long(but=["300"])
-@pytest.mark.parametrize("robots", [300, 33_000])
-def test_large_full_networks_hear_everyone_else(robots):
-    """Some pass through the cache as a whole, others block by block; both against sums of all but one, by NumPy."""
+def sums_of_others(terms):
+    """For each robot, the sum over the robots before it and the sum over those after it, block by block."""
+    blocks = [terms[k : k + BLOCK].tolist() for k in range(0, len(terms), BLOCK)]
+    sums = [list(accumulate(block, initial=0.0))[-1] for block in blocks]
+    before, after = accumulate(sums, initial=0.0), list(accumulate(sums[::-1], initial=0.0))[-2::-1]
+    first = [x for block, b in zip(blocks, before, strict=False) for x in accumulate(block[:-1], initial=b)]
+    last = [x for block, a in zip(blocks, after, strict=True) for x in [*accumulate(block[:0:-1], initial=a)][::-1]]
+    return np.array(first) + np.array(last)
+
+
+@pytest.mark.parametrize("robots", [256, 300, 5000])
+def test_large_full_networks_add_messages_in_blocks(robots):
+    """To the bit, in the order that `hear_all` says; up to 256 robots, it is that of the robots."""
     (setting,) = settings_of(robots=robots, rounds=3, looks=10, topology="full", accuracy="U(0.6, 0.9)")
     states, _, _ = record_trial(setting, SEED, 1)
     for k in (1, 3):
         alpha, x_hat = states["alpha"][k], states["x_hat"][k]
-        beta = alpha.sum() - alpha
-        assert states["beta"][k] == pytest.approx(beta, rel=1e-11)
-        assert states["x_bar"][k] == pytest.approx(((alpha * x_hat).sum() - alpha * x_hat) / beta, rel=1e-11)
+        beta = sums_of_others(alpha)
+        assert np.array_equal(states["beta"][k], beta)
+        assert np.array_equal(states["x_bar"][k], sums_of_others(alpha * x_hat) / beta)
     batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
     assert np.array_equal(batch.final[0], states["x"][3])
 

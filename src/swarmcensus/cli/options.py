@@ -283,6 +283,10 @@ SHARED: dict[str, dict[str, Any]] = {  # options that several commands have, wit
         "type": float,
         "help": "tolerance of convergence, instead of the study's own; needs estimates kept at checkpoints",
     },
+    "device": {
+        "choices": ("cpu", "gpu", "auto"), "default": "cpu", "metavar": "WHERE",
+        "help": "what runs networks: cpu (default), gpu (a graphics card), or auto, whichever is faster",
+    },
     "fill_ratio": {"type": share, "metavar": "F", "help": "how much of the floor is black"},
     "fresh": {"action": "store_true", "help": "start over instead of continuing what --out holds"},
     "hz": {"type": number, "help": "ticks a second"},
@@ -319,7 +323,7 @@ SHARED: dict[str, dict[str, Any]] = {  # options that several commands have, wit
     },
 }  # fmt: skip
 
-OF_RUNS = ("jobs", "trials", "seed", "fresh")  # of all commands that run studies and write their results
+OF_RUNS = ("jobs", "device", "trials", "seed", "fresh")  # of all commands that run studies and write their results
 
 
 def add_shared(sub: "argparse._ActionsContainer", *names: str, required: bool = False, **notes: str) -> None:

@@ -23,7 +23,7 @@ ONE_BY_ONE, IN_SUMS, IN_SUMS_OF_ALL = "one by one", "in sums", "in sums of all"
 HEARING = {  # and what by how a round's messages reach robots on fixed networks
     ONE_BY_ONE: {"hear", "end_round"},
     IN_SUMS: {"hear_sums"},
-    IN_SUMS_OF_ALL: {"add_up", "hear_all"},
+    IN_SUMS_OF_ALL: {"add_up", "pass_on", "hear_all"},
 }
 
 

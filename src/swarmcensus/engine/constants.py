@@ -5,6 +5,8 @@ LISTED, FULL, PAIRS = 0, 1, 2
 
 # robots that end a round together: an even number, because pairs of robots share random words
 BLOCK = 256
+# blocks of a full network that do so: robots pass through the cache twice then, and a processor foresees only long runs
+BLOCKS = 16
 
 # what is counted of a robot's messages
 SENT, HEARD, CLIPPED = 0, 1, 2
@@ -33,8 +35,8 @@ STATE = 14
 
 # what is compiled for each brain (`phases.py`), and the index of each function's address in `Swarm.functions`
 PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask",
-          "bound", "begin")  # fmt: skip
-SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND, BEGIN = range(12)
+          "bound", "begin", "pass_on")  # fmt: skip
+SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND, BEGIN, PASS_ON = range(13)
 
 # what is known of each robot's decision: the option, -1 for none; when it first decided and last changed it, infinity
 # for never; when it was done, with which estimate, and whether it is; its first invalid decision, -1 for none, and when

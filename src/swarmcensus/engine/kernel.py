@@ -11,6 +11,7 @@ from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.constants import (
     BLOCK,
+    BLOCKS,
     BOUND,
     DECISION,
     DRAW_FUSE,
@@ -72,11 +73,12 @@ def simulate(
     bits = np.zeros(blacks.size, np.uint64)
     single = np.zeros(robots if local else 0)
     arrivals = np.zeros((2, 0), np.uint32)
-    draws = np.zeros((3, robots if swarm.draws.size > 0 else 0), np.uint64)
+    draws = np.zeros((3, max(blacks.size, min(robots, BLOCKS * BLOCK)) if swarm.draws.size > 0 else 0), np.uint64)
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
     uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
-    partial = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
+    sums = np.empty((swarm.of_block.size - 1, outbox.shape[1]), np.uint8)
+    partial = np.zeros((2 * sums.shape[0], outbox.shape[1]), np.uint8)
     room = np.empty(robots)
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
@@ -88,7 +90,7 @@ def simulate(
             arrivals = np.zeros((2, most), np.uint32)
         if swarm.draws.size > 0 and most > draws.shape[1]:
             draws = np.zeros((3, most), np.uint64)
-        work = Work(blacks, bits, single, draws, partial, arrivals)
+        work = Work(blacks, bits, single, draws, sums, partial, arrivals)
         source = source_of(sensors_of(sensors, trial))
         renew(source, 1)
         counted = tally_of(tally, trial)

@@ -39,8 +39,9 @@ def live(swarm, given, states, tally, first, history, said, signals, messages, s
     most = most_arrivals(graph, robots)
     arrivals = np.zeros((2, most), np.uint32)
     draws = np.zeros((3, max(robots, most if swarm.draws.size > 0 else 0)), np.uint64)
-    partial = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]), np.uint8)
-    work = Work(blacks, bits, np.zeros(0), draws, partial, arrivals)
+    sums = np.empty((swarm.of_block.size - 1, outbox.shape[1]), np.uint8)
+    partial = np.zeros((2 * sums.shape[0], outbox.shape[1]), np.uint8)
+    work = Work(blacks, bits, np.zeros(0), draws, sums, partial, arrivals)
     source = source_of(sensors_of(given.sensors, 0))
     for r in range(rows.shape[0]):
         k = first + r

@@ -11,6 +11,7 @@ import numpy as np
 
 from swarmcensus.engine.calling import ARRAY, REAL, WHOLE, phase, seen_as
 from swarmcensus.engine.constants import (
+    BLOCK,
     CHANGED,
     DECIDED_IN,
     DECISION,
@@ -52,6 +53,7 @@ from .robot import (
 
 ZERO = np.uint64(0)
 ONE = np.uint64(1)
+SIZE = np.uint64(BLOCK)
 
 
 @phase(ARRAY, ARRAY, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, WHOLE)
@@ -123,52 +125,79 @@ def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, firs
         estimates[start + i] = estimate(states[i])
 
 
-@phase(ARRAY, WHOLE, ARRAY, WHOLE, WHOLE)
-def add_up(outbox, place, partial_sums, size, robots):
-    """Fill `partial_sums` for `hear_all`: row 1 + block is the sum of messages of all robots after that block.
+@phase(ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE)
+def add_up(outbox, place, sums_of_blocks, first, last, robots):
+    """Row k of `sums_of_blocks` becomes the sum of the messages of block k, for blocks first ... last - 1.
 
-    Blocks have `size` robots. Row 0 is the sum over the robots before the first: zeros.
+    Two blocks are added at the same time, because a processor waits for each addition before the next in a sum.
     """
-    blocks = (robots + size - ONE) // size
     said = seen_as(outbox, (place + robots, width), number)
-    partial = seen_as(partial_sums, (ONE + blocks, width), number)
+    added = seen_as(sums_of_blocks, (last, width), number)
+    end = min(last * SIZE, robots)
+    for block in range(first, last, ONE + ONE):
+        for j in range(np.uint64(width)):
+            added[block, j] = 0.0
+        sums = more = sums_at(added, block)
+        for i in range(block * SIZE, min((block + ONE) * SIZE, end)):
+            sums = sums_with(sums, said, place + i)
+            if i + SIZE < end:
+                more = sums_with(more, said, place + i + SIZE)
+        keep_sums(added, block, sums)
+        if block + ONE < last:
+            keep_sums(added, block + ONE, more)
+
+
+@phase(ARRAY, ARRAY, WHOLE)
+def pass_on(sums_of_blocks, partial_sums, blocks):
+    """Rows 2 k and 2 k + 1 of `partial_sums` become the sums of the blocks before and after block k, see `hear_all`."""
+    added = seen_as(sums_of_blocks, (blocks, width), number)
+    partial = seen_as(partial_sums, (blocks + blocks, width), number)
     for j in range(np.uint64(width)):
         partial[0, j] = 0.0
-    sums = sums_at(partial, ZERO)
-    keep_sums(partial, blocks, sums)
-    for later in range(ONE, blocks):
-        first = (blocks - later) * size
-        last = min(first + size, robots)
-        for below in range(ZERO, last - first):
-            sums = sums_with(sums, said, place + last - ONE - below)
-        keep_sums(partial, blocks - later, sums)
+    before = after = sums_at(partial, ZERO)
+    for block in range(blocks):
+        later = blocks - ONE - block
+        keep_sums(partial, block + block, before)
+        keep_sums(partial, later + later + ONE, after)
+        before, after = sums_with(before, added, block), sums_with(after, added, later)
 
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
-def hear_all(memory, outbox, place, partial_sums, block, rows, start, first, last, draws):
+def hear_all(memory, outbox, place, partial_sums, size, rows, start, first, last, draws):
     """Robots first ... last - 1 hear all others and end the round, in O(N), for brains whose `receive` only adds.
 
     What a robot hears is a sum over the robots before it and a sum over the robots after it: unlike "all minus own",
-    that has no cancellation. Row 0 of `partial_sums` is the sum over the robots before `first`, and becomes that before
-    `last`; row 1 + block is the sum over the robots from `last` on.
+    that has no cancellation. The order of additions is the same for any number of threads, and on any machine. Blocks
+    have `size` robots; robot `first` begins one. Let S[k] be the sum of the messages of block k in the order of its
+    robots, from zero on, as `add_up` computes it. Then `pass_on` computes, with 0 for the first and the last block,
+
+    - B[k + 1] = B[k] + S[k], the sum over the blocks before block k + 1: row 2 k + 2 of `partial_sums`;
+    - A[k - 1] = A[k] + S[k], the sum over the blocks after block k - 1: row 2 k - 1.
+
+    A robot of block k adds to its state first B[k] + the messages of the robots before it in the block, one by one in
+    order, and then A[k] + the messages of those after it, one by one from the block's end.
     """
     states = seen_as(memory, last, record)
     said = seen_as(outbox, (place + last, width), number)
-    partial = seen_as(partial_sums, (block + ONE + ONE, width), number)
+    end = (last + size - ONE) // size  # of blocks
+    partial = seen_as(partial_sums, (end + end, width), number)
     estimates = seen_as(rows, start + last, np.float64)
-    sums = sums_at(partial, ZERO)
-    for i in range(first, last):
-        add_sums(states[i], sums)
-        sums = sums_with(sums, said, place + i)
-    keep_sums(partial, ZERO, sums)
-    sums = sums_at(partial, block + ONE)
-    for below in range(ZERO, last - first):
-        i = last - ONE - below
-        add_sums(states[i], sums)
-        sums = sums_with(sums, said, place + i)
-        give_draw(states[i], draws, i - first)
-        fuse(states[i])
-        estimates[start + i] = estimate(states[i])
+    for block in range(first // size, end):
+        sums = sums_at(partial, block + block)
+        for i in range(block * size, min(block * size + size, last)):
+            add_sums(states[i], sums)
+            sums = sums_with(sums, said, place + i)
+    for later in range(end - first // size):
+        block = end - ONE - later
+        sums = sums_at(partial, block + block + ONE)
+        begin, behind = block * size, min(block * size + size, last)
+        for below in range(behind - begin):
+            i = behind - ONE - below
+            add_sums(states[i], sums)
+            sums = sums_with(sums, said, place + i)
+            give_draw(states[i], draws, i - first)
+            fuse(states[i])
+            estimates[start + i] = estimate(states[i])
 
 
 @phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)

@@ -12,7 +12,6 @@ from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
 from swarmcensus.engine.compiling import INSIDE, entry, loop
 from swarmcensus.engine.constants import (
-    ADD_UP,
     ASK,
     DRAW_FUSE,
     DRAW_OBSERVE,
@@ -65,7 +64,7 @@ class Buffers(NamedTuple):
     message_draws: Any  # (message)
     b: Any  # (robot): accuracies of the tick, where they drift
     w: Any
-    partial: Any  # (2, byte): sums of messages, see `phases.add_up`
+    nothing: Any  # (2, byte): sums of the messages of no blocks, see `phases.hear_all`: all robots are one block
 
 
 @njit(nogil=True, **INSIDE)
@@ -197,9 +196,8 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
-            call(swarm.functions[0, ADD_UP], outbox, then, buffers.partial, n, n)
             call(
-                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.partial, ZERO, rows, here, ZERO, n,
+                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.nothing, n, rows, here, ZERO, n,
                 place(draws, n),
             )  # fmt: skip
             for i in range(n):

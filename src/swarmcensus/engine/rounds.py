@@ -14,6 +14,7 @@ from swarmcensus.engine.compiling import INSIDE, loop
 from swarmcensus.engine.constants import (
     ADD_UP,
     BLOCK,
+    BLOCKS,
     DRAW_ALONE,
     DRAW_ALONE_FUSE,
     DRAW_FUSE,
@@ -27,6 +28,7 @@ from swarmcensus.engine.constants import (
     HEARD,
     LISTED,
     PAIRS,
+    PASS_ON,
     SENSE,
 )
 from swarmcensus.engine.draws import arrange, count_blacks
@@ -48,7 +50,7 @@ from .states import (
 )
 
 # Robots are counted in uint64 in the inner loops: Numba then does not check for negative indices.
-CACHED = 1 << 15  # robots up to which a full network passes through the cache as a whole
+SIZE, TOGETHER = np.uint64(BLOCK), np.uint64(BLOCKS)
 
 
 class Graph(NamedTuple):
@@ -67,7 +69,8 @@ class Work(NamedTuple):
     bits: Any  # (robot): random words
     single: Any  # (robot): single readings; no robots if they do not go alone
     draws: Any  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
-    partial: Any  # (block + 1, byte): sums of messages, see `phases.add_up`
+    sums: Any  # (block, byte): sums of messages of blocks of a full network, see `phases.hear_all`
+    partial: Any  # (2 x block, byte): sums of the blocks before and after each
     arrivals: Any  # (2, message): receivers and senders of what gets through
 
 
@@ -87,8 +90,8 @@ def graph_of(links, graph, robots):
 
 @loop()
 def most_arrivals(graph, robots):
-    """How many messages may arrive in one call: at a block of robots, or of a full network at one robot."""
-    most = robots if graph.mode != LISTED else 0
+    """How many messages may arrive in one call: at a block of robots, or among pairs at one robot."""
+    most = robots if graph.mode == PAIRS else 0
     for first in range(0, robots, BLOCK):
         most = max(most, graph.bounds[min(first + BLOCK, robots)] - graph.bounds[first])
     return most
@@ -195,6 +198,7 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
     """
     memory, outbox, signals, rows = states
     blacks, bits, draws, partial = work.blacks, work.bits, work.draws, work.partial
+    blocks = np.uint64(swarm.of_block.size - 1)
     counts, verdicts, agreed = tally.counts, tally.verdicts, tally.agreed
     tables, key = source.tables, source.sensors.key
     links, bounds, receivers, senders = graph.mode, graph.bounds, graph.receivers, graph.senders
@@ -205,7 +209,6 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
     sound = radio.threshold == 0 and stops.shape[1] == 0
     in_sums = links == LISTED and sound and swarm.additive
     one_by_one = links == LISTED and (swarm.is_signalled or not sound)
-    at_once = n <= CACHED
     is_random = swarm.draws.size > 0
     fused, heard = np.int64(draws.shape[1]), np.int64(2 * draws.shape[1])  # where in `draws` those parts begin
     addresses, bases, runs, of_block = swarm.functions, swarm.bases, swarm.runs, swarm.of_block
@@ -218,32 +221,33 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
         if source.changes and k + 1 < last:
             renew(source, k + 1)
         hears = r >= 0 and k > delay
-        if hears and links == FULL:
-            call(shared[ADD_UP], outbox, said, partial, n if at_once else np.uint64(BLOCK), n)
-            if at_once:
-                if is_random:
-                    words(swarm.draws, trial, k, DRAW_FUSE, ZERO, n, draws[1])
-                call(shared[HEAR_ALL], memory, outbox, said, partial, ZERO, rows, here, ZERO, n, place(draws, fused))
-        elif hears and links != LISTED:
+        whole = hears and links == FULL
+        if whole and blocks > ONE:
+            call(shared[ADD_UP], outbox, said, work.sums, ZERO, blocks, n)
+            call(shared[PASS_ON], work.sums, partial, blocks)
+        if hears and links == PAIRS:
             hear_pairs(swarm, states, work, radio, counts, stops, trial, k, said, stop)
         if hears and swarm.is_signalled and (in_sums or links == FULL):
             count_said(signals, said, bounds, senders, links, counts)
-        for block in range(ZERO, np.uint64(partial.shape[0] - 1)):
-            start = block * np.uint64(BLOCK)
-            end = min(start + np.uint64(BLOCK), n)
-            if r >= 0 and is_random and not (hears and links == FULL and at_once):
+        for block in range(ZERO, blocks):
+            start = block * SIZE
+            end = min(start + SIZE, n)
+            if whole and block % TOGETHER == ZERO:
+                until = min(start + TOGETHER * SIZE, n)
+                if is_random:
+                    words(swarm.draws, trial, k, DRAW_FUSE, start, until - start, draws[1])
+                call(
+                    shared[HEAR_ALL], memory, outbox, said, partial, SIZE, rows, here, start, until,
+                    place(draws, fused),
+                )  # fmt: skip
+            elif r >= 0 and is_random and not whole:
                 words(swarm.draws, trial, k, DRAW_FUSE, start, end - start, draws[1])
             if hears and in_sums:
                 call(
                     shared[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n,
                     place(draws, fused),
                 )  # fmt: skip
-            elif hears and links == FULL and not at_once:
-                call(
-                    shared[HEAR_ALL], memory, outbox, said, partial, block, rows, here, start, end,
-                    place(draws, fused),
-                )  # fmt: skip
-            elif r >= 0 and not (hears and links == FULL):
+            elif r >= 0 and not whole:
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     base = bases[group]

@@ -32,7 +32,7 @@ SOURCES = (
     "accuracies",
 )  # attributes in JSON
 UNCHECKED = (  # attributes that cannot be checked, and why
-    (("python_version", "library_versions", "machine", "processor"), "only whoever made the file knows them"),
+    (("python_version", "library_versions", "machine", "processor", "device"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
     (("study", "merged"), "blanks and comments; what the study says is compared"),
     (("share",), "trials of other parts may be there from before"),

@@ -154,10 +154,16 @@ def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dic
     """What made the merged numbers, and how long it took, in proportion to the trials taken from each dataset."""
     first = datasets[0].attrs
     taken = [int((origin == k).sum()) / max(1, int(d.attrs["trials_done"])) for k, d in enumerate(datasets)]
-    return {key: first[key] for key in (*MAKERS, "started", "finished") if key in first} | {
-        key: round(sum(float(d.attrs.get(key, 0.0)) * part for d, part in zip(datasets, taken, strict=True)), 3)
-        for key in ("wall_seconds", "cpu_seconds")
-    }
+    devices = sorted({name for d in datasets for name in d.attrs.get("device", "").split(", ") if name})
+    card = {"device": ", ".join(devices)} if devices else {}
+    return (
+        card
+        | {key: first[key] for key in (*MAKERS, "started", "finished") if key in first}
+        | {
+            key: round(sum(float(d.attrs.get(key, 0.0)) * part for d, part in zip(datasets, taken, strict=True)), 3)
+            for key in ("wall_seconds", "cpu_seconds")
+        }
+    )
 
 
 def _put(

@@ -139,6 +139,7 @@ class Parts:
         self.lock = FileLock(self.folder / "lock", timeout=0)
         self.sketch: Callable[[Path], None] | None = None  # writes the dataset without trials, once
         self.added = False  # whether this run finished anything
+        self.device = ""  # the card that runs some of it
         self._waiting: list[Piece] = []
         self._work = 0.0
 
@@ -218,13 +219,17 @@ class Parts:
         if self.sketch and now - self._begun >= SKETCH_AFTER[0] + SKETCH_AFTER[1] * len(self.fingerprints):
             self.sketch(self.folder / SKETCH)
             self.sketch = None
-        about = asdict(self.identity) | {
-            "format": FORMAT,
-            "checkpoints": self.checkpoints,
-            "wall_seconds": now - self._last,
-            "cpu_seconds": cpu - self._cpu,
-            "work": self._work,
-        }
+        about = (
+            asdict(self.identity)
+            | {
+                "format": FORMAT,
+                "checkpoints": self.checkpoints,
+                "wall_seconds": now - self._last,
+                "cpu_seconds": cpu - self._cpu,
+                "work": self._work,
+            }
+            | ({"device": self.device} if self.device else {})
+        )
         try:
             with tempfile.SpooledTemporaryFile(SPOOLED_BYTES, dir=str(self.folder.parent)) as packed:
                 _pack(packed, about, self._waiting, self.fingerprints)

@@ -42,7 +42,8 @@ ATTRIBUTES: dict[str, Any] = {
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
 }  # fmt: skip
 OPTIONAL: dict[str, Any] = {
-    **dict.fromkeys(("python_version", "library_versions", "machine", "processor", "started", "finished"), str),
+    **dict.fromkeys(("python_version", "library_versions", "machine", "processor", "device"), str),
+    **dict.fromkeys(("started", "finished"), str),
     **dict.fromkeys(("wall_seconds", "cpu_seconds"), float | np.floating),
 }  # fmt: skip
 ONLY_WHERE = {  # a variable that a trial has only if another one has such a value

@@ -1,5 +1,14 @@
 from . import pools as pools, verifying as verifying
 from .collect import Progress as Progress, Report as Report, State as State, run_bundles as run_bundles
+from .devices import (
+    DEVICES as DEVICES,
+    Device as Device,
+    Placing as Placing,
+    check_device as check_device,
+    open_card as open_card,
+    placing_of as placing_of,
+    placing_of_study as placing_of_study,
+)
 from .forecasts import announce as announce, seconds_for as seconds_for
 from .pools import compile_for as compile_for, thread_count as thread_count
 from .progress import bar_or_lines as bar_or_lines, log_compilation as log_compilation, showing as showing

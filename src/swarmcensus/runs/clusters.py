@@ -24,6 +24,7 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.brains import adversary, metrics
+from swarmcensus.runs.devices import Device, open_card
 from swarmcensus.runs.queues import NO_PAGE, Jobs, Queue, interrupted_by_signals, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
@@ -47,13 +48,15 @@ LOST = "the cluster is gone: finished work is kept, and the same command continu
 class Workers:
     """The workers of a cluster, as a pool that runs bundles."""
 
-    def __init__(self, client: Any, study: Study, expected: int, renew: Callable[[], str] = str) -> None:
-        """Send the study to the scheduler.
+    def __init__(
+        self, client: Any, study: Study, expected: int, renew: Callable[[], str] = str, device: Device = "cpu"
+    ) -> None:
+        """Send the study to the scheduler; `device` is the workers'.
 
         `expected` is the number of workers until they have started. `renew` is called regularly to replace lost
         workers, and returns why there are none, if it knows.
         """
-        self.client, self._expected, self._renew = client, expected, renew
+        self.client, self._expected, self._renew, self._device = client, expected, renew, device
         self._reason = ""
         self._last_count = time.monotonic()
         self._worker_count: int = sum(client.nthreads().values())
@@ -85,7 +88,8 @@ class Workers:
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on a worker."""
-        return self._executor.submit(run_remotely, self._key, bundle)  # type: ignore[no-any-return]
+        on_card = (self._device,) if bundle[0].on_card else ()
+        return self._executor.submit(run_remotely, self._key, bundle, *on_card)  # type: ignore[no-any-return]
 
     def so_far(self, future: Future[Outcome]) -> Outcome:
         """Return nothing: a worker sends a bundle whole."""
@@ -128,10 +132,20 @@ def payload_of(study: Study) -> dict[str, Any]:
             "metrics": metric_files, "plugins": plugins}  # fmt: skip
 
 
-def run_remotely(key: str, bundle: Bundle) -> Outcome:
-    """Run a bundle in a worker's process. Raises InputError if the worker has other versions."""
+def run_remotely(key: str, bundle: Bundle, device: Device = "cpu") -> Outcome:
+    """Run a bundle in a worker's process. Raises InputError if the worker has other versions, or has no such device."""
     study, settings = _study(key)
-    return run_bundle(settings, study.seed, bundle, metrics_of(study), np.zeros(1, np.uint8))
+    given = settings, study.seed, bundle, metrics_of(study), np.zeros(1, np.uint8)
+    if device == "cpu":
+        return run_bundle(*given)
+    from swarmcensus.gpu import CardError
+
+    try:
+        return run_bundle(*given, card=open_card(device))
+    except CardError as error:
+        if device == "auto":
+            return run_bundle(*given)
+        raise type(error)(f"the worker on {platform.node()}: {error}") from None
 
 
 @functools.lru_cache(maxsize=2)
@@ -176,7 +190,7 @@ def check(where: str) -> tuple[int, Queue | None]:
 
 
 @contextlib.contextmanager
-def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[Workers]:
+def workers(where: str, study: Study, show: Callable[[str], None], device: Device = "cpu") -> Iterator[Workers]:
     """Workers from a scheduler's address, "local:4", or a TOML file. Raises InputError."""
     expected, queue = check(where)
     try:
@@ -218,7 +232,7 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             silent = f"no Dask scheduler answers at {where}: {error}"
             raise InputError(silent, key="cluster", value=where) from None
         stack.enter_context(client)
-        pool = Workers(client, study, expected, renew)
+        pool = Workers(client, study, expected, renew, device)
         try:
             yield pool
         finally:

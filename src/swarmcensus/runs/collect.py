@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.results import Values
+from swarmcensus.runs.devices import Placing
 from swarmcensus.runs.pools import Pool
 from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
 from swarmcensus.simulation import hanging
 from swarmcensus.studies import Setting, Study
+from swarmcensus.support.errors import InputError
 
 LOG = logging.getLogger(__name__)
 WAIT_SECONDS = 0.1
@@ -49,12 +51,14 @@ class State:
     output: HeldOutput | None
     widths: NDArray[np.float64]  # half-width of the interval that a rule bounds, by setting
     share: slice  # which trials are to be run
+    placing: Placing
     failures: list[Failure] = field(default_factory=list)
     done: int = 0
     total: int = 0
     work_done: float = 0.0
     work_total: float = 0.0
     part: str = ""
+    devices: set[str] = field(default_factory=set)  # cards that ran something
 
     def show(self, note: str = "", steps: tuple[int, int] = (0, 0)) -> None:
         """Report the run's progress."""
@@ -81,6 +85,11 @@ def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
             outcome = _outcome_of(pool, future, bundle) if future in ended else pool.so_far(future)
             _store_outcome(state, outcome, bundle)
         return True
+    except InputError:  # a card or a cluster was lost
+        for future, bundle in waiting.items():
+            if outcome := pool.so_far(future):
+                _store_outcome(state, outcome, bundle)
+        raise
     finally:
         for future in waiting:
             future.cancel()

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from swarmcensus.engine import interruptible
+from swarmcensus.runs.devices import Placing
 from swarmcensus.runs.pools import BUNDLE_SECONDS
 from swarmcensus.runs.tasks import Task, metrics_of, plan_tasks
 from swarmcensus.simulation import run_batch, run_ride, watched
@@ -56,10 +57,17 @@ def announce(name: str, seconds: float, jobs: int, how: str = "about") -> None:
     LOG.info("%s", _line(name, seconds, jobs, how))
 
 
-def seconds_for(study: Study, settings: Sequence[Setting], trials: int, jobs: int, local: bool = False) -> float:
+def seconds_for(
+    study: Study,
+    settings: Sequence[Setting],
+    trials: int,
+    jobs: int,
+    local: bool = False,
+    placing: Placing | None = None,
+) -> float:
     """The seconds that so many trials of settings take in `jobs` threads, measured on brains that are compiled."""
     every = np.ones((len(settings), trials), np.bool_)
-    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS)
+    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS, placing.on_card if placing else None)
     return _forecast(study, settings, tasks, jobs, 0.0)[0]
 
 
@@ -100,7 +108,7 @@ def _trial_seconds(task: Task) -> float:
 def _slowdowns(study: Study, settings: Sequence[Setting], tasks: Sequence[Task]) -> list[float]:
     """The ratio of measured to predicted time of each task, measured on a part of its brains' longest trial."""
     longest: dict[object, Task] = {}
-    keys = [(task.kind, settings[task.settings[0]].brains) for task in tasks]
+    keys = [(task.kind, task.on_card, settings[task.settings[0]].brains) for task in tasks]
     for key, task in zip(keys, tasks, strict=True):
         if key not in longest or _trial_seconds(task) > _trial_seconds(longest[key]):
             longest[key] = task
@@ -114,6 +122,8 @@ def _slowdown(study: Study, settings: Sequence[Setting], task: Task) -> float:
     Long trials are run in two parts of different length, which gives the time before the first round and the time per
     round; of short trials some are run whole.
     """
+    if task.on_card:  # there its brain may not be compiled for this processor
+        return 1.0
     cost, rounds = _trial_seconds(task), settings[0].rounds
     short = min(rounds, 1 + max(setting.message_delay for setting in settings))
     longer = min(rounds, max(short + 1, int(rounds * PROBE_SECONDS / cost)))

@@ -7,19 +7,22 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
 from dataclasses import replace
-from typing import Literal, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
-from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
+from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, LeavableThreads, code_cache, compiler, interruptible
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
 from swarmcensus.worlds import Topology
+
+if TYPE_CHECKING:
+    from swarmcensus.gpu import Card
 
 BUNDLE_SECONDS = 0.1  # long compared with the cost of submitting a bundle, short for a person who waits
 MOST_JOBS = 256  # threads, or cores if the machine has more: threads take memory, and more than cores do not help
@@ -57,22 +60,37 @@ class Pool(Protocol):
 
 
 class Threads:
-    """Threads of this process: the engine releases Python's lock while it computes."""
+    """Threads of this process: the engine releases Python's lock while it computes. One more feeds a card."""
 
     note = ""
 
-    def __init__(self, executor: Executor, jobs: int, study: Study, settings: list[Setting]) -> None:
+    def __init__(
+        self, executor: Executor, jobs: int, study: Study, settings: list[Setting], card: "Card | None" = None
+    ) -> None:
         """Use the executor's threads, of which `jobs` will be busy at once."""
-        self.executor, self.queue_length, self.jobs = executor, 4 * jobs, jobs
+        self.executor, self.jobs, self.card = executor, jobs, card
+        self._feeder = LeavableThreads(1) if card else None
+        self._on_card = set[Future[Outcome]]()
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
         self.metrics = metrics_of(study)
         self._outcomes: WeakKeyDictionary[Future[Outcome], Outcome] = WeakKeyDictionary()
 
+    @property
+    def queue_length(self) -> int:
+        """How many bundles should be submitted at a time: those for the card keep no thread waiting."""
+        return 4 * self.jobs + len(self._on_card)
+
     def submit(self, bundle: Bundle) -> Future[Outcome]:
-        """Start a bundle on the next free thread."""
+        """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
-        future = self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop, self.jobs, outcome)
+        on_card = self._feeder is not None and bundle[0].on_card
+        executor = self._feeder if self._feeder and on_card else self.executor
+        given = (*self.common, bundle, self.metrics, self.stop, self.jobs, outcome, self.card)
+        future = executor.submit(run_bundle, *given)
+        if on_card:
+            self._on_card.add(future)
+            future.add_done_callback(self._on_card.discard)
         self._outcomes[future] = outcome
         return future
 
@@ -83,6 +101,8 @@ class Threads:
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
         self.stop[0] = 1
+        if self._feeder:
+            self._feeder.shutdown(wait=False)
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should take, in seconds."""

@@ -62,6 +62,7 @@ class HeldOutput:
     share: str = ""  # which part of the trials is run, such as "1/4"; empty for all
     seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor time of the results taken over
     old_attributes: dict[str, Any] | None = None  # attributes of the existing output
+    devices: set[str] = field(default_factory=set)  # cards that made some of it
     _setting_numbers: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -86,6 +87,7 @@ class HeldOutput:
                 self.seconds[0] + shard.about["wall_seconds"],
                 self.seconds[1] + shard.about["cpu_seconds"],
             )
+            self.devices.update(filter(None, [shard.about.get("device")]))
             for piece in shard.found:
                 place = self._setting_number(piece.setting, path)
                 self._check_trials(_end_trial(piece.first, piece.columns))
@@ -150,6 +152,7 @@ class HeldOutput:
         self.parts.identity.check(about, str(self.out), hint())
         if problem := edited(old, self.study):
             raise InputError.of(self.out, f"{problem}. {hint()}")
+        self.devices.update(filter(None, old.attrs.get("device", "").split(", ")))
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
         ran = _has_trials(old)
         rows = np.array([self._setting_number(str(mark), self.out) for mark in old["fingerprint"].values[ran]], np.intp)

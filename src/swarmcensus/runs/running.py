@@ -17,6 +17,7 @@ from swarmcensus.engine import LeavableThreads
 from swarmcensus.results import ArrayStore, Values, readable, store, warn_of
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Report, State, run_bundles
+from swarmcensus.runs.devices import Device, placing_of
 from swarmcensus.runs.forecasts import announce_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold_output
@@ -42,6 +43,7 @@ def run(
     say: Callable[[str], None] | None = None,
     cautions: bool = True,
     announce_from: float | None = None,
+    device: Device = "cpu",
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
@@ -51,6 +53,9 @@ def run(
     to it during the run, and is not run again unless `fresh`; `say` receives a line about it. `cluster` is a Dask
     scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only the k-th of n parts
     of the trials is run, counted from 1: for machines that share no disk, followed by `merge`.
+
+    With `device` = "gpu", networks run on a graphics card, and what a card cannot run on the CPU, with the same
+    numbers (docs/gpu.md). "auto" uses a card where there is one and it is faster.
 
     A run that takes `announce_from` seconds or more (default: five minutes) logs beforehand how long it will take.
 
@@ -72,6 +77,10 @@ def run(
     if cautions:
         warn_of_needs(settings, study.measure.bins)
     marks = [addresses.fingerprint(setting, study.seed) for setting in settings]
+    placing = placing_of(
+        study, settings, np.full(len(settings), study.trials), device,
+        local=study.measure.local, cluster=cluster is not None, quiet=not cautions,
+    )  # fmt: skip
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())
@@ -84,16 +93,18 @@ def run(
             study, settings, Values(study, settings, first, store=arrays), report, output,
             np.full(len(settings), np.nan),
             slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
+            placing,
         )  # fmt: skip
         if state.output is not None:
             state.output.share = "{}/{}".format(*share) if share else ""
+            state.output.parts.device = placing.label
             state.output.fill(state.values)
             known, total = _so_far(state, first, np.ones(len(settings), np.bool_))
             state.output.announce(known, total, 0.0)  # for `status`, while brains compile or workers start
             state.output.parts.sketch = partial(_save_without_trials, state, marks, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         every = len(settings) * study.trials * (1 + study.measure.local)
-        pool = stack.enter_context(_pool(state, min(jobs, every), cluster))
+        pool = stack.enter_context(_pool(state, min(jobs, every), cluster, device))
         try:
             interrupted = _run_stages(state, pool, None if cluster else jobs, announce_from)
         except KeyboardInterrupt:  # between two stages
@@ -115,6 +126,8 @@ def run(
         }
         if share is not None:
             data.attrs["share"] = "{}/{}".format(*share)
+        if devices := {*(state.output.devices if state.output else ()), *state.devices}:
+            data.attrs["device"] = ", ".join(sorted(devices))
         if study.until is not None:
             data["half_width"] = store.widths_of_rule(study, state.widths)
         if state.failures:
@@ -147,15 +160,17 @@ def recompute(
     local: bool,
     jobs: int | None = None,
     progress: Report = lambda _: None,
+    device: Device = "cpu",
 ) -> Values:
     """Run the trials of some settings that are `wanted`, (setting, trial); trials that fail stay missing."""
     jobs = pools.thread_count(jobs)
     values = Values(study, settings, wanted.shape[1], local)
-    state = State(study, settings, values, progress, None, np.zeros(0), slice(None))
-    tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS)
+    placing = placing_of(study, settings, wanted.sum(axis=1), device, local=local)
+    state = State(study, settings, values, progress, None, np.zeros(0), slice(None), placing)
+    tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.on_card)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     LOG.debug("%s: %s trials again, in %s threads", study.name, f"{state.total:,}", jobs)
-    with _pool(state, min(jobs, state.total * (1 + local)), None) as pool:
+    with _pool(state, min(jobs, state.total * (1 + local)), None, device) as pool:
         if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt
     return values
@@ -188,19 +203,20 @@ def _check_share(study: Study, share: tuple[int, int]) -> None:
 
 
 @contextlib.contextmanager
-def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[pools.Pool]:
+def _pool(state: State, jobs: int, cluster: str | None, device: Device) -> Iterator[pools.Pool]:
+    on_cpu = state.placing.on_cpu(state.settings)
     if cluster is not None and not _is_complete(state):
         from swarmcensus.runs.clusters import workers
 
         if "://" not in cluster:  # such workers use this machine's cache, or that of a shared home folder
-            pools.compile_for([(state.study, state.settings)], state.show)
-        with workers(cluster, state.study, state.show) as pool:
+            pools.compile_for([(state.study, on_cpu)], state.show)
+        with workers(cluster, state.study, state.show, device) as pool:
             yield pool
         return
     if not _is_complete(state):
-        pools.compile_for([(state.study, state.settings)], state.show)
+        pools.compile_for([(state.study, on_cpu)], state.show)
     with LeavableThreads(jobs) as executor:
-        threads = pools.Threads(executor, jobs, state.study, state.settings)
+        threads = pools.Threads(executor, jobs, state.study, state.settings, state.placing.card)
         try:
             yield threads
         finally:
@@ -233,7 +249,9 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from:
         bundle_seconds = pool.bundle_seconds(
             sum(seconds(s) * n for s, n in zip(state.settings, lacking.sum(axis=1), strict=True))
         )
-        tasks = plan_tasks(state.settings, lacking, local, bundle_seconds)
+        tasks = plan_tasks(state.settings, lacking, local, bundle_seconds, state.placing.on_card)
+        if any(task.on_card for task in tasks):
+            state.devices = {state.placing.label}
         state.done, state.total = _so_far(state, trials, unsettled)
         state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
         state.part = "this stage" if trials < state.study.trials else ""

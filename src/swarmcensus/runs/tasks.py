@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,9 +35,13 @@ from swarmcensus.simulation import (
 from swarmcensus.studies import KEYS, Setting, Study, addresses
 from swarmcensus.support.errors import InputError
 
+if TYPE_CHECKING:
+    from swarmcensus.gpu import Card
+
 RIDE_BYTES = 256_000_000  # most memory for the curves of all states on one trajectory
 EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings
 EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one more task costs 0.1 ms
+CARD_SPEED = 300.0  # cores that a card is about as fast as
 
 
 @dataclass(frozen=True)
@@ -52,7 +56,8 @@ class Task:
     settings: tuple[int, ...]
     first: int
     trials: int
-    cost: float  # predicted seconds on one core
+    cost: float  # predicted seconds on one core, or on a card
+    on_card: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,37 +91,54 @@ def metrics_of(study: Study) -> Metrics:
     )
 
 
-def plan_tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> list[Task]:
+def plan_tasks(
+    settings: Sequence[Setting],
+    wanted: Wanted,
+    local: Wanted | None,
+    seconds: float,
+    on_card: NDArray[np.bool_] | None = None,
+) -> list[Task]:
     """The tasks for all trials that are `wanted`, each of at most about `seconds`.
 
     Some trials of every setting come first, so that a run that is cut off covers the whole study. `local` marks the
-    trials of which local estimates are wanted.
+    trials of which local estimates are wanted, `on_card` the settings that run on a card.
     """
-    return sorted(_tasks_by_kind(settings, wanted, local, seconds), key=lambda task: task.first)
+    tasks = _tasks_by_kind(settings, wanted, local, seconds, on_card)
+    return sorted(tasks, key=lambda task: task.first)
 
 
-def _tasks_by_kind(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:
+def _tasks_by_kind(
+    settings: Sequence[Setting],
+    wanted: Wanted,
+    local: Wanted | None,
+    seconds: float,
+    on_card: NDArray[np.bool_] | None,
+) -> Iterator[Task]:
+    cards = [False] * len(settings) if on_card is None else on_card.tolist()
     # usually all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
     every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
         if setting.body is None:
             spans = [(0, wanted.shape[1])] if every[number] else _spans(wanted[number])
-            yield from _split("batch", (number,), setting, spans, seconds)
+            yield from _split("batch", (number,), setting, spans, seconds, cards[number])
     if local is not None:
         deaf: dict[str, Any] = {key.field: key.default for key in KEYS.values() if key.messages}
         for numbers in _group_by(settings, lambda s: replace(s, topology=settings[0].topology, **deaf)):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
-            yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds)
+            yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds, cards[numbers[0]])
     for numbers in _group_by(settings, lambda s: addresses.walk_group(s) if s.body else None):
         if settings[numbers[0]].body is not None:
             yield from _rides(numbers, settings, wanted)
 
 
 def bundle_tasks(tasks: Iterable[Task], seconds: float) -> Iterator[Bundle]:
-    """Tasks, in order, as bundles of about `seconds` each."""
+    """Tasks, in order, as bundles of about `seconds` each; those for a card come first, because they wait for it."""
     bundle: list[Task] = []
     cost = 0.0
-    for task in tasks:
+    for task in sorted(tasks, key=lambda task: not task.on_card):
+        if bundle and bundle[-1].on_card != task.on_card:
+            yield tuple(bundle)
+            bundle, cost = [], 0.0
         bundle.append(task)
         cost += task.cost
         if cost >= seconds:
@@ -155,15 +177,17 @@ def _split(
     setting: Setting,
     spans: Sequence[tuple[int, int]],
     limit: float,
+    on_card: bool,
 ) -> Iterator[Task]:
-    cost = seconds(setting, kind == "local")
+    cost = seconds(setting, kind == "local") / (CARD_SPEED if on_card else 1.0)
     size = max(1, int(limit / cost))
     for begin, end in spans:
-        early = -(-(end - begin) // EARLY_ONE_IN) if cost * (end - begin) >= EARLY_SECONDS else 0
+        some_early = not on_card and cost * (end - begin) >= EARLY_SECONDS
+        early = -(-(end - begin) // EARLY_ONE_IN) if some_early else 0
         first = begin
         while first < end:
             count = min(size, end - first, early or size)
-            yield Task(kind, numbers, first, count, cost * count)
+            yield Task(kind, numbers, first, count, cost * count, on_card)
             first, early = first + count, 0
 
 
@@ -175,15 +199,20 @@ def run_bundle(
     stop: NDArray[np.uint8],
     threads: int = 1,
     outcome: Outcome | None = None,
+    card: "Card | None" = None,
 ) -> Outcome:
     """Run tasks one after another, while `stop` (uint8, shape (1,)) is 0; a failing trial does not affect others.
 
     `threads` is how many threads do this at once and share the memory. What is done is added to `outcome` at once.
+    Tasks for a card run on the CPU if there is no `card`. Raises CardError, also for a card that is full or lost.
     """
     outcome = [] if outcome is None else outcome
     for task in bundle:
         if stop[0]:
             break
+        if task.on_card and card is not None:
+            _run_on_card(card, settings, seed, task, metrics, stop, outcome)
+            continue
         try:
             outcome += _run(settings, seed, task, metrics, stop, threads)
         except InputError as error:
@@ -198,6 +227,52 @@ def run_bundle(
             else:
                 outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, threads)
     return outcome
+
+
+def _run_on_card(
+    card: "Card",
+    settings: Sequence[Setting],
+    seed: int,
+    task: Task,
+    metrics: Metrics,
+    stop: NDArray[np.uint8],
+    outcome: Outcome,
+) -> None:
+    """Run a task in batches that fit the card; trials that fail there are run on the CPU, which says why."""
+    from swarmcensus.gpu import CardError, CardFull
+
+    setting, local = settings[task.settings[0]], task.kind == "local"
+    most = card.most_trials(setting, metrics, local)
+    rest = [task]
+    while rest and not stop[0]:
+        part = rest.pop()
+        if part.trials > most:
+            rest += _cut(part, most)
+            continue
+        try:
+            batch = card.run_batch(setting, seed, part.first, part.trials, metrics, stop, local)
+        except CardFull as error:
+            if part.trials == 1:
+                raise CardFull(f"{error}: it is too small for a trial of {setting}") from error
+            most = part.trials // 2
+            rest.append(part)
+        except CardError:
+            raise
+        except InputError:
+            if part.trials > 1:
+                rest += _cut(part, part.trials // 2)
+            else:
+                run_bundle(settings, seed, (replace(part, on_card=False),), metrics, stop, outcome=outcome)
+        else:
+            outcome += _pieces(part, [batch] * len(part.settings) if batch else [], metrics)
+
+
+def _cut(task: Task, trials: int) -> list[Task]:
+    """A task without its first trials, and these: the last is run first."""
+    share = task.cost / task.trials
+    first = replace(task, trials=trials, cost=share * trials)
+    left = task.trials - trials
+    return [replace(task, first=task.first + trials, trials=left, cost=share * left), first]
 
 
 def _single_trials(task: Task) -> list[Task]:
@@ -218,10 +293,14 @@ def _run(
         else:
             batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, threads)
             batches = None if batch is None else [batch] * len(chosen)
-    pieces = []
-    for number, batch in zip(task.settings, batches or [], strict=bool(batches)):
-        pieces.append(Piece(number, task.first, columns(batch, local, metrics), local))
-    return pieces
+    return _pieces(task, batches or [], metrics)
+
+
+def _pieces(task: Task, batches: Sequence[Batch], metrics: Metrics) -> list[Piece]:
+    """The results of a task by setting; none if it was stopped."""
+    local = task.kind == "local"
+    pairs = zip(task.settings, batches, strict=bool(batches))
+    return [Piece(number, task.first, columns(batch, local, metrics), local) for number, batch in pairs]
 
 
 def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:

@@ -37,6 +37,7 @@ from swarmcensus.results import (
     wrong_layout,
 )
 from swarmcensus.runs.collect import Report
+from swarmcensus.runs.devices import Device
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies import Setting, Study, addresses
@@ -44,11 +45,17 @@ from swarmcensus.support.errors import InputError, ResultsError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import wrong_option
 from swarmcensus.support.version import __version__
+from swarmcensus.translation import selftest
 
 RUN_ATTRIBUTES = (  # attributes of the run, not of the study
     "additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
-    "cpu_seconds",
+    "cpu_seconds", "device",
 )  # fmt: skip
+
+
+CLOSE = {"double": 1e-12, "single": 1e-4}  # what exp, log and lgamma may make estimates differ by, relative above 1
+ESTIMATED = ("final_estimate", "estimates")
+MAY_DIFFER = 0.01  # the share of other values, such as times, that may then differ
 
 
 @dataclass(frozen=True)
@@ -93,12 +100,14 @@ def verify(
     seed: int | None = None,
     jobs: int | None = None,
     progress: Report | bool = True,
+    device: Device = "cpu",
 ) -> Verification:
     """Run a random share `sample` of the stored trials again, at least one, and compare all measurements.
 
     With sample=1 all trials are run again. With a `seed` the choice is the same each time. Brains that do not ship must
-    be given as `brain_file`. `progress` is as for `run`. Labels and attributes are always compared with the
-    study. Raises InputError.
+    be given as `brain_file`. `progress` and `device` are as for `run`. Labels and attributes are always
+    compared with the study. Where a card ran either of both, brains that use functions such as exp may differ as they
+    do between machines: estimates by `CLOSE`, and other variables in a hundredth of their values. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
         raise wrong_option("sample", sample, "should be a share above 0, and at most 1")
@@ -128,7 +137,7 @@ def verify(
             if settings:
                 metrics_may_run(study, brain_file)
                 unmatched[places] = False
-                differences += _compare(data, study, places, settings, wanted[places], jobs, report)
+                differences += _compare(data, study, places, settings, wanted[places], jobs, report, device)
     wanted[unmatched] = False  # these settings are of none of the studies, as `labels` say
     differences.sort(key=lambda d: (d.setting, d.trial))
     notes = list(_notes(data, studies))
@@ -230,12 +239,14 @@ def _compare(
     wanted: NDArray[np.bool_],
     jobs: int | None,
     progress: Report,
+    device: Device,
 ) -> list[Difference]:
     local, merged = "local_convergence_step" in data, "merged" in data.attrs
     trials = data.variables["trial"].values
     columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
     columns[:, trials] = wanted
-    again = recompute(study, settings, columns, local, jobs, progress)
+    again = recompute(study, settings, columns, local, jobs, progress, device)
+    close = _closeness(data, settings, device)
     known = [
         study.checkpoints.index(c) if c in study.checkpoints else -1
         for c in data.variables["checkpoint"].values.tolist()
@@ -249,6 +260,8 @@ def _compare(
         else:  # merged results: this study has no brain with such a variable
             rerun = np.full(stored.shape, blank(stored.dtype), stored.dtype)
         differ, there = ~same_bits(stored, rerun), ~is_missing(stored)
+        if close.any():
+            differ &= _apart(name, stored, rerun, close.reshape(-1, *[1] * (stored.ndim - 1)))
         expected = wanted & there.any(axis=others) if name in AGREEMENT else wanted
         # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
         if merged and (name in LOCAL or name in ESTIMATES or name not in EVERY):
@@ -262,6 +275,21 @@ def _compare(
             values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, rerun))
             out.setdefault((number, trial), Difference(number, trial, name, *values))
     return list(out.values())
+
+
+def _closeness(data: xr.Dataset, settings: Sequence[Setting], device: Device) -> NDArray[np.float64]:
+    """By how much numbers of each setting may differ, (setting,): 0 unless it computes otherwise on a card."""
+    if device == "cpu" and "device" not in data.attrs:
+        return np.zeros(len(settings))
+    return np.array([0.0 if all(map(selftest.is_exact, s.brains)) else CLOSE[s.precision] for s in settings])
+
+
+def _apart(name: str, stored: NDArray[Any], rerun: NDArray[Any], close: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which values differ by more than they may, where two machines compute by `close` differently."""
+    far = (close == 0.0) | ~np.isclose(stored, rerun, rtol=close, atol=close, equal_nan=True)
+    may = np.broadcast_to(close > 0, far.shape) & (name not in ESTIMATED)
+    few = (far & may).sum() <= math.ceil(MAY_DIFFER * (may & ~is_missing(stored)).sum())
+    return np.asarray(far & ~may if few else far)
 
 
 def _in_shape_of(

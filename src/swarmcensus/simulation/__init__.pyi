@@ -3,6 +3,7 @@ from .answers import NO_ESTIMATE as NO_ESTIMATE
 from .failure_lines import line_of_failure as line_of_failure
 from .hanging import watched as watched
 from .inferring import infer as infer, trace_of as trace_of, warn_of_estimates as warn_of_estimates
+from .informing import schedule_of as schedule_of
 from .inputs import inputs_of as inputs_of
 from .intervals import ENDS as ENDS
 from .living import STRETCH_BYTES as STRETCH_BYTES, LiveTrial as LiveTrial, Stretch as Stretch
@@ -18,6 +19,7 @@ from .rides import record_ride as record_ride, run_ride as run_ride, senders_hea
 from .swarming import (
     DECIDED as DECIDED,
     IS_DONE as IS_DONE,
+    consensus_of as consensus_of,
     ended as ended,
     fields_of as fields_of,
     free as free,
@@ -30,6 +32,7 @@ from .swarming import (
 from .trials import (
     Batch as Batch,
     Metrics as Metrics,
+    bins_at as bins_at,
     blaming as blaming,
     record_estimates as record_estimates,
     record_readings as record_readings,

@@ -11,6 +11,7 @@ OTHER_WORDS = {
     "convergence_round": ("k",),
     "compare": ("rank", "versus", "vs"),
     "density": ("d",),
+    "device": ("card", "cuda", "gpu"),
     "fill_ratio": ("black", "f"),
     "float": ("single",),
     "float32": ("f32",),

@@ -72,33 +72,29 @@ def number_type(brain: Brain) -> str:
 def _header(brain: Brain) -> str:
     comments = Comments(brain.source)
     unit = unit_of(brain)
-    tree, number, record = unit.tree, unit.number, unit.message
-    assert record is not None
-    notes = _notes(tree, comments)
-    fields_text, given_text = _memory(brain, unit, notes), _message(unit, record)
+    notes = _notes(unit.tree, comments)
+    assert unit.message is not None
     body = _functions(unit, comments)
-    codec, codec_comments = messages.codec_unit(number)
-    talk = messages.in_c(brain, record, codec)
+    codec, codec_comments = messages.codec_unit(unit.number)
+    talk = messages.in_c(brain, unit.message, codec)
     codec_text = _needed_codec(codec, codec_comments, talk)
-    tables = [*_parameters(brain, unit, notes), *_constants(unit, notes), *_constants(codec, {})]
-    needs = unit.needs | codec.needs
-    math = unit.functions_of_math | codec.functions_of_math
-    structs = [_struct(r) for r in unit.records.values()]
-    document = [f"// {plain(line)}".rstrip() for line in (ast.get_docstring(tree) or "").splitlines()]
-    about = ABOUT.format(version=__version__, label=quoted(brain.label), number=number, message=brain.numbers.message)
+    tables = [*_parameters(brain, unit, notes), *_constants_of(unit, notes), *_constants_of(codec, {})]
+    document = [f"// {plain(line)}".rstrip() for line in (ast.get_docstring(unit.tree) or "").splitlines()]
+    label, number = quoted(brain.label), unit.number
+    about = ABOUT.format(version=__version__, label=label, number=number, message=brain.numbers.message)
     has_tables = any("BRAIN_TABLE" in table for table in tables)
     parts = [
         "\n".join([*document, "//", about.rstrip()]),
         FEATURES.rstrip(),
         f"typedef {number} number;" + IS_DOUBLE * (number == "double"),
         IN_FLASH.rstrip() if has_tables else "",
-        fields_text,
-        given_text,
+        _memory(brain, unit, notes),
+        _message_of(unit),
         f"#define BRAIN_MESSAGE_BYTES {messages.message_bytes(brain)}",
-        *structs,
+        *map(_struct_of, unit.records.values()),
         "\n".join(tables),
-        helpers.of_python(needs, number),
-        helpers.of_avr(math),
+        helpers.of_python(unit.needs | codec.needs, number),
+        helpers.of_avr(unit.functions_of_math | codec.functions_of_math),
         body,
         _start(brain, unit),
         codec_text,
@@ -107,6 +103,32 @@ def _header(brain: Brain) -> str:
         "#endif",
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def bare(brain: Brain, talk: str, codec: Unit) -> str:
+    """A brain's C for a program that runs many: without includes, comments, bytes and parameters.
+
+    Whole numbers have 64 bits, as in the engine. `talk` is text that calls functions of the `codec`. Raises InputError.
+    """
+    try:
+        unit = unit_of(brain)
+        body = _functions(unit, Comments(""))
+        codec_text = _needed_codec(codec, Comments(""), talk)
+        parts = [
+            _memory(brain, unit, {}),
+            _message_of(unit),
+            *map(_struct_of, (unit.records | codec.records).values()),
+            "\n".join([*_constants_of(unit, {}), *_constants_of(codec, {})]),
+            helpers.of_python(unit.needs | codec.needs, unit.number),
+            body,
+            codec_text,
+        ]
+    except Untranslatable as error:
+        raise BrainError.of(brain.path, error, where=f"brain file {brain.path}, line {error.line}") from None
+    text = "\n\n".join(part for part in parts if part)
+    for board, engine in {"int32_t": "int64_t", "INT32_": "INT64_", repr(2.0**31): "9223372036854775808.0"}.items():
+        text = text.replace(board, engine)
+    return text
 
 
 def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:
@@ -148,14 +170,18 @@ def _memory(brain: Brain, unit: Unit, notes: dict[str, str]) -> str:
     return "\n".join([*lines, "};"])
 
 
-def _message(unit: Unit, record: Record) -> str:
+def _message_of(unit: Unit) -> str:
+    """The struct of a message."""
+    record = unit.message
+    assert record is not None
     lines = ["// What a robot says.", "struct message {"]
     for name, items in zip(record.items, record.lengths, strict=True):
         lines.append(f"    number {name}{f'[{items}]' if items else ''};")
     return "\n".join([*lines, "};"])
 
 
-def _struct(record: Record) -> str:
+def _struct_of(record: Record) -> str:
+    """The struct of a tuple."""
     types = {"real": "number", "whole": "int32_t", "truth": "bool"}
     fields = "\n".join(f"    {types[str(kind)]} {name};" for name, kind in zip(record.items, record.kinds, strict=True))
     return f"struct {record.name} {{\n{fields}\n}};"
@@ -171,7 +197,8 @@ def _parameters(brain: Brain, unit: Unit, notes: dict[str, str]) -> list[str]:
     return lines
 
 
-def _constants(unit: Unit, notes: dict[str, str]) -> list[str]:
+def _constants_of(unit: Unit, notes: dict[str, str]) -> list[str]:
+    """The constants that a source's functions read."""
     lines = []
     for name, value in unit.constants.items():
         if name not in unit.used:

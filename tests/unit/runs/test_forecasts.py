@@ -171,7 +171,7 @@ def test_commands_say_beforehand_how_long_they_take(command, times, first, here,
     (here / "mine.py").write_text(source.replace("MEMORY =", 'PARAMETERS = {"c": 0.5}\nMEMORY ='))
     (here / "small.toml").write_text(FEW.replace("{robots", '{brain = "mine.py", robots'))
     for module in ("planning.forecast", "tuning.generations", "tuning.training"):
-        monkeypatch.setattr(f"swarmcensus.search.{module}.seconds_for", lambda *_: 31.0)
+        monkeypatch.setattr(f"swarmcensus.search.{module}.seconds_for", lambda *_, **__: 31.0)
     monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
     assert main([*command.split(), "--jobs", "1"]) == 0
     heard = capsys.readouterr().err

@@ -35,7 +35,7 @@ def leaderboard(options: argparse.Namespace) -> int:
     with reporting("leaderboard") as progress:
         board = leaderboard(
             options.files, options.out, board=options.board, trials=options.trials, seed=options.seed,
-            jobs=options.jobs, fresh=options.fresh, progress=progress, say=say,
+            jobs=options.jobs, device=options.device, fresh=options.fresh, progress=progress, say=say,
         )  # fmt: skip
     present(
         options,

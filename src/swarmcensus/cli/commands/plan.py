@@ -85,7 +85,7 @@ def add_plan_options(sub: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="property of the robots, such as speed=0.1 or radio_range=2; may be repeated",
     )
-    add_shared(sub, "schema", "jobs", seed="default: 0")
+    add_shared(sub, "schema", "jobs", "device", seed="default: 0")
     sub.add_argument("--trials", type=positive, help="trials of each simulation that confirms the plan (default: 200)")
     sub.add_argument("--out", type=Path, metavar="FILE.json|toml", help="write the plan to a file")
     add_shared(sub, plot="the number of robots against minutes")
@@ -110,7 +110,7 @@ def plan(options: argparse.Namespace) -> int:
         check_lines(mission_of(tables, where, base))
     begun = time.monotonic()
     with reporting(str(tables.get("name", "mission"))) as progress:
-        plan = plan_of(tables, options.jobs, progress, where=where, base=base)
+        plan = plan_of(tables, options.jobs, progress, where=where, base=base, device=options.device)
     present(options, "plan", lambda: plan.data, lambda: plan.records, lambda: show(plan))
     if options.plot:
         from swarmcensus.figures import draw_plan, save

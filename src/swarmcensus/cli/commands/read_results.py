@@ -97,7 +97,7 @@ def add_verify_options(sub: argparse.ArgumentParser) -> None:
         help="share of the trials to check (default: %(default)s)",
     )
     which.add_argument("--all", action="store_true", help="check every trial")
-    add_shared(sub, "brain_file", "jobs")
+    add_shared(sub, "brain_file", "jobs", "device")
     sub.add_argument("--seed", type=from_zero, help="seed of the sample, to check the same trials again")
 
 
@@ -113,8 +113,9 @@ def verify(options: argparse.Namespace) -> int:
     sample = 1.0 if options.all else options.sample
     with reporting("verify") as progress:
         verification = verifying.verify(
-            options.results, sample, brain_file=options.brain_file, seed=seed, jobs=options.jobs, progress=progress
-        )
+            options.results, sample, brain_file=options.brain_file, seed=seed, jobs=options.jobs, progress=progress,
+            device=options.device,
+        )  # fmt: skip
     if options.json:
         answer("verification", {
             "results": options.results,

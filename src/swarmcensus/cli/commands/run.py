@@ -37,7 +37,8 @@ def reproduce(options: argparse.Namespace) -> int:
     with reporting("reproduce") as progress:
         done = reproducing.reproduce(
             options.out or Path(folder), of=options.of, trials=options.trials, seed=options.seed, jobs=options.jobs,
-            only=options.only, fresh=options.fresh, pdf=options.pdf, progress=progress, say=wrote,
+            device=options.device, only=options.only, fresh=options.fresh, pdf=options.pdf, progress=progress,
+            say=wrote,
         )  # fmt: skip
     if options.json:
         print(report.as_json(done.claims, done.datasets, done.of.source), end="")
@@ -99,6 +100,7 @@ def run(options: argparse.Namespace) -> int:
                 cluster=_cluster(options),
                 share=options.share,
                 say=say,
+                device=options.device,
             )
     except Interrupted as stopped:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")

@@ -41,7 +41,7 @@ def add_tune_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--trials", type=positive, default=10, help="trials in each world of an evaluation (default: %(default)s)"
     )
-    add_shared(sub, "seed", "jobs", "fresh")
+    add_shared(sub, "seed", "jobs", "device", "fresh")
     sub.add_argument(
         "--out",
         type=Path,
@@ -75,6 +75,7 @@ def tune(options: argparse.Namespace) -> int:
                 budget=options.budget,
                 trials=options.trials,
                 jobs=options.jobs,
+                device=options.device,
                 out=out,
                 fresh=options.fresh,
                 progress=progress,

@@ -15,7 +15,7 @@ from swarmcensus.evaluation.paper import page, report
 from swarmcensus.evaluation.paper.evaluations import PAPER, Evaluation, PaperFigure, evaluation
 from swarmcensus.evaluation.paper.evidence import check
 from swarmcensus.evaluation.paper.page import Reproduction
-from swarmcensus.runs import Progress, Report, compile_for, predicted_seconds, run, showing
+from swarmcensus.runs import Device, Progress, Report, compile_for, placing_of_study, predicted_seconds, run, showing
 from swarmcensus.studies import Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
@@ -40,13 +40,14 @@ def reproduce(
     pdf: bool = False,
     progress: Report | bool = True,
     say: Callable[[str], None] = print,
+    device: Device = "cpu",
 ) -> Reproduction:
     """Run an evaluation and check its claims; datasets, figures, claims.json and index.html go to the folder `out`.
 
     Without `out` nothing is written, and no figure is drawn. `of` is "paper", or "rivals" for published results on
     other algorithms. `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
-    "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `progress` is as
-    for `run`, and of all studies together; `say` gets one line per stage.
+    "claims", and runs only the studies that they need. With `pdf`, figures are also written as PDF. `device` is as
+    for `run`, and so is `progress`, of all studies together; `say` gets one line per stage.
 
     Raises InputError for unknown names and, before anything is run, for a folder that cannot be written. Ctrl-C
     raises Interrupted; finished work is kept in `out`, and the same call continues from there, unless `fresh`.
@@ -79,7 +80,7 @@ def reproduce(
         yield
         report_time(name, time.monotonic() - begun)
 
-    datasets, compiled, simulated = _simulate(out, studies, jobs, fresh, progress, say)
+    datasets, compiled, simulated = _simulate(out, studies, jobs, fresh, progress, say, device)
     if compiled:
         report_time("compile", compiled)
     if datasets:
@@ -125,9 +126,11 @@ def _simulate(
     fresh: bool,
     progress: Report | bool,
     say: Callable[[str], None],
+    device: Device,
 ) -> tuple[dict[str, xr.Dataset], float, float]:
     """The results of all studies, and the seconds that this call compiled and simulated."""
     settings = {name: study.settings() for name, study in studies.items()}
+    placed = {name: placing_of_study(study, device, quiet=False) for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
     work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
     files = {name: None if out is None else data_path(out, name) for name in studies}
@@ -150,10 +153,12 @@ def _simulate(
 
         # for all studies at once, so that two compile at a time
         if found != {*studies}:
-            compile_for([(study, settings[name]) for name, study in studies.items()], tell)
+            compile_for([(study, placed[name].on_cpu(settings[name])) for name, study in studies.items()], tell)
             compiled = time.monotonic()
         for name, study in studies.items():
-            datasets[name] = run(study, jobs=jobs, progress=show, out=files[name], fresh=fresh, say=say, cautions=False)
+            datasets[name] = run(
+                study, jobs=jobs, progress=show, out=files[name], fresh=fresh, say=say, cautions=False, device=device
+            )
     return datasets, compiled - begun, time.monotonic() - compiled
 
 

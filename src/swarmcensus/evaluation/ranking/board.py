@@ -15,7 +15,7 @@ from swarmcensus.evaluation.ranking.page import TITLE, page
 from swarmcensus.evaluation.ranking.scores import DIVISIONS, Scores, scores_of
 from swarmcensus.evaluation.ranking.table import as_text, flat, rows
 from swarmcensus.results import cautions_of_needs, load, merge
-from swarmcensus.runs import Report, run, showing
+from swarmcensus.runs import Device, Report, placing_of_study, run, showing
 from swarmcensus.studies import Study, read_toml, to_toml
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.files import atomic_write, check_own, check_writable, data_path, shipped_study
@@ -70,19 +70,22 @@ def leaderboard(
     fresh: bool = False,
     progress: Report | bool = True,
     say: Callable[[str], None] = print,
+    device: Device = "cpu",
 ) -> Board:
     """Run all shipped brains and those of `files` in the worlds of the leaderboard, and score them.
 
     The outcome has the scores of one `board` of `DIVISIONS`. Page, figure and results of all boards are written to the
     folder `out`; without it nothing is written. Results in `out` are kept, unless `fresh` or a brain's file has
-    changed. `trials` and `seed` replace those of studies/leaderboard.toml. `progress` is as for `run`; `say` gets
-    messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot be written. Ctrl-C
-    raises Interrupted, and the same call continues from there.
+    changed. `trials` and `seed` replace those of studies/leaderboard.toml. `progress` and `device` are as for `run`;
+    `say` gets messages. Raises InputError before anything is run if a file is not a brain, or the folder cannot be
+    written. Ctrl-C raises Interrupted, and the same call continues from there.
     """
     own_files = named([Path(file) for file in files])
     own_studies = {name: of_file(file) for name, file in own_files.items()}  # first: errors show soon
     studies = {OFFICIAL: official()} | own_studies
     studies = {name: study.with_(trials=trials, seed=seed) for name, study in studies.items()}
+    for study in studies.values():
+        placing_of_study(study, device, quiet=False)
     folder = None if out is None else Path(out)
     paths = dict.fromkeys(studies) if folder is None else {name: data_path(folder, name) for name in studies}
     if folder is not None:
@@ -97,7 +100,7 @@ def leaderboard(
             part = f"part {k + 1} of {len(studies)}" if k + 1 < len(studies) else ""
             parts[name] = run(
                 study, jobs, _as_part(report, name, part), out=path, fresh=restart, say=say, cautions=False,
-                announce_from=0.0,
+                announce_from=0.0, device=device,
             )  # fmt: skip
     data = merge([parts[name] for name in studies]) if own_files else parts[OFFICIAL]
     brains = [brain for study in studies.values() for brain in study.brains]

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from swarmcensus.brains import Brain
-from swarmcensus.runs import Progress, compile_for, seconds_for
+from swarmcensus.runs import Progress, compile_for, placing_of_study, seconds_for
 from swarmcensus.search.planning.mission import FEWEST_TRIALS
 from swarmcensus.search.planning.plans import Question
 from swarmcensus.search.planning.search import MOST_SECONDS, Search, cases_to_confirm
@@ -49,5 +49,10 @@ def _seconds(
 ) -> float:
     study = study_of(search.mission, robots, brains, cases, [max(LEAST, int(rounds))], trials, search.mission.seed)
     settings = study.settings()
-    compile_for([(study, settings)], lambda note, steps: search.show(Progress(0, 0, 0.0, 0.0, note, steps=steps)))
-    return seconds_for(study, settings, min(trials, max(affordable(study, MOST_SECONDS), 1)), search.jobs)
+    placing = placing_of_study(study, search.device)
+    compile_for(
+        [(study, placing.on_cpu(settings))],
+        lambda note, steps: search.show(Progress(0, 0, 0.0, 0.0, note, steps=steps)),
+    )
+    trials = min(trials, max(affordable(study, MOST_SECONDS), 1))
+    return seconds_for(study, settings, trials, search.jobs, placing=placing)

@@ -1,13 +1,14 @@
 """Plans missions: `sc.plan`."""
 
 import contextlib
+import logging
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from swarmcensus.runs import Report, announce, showing, thread_count
+from swarmcensus.runs import Device, Report, announce, check_device, showing, thread_count
 from swarmcensus.search.planning.areas import NoNetwork
 from swarmcensus.search.planning.forecast import seconds_of
 from swarmcensus.search.planning.mission import Mission, load_mission, mission_of, text_of
@@ -20,6 +21,7 @@ from swarmcensus.support.errors import InputError, StudyError
 from swarmcensus.support.formatting import counted
 
 SIZES = 5  # swarm sizes of a trade-off
+LOG = logging.getLogger(__name__)
 
 
 def plan(
@@ -29,6 +31,7 @@ def plan(
     *,
     where: str = "mission",
     base: Path | None = None,
+    device: Device = "cpu",
 ) -> Plan:
     """Find how long a mission takes, how many robots it needs, or the trade-off between both.
 
@@ -36,8 +39,8 @@ def plan(
     from what is given: a number of robots asks for the shortest time, a number of minutes for the smallest swarm, a
     range of robots for the trade-off, and a number of both for whether they are enough. Theory predicts the answer, and
     simulation confirms it in the mission's number of `trials`, with the same seeds for all brains. `jobs` is the number
-    of threads, by default one per core; the numbers do not depend on it. `progress` is as for `run`. Raises InputError,
-    also if the goal cannot be reached.
+    of threads, by default one per core; the numbers do not depend on it. `progress` and `device` are as for `run`.
+    Raises InputError, also if the goal cannot be reached.
     """
     if isinstance(mission, str | Path):
         where, base, tables = f"mission file {mission}", Path(mission).parent, load_mission(mission)
@@ -45,9 +48,9 @@ def plan(
         tables = dict(mission)
     checked = mission_of(tables, where, base)
     question, rows = question_of(checked), []
-    jobs = thread_count(jobs)
+    jobs, device = thread_count(jobs), _able(device, checked)
     with showing(progress, "mission") as show:
-        searches = [Search(world, jobs, show) for world in with_worst_accuracy(checked).worlds]
+        searches = [Search(world, jobs, show, device) for world in with_worst_accuracy(checked).worlds]
         with contextlib.suppress(Unreachable, NoNetwork, InputError):  # the search itself says so
             whole = sum(seconds_of(search, question, _sizes(search)) for search in searches)
             announce(checked.name, whole, jobs)
@@ -63,6 +66,15 @@ def plan(
     if question != "enough" and all(row.answer == "not reached" for row in rows):
         raise StudyError.within(where, f"the goal cannot be reached, because {_how_close(checked, rows)}")
     return Plan(question, checked, rows, text_of(tables))
+
+
+def _able(device: Device, mission: Mission) -> Device:
+    """The device for a mission's simulations. Raises InputError if it is not there."""
+    check_device(device)
+    if device == "cpu" or not mission.moves:
+        return device
+    LOG.info("%s: all settings run on the CPU: robots move", mission.name)
+    return "cpu"
 
 
 def question_of(mission: Mission) -> Question:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from swarmcensus.brains import Brain
-from swarmcensus.runs import Progress, announce, seconds_for
+from swarmcensus.runs import Device, Progress, announce, placing_of_study, seconds_for
 from swarmcensus.search.planning.areas import capacity, check_network, fewest
 from swarmcensus.search.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.search.planning.predictions import (
@@ -54,6 +54,7 @@ class Search:
     mission: Mission
     jobs: int
     show: Show
+    device: Device = "cpu"
     cases: list[Case] = field(init=False)
     inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
     worst: dict[str, list[Case]] = field(default_factory=dict)  # each brain's possible worst cases, the worst first
@@ -139,7 +140,7 @@ class Search:
         def show(progress: Progress) -> None:  # the number of later steps depends on this one's result
             self.show(replace(progress, stage=stage, part="this step"))
 
-        found_curves = curves(mission, study, self.jobs, show)
+        found_curves = curves(mission, study, self.jobs, show, self.device)
         for curve in found_curves:
             lie = f" among {curve.case.lie.label}" if curve.case.lie else ""
             right = f"{100 * curve.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
@@ -150,7 +151,8 @@ class Search:
         """Say how long a step takes if it takes longer than all that was said before."""
         if affordable(study, SHORT) >= study.trials:
             return
-        seconds = seconds_for(study, study.settings(), study.trials, self.jobs)
+        placing = placing_of_study(study, self.device)
+        seconds = seconds_for(study, study.settings(), study.trials, self.jobs, placing=placing)
         if seconds > max(SHORT, self.said):
             announce(f"{self.mission.name}, {stage}", seconds, self.jobs)
             self.said = seconds

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine.constants import NEVER, SENSING
 from swarmcensus.results import failed_trials
-from swarmcensus.runs import Progress, predicted_seconds, run
+from swarmcensus.runs import Device, Progress, predicted_seconds, run
 from swarmcensus.search.planning.mission import Mission
 from swarmcensus.simulation import NO_ESTIMATE, sampling
 from swarmcensus.studies import Setting, Study
@@ -102,15 +102,15 @@ def study_of(
     )
 
 
-def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list[Curve]:
+def curves(mission: Mission, study: Study, jobs: int | None, show: Show, device: Device = "cpu") -> list[Curve]:
     """Run a study: a curve for each brain and case. Raises InputError.
 
     If robots lie, numbers may diverge to infinity; in such a trial nobody is right.
     """
     if mission.known.lying:
-        data = _among_liars(study, jobs, show)
+        data = _among_liars(study, jobs, show, device)
     else:
-        data = run(study, jobs, show, cautions=False)
+        data = run(study, jobs, show, cautions=False, device=device)
         if "failed" in data.attrs:
             raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
     found_curves = []
@@ -129,12 +129,12 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list
     return found_curves
 
 
-def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | None:
+def _among_liars(study: Study, jobs: int | None, show: Show, device: Device) -> xr.Dataset | None:
     """Run a study in which numbers may diverge; such trials are missing. None if they diverge in all trials."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*failed", UserWarning)
         try:
-            data = run(study, jobs, show, cautions=False)
+            data = run(study, jobs, show, cautions=False, device=device)
         except InputError as error:
             if NO_ESTIMATE in str(error):
                 return None

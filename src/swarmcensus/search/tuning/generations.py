@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.runs import Progress, announce, seconds_for
+from swarmcensus.runs import Progress, announce, placing_of_study, seconds_for
 from swarmcensus.search.tuning.logs import Evaluation, Log, hint
 from swarmcensus.search.tuning.optimiser import Search
 from swarmcensus.search.tuning.plans import TuningPlan
@@ -111,7 +111,9 @@ class _SearchRun:
         search = max((plan.budget.seconds or 0.0) - self.seconds, left * self.training.candidate_seconds(), 0.0)
         settings = plan.study.settings()
         more = 1.0 + len(plan.worlds) / len(settings)  # what is found runs next to the original
-        evaluation = more * seconds_for(plan.study, settings, plan.study.trials, jobs, plan.study.measure.local)
+        placing = placing_of_study(plan.study, self.training.device)
+        local = plan.study.measure.local
+        evaluation = more * seconds_for(plan.study, settings, plan.study.trials, jobs, local, placing)
         announce(f"searching {plan.target.program.name}", search + evaluation, jobs, "at most about")
 
     def _showing(self, stage: str) -> Callable[[Progress], None]:

@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine import LeavableThreads
 from swarmcensus.results import LOCAL, OURS, Measure, Values, chosen, inputs_of, lacks, numbers, store
-from swarmcensus.runs import Progress, State, bundle_tasks, plan_tasks, pools, run_bundles, seconds_for
+from swarmcensus.runs import (
+    Device,
+    Placing,
+    Progress,
+    State,
+    bundle_tasks,
+    placing_of,
+    plan_tasks,
+    pools,
+    run_bundles,
+    seconds_for,
+)
 from swarmcensus.search.tuning.targets import world_with
 from swarmcensus.studies import Setting, Study
 
@@ -43,10 +54,20 @@ def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measur
 class Training:
     """Runs candidates in worlds; the threads live as long as the `with` block."""
 
-    def __init__(self, study: Study, worlds: list[Setting], measures: list[Measure], trials: int, jobs: int) -> None:
-        """Give each candidate `trials` trials in each world."""
+    def __init__(
+        self,
+        study: Study,
+        worlds: list[Setting],
+        measures: list[Measure],
+        trials: int,
+        jobs: int,
+        device: Device = "cpu",
+        candidates: int = 1,
+    ) -> None:
+        """Give each of about so many `candidates` `trials` trials in each world. Raises InputError."""
         self.study, self.worlds, self.measures, self.trials, self.jobs = study, worlds, measures, trials, jobs
-        self.local = any(measure.name in LOCAL for measure in measures)
+        self.local, self.device = any(measure.name in LOCAL for measure in measures), device
+        self.placing = placing_of(study, worlds, np.full(len(worlds), candidates * trials), device, local=self.local)
 
     def __enter__(self) -> Self:
         """Create the threads."""
@@ -60,18 +81,20 @@ class Training:
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""
         pools.compile_for(
-            [(self.study, self.worlds)], lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
+            [(self.study, self.placing.on_cpu(self.worlds))],
+            lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps)),
         )
 
     def candidate_seconds(self) -> float:
         """The seconds that a candidate takes in these threads, measured once brains are compiled."""
-        return seconds_for(self.study, self.worlds, self.trials, self.jobs, self.local)
+        return seconds_for(self.study, self.worlds, self.trials, self.jobs, self.local, self.placing)
 
     def cost(self) -> float:
         """The predicted seconds of a candidate on one core."""
         every = np.ones((len(self.worlds), self.trials), np.bool_)
         local = every if self.local else None
-        return sum(task.cost for task in plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS))
+        tasks = plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS, self.placing.on_card)
+        return sum(task.cost for task in tasks)
 
     def run(
         self, programs: Sequence[Brain | Adversary], seed: int, keep: Keep, show: Callable[[Progress], None]
@@ -85,7 +108,8 @@ class Training:
         settings = [world_with(world, program) for program in programs for world in self.worlds]
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
-        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
+        placing = Placing(self.placing.card, np.tile(self.placing.on_card, len(programs)))
+        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS, placing.on_card)
         tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate after the other
         kept = 0
 
@@ -101,14 +125,13 @@ class Training:
                     kept = place + 1
             show(progress)
 
-        state = State(seeded, settings, values, report, None, np.zeros(0), slice(None))
+        state = State(seeded, settings, values, report, None, np.zeros(0), slice(None), placing)
         state.total, state.work_total = wanted.size, sum(task.cost for task in tasks)
-        pool = pools.Threads(self._executor, self.jobs, seeded, settings)
+        pool = pools.Threads(self._executor, self.jobs, seeded, settings, placing.card)
         try:
             stopped = run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool)
-        except BaseException:
+        finally:
             pool.halt()
-            raise
         report(Progress(state.done, state.total, state.work_done, state.work_total))
         if stopped:
             raise KeyboardInterrupt

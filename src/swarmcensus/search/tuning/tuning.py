@@ -11,7 +11,7 @@ import xarray as xr
 
 from swarmcensus.brains import Adversary, Brain, Value
 from swarmcensus.results import folder_of, store
-from swarmcensus.runs import Report, pools, run, showing
+from swarmcensus.runs import Device, Report, pools, run, showing
 from swarmcensus.search.tuning.evidence import Evidence, evidence_of
 from swarmcensus.search.tuning.generations import SearchResult, new_search, reset_idle, run_search
 from swarmcensus.search.tuning.logs import Evaluation, Log
@@ -24,6 +24,7 @@ from swarmcensus.support.files import atomic_write, check_output, check_writable
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option
 
+MANY = 1000  # evaluations, where a time limits them: they are worth a card
 MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
 
 
@@ -86,6 +87,7 @@ def tune(
     progress: Report | bool = True,
     say: Callable[[str], None] | None = None,
     adversary: str | None = None,
+    device: Device = "cpu",
 ) -> Tuned:
     """Search for good values of a brain's parameters in a study's worlds, and compare the result with the original.
 
@@ -96,8 +98,8 @@ def tune(
     brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
     `trials` trials in each world, with seeds that the study does not use. With `out`, a .toml file, a fragment of a
     study file is written there; next to it are the log (.csv), from which the same call continues unless `fresh`, and
-    the results of the evaluation (.nc), if there is one. `progress` and `say` are as for `run`. Raises InputError, and
-    KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
+    the results of the evaluation (.nc), if there is one. `progress`, `say` and `device` are as for `run`. Raises
+    InputError, and KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials, adversary)
@@ -106,19 +108,21 @@ def tune(
     if files:
         check_replaceable(files[".nc"])
     jobs, search = pools.thread_count(jobs), new_search(plan)
+    candidates = plan.budget.evaluations or MANY
+    training = Training(study, plan.worlds, plan.measures, trials, jobs, device, candidates)
     with (
         showing(progress, f"tuning {plan.target.program.name}") as show,
         Log(
             files.get(".csv"), plan.identity, [parameter.label for parameter in plan.ranges], plan.losses, fresh
         ) as log,
-        Training(study, plan.worlds, plan.measures, trials, jobs) as training,
+        training,
     ):
         if log.evaluations and say:
             say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
         result = run_search(plan, search, log, training, show)
         values, idle = reset_idle(plan, result.values, training, show)
         tuned = plan.candidate(values)
-        evidence = _evidence(plan, tuned, result, files.get(".nc"), jobs, show, say, fresh)
+        evidence = _evidence(plan, tuned, result, files.get(".nc"), jobs, show, say, fresh, device)
         notes = notes_of(plan, idle)
         text = report(plan, tuned, result, evidence, notes, files)
         if files:
@@ -151,12 +155,13 @@ def _evidence(
     show: Report,
     say: Callable[[str], None] | None,
     fresh: bool,
+    device: Device,
 ) -> Evidence:
     if tuned == plan.before:
         harms, why = plan.target.harms, why_unchanged(plan, result)
         return Evidence(plan.label(tuned), plan.label(plan.before), None, None, why, harms)
     study = evaluation_of(plan, tuned)
-    data: Any = evaluate(study, out, jobs, show, say, fresh)
+    data: Any = evaluate(study, out, jobs, show, say, fresh, device)
     return evidence_of(data, study.settings(), plan, tuned)
 
 
@@ -197,12 +202,13 @@ def evaluate(
     show: Report,
     say: Callable[[str], None] | None,
     fresh: bool,
+    device: Device = "cpu",
 ) -> xr.Dataset:
     """Run an evaluation; with `out` finished trials are kept there and not run again. Raises Interrupted."""
     if out is None:
-        return run(study, jobs, show, cautions=False)
+        return run(study, jobs, show, cautions=False, device=device)
     fresh = fresh or any(title != study.name for title in _titles(out)[-1:])  # those are of other values
-    return run(study, jobs, show, out=out, fresh=fresh, say=say, cautions=False)
+    return run(study, jobs, show, out=out, fresh=fresh, say=say, cautions=False, device=device)
 
 
 def check_replaceable(out: Path) -> None:

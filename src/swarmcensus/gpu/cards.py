@@ -1,0 +1,427 @@
+"""A card that runs batches of trials on fixed networks, to the bits of the CPU's engine."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from swarmcensus.brains import slots
+from swarmcensus.engine import Inputs
+from swarmcensus.engine.codegen import kept_of_message
+from swarmcensus.engine.constants import CLIPPED, FULL, HEARD, LISTED, COVERAGE, PART, SENT, VERDICTS, WIDTH, WRONG
+from swarmcensus.gpu.driver import Buffer, CardFull, Driver
+from swarmcensus.gpu.given import ARRAYS, Given
+from swarmcensus.gpu.source import Features, measures, parameters, source
+from swarmcensus.simulation import Batch, Metrics, bins_at, consensus_of, inputs_of, run_batch, schedule_of
+from swarmcensus.studies import Setting
+from swarmcensus.translation import owed_numbers
+
+MOST_IN_A_BLOCK = 1024  # threads, and so robots of a trial that one block can run
+THREADS = 128  # of a block that runs several small trials, or robots or rows one by one
+BLOCK_SIZE = 256  # robots of a block of a large swarm, whose messages are added up together (kernels/sums.h)
+SHARED = 96 * 1024  # bytes of shared memory that a block of any card of the last years may have
+FOR_QUANTILES = 1088  # bytes of it
+CHUNK = 64  # rounds that one block looks at for agreement
+SPARE = 0.9  # the share of the free memory that a batch may take
+MOST_WORK = 2e10  # robots times rounds of a batch: about a second
+LAUNCHES = 64  # rounds of a large swarm between two looks at whether to stop
+
+MEASURES = ("tables", "settle", "agree", "check", "decide")  # kernels that know of no brain
+
+Arrays = dict[str, np.ndarray]
+
+
+def why_not(setting: Setting, metrics: Metrics) -> str | None:
+    """Why a card cannot run a setting; None if it can."""
+    if setting.body is not None:
+        return "robots move"
+    if metrics.watched:
+        return "metrics of files are measured"
+    return None
+
+
+class Sizes(NamedTuple):
+    """What a trial of a setting takes."""
+
+    trials: int
+    robots: int
+    rounds: int  # or observations, of local estimates
+    slots: int  # of messages
+    message: int  # bytes
+    words: int  # of eight bytes that a robot's state may take
+    features: Features
+
+    @property
+    def shared(self) -> int:
+        """Bytes of shared memory that one trial takes in a block."""
+        full = self.features.mode == FULL
+        blocks = -(-self.robots // BLOCK_SIZE)
+        sums = (2 * self.robots + 3 * blocks) * self.message if full else 0
+        return self.slots * self.robots * (self.message + 1) + sums + 8
+
+    @property
+    def is_small(self) -> bool:
+        """Whether one block can run a trial."""
+        return self.robots <= MOST_IN_A_BLOCK and self.shared <= SHARED
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of memory that a trial takes, at most."""
+        robots = self.robots
+        large = 0 if self.is_small else robots * (8 * self.words + self.slots * (self.message + 1) + 2 * self.message)
+        tables = robots * 16 * 8 * 2
+        decisions = 2 * self.rounds * (robots + 1) if self.features.judged else 0
+        return (self.rounds + 1) * (8 * robots + 4) + large + tables + decisions + robots * 256
+
+
+class Card:
+    """A graphics card, behind its driver."""
+
+    def __init__(self, driver: Driver) -> None:
+        """Use a card."""
+        self.driver = driver
+        self.name = driver.name
+
+    def most_trials(self, setting: Setting, metrics: Metrics, local: bool = False) -> int:
+        """How many trials of a setting can be run at a time. Raises CardFull where there is no memory for one."""
+        given = inputs_of(setting, 0, 0, 1, order=local)
+        sizes = _sizes(setting, given, features_of(setting, given, local), local)
+        room = self.driver.free() * SPARE
+        kept = 8 * len(metrics.checkpoints) * setting.robots * (3 if sizes.features.bounded else 1)
+        most = int(room // (sizes.bytes + kept))
+        if most < 1:
+            raise CardFull(
+                f"the card {self.name} has {room / 1e9:.1f} GB of free memory, and one trial of {setting} takes "
+                f"{(sizes.bytes + kept) / 1e9:.1f} GB: run it on the CPU, or with fewer rounds"
+            )
+        return max(1, min(most, int(MOST_WORK / (setting.robots * sizes.rounds))))
+
+    def run_batch(
+        self,
+        setting: Setting,
+        seed: int,
+        first: int,
+        trials: int,
+        metrics: Metrics,
+        stop: np.ndarray,
+        local: bool = False,
+    ) -> Batch | None:
+        """Run trials as `simulation.run_batch` does; None if `stop` was set meanwhile.
+
+        Where a brain gives what the contract does not allow, the CPU runs them again, and says why.
+        """
+        given = inputs_of(setting, seed, first, trials, order=local)
+        features = features_of(setting, given, local)
+        sizes = _sizes(setting, given, features, local)
+        held = _Held(self.driver, given, sizes, setting, metrics, local)
+        found = held.run(stop)
+        if found is None:
+            return None
+        if found["amiss"].any() or _are_wrong(setting, given, metrics, found):
+            return run_batch(setting, seed, first, trials, metrics, stop, local)
+        return _batch(setting, given, sizes, metrics, found, local)
+
+
+def features_of(setting: Setting, given: Inputs, local: bool = False) -> Features:
+    """What the rounds of a setting have."""
+    brains, sensors = setting.brains, given.sensors
+    return Features(
+        mode=LISTED if local else given.links.mode,
+        sound=given.radio.threshold == 0 and given.stops.shape[2] == 0,
+        jams=any(brain.jams for brain in brains),
+        signalled=len(brains) > 1 or brains[0].uses.silence or brains[0].jams,
+        lucky=given.draws.size > 0,
+        judged=not local and any(brain.decides or brain.ends for brain in brains),
+        bounded=not local and any(brain.has_interval for brain in brains),
+        changes=sensors.drift.shape[2] > 0 or sensors.course[3] > 1.0,
+    )
+
+
+def _sizes(setting: Setting, given: Inputs, features: Features, local: bool) -> Sizes:
+    brains = setting.brains
+    number = 4 if setting.precision == "single" else 8
+    fields = max(len(slots(brain.lengths)) + len(slots(brain.message)) + 4 for brain in brains)
+    return Sizes(
+        trials=len(given.stops),
+        robots=setting.robots,
+        rounds=setting.rounds * (setting.observations_per_round if local else 1),
+        slots=(0 if local else given.radio.delay) + 2,
+        message=number * len(kept_of_message(brains[0], len(brains) > 1)),
+        words=fields + 8,
+        features=features,
+    )
+
+
+class _Held:
+    """The arrays of a batch on a card."""
+
+    def __init__(
+        self, driver: Driver, given: Inputs, sizes: Sizes, setting: Setting, metrics: Metrics, local: bool
+    ) -> None:
+        """Compile the program, upload what it is given, and make room for what it finds."""
+        self.driver, self.sizes, self.local, self.metrics = driver, sizes, local, metrics
+        self.formats = not local and any(brain.parts for brain in setting.brains)
+        kernels = "alone.cu" if local else "trials.cu" if sizes.is_small else "crowds.cu"
+        threads = next(n for n in (128, 256, 512, 1024) if n >= (sizes.robots if sizes.is_small and not local else 1))
+        self.program = driver.build(source(setting.brains, sizes.features, kernels, threads))
+        self.measures = driver.build(measures())
+        for group, brain in enumerate(setting.brains):
+            numbers = np.array(parameters(brain), _number(setting))
+            if numbers.size:
+                driver.set_constant(self.program, f"parameters_{group}", numbers.tobytes())
+        self.buffers: dict[str, Buffer] = {}
+        self.found: Arrays = {}
+        self.given = Given()
+        self._upload(given, setting)
+        self._make_room()
+
+    def _upload(self, given: Inputs, setting: Setting) -> None:
+        sensors, links, one = given.sensors, given.links, self.given
+        if self.local and self.sizes.features.changes and sensors.b.shape[1] == 1:  # nobody waits for who makes tables
+            sides = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
+            sensors = sensors._replace(**dict(zip("bw", sides, strict=True)))
+        keys = {"readings_key": sensors.key, "losses_key": given.radio.key, "order_key": sensors.order}
+        for name, key in (keys | {"luck_key": given.draws}).items():
+            getattr(one, name)[: key.size] = key.tolist()
+        one.course[:] = np.asarray(sensors.course, np.float64).tolist()
+        one.threshold, one.delta = int(given.radio.threshold), self.metrics.delta
+        checkpoints = np.array([] if self.local else self.metrics.checkpoints, np.int64)
+        honest = given.honest
+        robots, trials = self.sizes.robots, self.sizes.trials
+        whole = {
+            "first": given.first, "trials": trials, "robots": robots, "rounds": self.sizes.rounds,
+            "looks": sensors.looks, "delay": self.sizes.slots - 2, "together": self.together,
+            "sensors": sensors.b.shape[1], "kinds": (sensors.looks >= PART) + (sensors.looks % PART > 0),
+            "beliefs": given.beliefs[0].shape[1], "drifts": sensors.drift.shape[2],
+            "stop_rows": given.stops.shape[1] if given.stops.shape[2] else 0, "graphs": links.starts.size - 1,
+            "liars": int(honest.size > 0), "checkpoints": checkpoints.size, "keeps": int(self.metrics.estimates),
+            "chunk": CHUNK,
+        }  # fmt: skip
+        for name, value in whole.items():
+            setattr(one, name, int(value))
+        counted = honest.sum(axis=1) if honest.size else np.full(trials, robots)
+        bins = bins_at(setting.fill_ratio, setting.change, tuple(checkpoints.tolist()), self.metrics.bins)
+        arrays = {
+            "b": sensors.b, "w": sensors.w, "drift": sensors.drift, "assumed_b": given.beliefs[0],
+            "assumed_w": given.beliefs[1], "blanks": _blanks(setting, self.local), "stops": given.stops,
+            "bounds": _bounds(given, robots) if self.sizes.features.mode == LISTED else np.zeros(0, np.int64),
+            "senders": links.senders, "groups": given.group.astype(np.uint8), "honest": honest.astype(np.uint8),
+            "counted": counted.astype(np.int64), "rounds_of": checkpoints, "bins": bins,
+        }  # fmt: skip
+        for name, array in arrays.items():
+            self._hold(name, self.driver.upload(np.ascontiguousarray(array)) if array.size else None)
+
+    def _make_room(self) -> None:
+        sizes, checks = self.sizes, self.given.checkpoints
+        trials, robots, rounds, features = sizes.trials, sizes.robots, sizes.rounds, sizes.features
+        shapes: dict[str, tuple[type, tuple[int, ...]]] = {
+            "amiss": (np.uint8, (trials,)),
+            "where": (np.int64, (trials, robots)),
+            "value": (np.float64, (trials, robots)),
+            "final": (np.float64, (trials, robots)),
+        }
+        if not self.local:
+            shapes |= {
+                "agreed": (np.int64, (trials, rounds // CHUNK + 1)),
+                "right": (np.float64, (checks, trials)),
+                "widths": (np.float64, (checks, trials)),
+            }
+            if self.metrics.estimates:
+                shapes["kept"] = (np.float64, (checks, trials, robots))
+            if features.counted:
+                shapes |= {name: (np.int64, (trials, robots)) for name in ("sent", "heard")}
+            if features.judged:
+                shapes |= {"verdicts": (np.float64, (trials, robots, 6)), "unanimous": (np.int16, (trials, rounds))}
+            if features.bounded:
+                shapes["bounds_of"] = (np.float64, (checks, trials, 2, robots))
+        if self.formats:
+            shapes["clipped"] = (np.int64, (trials, robots))
+        self.found = {name: np.empty(shape, kind) for name, (kind, shape) in shapes.items()}
+        sensors, kinds = self.given.sensors, self.given.kinds
+        room = {name: array.nbytes for name, array in self.found.items()} | {
+            "rows": 8 * trials * (rounds + 1) * robots,
+            "tables": 8 * 16 * trials * kinds * sensors,
+            "stand": 8 * 3 * trials * sensors,
+            "said": 4 * trials * (rounds + 1) if features.counted and features.mode == FULL else 0,
+            "decisions": 2 * trials * rounds * robots if features.judged else 0,
+        }
+        if not self.local and not sizes.is_small:
+            blocks = -(-robots // BLOCK_SIZE)
+            room |= {
+                "memory": 8 * trials * robots * sizes.words,
+                "outbox": trials * sizes.slots * robots * sizes.message,
+                "signals": trials * sizes.slots * robots if features.signalled else 0,
+                "parts": 3 * trials * blocks * sizes.message if features.mode == FULL else 0,
+                "around": 2 * trials * robots * sizes.message if features.mode == FULL else 0,
+            }
+        for name, size in room.items():
+            self._hold(name, self.driver.empty(size) if size else None)
+
+    def _hold(self, name: str, buffer: Buffer | None) -> None:
+        assert name in ARRAYS
+        if buffer is not None:
+            self.buffers[name] = buffer
+            setattr(self.given, name, buffer.address)
+
+    @property
+    def together(self) -> int:
+        """How many trials a block runs."""
+        if not self.sizes.is_small:
+            return 1
+        return max(1, min(THREADS // self.sizes.robots, SHARED // self.sizes.shared))
+
+    def run(self, stop: np.ndarray) -> Arrays | None:
+        """Run the trials and measure them; None if `stop` was set meanwhile."""
+        sizes = self.sizes
+        trials, robots, rounds = sizes.trials, sizes.robots, sizes.rounds
+        if self.local:
+            self._launch("tables", trials * self.given.sensors, tables_made=trials, k=1)
+            self._launch("alone", trials * robots)
+        elif sizes.is_small:
+            together = self.together
+            self._launch_blocks("trials", -(-trials // together), together * robots, together * sizes.shared)
+        elif not self._run_crowd(stop):
+            return None
+        self._launch("settle", trials * robots)
+        if not self.local:
+            threads = min(-(-robots // 32) * 32, MOST_IN_A_BLOCK)
+            self._launch_blocks("agree", trials * (rounds // CHUNK + 1), threads, FOR_QUANTILES)
+            if self.given.checkpoints:
+                self._launch_blocks("check", trials * self.given.checkpoints, threads, FOR_QUANTILES)
+            if sizes.features.judged:
+                self._launch_blocks("decide", trials * rounds, threads, FOR_QUANTILES)
+        if not self.driver.wait(stop):
+            return None
+        for name, array in self.found.items():
+            if array.size:
+                self.driver.download(self.buffers[name], array)
+        return self.found
+
+    def _run_crowd(self, stop: np.ndarray) -> bool:
+        """Run a large swarm, round by round; False if `stop` was set meanwhile."""
+        sizes, sensors = self.sizes, self.given.sensors
+        trials, blocks, full = sizes.trials, -(-sizes.robots // BLOCK_SIZE), sizes.features.mode == FULL
+        for k in range(sizes.rounds + 1):
+            if k % LAUNCHES == LAUNCHES - 1 and not self.driver.wait(stop):
+                return False
+            if k < sizes.rounds and (k == 0 or sizes.features.changes):
+                self._launch("tables", trials * sensors, tables_made=trials, k=k + 1)
+            if full and k > self.given.delay:
+                self._launch_blocks("sums", trials * blocks, 32, 0, k=k)
+                self._launch_blocks("chains", trials, 32, 0, k=k)
+                self._launch_blocks("around", trials * blocks, 64, 0, k=k)
+            self._launch("rounds", trials * sizes.robots, k=k)
+        return True
+
+    def _launch(self, kernel: str, items: int, **numbers: int) -> None:
+        self._launch_blocks(kernel, -(-items // THREADS), THREADS, 0, **numbers)
+
+    def _launch_blocks(self, kernel: str, blocks: int, threads: int, shared: int, **numbers: int) -> None:
+        for name, value in numbers.items():
+            setattr(self.given, name, value)
+        program = self.measures if kernel in MEASURES else self.program
+        self.driver.launch(program, kernel, blocks, -(-threads // 32) * 32, shared, bytes(self.given))
+
+
+def _number(setting: Setting) -> np.dtype[Any]:
+    return np.dtype(np.float32 if setting.precision == "single" else np.float64)
+
+
+def _blanks(setting: Setting, local: bool) -> np.ndarray:
+    """The states of all brains before their first observation, as they lie in C."""
+    schedule = schedule_of(setting, alone=local)
+    flat: list[float] = []
+    for brain in setting.brains:
+        for name, value in (brain.memory | (schedule if brain is setting.brain else {})).items():
+            flat += value if isinstance(value, tuple) else [value]
+        flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
+    return np.array(flat, _number(setting))
+
+
+def _bounds(given: Inputs, robots: int) -> np.ndarray:
+    """Where the links of each robot begin, (graph, robot + 1)."""
+    links = given.links
+    graphs = np.repeat(np.arange(links.starts.size - 1), np.diff(links.starts))
+    heard = np.bincount(graphs * robots + links.receivers, minlength=(links.starts.size - 1) * robots)
+    ends = np.cumsum(heard).reshape(-1, robots)
+    return np.concatenate([links.starts[:-1, np.newaxis], ends + links.starts[0]], axis=1)
+
+
+def _are_wrong(setting: Setting, given: Inputs, metrics: Metrics, found: Arrays) -> bool:
+    """Whether an interval is none."""
+    if "bounds_of" not in found:
+        return False
+    low, high = found["bounds_of"][:, :, 0], found["bounds_of"][:, :, 1]
+    return bool((_asked(setting, given) & ~((low >= 0.0) & (low <= high) & (high <= 1.0))).any())
+
+
+def _asked(setting: Setting, given: Inputs) -> np.ndarray:
+    """Which robots count and have an interval, (trial, robot)."""
+    honest = given.honest if given.honest.size else np.ones((len(given.stops), setting.robots), np.bool_)
+    groups = given.group if given.group.size else np.zeros(honest.shape, np.int64)
+    return honest & np.array([brain.has_interval for brain in setting.brains])[groups]
+
+
+def _batch(setting: Setting, given: Inputs, sizes: Sizes, metrics: Metrics, found: Arrays, local: bool) -> Batch:
+    """The metrics of a batch, as `simulation.run_batch` gives them."""
+    trials, robots, rounds, features = sizes.trials, sizes.robots, sizes.rounds, sizes.features
+    checks = 0 if local else len(metrics.checkpoints)
+    honest = given.honest if given.honest.size else np.ones((trials, robots), np.bool_)
+
+    def counted(array: np.ndarray) -> np.ndarray:
+        """The honest robots of (trial, robot, ...)."""
+        return array if honest.all() else array[honest].reshape(trials, -1, *array.shape[2:])
+
+    counts = np.zeros((3, trials, robots), np.int64)
+    if "clipped" in found:
+        counts[CLIPPED] = found["clipped"]
+    if features.counted and not local:
+        counts[SENT], counts[HEARD] = found["sent"], found["heard"]
+    elif not local:
+        degrees = np.full((1, robots), robots - 1)
+        if features.mode == LISTED:
+            degrees = np.diff(_bounds(given, robots), axis=1)
+        counts[SENT], counts[HEARD] = rounds, max(rounds - given.radio.delay, 0) * degrees
+    agreed = np.full((trials, 2), (-1.0, np.inf))
+    verdicts = np.empty((trials, 0, VERDICTS))
+    if features.judged:
+        verdicts = np.full((trials, robots, VERDICTS), np.nan)
+        verdicts[..., :6] = found["verdicts"]
+        verdicts[..., WRONG] = -1.0
+        options = found["unanimous"]
+        when = np.argmax(options >= 0, axis=1)
+        option = options[np.arange(trials), when]
+        agreed[option >= 0] = np.column_stack([option, when + 1.0])[option >= 0]
+    agreement = np.zeros(trials)
+    if not local:
+        agreement = found["agreed"].max(axis=1).astype(np.float64)
+        agreement[agreement > rounds] = np.inf
+    kept = None
+    if metrics.estimates:
+        kept = np.stack([counted(row) for row in found["kept"]]) if checks else np.empty((0, trials, 0))
+    return Batch(
+        convergence=counted(found["where"]),
+        error=counted(np.abs(found["value"] - setting.fill_ratio)),
+        final=counted(found["final"]),
+        correct=found.get("right", np.empty((0, trials))),
+        disagreement=found.get("widths", np.empty((0, trials))),
+        agreement=agreement,
+        counts=counted(counts.transpose(1, 2, 0)).transpose(0, 2, 1),
+        verdicts=counted(verdicts) if features.judged else verdicts,
+        consensus=consensus_of(setting, agreed, setting.fill_ratio),
+        intervals=_intervals(setting, given, metrics, found, checks),
+        kept=kept,
+    )
+
+
+def _intervals(setting: Setting, given: Inputs, metrics: Metrics, found: Arrays, checks: int) -> np.ndarray:
+    """How robots' intervals do, (COVERAGE and WIDTH, checkpoint, trial); NaN where there are none."""
+    out = np.full((2, checks, len(given.stops)), np.nan)
+    if "bounds_of" in found:
+        low, high = found["bounds_of"][:, :, 0], found["bounds_of"][:, :, 1]
+        truths = setting.fill_ratios(np.array(metrics.checkpoints, np.int64))[:, np.newaxis, np.newaxis]
+        asked = _asked(setting, given)
+        counted = np.where(asked.any(axis=1), asked.sum(axis=1), np.nan)
+        out[COVERAGE] = (asked & (low <= truths) & (truths <= high)).sum(axis=2) / counted
+        # one after another, as the engine adds them up
+        out[WIDTH] = np.cumsum(np.where(asked, high - low, 0.0), axis=2)[..., -1] / counted
+    return out

@@ -1,0 +1,319 @@
+"""The only file that knows a CUDA library: opens a card, compiles, copies, launches and waits.
+
+The library is NVIDIA's `cuda-bindings` with the wheel of its compiler NVRTC: 66 MB, and no toolkit. CuPy takes 70 MB
+and needs the toolkit's headers besides, for arrays that nothing here uses. `cuda.core` wraps the same bindings in
+classes whose names still change. The bindings have the same names for CUDA 12 and 13.
+"""
+
+import contextlib
+import ctypes
+import hashlib
+import importlib
+import re
+import threading
+import time
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Protocol
+
+import numpy as np
+
+from swarmcensus.engine import cache_root
+from swarmcensus.support.errors import InputError
+from swarmcensus.support.files import atomic_write
+
+EXTRA = "pip install 'swarmcensus[gpu]'"
+OPTIONS = ("--fmad=false", "-default-device", "-std=c++17")  # a * b + c is rounded twice, as on the host
+FREELY_SHARED = 48 * 1024  # bytes of shared memory that a kernel may have without asking
+FIRST_PAUSE, LONGEST_PAUSE = 2e-5, 1e-3  # seconds between two looks at whether a card is ready
+FULL, NO_DEVICE, NOT_READY = 2, 100, 600
+LOST = {  # after these no call of this process succeeds
+    4, 46, 214, 220, 226, 700, 702, 709, 710, 714, 715, 716, 717, 718, 719, 721, 999,
+}  # fmt: skip
+
+
+class CardError(InputError):
+    """A card that cannot be used, or cannot run a setting; unlike a failing trial, it ends a run."""
+
+
+class CardFull(CardError):
+    """The card's memory is full."""
+
+
+class CardLost(CardError):
+    """The card no longer answers, and this process cannot use it again."""
+
+
+Program = Any  # a compiled source, for the driver that built it
+
+
+class Buffer(Protocol):
+    """Memory of a card, which is freed when this is collected."""
+
+    address: int
+
+
+class Driver(Protocol):
+    """What kernels need of a card. All errors are CardError."""
+
+    name: str  # of the card
+    shared: int  # bytes of shared memory that a block may have
+
+    def free(self) -> int:
+        """The bytes of memory that are free now."""
+
+    def build(self, source: str) -> Program:
+        """Compile CUDA C++, or find it in the cache on disk."""
+
+    def set_constant(self, program: Program, name: str, values: bytes) -> None:
+        """Give a constant array of a program its values, for the launches that follow."""
+
+    def upload(self, array: np.ndarray) -> Buffer:
+        """Copy an array to the card."""
+
+    def empty(self, size: int) -> Buffer:
+        """So many bytes of the card, all 0."""
+
+    def download(self, buffer: Buffer, into: np.ndarray) -> None:
+        """Copy memory of the card to a contiguous array, once all launches are over."""
+
+    def launch(self, program: Program, kernel: str, blocks: int, threads: int, shared: int, arguments: bytes) -> None:
+        """Start a kernel after those before it; `arguments` are the bytes of the struct that it takes."""
+
+    def wait(self, stop: np.ndarray) -> bool:
+        """Wait until all launches are over; False if `stop` (uint8, shape (1,)) was set meanwhile."""
+
+
+class _Module:
+    """A module on the card, and its kernels by name."""
+
+    def __init__(self, handle: Any) -> None:
+        self.handle, self.kernels = handle, dict[str, Any]()
+
+
+class _Memory:
+    """Memory of the card."""
+
+    def __init__(self, cuda: "Cuda", size: int) -> None:
+        self.cuda, self.address = cuda, int(cuda.call("cuMemAlloc", max(size, 1)))
+
+    def __del__(self) -> None:
+        if hasattr(self, "address"):
+            with contextlib.suppress(Exception):  # a lost card, or Python ends
+                self.cuda.call("cuMemFree", self.address)
+
+
+class Cuda:
+    """The first card that CUDA_VISIBLE_DEVICES names, in any thread of this process."""
+
+    def __init__(self, driver: ModuleType, nvrtc: ModuleType) -> None:
+        """Open the card. Raises CardError."""
+        self._driver, self._nvrtc = driver, nvrtc
+        self._context, self._modules, self._lock = None, dict[str, _Module](), threading.Lock()
+        try:
+            self.call("cuInit", 0)
+            self.version = _version(self.call("cuDriverGetVersion"))
+            major, minor = self._compile("nvrtcVersion")
+        except (CardError, RuntimeError, OSError, AttributeError) as error:  # the bindings load libraries when called
+            raise _unopened(error) from None
+        if self.version[0] < major:
+            raise CardError(
+                f"the driver of this card is for CUDA {self.version[0]}.{self.version[1]}, and the compiler for CUDA "
+                f"{major}: update the driver" + (", or pip install 'swarmcensus[gpu12]'" if major == 13 else "")
+            )
+        device = self.call("cuDeviceGet", 0)
+        self.name = self.call("cuDeviceGetName", 256, device).split(b"\0")[0].decode()
+        kinds = driver.CUdevice_attribute
+        self.shared = self._about(kinds.CU_DEVICE_ATTRIBUTE_MAX_SHARED_MEMORY_PER_BLOCK_OPTIN, device)
+        capability = tuple(
+            self._about(kind, device)
+            for kind in (
+                kinds.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR, kinds.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR,
+            )
+        )  # fmt: skip
+        self.target = "sm_{}{}".format(*capability)
+        self._check_target()
+        self._mark = " ".join((self.target, *OPTIONS, f"NVRTC {major}.{minor}"))
+        self._context = self.call("cuDevicePrimaryCtxRetain", device)
+
+    def call(self, name: str, *given: Any) -> Any:
+        """Call a function of the driver in the card's context. Raises CardError."""
+        if self._context is not None:
+            self._answer("cuCtxSetCurrent", self._driver.cuCtxSetCurrent(self._context))
+        return self._answer(name, getattr(self._driver, name)(*given))
+
+    def free(self) -> int:
+        """The bytes of memory that are free now."""
+        return int(self.call("cuMemGetInfo")[0])
+
+    def build(self, source: str) -> _Module:
+        """Compile CUDA C++, or find it in the cache on disk."""
+        digest = hashlib.sha256(f"{self._mark}\0{source}".encode()).hexdigest()
+        with self._lock:
+            if digest not in self._modules:
+                code = kept(digest)
+                if code is None:
+                    code = self.compile(source)
+                    keep(digest, code)
+                self._modules[digest] = _Module(self.call("cuModuleLoadData", code))
+            return self._modules[digest]
+
+    def compile(self, source: str) -> bytes:
+        """The machine code of a source for this card. Raises CardError with the compiler's first error."""
+        return compiled(self._nvrtc, source, self.target)
+
+    def set_constant(self, program: _Module, name: str, values: bytes) -> None:
+        """Give a constant array of a program its values, for the launches that follow."""
+        place, _ = self.call("cuModuleGetGlobal", program.handle, name.encode())
+        array = np.frombuffer(values, np.uint8)
+        self.call("cuMemcpyHtoD", place, array.ctypes.data, array.nbytes)
+
+    def upload(self, array: np.ndarray) -> _Memory:
+        """Copy an array to the card."""
+        array = np.ascontiguousarray(array)
+        memory = _Memory(self, array.nbytes)
+        if array.nbytes:
+            self.call("cuMemcpyHtoD", memory.address, array.ctypes.data, array.nbytes)
+        return memory
+
+    def empty(self, size: int) -> _Memory:
+        """So many bytes of the card, all 0."""
+        memory = _Memory(self, size)
+        if size:
+            self.call("cuMemsetD8", memory.address, 0, size)
+        return memory
+
+    def download(self, buffer: Buffer, into: np.ndarray) -> None:
+        """Copy memory of the card to a contiguous array, once all launches are over."""
+        assert into.flags.c_contiguous
+        if into.nbytes:
+            self.call("cuMemcpyDtoH", into.ctypes.data, buffer.address, into.nbytes)
+
+    def launch(self, program: _Module, kernel: str, blocks: int, threads: int, shared: int, arguments: bytes) -> None:
+        """Start a kernel after those before it; `arguments` are the bytes of the struct that it takes."""
+        if kernel not in program.kernels:
+            program.kernels[kernel] = self.call("cuModuleGetFunction", program.handle, kernel.encode())
+        function = program.kernels[kernel]
+        if shared > FREELY_SHARED:
+            kind = self._driver.CUfunction_attribute.CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES
+            self.call("cuFuncSetAttribute", function, kind, shared)
+        struct = ctypes.create_string_buffer(arguments, len(arguments))
+        places = np.array([ctypes.addressof(struct)], np.uint64)  # the driver copies the struct before it returns
+        self.call("cuLaunchKernel", function, blocks, 1, 1, threads, 1, 1, shared, 0, places.ctypes.data, 0)
+
+    def wait(self, stop: np.ndarray) -> bool:
+        """Wait until all launches are over; False if `stop` (uint8, shape (1,)) was set meanwhile."""
+        pause = FIRST_PAUSE
+        while True:
+            self.call("cuCtxSetCurrent", self._context)
+            answer = self._driver.cuStreamQuery(0)
+            if int(answer[0]) != NOT_READY:
+                self._answer("cuStreamQuery", answer)
+                return True
+            if stop[0]:
+                return False
+            time.sleep(pause)
+            pause = min(1.5 * pause, LONGEST_PAUSE)
+
+    def _answer(self, name: str, answer: tuple[Any, ...]) -> Any:
+        """What a function of the driver returned besides its code. Raises CardError."""
+        code = int(answer[0])
+        if code == 0:
+            return answer[1] if len(answer) == 2 else answer[1:]
+        said = getattr(answer[0], "name", f"error {code}")
+        if code == FULL:
+            raise CardFull(f"the memory of {self._called()} is full")
+        if code in LOST:
+            raise CardLost(f"{self._called()} was lost ({said}): finished work is kept; start again to go on")
+        raise CardError(f"{name} of {self._called()} fails with {said}")
+
+    def _called(self) -> str:
+        return getattr(self, "name", "the card")
+
+    def _compile(self, name: str, *given: Any) -> Any:
+        return _of_compiler(self._nvrtc, name, *given)
+
+    def _about(self, kind: Any, device: Any) -> int:
+        return int(self.call("cuDeviceGetAttribute", kind, device))
+
+    def _check_target(self) -> None:
+        known = [f"sm_{number}" for number in self._compile("nvrtcGetSupportedArchs")]
+        if self.target not in known:
+            raise CardError(
+                f"{self.name} is {self.target}, and the installed compiler writes code for {', '.join(known)}: another "
+                "version of CUDA may know it (pip install 'swarmcensus[gpu12]' is for older cards)"
+            )
+
+
+def open_driver() -> Driver:
+    """Open the first card that CUDA_VISIBLE_DEVICES names. Raises CardError in one sentence."""
+    try:
+        driver, nvrtc = (importlib.import_module(f"cuda.bindings.{name}") for name in ("driver", "nvrtc"))
+    except ImportError:
+        raise CardError(f"a card needs NVIDIA's cuda-bindings and NVRTC: {EXTRA}") from None
+    return Cuda(driver, nvrtc)
+
+
+def compiled(nvrtc: ModuleType, source: str, target: str) -> bytes:
+    """The machine code of a source for a target such as "sm_90". Raises CardError with the compiler's first error."""
+    program = _of_compiler(nvrtc, "nvrtcCreateProgram", source.encode(), b"kernels.cu", 0, None, None)
+    try:
+        options = [option.encode() for option in (f"--gpu-architecture={target}", *OPTIONS)]
+        if int(nvrtc.nvrtcCompileProgram(program, len(options), options)[0]):
+            log = _text_of(nvrtc, "nvrtcGetProgramLog", program).decode(errors="replace").rstrip("\0")
+            lines = [line.strip() for line in log.splitlines() if line.strip()]
+            errors = [line for line in lines if re.search(r"\berror\b", line)] or lines or ["it gives no reason"]
+            raise CardError(f"NVRTC cannot compile this for {target}: {errors[0]}")
+        return _text_of(nvrtc, "nvrtcGetCUBIN", program)
+    finally:
+        nvrtc.nvrtcDestroyProgram(program)
+
+
+def _text_of(nvrtc: ModuleType, name: str, program: Any) -> bytes:
+    """What a function of the compiler writes."""
+    text = bytes(_of_compiler(nvrtc, f"{name}Size", program))
+    _of_compiler(nvrtc, name, program, text)  # it writes into these bytes
+    return text
+
+
+def _of_compiler(nvrtc: ModuleType, name: str, *given: Any) -> Any:
+    code, *found = getattr(nvrtc, name)(*given)
+    if int(code):
+        raise CardError(f"{name} fails with {getattr(code, 'name', code)}")
+    return found[0] if len(found) == 1 else found
+
+
+def _unopened(error: Exception) -> CardError:
+    """Why there is no card, in a sentence."""
+    text = str(error).strip()
+    if isinstance(error, CardError) and "NO_DEVICE" not in text:
+        return error
+    if "nvrtc" in text.lower():
+        return CardError(f"NVIDIA's compiler NVRTC cannot be loaded: {EXTRA}")
+    if isinstance(error, CardError):
+        return CardError("this machine has no NVIDIA card, or CUDA_VISIBLE_DEVICES hides it")
+    return CardError("NVIDIA's driver is not installed: this machine has no card that can be used")
+
+
+def _version(number: int) -> tuple[int, int]:
+    return number // 1000, number % 1000 // 10
+
+
+def kept(digest: str) -> bytes | None:
+    """The machine code of this digest in the cache; None if it is not there, or damaged."""
+    try:
+        data = _place(digest).read_bytes()
+    except OSError:
+        return None
+    mark, code = data[:32], data[32:]
+    return code if code and hashlib.sha256(code).digest() == mark else None
+
+
+def keep(digest: str, code: bytes) -> None:
+    """Keep machine code in the cache, where one can be written."""
+    with contextlib.suppress(OSError, InputError), atomic_write(_place(digest)) as temporary:
+        temporary.write_bytes(hashlib.sha256(code).digest() + code)
+
+
+def _place(digest: str) -> Path:
+    return cache_root() / f"{digest[:32]}.cubin"

@@ -1,0 +1,250 @@
+// What is measured of the estimates of all rounds, as in engine/states.py, kernel.py and agreement.py.
+
+PART const double *row_of(const Given &given, int64_t trial, int64_t k) {
+    return given.rows + (trial * (given.rounds + 1) + k) * given.robots;
+}
+
+// The paper's convergence rule (Sec. IV-A): the earliest index that is within delta of all later ones.
+KERNEL(settle) {
+    PHASE {
+        const int64_t n = BLOCK * THREADS + thread;
+        if (n < given.trials * given.robots) {
+            const double *row = row_of(given, n / given.robots, given.rounds) + n % given.robots;
+            int64_t where = given.rounds;
+            double low = INFINITY, high = -INFINITY, value = *row;
+            given.final[n] = value;
+            for (int64_t k = given.rounds; k >= 0 && high - low <= 2.0 * given.delta; k--, row -= given.robots) {
+                const double x = *row, less = low <= x ? low : x, more = high >= x ? high : x;
+                if (more - x < given.delta && x - less < given.delta) {
+                    where = k;
+                    value = x;
+                }
+                low = less, high = more;
+            }
+            given.where[n] = where;
+            given.value[n] = value;
+        }
+    }
+}
+
+// What the threads of a block share to find quantiles.
+struct Shared {
+    uint32_t histogram[256], counts[4];
+    uint64_t least;
+};
+
+// A key that is ordered as numbers are.
+PART uint64_t key_of(double x) {
+    const uint64_t bits = bits_of(x);
+    return bits >> 63 ? ~bits : bits | (1ull << 63);
+}
+
+PART double of_key(uint64_t key) { return from_bits(key >> 63 ? key & ~(1ull << 63) : ~key); }
+
+// The honest estimate of a row with so many before it, in order; digit by digit.
+APART uint64_t select(const Given &given, int64_t trial, const double *row, int64_t rank TOGETHER) {
+    Shared *ours = (Shared *)SHARED;
+    uint64_t prefix = 0, mask = 0;
+#pragma unroll 1
+    for (int32_t shift = 56; shift >= 0; shift -= 8) {
+        PHASE {
+            for (int64_t digit = thread; digit < 256; digit += THREADS) {
+                ours->histogram[digit] = 0;
+            }
+        }
+        BARRIER;
+        PHASE {
+            for (int64_t i = thread; i < given.robots; i += THREADS) {
+                const uint64_t key = key_of(row[i]);
+                if ((key & mask) == prefix && is_honest(given, trial, i)) {
+                    add(&ours->histogram[(key >> shift) & 255], 1);
+                }
+            }
+        }
+        BARRIER;
+        int32_t digit = 0;
+        while (digit < 255 && rank >= ours->histogram[digit]) {
+            rank -= ours->histogram[digit++];
+        }
+        prefix |= (uint64_t)digit << shift;
+        mask |= 255ull << shift;
+        BARRIER;
+    }
+    return prefix;
+}
+
+struct Quantile {
+    double lower, upper, value;
+};
+
+// The two honest estimates around a quantile of a row, and the quantile, linear as in NumPy.
+APART Quantile quantile_of(const Given &given, int64_t trial, const double *row, int64_t count, double share TOGETHER) {
+    Shared *ours = (Shared *)SHARED;
+    const double place = (double)(count - 1) * share;
+    const int64_t rank = (int64_t)place;
+    const double part = place - (double)rank;
+    const uint64_t key = select(given, trial, row, rank ALL_OF_US);
+    PHASE {
+        if (thread == 0) {
+            ours->counts[0] = 0;
+            ours->least = ~0ull;
+        }
+    }
+    BARRIER;
+    PHASE {
+        uint32_t upto = 0;
+        uint64_t least = ~0ull;
+        for (int64_t i = thread; i < given.robots; i += THREADS) {
+            const uint64_t other = key_of(row[i]);
+            if (is_honest(given, trial, i)) {
+                upto += other <= key;
+                least = other > key && other < least ? other : least;
+            }
+        }
+        add_all(&ours->counts[0], upto);
+        take_less(&ours->least, least);
+    }
+    BARRIER;
+    Quantile found;
+    found.lower = of_key(key);
+    const bool is_last = rank + 1 >= count || ours->counts[0] > rank + 1;
+    found.upper = is_last ? found.lower : of_key(ours->least);
+    BARRIER;
+    const double step = found.upper - found.lower;
+    found.value = part >= 0.5 ? found.upper - step * (1.0 - part) : found.lower + step * part;
+    return found;
+}
+
+#define TAIL 0.05
+#define MARGIN 1e-12
+
+// Whether the estimates around the lower quantile are a and b or more, those around the other c and d or less.
+APART bool are_inside(const Given &given, int64_t trial, const double *row, int64_t count, const double *bounds TOGETHER) {
+    Shared *ours = (Shared *)SHARED;
+    PHASE {
+        if (thread < 4) {
+            ours->counts[thread] = 0;
+        }
+    }
+    BARRIER;
+    PHASE {
+        uint32_t counts[4] = {0, 0, 0, 0};
+        for (int64_t i = thread; i < given.robots; i += THREADS) {
+            if (is_honest(given, trial, i)) {
+                counts[0] += row[i] >= bounds[0];
+                counts[1] += row[i] >= bounds[1];
+                counts[2] += row[i] <= bounds[2];
+                counts[3] += row[i] <= bounds[3];
+            }
+        }
+        for (int32_t n = 0; n < 4; n++) {
+            add_all(&ours->counts[n], counts[n]);
+        }
+    }
+    BARRIER;
+    const int64_t lower = (int64_t)(TAIL * (double)(count - 1)), upper = (int64_t)((1.0 - TAIL) * (double)(count - 1));
+    const int64_t after = lower + 1 < count - 1 ? lower + 1 : count - 1, above = upper + 1 < count - 1 ? upper + 1 : count - 1;
+    const bool inside = ours->counts[0] >= count - lower && ours->counts[1] >= count - after &&
+                        ours->counts[2] > upper && ours->counts[3] > above;
+    BARRIER;
+    return inside;
+}
+
+// The last index of some rounds at which the honest robots disagree by more than delta, and 1 more; 0 if there is none.
+KERNEL(agree) {
+    const int64_t chunks = (given.rounds + given.chunk) / given.chunk, trial = BLOCK / chunks;
+    const int64_t first = BLOCK % chunks * given.chunk, end = first + given.chunk, count = given.counted[trial];
+    const double reach = given.delta - MARGIN;
+    int64_t found = 0;
+    const double *row = row_of(given, trial, (end <= given.rounds ? end : given.rounds + 1) - 1);
+    double bounds[4] = {row[0] - reach, row[0] - reach, row[0] + reach, row[0] + reach};
+    for (int64_t k = (end <= given.rounds ? end : given.rounds + 1) - 1; k >= first && found == 0; k--) {
+        row = row_of(given, trial, k);
+        if (!are_inside(given, trial, row, count, bounds ALL_OF_US)) {
+            const Quantile low = quantile_of(given, trial, row, count, TAIL ALL_OF_US);
+            const Quantile high = quantile_of(given, trial, row, count, 1.0 - TAIL ALL_OF_US);
+            const double width = (high.value - low.value) / 2.0, spare = given.delta - width - MARGIN;
+            if (width > given.delta) {
+                found = k + 1;
+            }
+            bounds[0] = low.lower - spare, bounds[1] = low.upper - spare;
+            bounds[2] = high.lower + spare, bounds[3] = high.upper + spare;
+        }
+    }
+    PHASE {
+        if (thread == 0) {
+            given.agreed[BLOCK] = found;
+        }
+    }
+}
+
+// How honest robots do at a checkpoint: how many are right, and how far they are from each other.
+KERNEL(check) {
+    Shared *ours = (Shared *)SHARED;
+    const int64_t c = BLOCK / given.trials, trial = BLOCK % given.trials, count = given.counted[trial];
+    const double *row = row_of(given, trial, given.rounds_of[c]);
+    PHASE {
+        if (thread == 0) {
+            ours->counts[0] = 0;
+        }
+    }
+    BARRIER;
+    PHASE {
+        uint32_t right = 0;
+        for (int64_t i = thread; i < given.robots; i += THREADS) {
+            right += is_honest(given, trial, i) && given.bins[2 * c] <= row[i] && row[i] < given.bins[2 * c + 1];
+            if (given.keeps) {
+                given.kept[BLOCK * given.robots + i] = row[i];
+            }
+        }
+        add_all(&ours->counts[0], right);
+    }
+    BARRIER;
+    const uint32_t right = ours->counts[0];
+    BARRIER;
+    const Quantile low = quantile_of(given, trial, row, count, TAIL ALL_OF_US);
+    const Quantile high = quantile_of(given, trial, row, count, 1.0 - TAIL ALL_OF_US);
+    PHASE {
+        if (thread == 0) {
+            given.right[BLOCK] = (double)right / (double)count;
+            given.widths[BLOCK] = (high.value - low.value) / 2.0;
+        }
+    }
+}
+
+// The option for which all honest robots of a trial have decided after a round; -1 if there is none.
+KERNEL(decide) {
+    Shared *ours = (Shared *)SHARED;
+    const int64_t trial = BLOCK / given.rounds;
+    const int16_t *row = given.decisions + BLOCK * given.robots;
+    PHASE {
+        if (thread == 0) {
+            ours->counts[0] = 0;
+            ours->least = ~0ull;
+        }
+    }
+    BARRIER;
+    PHASE {
+        uint64_t least = ~0ull;
+        for (int64_t i = thread; i < given.robots; i += THREADS) {
+            if (is_honest(given, trial, i)) {
+                least = row[i] < 0 ? 0 : (uint64_t)row[i] + 1 < least ? (uint64_t)row[i] + 1 : least;
+            }
+        }
+        take_less(&ours->least, least);
+    }
+    BARRIER;
+    PHASE {
+        uint32_t others = 0;
+        for (int64_t i = thread; i < given.robots; i += THREADS) {
+            others += is_honest(given, trial, i) && (uint64_t)(row[i] + 1) != ours->least;
+        }
+        add_all(&ours->counts[0], others);
+    }
+    BARRIER;
+    PHASE {
+        if (thread == 0) {
+            given.unanimous[BLOCK] = ours->counts[0] == 0 ? (int16_t)((int64_t)ours->least - 1) : (int16_t)-1;
+        }
+    }
+}

@@ -1,0 +1,42 @@
+// Sums over all robots before each one and over all after it, in the order of engine/phases.py: blocks of BLOCK_SIZE
+// robots are added up; then a robot's sum before it starts from the blocks before its own, and that after it likewise.
+
+#define BLOCK_SIZE 256
+
+// Sums within one block: `from` and `to` are its robots, `before` and `after` the sums over other blocks.
+PART void sum_before(const number *said, number *out, int64_t from, int64_t to, number sum) {
+    for (int64_t i = from; i < to; i++) {
+        out[i] = sum;
+        sum = sum + said[i];
+    }
+}
+
+PART void sum_after(const number *said, number *out, int64_t from, int64_t to, number sum) {
+    for (int64_t i = to - 1; i >= from; i--) {
+        out[i] = sum;
+        sum = sum + said[i];
+    }
+}
+
+PART number sum_of(const number *said, int64_t from, int64_t to) {
+    number sum = 0;
+    for (int64_t i = from; i < to; i++) {
+        sum = sum + said[i];
+    }
+    return sum;
+}
+
+// One word of the sums over whole blocks: `parts` has the sum of each block in place 0, and gets those before and after
+// it in places 1 and 2.
+PART void chain(number *parts, int64_t blocks, int64_t apart) {
+    number sum = 0;
+    for (int64_t block = 0; block < blocks; block++) {
+        parts[block * apart + WIDTH] = sum;
+        sum = sum + parts[block * apart];
+    }
+    sum = 0;
+    for (int64_t block = blocks - 1; block >= 0; block--) {
+        parts[block * apart + 2 * WIDTH] = sum;
+        sum = sum + parts[block * apart];
+    }
+}

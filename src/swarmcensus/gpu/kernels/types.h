@@ -1,0 +1,32 @@
+// What a brain in C needs of its compiler.
+
+#ifdef __CUDACC__
+
+typedef unsigned char uint8_t;
+typedef unsigned short uint16_t;
+typedef unsigned int uint32_t;
+typedef unsigned long long uint64_t;
+typedef signed char int8_t;
+typedef short int16_t;
+typedef int int32_t;
+typedef long long int64_t;
+#define INT64_MAX 9223372036854775807ll
+#define INT64_MIN (-INT64_MAX - 1)
+#define INFINITY __int_as_float(0x7f800000)
+#define NAN __int_as_float(0x7fc00000)
+#define BRAIN_CONSTANT __constant__
+#define BRAIN_PART __device__ static inline
+
+#else
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#define BRAIN_CONSTANT
+#define BRAIN_PART static inline
+
+#endif
+
+#define BRAIN_TABLE
+#define BRAIN_EACH_NUMBER \
+    _Pragma("unroll") for (int32_t n = 0; n < (int32_t)(sizeof(struct brain) / sizeof(number)); n++)

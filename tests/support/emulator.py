@@ -1,0 +1,76 @@
+"""A driver for a processor: it compiles the kernels' text with g++ and runs the threads of a block one by one."""
+
+import ctypes
+import hashlib
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swarmcensus.engine import cache_root
+from swarmcensus.gpu.given import Given
+from swarmcensus.support.files import atomic_write
+
+FLAGS = ("-std=c++17", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-w")
+needs_gxx = pytest.mark.skipif(shutil.which("g++") is None, reason="kernels are compiled by g++, which is not here")
+
+
+class Memory:
+    def __init__(self, array):
+        self.array = array
+        self.address = array.ctypes.data
+
+
+class Emulator:
+    """A `gpu.driver.Driver` that needs no card."""
+
+    name, shared = "Emulator", 1 << 17
+
+    def __init__(self, memory=1 << 32):
+        self.memory = memory
+        self.launches = 0
+
+    def free(self):
+        return self.memory
+
+    def build(self, source):
+        digest = hashlib.sha256("\0".join((*FLAGS, source)).encode()).hexdigest()[:32]
+        library = cache_root() / f"{digest}.so"
+        if not library.is_file():
+            with tempfile.TemporaryDirectory() as folder:
+                text, made = Path(folder) / "kernels.cpp", Path(folder) / "kernels.so"
+                text.write_text(source)
+                done = subprocess.run(["g++", *FLAGS, "-o", made, text], capture_output=True, text=True)
+                assert done.returncode == 0, done.stderr
+                with atomic_write(library) as temporary:
+                    shutil.copy(made, temporary)
+        return ctypes.CDLL(str(library))
+
+    def set_constant(self, program, name, values):
+        place = (ctypes.c_char * len(values)).in_dll(program, name)
+        ctypes.memmove(place, values, len(values))
+
+    def upload(self, array):
+        return Memory(array.copy())
+
+    def empty(self, size):
+        return Memory(np.zeros(-(-size // 8), np.uint64))
+
+    def download(self, buffer, into):
+        into.reshape(-1).view(np.uint8)[:] = buffer.array.reshape(-1).view(np.uint8)[: into.nbytes]
+
+    def launch(self, program, kernel, blocks, threads, shared, arguments):
+        self.launches += 1
+        function = program[kernel]
+        function.argtypes = [Given, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
+        given = Given.from_buffer_copy(arguments)
+        assert threads % 32 == 0 and 0 < threads <= 1024
+        room = np.full(max(shared, 8), 0xA5, np.uint8)  # nobody may rely on zeros
+        for block in range(blocks):
+            function(given, block, threads, room.ctypes.data)
+
+    def wait(self, stop):
+        return not stop[0]

@@ -1,0 +1,160 @@
+"""The driver of cards, with stand-ins for NVIDIA's libraries."""
+
+import ctypes
+import gc
+import importlib.util
+import sys
+import threading
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from swarmcensus.engine import cache_root
+from swarmcensus.gpu import CardError, CardFull, CardLost, driver, open_driver
+from tests.support import fake_cuda
+
+GOING = np.zeros(1, np.uint8)
+TWICE = 'struct Twice { double* values; }; extern "C" __global__ void twice(Twice given) { given.values[0] *= 2.0; }'
+
+
+@pytest.fixture
+def card(monkeypatch, tmp_path):
+    monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path))
+    return fake_cuda.install(monkeypatch)
+
+
+def test_kernels_change_what_was_uploaded(card):
+    def twice(blocks, threads, shared, struct):
+        assert (blocks, threads, shared) == (3, 64, 100_000)
+        address = ctypes.c_uint64.from_address(struct).value
+        np.frombuffer(card.memory[address], np.float64)[:] *= 2.0
+
+    card.kernels["twice"] = twice
+    opened, found = open_driver(), np.empty(4)
+    buffer = opened.upload(np.arange(8.0)[::2])
+    opened.launch(opened.build(TWICE), "twice", 3, 64, 100_000, np.uint64(buffer.address).tobytes())
+    assert opened.wait(GOING)
+    opened.download(buffer, found)
+    assert found.tolist() == [0.0, 4.0, 8.0, 12.0]
+    assert card.called.count("cuFuncSetAttribute") == 1
+    assert (opened.name, opened.shared) == ("Fake 1", 232_448)
+
+
+def test_memory_is_freed_with_its_buffer(card):
+    opened = open_driver()
+    before, found = opened.free(), np.ones(5, np.uint8)
+    buffer = opened.empty(5)
+    opened.download(buffer, found)
+    assert not found.any()
+    assert opened.free() == before - 5
+    del buffer
+    gc.collect()
+    assert opened.free() == before
+
+
+def test_each_thread_gets_the_context(card):
+    opened = open_driver()
+    card.called.clear()
+    thread = threading.Thread(target=opened.free)
+    thread.start()
+    thread.join()
+    assert card.called == ["cuCtxSetCurrent", "cuMemGetInfo"]
+
+
+def test_waiting_ends_when_stopped(card):
+    opened, card.busy = open_driver(), 3
+    assert opened.wait(GOING)
+    assert card.busy == 0
+    card.busy = 10**9
+    assert not opened.wait(np.ones(1, np.uint8))
+
+
+def test_machine_code_is_compiled_once_and_damaged_files_again(card):
+    for _ in range(2):
+        open_driver().build("one")
+        opened = open_driver()
+        assert opened.build("one") is opened.build("one")
+        assert card.called.count("nvrtcCompileProgram") == 1
+        [file] = cache_root().glob("*.cubin")
+        file.write_bytes(file.read_bytes()[:-1])
+        card.called.clear()
+    card.capability = 7, 5
+    assert open_driver().build("one").handle == b"code of one"  # another card has other code
+    assert len([*cache_root().glob("*.cubin")]) == 2
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(card, monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path / "file" / "cache"))
+    assert open_driver().build("one").handle == b"code of one"
+
+
+def test_without_the_extra_its_name_is_said(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cuda.bindings", None)
+    with pytest.raises(CardError, match=r"NVRTC: pip install 'swarmcensus\[gpu\]'"):
+        open_driver()
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("cuInit", "NVIDIA's driver is not installed: this machine has no card"),
+        ("nvrtcVersion", r"NVRTC cannot be loaded: pip install 'swarmcensus\[gpu\]'"),
+    ],
+)
+def test_libraries_that_cannot_be_loaded(name, said, card, monkeypatch):
+    def fails(*_):
+        raise RuntimeError(f"no library of {name} was found")
+
+    module = sys.modules["cuda.bindings.driver" if name == "cuInit" else "cuda.bindings.nvrtc"]
+    monkeypatch.setattr(module, name, fails)
+    with pytest.raises(CardError, match=said):
+        open_driver()
+
+
+@pytest.mark.parametrize(
+    ("state", "said"),
+    [
+        ({"fails": {"cuInit": 100}}, "this machine has no NVIDIA card, or CUDA_VISIBLE_DEVICES hides it"),
+        ({"version": 12040}, r"driver of this card is for CUDA 12.4, and the compiler for CUDA 13: update.*\[gpu12\]"),
+        ({"capability": (7, 0)}, "Fake 1 is sm_70, and the installed compiler writes code for sm_75, sm_90"),
+    ],
+)
+def test_cards_that_cannot_be_used(state, said, card):
+    vars(card).update(state)
+    with pytest.raises(CardError, match=said) as found:
+        open_driver()
+    assert "\n" not in str(found.value)
+
+
+def test_a_full_card(card):
+    with pytest.raises(CardFull, match=r"^the memory of Fake 1 is full$"):
+        open_driver().empty(card.size + 1)
+
+
+def test_a_lost_card(card):
+    opened = open_driver()
+    program = opened.build("one")
+    card.fails["cuStreamQuery"] = 700
+    with pytest.raises(CardLost, match=r"Fake 1 was lost .CUDA_ERROR_ILLEGAL_ADDRESS.: finished work is kept"):
+        opened.wait(GOING)
+    card.fails = {"cuLaunchKernel": 701}  # what the card refuses, and survives
+    with pytest.raises(CardError, match="cuLaunchKernel of Fake 1 fails with CUDA_ERROR_LAUNCH_OUT_OF_RESOURCES"):
+        opened.launch(program, "one", 1, 1, 0, bytes(8))
+
+
+def test_the_first_error_of_the_compiler_is_said(card):
+    card.fails["nvrtcCompileProgram"] = 1
+    card.log = b"kernels.cu(3): warning: a\nkernels.cu(7): error: b is undefined\nkernels.cu(9): error: c\n"
+    with pytest.raises(CardError, match=r"^NVRTC cannot compile this for sm_90: kernels.cu\(7\): error: b is undef"):
+        open_driver().build("one")
+    assert not [*cache_root().glob("*")]
+
+
+@pytest.mark.skipif(importlib.util.find_spec("cuda") is None, reason="NVIDIA's compiler is not installed")
+def test_the_real_compiler_writes_code_and_says_errors():
+    nvrtc: ModuleType = importlib.import_module("cuda.bindings.nvrtc")
+    assert driver.compiled(nvrtc, TWICE, "sm_90").startswith(b"\x7fELF")
+    with pytest.raises(CardError, match=r"kernels.cu\(1\): error"):
+        driver.compiled(nvrtc, TWICE.replace("values[0]", "value[0]"), "sm_90")

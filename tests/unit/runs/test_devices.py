@@ -1,0 +1,264 @@
+"""Studies on a card, for which a stand-in computes: what runs there, what on the CPU, and what is said."""
+
+import logging
+import warnings
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.gpu import CardError, CardFull, CardLost, paying
+from swarmcensus.runs import devices, verifying
+from swarmcensus.runs.running import run
+from swarmcensus.support.errors import InputError, Interrupted
+from tests.support.fake_card import FakeCard, Fuller, Rounding, put
+from tests.support.results import same
+from tests.support.small import BOTH, FAILS, RING, SMALL, study_of
+
+TRIALS = 5
+MISSION = """
+trials = 50
+known  = {accuracy = 0.8, fill_ratio = 0.55}
+wanted = {half_width = 0.1}
+free   = {robots = 6, topology = "ring"}
+"""
+MOVING_MISSION = {
+    "trials": 40, "area": {"side": 1.0}, "known": {"accuracy": 0.8, "fill_ratio": 0.55}, "wanted": {"half_width": 0.2},
+    "free": {"robots": 3},
+}  # fmt: skip
+SWARM = {"robots": [4, 6], "accuracy": 0.7}
+SHORT = {"rounds": 20, "observations_per_round": 10}
+
+
+@pytest.fixture
+def card(monkeypatch):
+    return put(monkeypatch, FakeCard())
+
+
+@pytest.fixture
+def no_card(monkeypatch):
+    def fails():
+        raise CardError("this machine has no NVIDIA card")
+
+    monkeypatch.setattr(devices, "the_card", fails)
+
+
+def ring(**more):
+    return study_of(robots=4, rounds=20, trials=TRIALS, **more)
+
+
+def failing_on(card, after, error):
+    """The card fails with an error once it has run some batches."""
+    ran = card.run_batch
+
+    def run_batch(*given):
+        if len(card.batches) == after:
+            raise error
+        return ran(*given)
+
+    card.run_batch = run_batch
+    return card
+
+
+def test_a_study_of_all_kinds_gives_the_same_file(card, here):
+    study = sc.Study.parse(SMALL).with_(measure={"local": True, "estimates": True})
+    on_card = run(study, device="gpu", out="card.nc")
+    assert same(on_card, run(study))
+    assert on_card.attrs["device"] == "gpu (Fake 1)"
+    assert "device" not in run(study).attrs
+    assert {local for *_, local in card.batches} == {False, True}
+    assert sum(trials for _, _, trials, local in card.batches if not local) == on_card.attrs["trials_done"]
+
+
+def test_what_a_card_cannot_run_runs_on_the_cpu(card, caplog):
+    caplog.set_level(logging.INFO)
+    study = sc.Study(name="both", trials=TRIALS, seed=3, swarm=SWARM, world=BOTH, schedule=SHORT | {"ticks": 20})
+    assert same(run(study, device="gpu"), run(study))
+    assert caplog.text.count("both: 2 of 4 settings run on the CPU: robots move") == 1
+    assert {setting.body for setting, *_ in card.batches} == {None}
+    assert len(card.batches) == 2
+
+
+def test_batches_are_as_large_as_the_card_allows(card):
+    card.most = 2
+    assert same(run(ring(), device="gpu"), run(ring()))
+    assert [(first, trials) for _, first, trials, _ in card.batches] == [(0, 2), (2, 2), (4, 1)]
+
+
+def test_a_full_card_gets_half_the_batch(monkeypatch):
+    card = put(monkeypatch, Fuller())
+    assert same(run(ring(), device="gpu"), run(ring()))
+    assert [(first, trials) for _, first, trials, _ in card.batches] == [(0, 2), (2, 2), (4, 1)]
+
+
+def test_a_trial_too_large_for_the_card_ends_the_run(monkeypatch, here):
+    put(monkeypatch, Fuller()).room = 0
+    with pytest.raises(CardFull, match=r"^the memory of Fake 1 is full: it is too small for a trial of "):
+        run(ring(), device="gpu", out="r.nc")
+    assert not [*here.iterdir()]
+
+
+def test_one_that_is_known_to_be_too_large_is_refused_before_anything_runs(card, here, monkeypatch):
+    def most_trials(setting, *_):
+        if setting.robots == 6:
+            raise CardFull("Fake 1 has no room for a trial of 6 robots")
+        return 1000
+
+    card.most_trials = most_trials
+    study = sc.Study(trials=TRIALS, seed=3, swarm=SWARM, world=RING, schedule={"rounds": 20_000})
+    with pytest.raises(CardFull, match="no room for a trial of 6 robots"):
+        run(study, device="gpu", out="r.nc")
+    assert not card.batches
+    assert not [*here.iterdir()]
+    monkeypatch.setattr(paying, "WORTH", 0.0)
+    run(study.with_(schedule={"rounds": 20}), device="auto")
+    assert {setting.robots for setting, *_ in card.batches} == {4}
+
+
+def test_a_lost_card_ends_the_run_and_keeps_finished_work(monkeypatch, here):
+    study = sc.Study(name="lost", trials=TRIALS, seed=3, swarm=SWARM, world=RING, schedule=SHORT)
+    put(monkeypatch, failing_on(FakeCard(most=2), 4, CardLost("Fake 1 was lost")))
+    with pytest.raises(CardLost, match=r"^Fake 1 was lost$"):
+        run(study, device="gpu", out="r.nc")
+    card, lines = put(monkeypatch, FakeCard()), []
+    assert same(run(study, device="gpu", out="r.nc", say=lines.append), run(study))
+    assert lines == ["r.nc: found 7 of 10 trials; 7 of them in 1 shard of a run that was cut off"]
+    assert sum(trials for _, _, trials, _ in card.batches) == 3
+
+
+def test_ctrl_c_keeps_finished_batches(card, here):
+    card.most = 1
+
+    def stop_at_two(*_):
+        if len(card.batches) >= 2:
+            raise KeyboardInterrupt
+
+    study = study_of(robots=50, rounds=2000, trials=300)
+    with pytest.raises(Interrupted) as stopped:
+        run(study, device="gpu", out="r.nc", progress=stop_at_two)
+    assert 2 <= stopped.value.done < 300
+    assert stopped.value.results.attrs["device"] == "gpu (Fake 1)"
+    resumed = run(study.with_(trials=300), out="r.nc")
+    assert resumed.attrs["device"] == "gpu (Fake 1)"
+    assert same(resumed, run(study))
+
+
+def test_failing_trials_fail_as_on_the_cpu(card, here):
+    (here / "fails.py").write_text(FAILS)
+    study = study_of("fails.py", robots=4, rounds=80, trials=20, fill_ratio=0.3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        on_card, on_cpu = run(study, device="gpu"), run(study)
+    assert same(on_card, on_cpu)
+    assert on_card.attrs["failed"] == on_cpu.attrs["failed"]
+
+
+def test_auto_takes_a_card_for_long_studies_only(card):
+    assert same(run(ring(), device="auto"), run(ring()))
+    assert not card.batches
+    long = study_of(robots=4, rounds=2, trials=80_000)
+    assert devices.placing_of_study(long, "auto").on_card.all()
+
+
+def test_auto_is_silent_without_a_card(no_card, caplog, monkeypatch):
+    caplog.set_level(logging.INFO)
+    monkeypatch.setattr(paying, "WORTH", 0.0)
+    assert same(run(ring(), device="auto"), run(ring()))
+    assert not caplog.text
+
+
+def test_brains_of_a_card_are_not_compiled_for_the_cpu(card, monkeypatch):
+    compiled = []
+    monkeypatch.setattr("swarmcensus.runs.pools.tiny_settings", lambda settings: compiled.extend(settings) or [])
+    run(ring(), device="gpu")
+    assert not compiled
+
+
+@pytest.mark.parametrize("made", ["cpu", "gpu"])
+def test_verify_compares_a_card_with_the_cpu(made, card, here):
+    run(ring(measure={"local": True}), device=made, out="r.nc")
+    other = {"cpu": "gpu", "gpu": "cpu"}[made]
+    assert main(["verify", "r.nc", "--all", "--device", other]) == 0
+    assert bool(card.batches)
+
+
+@pytest.mark.parametrize(("brain", "differ"), [("minimalistic", TRIALS), ("sure", 0)])
+def test_only_brains_with_exp_may_round_otherwise(brain, differ, monkeypatch):
+    put(monkeypatch, Rounding())
+    study = ring(brain=brain)
+    assert len(verifying.verify(run(study), sample=1, device="gpu").differences) == differ
+    on_card = run(study, device="gpu")
+    assert len(verifying.verify(on_card, sample=1).differences) == differ
+    on_card["final_estimate"][0, 0, 0] += 1e-9
+    assert len(verifying.verify(on_card, sample=1).differences) == max(differ, 1)
+
+
+def test_where_brains_may_round_otherwise_a_hundredth_of_times_may_differ(card):
+    data = run(study_of("sure", robots=4, rounds=20, trials=50), device="gpu")
+    data["convergence_round"][0, :2, 0] -= 1
+    assert not verifying.verify(data, sample=1).differences  # 2 of 200
+    data["convergence_round"][0, 2, 0] -= 1
+    assert len(verifying.verify(data, sample=1).differences) == 3
+
+
+@pytest.fixture
+def files(here):
+    """A study, a mission and results, as files."""
+    source = brains.load("minimalistic").source
+    (here / "mine.py").write_text(source.replace("MEMORY =", 'PARAMETERS = {"c": 0.5}\nMEMORY ='))
+    (here / "s.toml").write_text(SMALL.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
+    (here / "m.toml").write_text(MISSION)
+    run(ring(), out="r.nc")
+
+
+COMMANDS = {
+    "run": "run s.toml", "reproduce": "reproduce --only fig2 --trials 1", "leaderboard": "leaderboard --trials 1",
+    "plan": "plan m.toml", "verify": "verify r.nc",
+    "tune": "tune s.toml --parameter c=0:1 --budget 13 --trials 2",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_refuse_a_card_that_is_not_there(command, no_card, files, refused):
+    assert refused(*COMMANDS[command].split(), "--device", "gpu") == "swarmcensus: this machine has no NVIDIA card"
+
+
+@pytest.mark.parametrize("command", ["plan", "tune"])
+def test_searches_find_the_same_on_a_card(command, card, files, capsys):
+    words = COMMANDS[command].split()
+    assert main([*words, "--device", "gpu", "--quiet"]) == 0
+    on_card = capsys.readouterr().out
+    assert {setting.body for setting, *_ in card.batches} == {None}
+    assert main([*words, "--quiet", *["--fresh"] * (command == "tune")]) == 0
+    assert capsys.readouterr().out == on_card
+
+
+def test_a_plan_of_moving_robots_says_once_that_they_run_on_the_cpu(card, caplog, here):
+    caplog.set_level(logging.INFO)
+    sc.plan(MOVING_MISSION, device="gpu")
+    assert caplog.text.count("all settings run on the CPU: robots move") == 1
+    assert not card.batches
+
+
+def test_unknown_devices_are_refused(refused, here):
+    (here / "s.toml").write_text(SMALL)
+    said = refused("run", "s.toml", "--device", "cup")
+    assert said == "swarmcensus run: --device cup: did you mean 'cpu'? should be cpu, gpu or auto"
+    with pytest.raises(InputError, match=r"^device='tpu': did you mean 'gpu'\? should be cpu, gpu or auto$"):
+        run(ring(), device="tpu")
+
+
+def test_merged_files_name_the_cards_of_all(card, here):
+    shares = [run(ring(), device=device, share=(k, 2)) for k, device in ((1, "gpu"), (2, "cpu"))]
+    assert sc.merge(shares).attrs["device"] == "gpu (Fake 1)"
+    assert same(sc.merge(shares).drop_attrs(), run(ring()).drop_attrs())
+
+
+def test_rules_run_on_a_card_in_stages(card):
+    rule = {"until": "final_estimate mean +- 4e-3", "at_least": 8, "at_most": 200}
+    study = study_of(robots=4, rounds=20, trials=rule)
+    on_card = run(study, device="gpu")
+    assert np.array_equal(on_card["half_width"], run(study)["half_width"])
+    assert card.batches
