@@ -13,6 +13,7 @@ from .compiler import (
 from .compiling import INSIDE as INSIDE
 from .failures import works as works
 from .layout import (
+    ALONE as ALONE,
     NO_LINKS as NO_LINKS,
     Bodies as Bodies,
     Chunk as Chunk,
@@ -28,6 +29,7 @@ from .layout import (
     States as States,
     Swarm as Swarm,
     Tally as Tally,
+    parts_of as parts_of,
     runs_of as runs_of,
 )
 from .random import (
@@ -42,4 +44,9 @@ from .random import (
 from .records import record_type as record_type
 from .return_values import spoken as spoken
 from .states import heard_by as heard_by
-from .threads import WHILE_WAITING as WHILE_WAITING, LeavableThreads as LeavableThreads, interruptible as interruptible
+from .threads import (
+    WHILE_WAITING as WHILE_WAITING,
+    LeavableThreads as LeavableThreads,
+    interruptible as interruptible,
+    run_together as run_together,
+)

@@ -6,6 +6,7 @@ CPython's functions and arrays.
 """
 
 import contextlib
+import ctypes
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
@@ -17,8 +18,8 @@ from numba.core import cgutils
 from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic
 
-from swarmcensus.engine.code_cache import not_compiled, sealed
-from swarmcensus.engine.compiling import INSIDE
+from swarmcensus.engine.code_cache import not_compiled
+from swarmcensus.engine.compiling import INSIDE, whole
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
 NOT_COMPILED = "a function is called that was not compiled for this use"
@@ -84,6 +85,19 @@ def _machine_place(typing, items, first):
     return ARRAY(items, first), generate
 
 
+@intrinsic
+def _machine_gate(typing, address):
+    def generate(context, builder, signature, values):
+        builder.call(builder.inttoptr(values[0], ir.FunctionType(ir.VoidType(), []).as_pointer()), [])
+        return context.get_dummy_value()
+
+    return types.void(address), generate
+
+
+def _plain_gate(address):
+    ctypes.CFUNCTYPE(None)(int(address))()
+
+
 def _plain_place(items, first):
     return items.reshape(-1)[int(first) :]
 
@@ -117,13 +131,15 @@ def _plain_view(items, shape, dtype):
 
 # call(function, *arguments) calls by address; place(items, first) passes an array from an item on, without making a
 # view; seen_as(items, shape, dtype) makes what was passed an array again; word_at(words, k) reads one uint64 of it,
-# without making an array; blank_state(record) is a state of zeros on the stack, which the compiler keeps in registers
+# without making an array; pass_gate(address) calls a function of C without arguments; blank_state(record) is a state of
+# zeros on the stack, which the compiler keeps in registers
 PLAIN = not_compiled()
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
 blank_state = _plain_blank if PLAIN else _machine_blank
 place = _plain_place if PLAIN else _machine_place
 word_at = _plain_word if PLAIN else _machine_word
+pass_gate = _plain_gate if PLAIN else _machine_gate
 
 
 @contextlib.contextmanager
@@ -160,7 +176,6 @@ def phase(*takes: Any) -> Callable[[Any], Phase]:
     """Make a function a Phase, cached on disk. As in CPython, division by zero is an error."""
 
     def made(function: Any) -> Phase:
-        machine = numba.njit(nogil=True, error_model="python", cache=True, **INSIDE)(function)
-        return Phase(sealed(machine, function), takes)
+        return Phase(whole(function, **INSIDE), takes)
 
     return made

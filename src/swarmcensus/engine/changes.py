@@ -9,9 +9,8 @@ stay.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.compiling import inside, loop
 from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.draws import binomial_row
 
@@ -45,26 +44,31 @@ class Source(NamedTuple):
     changes: bool  # whether tables may differ from those of the round before
 
 
-@njit(nogil=True, **INSIDE)
-def source_of(sensors):
-    """A source of a trial's readings, whose tables are not made yet."""
+@inside()
+def source_of(sensors, first, last):
+    """A source of a trial's readings for robots first ... last - 1, whose tables are not made yet.
+
+    There is room for all robots, but nobody touches that of the others.
+    """
     looks, robots = sensors.looks, sensors.b.size
     kinds = (1 if looks >= PART else 0) + (1 if looks % PART > 0 else 0)
-    tables = np.zeros((kinds, robots, COLUMNS), np.uint64)
-    stand = np.full((3, robots), np.nan)
+    tables = np.empty((kinds, robots, COLUMNS), np.uint64)
+    stand = np.empty((3, robots))
+    for i in range(first if robots > 1 else 0, last if robots > 1 else 1):
+        stand[0, i] = np.nan
     return Source(tables, stand, sensors, sensors.drift.shape[1] > 0 or sensors.course[UNTIL] > 1.0)
 
 
-@njit(nogil=True, **INSIDE)
-def renew(source, k):
-    """Make the tables of round k: kind 0 for PART observations, the last kind for the rest.
+@inside()
+def renew(source, k, first, last):
+    """Make the tables of round k for robots first ... last - 1: kind 0 for PART observations, the last for the rest.
 
     A reading is black with probability b f + (1 - w)(1 - f) (paper, Sec. III-C). Tables that were made for the same
     numbers stay.
     """
     sensors, looks = source.sensors, source.sensors.looks
     f = fill_ratio_in(sensors.course, k)
-    for i in range(sensors.b.size):
+    for i in range(first if sensors.b.size > 1 else 0, last if sensors.b.size > 1 else 1):
         b, w = sensors.b[i], sensors.w[i]
         if sensors.drift.shape[1] > 0:
             b, w = accuracy_in(sensors.b, sensors.drift, i, k), accuracy_in(sensors.w, sensors.drift, i, k)

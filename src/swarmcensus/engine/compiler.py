@@ -15,8 +15,8 @@ from swarmcensus.engine.records import record_type
 from swarmcensus.support.errors import without_colours
 
 LOOPS = (
-    "world", "scores", "failures", "states", "agreement", "rounds", "kernel", "living", "motion", "neighbours", "walk",
-    "riding", "steering",
+    "world", "scores", "failures", "states", "teams", "agreement", "rounds", "kernel", "living", "motion", "neighbours",
+    "walk", "riding", "steering",
 )  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
 ALWAYS = ("begin", "sense", "believe")  # what of a brain is needed with whatever neighbours
 ONE_BY_ONE, IN_SUMS, IN_SUMS_OF_ALL = "one by one", "in sums", "in sums of all"

@@ -6,9 +6,8 @@ than `PART` observations are drawn as several binomials that add up.
 """
 
 import numpy as np
-from numba import njit
 
-from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.compiling import inside, loop
 from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.random import unit, words
 
@@ -17,7 +16,7 @@ SHIFT = np.uint64(60)
 BITS = np.uint64(4)
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def alias_row(weights, row):
     """Fill `row`, a uint64 for each column: a 60-bit threshold, and in the low 4 bits the alias."""
     columns = weights.size
@@ -54,7 +53,7 @@ def alias_row(weights, row):
         row[c] = (threshold & ~LOW) | np.uint64(alias[c])
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def binomial_row(looks, p, row):
     """The alias row of Binomial(looks, p), looks <= PART."""
     weights = np.zeros(row.size)
@@ -88,9 +87,12 @@ def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
 
 
 @loop()
-def arrange(reading, blacks, bits, left, key, trial, step):
-    """Draw the next single reading of a round with `left` readings to go, `blacks` of them black, in random order."""
-    words(key, trial, step, np.int64(0), np.uint64(0), np.uint64(bits.size), bits)
+def arrange(reading, blacks, bits, left, key, trial, step, first):
+    """Draw the next single reading of a round with `left` readings to go, `blacks` of them black, in random order.
+
+    `first` (even) is the number of the first of these robots.
+    """
+    words(key, trial, step, np.int64(0), first, np.uint64(bits.size), bits)
     for i in range(reading.size):
         black = unit(bits[i]) * left < blacks[i]
         reading[i] = 1.0 if black else 0.0

@@ -29,28 +29,53 @@ from .agreement import agreed_from, half_width
 from .rounds import Work, advance, advance_alone, count_heard, graph_of, most_arrivals
 from .states import (
     ZERO,
+    ask_intervals,
     believe_all,
     blank_states,
     copy_all,
+    count_amiss,
     count_clipped,
     count_known,
     find_wrong,
+    first_from,
     forget_verdicts,
     is_said,
     judge,
     judge_blank,
     measure_intervals,
-    next_checkpoint,
     sensors_of,
     settle,
 )
+from .teams import copy_together, most_of, share_of, team_of, wait
 
 tally_of, intervals_of = map(loop(inline="always"), (Tally.of_trial, Intervals.of_trial))
 
 
+@loop()
+def are_numbers(team, swarm, rows, first, wrong):
+    """Whether all estimates of honest robots so far are numbers in [0, 1]; else `wrong` says which is the first."""
+    begin, end = share_of(team, rows.shape[0] * rows.shape[1])
+    if most_of(team, float(count_amiss(rows, begin, end))) > 0.0:
+        if team.me == 0:
+            find_wrong(swarm, rows, first, wrong)
+        wait(team)
+    return wrong[0] < 0.0
+
+
+@loop()
+def agreed_together(team, rows, first, honest, delta, room, agreed):
+    """What `agreed_from` returns: each member looks at some of these rows."""
+    begin, end = share_of(team, rows.shape[0])
+    since = -1.0
+    if begin < end:
+        since = agreed_from(rows[begin:end], first + begin, honest, delta, room, since)
+    since = most_of(team, since)
+    return since if since >= 0.0 else agreed
+
+
 @entry
 def simulate(
-    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop
+    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member
 ):  # fmt: skip
     """Run a batch of trials from blank states to their metrics; False if stopped.
 
@@ -62,6 +87,9 @@ def simulate(
     first segment starts from blank states and the last never runs again, so they need no snapshot; with room for every
     segment, all get one. To see all estimates of a trial, run it alone and step by step with the same groups:
     states.rows then hold the estimates of the step.
+
+    Several threads may run this at the same time, each as a `member` of a team (`teams.py`) with a `swarm` of its own
+    blocks, and all else in common.
     """
     memory, outbox, signals, rows = states
     sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
@@ -69,30 +97,33 @@ def simulate(
     robots = memory.shape[0]
     segment = rows.shape[0]
     count = (rounds + segment - 1) // segment
-    blacks = np.zeros(robots if local else min(robots, BLOCK))
+    team = team_of(member, swarm, segments.votes, robots)
+    begin, end = team.first, team.last
+    own = end - begin
+    blacks = np.zeros(own if local else min(own, BLOCK))
     bits = np.zeros(blacks.size, np.uint64)
-    single = np.zeros(robots if local else 0)
+    single = np.zeros(own if local else 0)
     arrivals = np.zeros((2, 0), np.uint32)
-    draws = np.zeros((3, max(blacks.size, min(robots, BLOCKS * BLOCK)) if swarm.draws.size > 0 else 0), np.uint64)
+    draws = np.zeros((3, max(blacks.size, min(own, BLOCKS * BLOCK)) if swarm.draws.size > 0 else 0), np.uint64)
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
     uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
-    sums = np.empty((swarm.of_block.size - 1, outbox.shape[1]), np.uint8)
-    partial = np.zeros((2 * sums.shape[0], outbox.shape[1]), np.uint8)
+    partial = np.zeros((2 * segments.sums.shape[0], outbox.shape[1]), np.uint8)
     room = np.empty(robots)
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
+        wait(team)
         number = given.first + trial
         failures = given.stops[trial]
-        graph = graph_of(links, trial if links.starts.size > 2 else 0, robots)
-        most = most_arrivals(graph, robots)
+        graph = graph_of(links, trial if links.starts.size > 2 else 0, robots, begin, end)
+        most = most_arrivals(graph, begin, end)
         if most > arrivals.shape[1]:
             arrivals = np.zeros((2, most), np.uint32)
         if swarm.draws.size > 0 and most > draws.shape[1]:
             draws = np.zeros((3, most), np.uint64)
-        work = Work(blacks, bits, single, draws, sums, partial, arrivals)
-        source = source_of(sensors_of(sensors, trial))
-        renew(source, 1)
+        work = Work(blacks, bits, single, draws, segments.sums, partial, arrivals)
+        source = source_of(sensors_of(sensors, trial), begin, end)
+        renew(source, 1, begin, end)
         counted = tally_of(tally, trial)
         again = Tally(uncounted, unjudged, counted.agreed)  # of rounds that are run again
         asked = intervals_of(intervals, trial)
@@ -102,16 +133,16 @@ def simulate(
         if first_step == 0:
             blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             believe_all(swarm, memory, start, ZERO)
-            forget_verdicts(counted.verdicts, counted.agreed)
+            forget_verdicts(counted.verdicts, counted.agreed, begin, end)
             if counted.verdicts.shape[0] > 0:
                 judge_blank(swarm, memory, start, counted.verdicts)
-            find_wrong(swarm, start, 0, wrong)
+            count_known(swarm, counted.counts, failures, rounds, begin, end)
+            count_heard(swarm, graph, radio, failures, max(rounds - radio.delay, 0), counted.counts, begin, end)
+            wait(team)
             agreement[trial] = 0.0
-            if wrong[0] < 0.0:
-                agreement[trial] = agreed_from(start, 0, swarm.honest, measures.delta, room, 0.0)
-            count_known(swarm, counted.counts, failures, rounds)
-            count_heard(swarm, graph, radio, failures, max(rounds - radio.delay, 0), counted.counts)
-            for i in range(robots):
+            if are_numbers(team, swarm, start, 0, wrong):
+                agreement[trial] = agreed_together(team, start, 0, swarm.honest, measures.delta, room, 0.0)
+            for i in range(begin, end):
                 low[i] = np.inf
                 high[i] = -np.inf
         undecided = True
@@ -120,48 +151,52 @@ def simulate(
             s = step if forward else 2 * count - 2 - step
             shot = s - before
             if forward and 0 <= shot < segments.snapshots.shape[0]:
-                copy_all(segments.snapshots[shot], memory)
+                copy_together(team, segments.snapshots[shot], memory)
                 if late:
-                    copy_all(segments.outboxes[shot], outbox)
-                    copy_all(segments.signals[shot], signals)
+                    copy_together(team, segments.outboxes[shot], outbox)
+                    copy_together(team, segments.signals[shot], signals)
             elif not forward and undecided and s == 0:
                 blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             elif not forward and undecided:
-                copy_all(memory, segments.snapshots[shot])
+                copy_together(team, memory, segments.snapshots[shot])
                 if late:
-                    copy_all(outbox, segments.outboxes[shot])
-                    copy_all(signals, segments.signals[shot])
+                    copy_together(team, outbox, segments.outboxes[shot])
+                    copy_together(team, signals, segments.signals[shot])
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
                 if local:
-                    advance_alone(swarm, states, work, source, failures, number, first, last, stop)
+                    advance_alone(swarm, states, work, source, failures, number, first, last, stop, team)
+                    wait(team)
                 else:
                     begun = first
                     while begun < last:  # up to a checkpoint at which robots are asked for intervals, and on
-                        c, end = next_checkpoint(checkpoints, begun), last
+                        c, until = first_from(checkpoints, begun), last
                         asks = forward and asked.bounds.shape[1] > 0 and c < checkpoints.size and checkpoints[c] < last
                         if asks:
-                            end = checkpoints[c] + 1
+                            until = checkpoints[c] + 1
                         advance(
                             swarm, States(memory, outbox, signals, rows[begun - first :]), work, source, graph, radio,
-                            counted if forward else again, failures, number, begun, end, stop,
+                            counted if forward else again, failures, number, begun, until, stop, team,
                         )  # fmt: skip
                         if stop[0] != 0:
                             return False
                         if asks:
-                            measure_intervals(swarm, memory, c, asked)
-                        begun = end
+                            ask_intervals(swarm, memory, asked.bounds)
+                            for turn in range(team.count):  # sums go through the robots in order
+                                if turn == team.me:
+                                    measure_intervals(swarm, c, asked, turn > 0)
+                                wait(team)
+                        begun = until
                 if stop[0] != 0:
                     return False
                 if forward:
-                    find_wrong(swarm, rows[: last - first], first, wrong)
-                    measurable = not local and wrong[0] < 0.0
+                    measurable = are_numbers(team, swarm, rows[: last - first], first, wrong) and not local
                     if measurable:
-                        agreement[trial] = agreed_from(
-                            rows[: last - first], first, swarm.honest, measures.delta, room, agreement[trial]
+                        agreement[trial] = agreed_together(
+                            team, rows[: last - first], first, swarm.honest, measures.delta, room, agreement[trial]
                         )  # fmt: skip
-                    for c in range(checkpoints.size):
+                    for c in range(team.me, checkpoints.size, team.count):
                         if first <= checkpoints[c] < last:
                             right = honest = 0
                             for i in range(robots):
@@ -180,13 +215,16 @@ def simulate(
                     count_clipped(swarm, memory, counted.counts)
                     if agreement[trial] > rounds:
                         agreement[trial] = np.inf
-                    for i in range(robots):
+                    for i in range(begin, end):
                         measures.final[trial, i] = value[i] = rows[last - 1 - first, i]
                         where[i] = rounds
                 if not forward or s == count - 1:
-                    undecided = settle(rows[: last - first], first, measures.delta, low, high, where, value)
+                    undecided = settle(
+                        rows[: last - first], first, measures.delta, low, high, where, value, begin, end
+                    )  # fmt: skip
+                    undecided = most_of(team, 1.0 if undecided else 0.0) > 0.0
         if undecided and last_step == 2 * count - 1:
-            settle(start, np.int64(0), measures.delta, low, high, where, value)
+            settle(start, np.int64(0), measures.delta, low, high, where, value, begin, end)
     return True
 
 
@@ -207,7 +245,7 @@ def decided(swarm, history, estimates, decisions):
     verdicts = np.empty((robots, VERDICTS))
     agreed = np.empty(2)
     for k in range(history.shape[0]):
-        forget_verdicts(verdicts, agreed)
+        forget_verdicts(verdicts, agreed, 0, robots)
         for block in range(np.uint64(swarm.of_block.size - 1)):
             judge(swarm, block, history[k], estimates, np.uint64(k * robots), verdicts, k)
         for i in range(robots):
@@ -257,7 +295,7 @@ def follow(
             words(swarm.draws, ZERO, s + 1, DRAW_OBSERVE, ZERO, robots, draws[0])
             words(swarm.draws, ZERO, s + 1, DRAW_FUSE, ZERO, robots, draws[1])
         if s % every == 0:  # robots that are done make no reading in this round
-            forget_verdicts(verdicts, agreed)
+            forget_verdicts(verdicts, agreed, 0, readings.shape[1])
             for block in range(np.uint64(swarm.of_block.size - 1)):
                 if judged:
                     judge(swarm, block, memory, row, ZERO, verdicts, k)

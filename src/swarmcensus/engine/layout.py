@@ -4,6 +4,7 @@ CPython makes the groups and passes them as they are: Numba takes a NamedTuple a
 first dimension is the trial have one row a trial; `of_trial` gives those of one trial, in CPython and in machine code.
 """
 
+import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -114,6 +115,8 @@ class Segments(NamedTuple):
     outboxes: np.ndarray  # (segment, round x robot, byte): the outbox; no segments if messages are not late
     signals: np.ndarray  # (segment, round x robot): as the outbox
     extremes: np.ndarray  # (3, robot): least and greatest estimate of all later rounds, and the estimate of round 0
+    sums: np.ndarray  # (block, byte): sums of the messages of blocks, see `phases.hear_all`
+    votes: np.ndarray  # (3, thread): see `teams.py`
 
 
 class Measures(NamedTuple):
@@ -149,12 +152,13 @@ class Intervals(NamedTuple):
     checkpoints: np.ndarray  # rounds, in order
     truths: np.ndarray  # (checkpoint): the fill ratios that intervals should hold
     bounds: np.ndarray  # (end, robot): room for the intervals of a checkpoint; no robots where no brain has one
+    sums: np.ndarray  # (3): room, for how many intervals hold the truth, their widths, and how many there are
     sure: np.ndarray  # (trial, what, checkpoint): COVERAGE and WIDTH; NaN where no honest robot has an interval
     wrong: np.ndarray  # (trial, 4): the first invalid interval: robot (-1 if there is none), round, both ends
 
     def of_trial(self, k: int) -> "Intervals":
         """The intervals of the k-th trial."""
-        return Intervals(self.checkpoints, self.truths, self.bounds, self.sure[k], self.wrong[k])
+        return Intervals(self.checkpoints, self.truths, self.bounds, self.sums, self.sure[k], self.wrong[k])
 
 
 class Bodies(NamedTuple):
@@ -217,3 +221,17 @@ def runs_of(group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     runs = np.stack([group[first], first, np.append(first[1:], robots)], axis=1).astype(np.uint64)
     of_block = np.searchsorted(first, np.arange(0, robots + BLOCK, BLOCK))
     return runs, of_block[: -(-robots // BLOCK) + 1].astype(np.uint64)
+
+
+ALONE = np.array([0, 0, 1, 0])  # the member of a team of one, see `teams.py`
+
+
+def parts_of(swarm: Swarm, count: int) -> list[tuple[Swarm, int]]:
+    """A swarm cut into so many parts, each with the runs of its own blocks, and the number of its first block."""
+    of_block = swarm.of_block
+    cuts = [(of_block.size - 1) * k // count for k in range(count + 1)]
+    parts = []
+    for begin, end in itertools.pairwise(cuts):
+        own = of_block[begin : end + 1]
+        parts.append((swarm._replace(runs=swarm.runs[own[0] : own[-1]], of_block=own - own[0]), begin))
+    return parts

@@ -10,6 +10,7 @@ from swarmcensus.engine.layout import States
 from .failures import works
 from .rounds import Work, advance, count_heard, graph_of, most_arrivals
 from .states import ZERO, believe_all, blank_states, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
+from .teams import COUNT, team_of
 
 
 @entry
@@ -17,7 +18,7 @@ def start_states(swarm, given, states, tally):
     """Blank states of one trial, and in states.rows their estimates before any observation."""
     blank_states(swarm, states.memory, given.beliefs[0][0], given.beliefs[1][0])
     believe_all(swarm, states.memory, states.rows, ZERO)
-    forget_verdicts(tally.verdicts, tally.agreed)
+    forget_verdicts(tally.verdicts, tally.agreed, 0, states.memory.shape[0])
     if tally.verdicts.shape[0] > 0:
         judge_blank(swarm, states.memory, states.rows, tally.verdicts)
 
@@ -35,20 +36,23 @@ def live(swarm, given, states, tally, first, history, said, signals, messages, s
     robots = memory.shape[0]
     blacks = np.zeros(min(robots, BLOCK))
     bits = np.zeros(blacks.size, np.uint64)
-    graph = graph_of(given.links, 0, robots)
-    most = most_arrivals(graph, robots)
+    graph = graph_of(given.links, 0, robots, 0, robots)
+    most = most_arrivals(graph, 0, robots)
     arrivals = np.zeros((2, most), np.uint32)
     draws = np.zeros((3, max(robots, most if swarm.draws.size > 0 else 0)), np.uint64)
     sums = np.empty((swarm.of_block.size - 1, outbox.shape[1]), np.uint8)
     partial = np.zeros((2 * sums.shape[0], outbox.shape[1]), np.uint8)
     work = Work(blacks, bits, np.zeros(0), draws, sums, partial, arrivals)
-    source = source_of(sensors_of(given.sensors, 0))
+    source = source_of(sensors_of(given.sensors, 0), 0, robots)
+    member = np.zeros(4, np.int64)
+    member[COUNT] = 1
+    team = team_of(member, swarm, np.zeros((3, 1)), robots)
     for r in range(rows.shape[0]):
         k = first + r
-        renew(source, k)
+        renew(source, k, 0, robots)
         advance(
             swarm, States(memory, outbox, states.signals, rows[r:]), work, source, graph, radio, tally, stops, trial,
-            k, k + 1, stop,
+            k, k + 1, stop, team,
         )  # fmt: skip
         if stop[0] != 0:
             return
@@ -61,7 +65,7 @@ def live(swarm, given, states, tally, first, history, said, signals, messages, s
             for i in range(robots):
                 counts[SENT, i] += works(stops, TALKING, i, k)
         if k > delay:
-            count_heard(swarm, graph, radio, stops, 1, counts)
+            count_heard(swarm, graph, radio, stops, 1, counts, 0, robots)
         messages[r, 0] = counts[SENT].sum()
         messages[r, 1] = counts[HEARD].sum()
 

@@ -6,11 +6,10 @@ Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the ad
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
-from swarmcensus.engine.compiling import INSIDE, entry, loop
+from swarmcensus.engine.compiling import entry, inside, loop
 from swarmcensus.engine.constants import (
     ASK,
     DRAW_FUSE,
@@ -32,6 +31,7 @@ from .states import (
     ZERO,
     agree,
     arrives,
+    ask_intervals,
     believe_all,
     blank_states,
     copy_all,
@@ -42,12 +42,13 @@ from .states import (
     draw_for_messages,
     drowned,
     find_wrong,
+    first_from,
     forget_verdicts,
     is_said,
     judge,
     judge_blank,
     measure_intervals,
-    next_checkpoint,
+    option_of,
     sensors_of,
     settle,
     silence_failed,
@@ -67,7 +68,7 @@ class Buffers(NamedTuple):
     nothing: Any  # (2, byte): sums of the messages of no blocks, see `phases.hear_all`: all robots are one block
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def buffers_of(robots, messages, size):
     """Room for so many robots and messages per tick; a message has `size` bytes."""
     return Buffers(
@@ -86,7 +87,7 @@ def buffers_of(robots, messages, size):
 def start_states(swarm, given, states, start, tally):
     """Blank states of one trial, their first messages, and their estimates `start` (1, robot)."""
     memory = states.memory
-    count_known(swarm, tally.counts, given.stops[0], states.rows.shape[0])
+    count_known(swarm, tally.counts, given.stops[0], states.rows.shape[0], 0, memory.shape[0])
     blank_states(swarm, memory, given.beliefs[0][0], given.beliefs[1][0])
     no_readings = np.full(memory.shape[0], -1.0)
     draws = np.zeros(memory.shape[0], np.uint64)
@@ -97,7 +98,7 @@ def start_states(swarm, given, states, start, tally):
             no_readings, 1.0, a, z, draws, ONE,
         )  # fmt: skip
     believe_all(swarm, memory, start, ZERO)
-    forget_verdicts(tally.verdicts, tally.agreed)
+    forget_verdicts(tally.verdicts, tally.agreed, 0, memory.shape[0])
     if tally.verdicts.shape[0] > 0:
         judge_blank(swarm, memory, start, tally.verdicts)
 
@@ -192,7 +193,7 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
                 place(seen, at), 1.0, a, z, place(draws, at), ONE,
             )  # fmt: skip
         if swarm.is_signalled:
-            count_sent(signals, np.uint64(said), stops, now, counts)
+            count_sent(signals, np.uint64(said), stops, now, counts, 0, n)
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
@@ -208,7 +209,7 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
                 here, ZERO, n, n, place(draws, n),
             )  # fmt: skip
             if swarm.is_signalled:
-                count_said(signals, np.uint64(then), heard, chunk.senders, LISTED, counts)
+                count_said(signals, np.uint64(then), heard, chunk.senders, LISTED, counts, 0, n)
             else:
                 for i in range(n):
                     counts[HEARD, i] += heard[i + 1] - heard[i]
@@ -226,11 +227,13 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
         if verdicts.shape[0] > 0:
             for block in range(np.uint64(swarm.of_block.size - 1)):
                 judge(swarm, block, memory, rows, np.uint64(here), verdicts, now)
-            agree(verdicts, swarm.honest, tally.agreed, now)
+            if tally.agreed[0] < 0.0:
+                agree(option_of(verdicts, swarm.honest, 0, n), tally.agreed, now)
         if intervals.bounds.shape[1] > 0:
-            c = next_checkpoint(intervals.checkpoints, now)
+            c = first_from(intervals.checkpoints, now)
             if c < intervals.checkpoints.size and intervals.checkpoints[c] == now:
-                measure_intervals(swarm, memory, c, intervals)
+                ask_intervals(swarm, memory, intervals.bounds)
+                measure_intervals(swarm, c, intervals, False)
         if recorded.history.shape[0] > 0:
             copy_all(recorded.history[k], memory)
     count_clipped(swarm, memory, counts)
@@ -299,6 +302,6 @@ def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagr
         high[i] = -np.inf
         where[i] = rows.shape[0]
         value[i] = rows[rows.shape[0] - 1, i]
-    if settle(rows, np.int64(1), delta, low, high, where, value):
-        settle(start, np.int64(0), delta, low, high, where, value)
+    if settle(rows, np.int64(1), delta, low, high, where, value, 0, robots):
+        settle(start, np.int64(0), delta, low, high, where, value, 0, robots)
     return agreed

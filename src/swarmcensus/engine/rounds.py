@@ -6,11 +6,10 @@ A `Swarm` (`layout.py`) holds the addresses of the brains' functions, which are 
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew
-from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.compiling import inside, loop
 from swarmcensus.engine.constants import (
     ADD_UP,
     BLOCK,
@@ -43,11 +42,14 @@ from .states import (
     count_sent,
     draw_for_messages,
     drowned,
+    first_from,
     is_noise,
     is_said,
     judge,
+    option_of,
     silence_failed,
 )
+from .teams import unanimous, wait
 
 # Robots are counted in uint64 in the inner loops: Numba then does not check for negative indices.
 SIZE, TOGETHER = np.uint64(BLOCK), np.uint64(BLOCKS)
@@ -74,14 +76,14 @@ class Work(NamedTuple):
     arrivals: Any  # (2, message): receivers and senders of what gets through
 
 
-@njit(nogil=True, **INSIDE)
-def graph_of(links, graph, robots):
-    """One of the graphs of a batch."""
+@inside()
+def graph_of(links, graph, robots, first, last):
+    """One of the graphs of a batch; nobody touches the bounds of other robots than first ... last - 1."""
     receivers = links.receivers[links.starts[graph] : links.starts[graph + 1]]
     senders = links.senders[links.starts[graph] : links.starts[graph + 1]]
     bounds = np.empty(robots + 1, np.int64)
-    link = 0
-    for i in range(robots + 1):
+    link = first_from(receivers, first)
+    for i in range(first, last + 1):
         while link < receivers.size and receivers[link] < i:
             link += 1
         bounds[i] = link
@@ -89,21 +91,21 @@ def graph_of(links, graph, robots):
 
 
 @loop()
-def most_arrivals(graph, robots):
-    """How many messages may arrive in one call: at a block of robots, or among pairs at one robot."""
-    most = robots if graph.mode == PAIRS else 0
-    for first in range(0, robots, BLOCK):
-        most = max(most, graph.bounds[min(first + BLOCK, robots)] - graph.bounds[first])
+def most_arrivals(graph, begin, end):
+    """How many messages may arrive in one call at robots begin ... end - 1: at a block, or among pairs at one robot."""
+    most = graph.bounds.size - 1 if graph.mode == PAIRS else 0
+    for first in range(begin, end, BLOCK):
+        most = max(most, graph.bounds[min(first + BLOCK, end)] - graph.bounds[first])
     return most
 
 
 @loop()
-def count_heard(swarm, graph, radio, stops, rounds, counts):
-    """Count what robots hear in so many rounds if it is the same in each round; else `advance` counts it."""
+def count_heard(swarm, graph, radio, stops, rounds, counts, begin, end):
+    """Count what robots begin ... end - 1 hear in so many rounds if it is the same in each; else `advance` does."""
     sound = radio.threshold == 0 and stops.shape[1] == 0 and graph.mode != PAIRS
     if not swarm.is_signalled and (graph.mode == FULL or sound):
         robots = graph.bounds.size - 1
-        for i in range(counts.shape[1]):
+        for i in range(begin, min(end, counts.shape[1])):
             degree = robots - 1 if graph.mode == FULL else graph.bounds[i + 1] - graph.bounds[i]
             counts[HEARD, i] += rounds * degree
 
@@ -188,8 +190,10 @@ def hear_pairs(swarm, states, work, radio, counts, stops, trial, tick, said, sto
 
 
 @loop()
-def advance(swarm, states, work, source, graph, radio, tally, stops, trial, first, last, stop):
+def advance(swarm, states, work, source, graph, radio, tally, stops, trial, first, last, stop, team):
     """Run rounds first ... last - 1 of a trial; states.rows get their estimates.
+
+    A member of a team does so for its own robots. All wait after each round, because robots hear what others said.
 
     Except with PAIRS, a robot ends one round and observes for the next in one pass, block by block, so that a swarm
     larger than the processor's cache passes through it once a round. So the outbox has two parts, which take turns, and
@@ -198,7 +202,7 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
     """
     memory, outbox, signals, rows = states
     blacks, bits, draws, partial = work.blacks, work.bits, work.draws, work.partial
-    blocks = np.uint64(swarm.of_block.size - 1)
+    blocks, begin, everyone = np.uint64(swarm.of_block.size - 1), np.uint64(team.begin), np.uint64(work.sums.shape[0])
     counts, verdicts, agreed = tally.counts, tally.verdicts, tally.agreed
     tables, key = source.tables, source.sensors.key
     links, bounds, receivers, senders = graph.mode, graph.bounds, graph.receivers, graph.senders
@@ -219,21 +223,22 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
         r = k - first
         here = np.uint64(max(r, 0)) * n
         if source.changes and k + 1 < last:
-            renew(source, k + 1)
+            renew(source, k + 1, team.first, team.last)
         hears = r >= 0 and k > delay
         whole = hears and links == FULL
-        if whole and blocks > ONE:
-            call(shared[ADD_UP], outbox, said, work.sums, ZERO, blocks, n)
-            call(shared[PASS_ON], work.sums, partial, blocks)
+        if whole and everyone > ONE:
+            call(shared[ADD_UP], outbox, said, work.sums, begin, begin + blocks, n)
+            wait(team)
+            call(shared[PASS_ON], work.sums, partial, everyone)
         if hears and links == PAIRS:
             hear_pairs(swarm, states, work, radio, counts, stops, trial, k, said, stop)
         if hears and swarm.is_signalled and (in_sums or links == FULL):
-            count_said(signals, said, bounds, senders, links, counts)
+            count_said(signals, said, bounds, senders, links, counts, team.first, team.last)
         for block in range(ZERO, blocks):
-            start = block * SIZE
+            start = (begin + block) * SIZE
             end = min(start + SIZE, n)
             if whole and block % TOGETHER == ZERO:
-                until = min(start + TOGETHER * SIZE, n)
+                until = min(start + TOGETHER * SIZE, np.uint64(team.last))
                 if is_random:
                     words(swarm.draws, trial, k, DRAW_FUSE, start, until - start, draws[1])
                 call(
@@ -286,19 +291,23 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                         place(blacks, offset), float(looks), a, z, place(draws, offset), ONE,
                     )  # fmt: skip
         if k + 1 < last and swarm.is_signalled:
-            count_sent(signals, next_said, stops, k + 1, counts)
-        if r >= 0 and verdicts.shape[0] > 0:
-            agree(verdicts, swarm.honest, agreed, k)
+            count_sent(signals, next_said, stops, k + 1, counts, team.first, team.last)
+        if r >= 0 and verdicts.shape[0] > 0 and agreed[0] < 0.0:
+            agree(unanimous(team, option_of(verdicts, swarm.honest, team.first, team.last)), agreed, k)
+        wait(team)
         said = said + n if said + n < ring else ZERO
         next_said = next_said + n if next_said + n < ring else ZERO
 
 
 @loop()
-def advance_alone(swarm, states, work, source, stops, trial, first, last, stop):
-    """Run single observations first ... last - 1 of robots that hear nobody; states.rows get their estimates."""
+def advance_alone(swarm, states, work, source, stops, trial, first, last, stop, team):
+    """Run single observations first ... last - 1 of robots that hear nobody; states.rows get their estimates.
+
+    A member of a team does so for its own robots.
+    """
     memory, rows, draws, sensors = states.memory, states.rows, work.draws, source.sensors
     looks = sensors.looks
-    n = np.uint64(memory.shape[0])
+    n, begin, end = np.uint64(memory.shape[0]), np.uint64(team.first), np.uint64(team.last)
     is_random = swarm.draws.size > 0
     n_words = np.int64(draws.shape[1])
     for k in range(first, last):
@@ -308,16 +317,16 @@ def advance_alone(swarm, states, work, source, stops, trial, first, last, stop):
         tick = (k - 1) // looks + 1
         if left == looks:
             if source.changes:
-                renew(source, tick)
-            count_blacks(work.blacks, work.bits, source.tables, looks, sensors.key, trial, tick, ZERO, n)
-        arrange(work.single, work.blacks, work.bits, left, sensors.order, trial, k)
-        silence_failed(work.single, stops, tick, ZERO, n)
+                renew(source, tick, team.first, team.last)
+            count_blacks(work.blacks, work.bits, source.tables, looks, sensors.key, trial, tick, begin, end)
+        arrange(work.single, work.blacks, work.bits, left, sensors.order, trial, k, begin)
+        silence_failed(work.single, stops, tick, begin, end)
         if is_random:
-            words(swarm.draws, trial, k, DRAW_ALONE, ZERO, n, draws[0])
-            words(swarm.draws, trial, k, DRAW_ALONE_FUSE, ZERO, n, draws[1])
+            words(swarm.draws, trial, k, DRAW_ALONE, begin, end - begin, draws[0])
+            words(swarm.draws, trial, k, DRAW_ALONE_FUSE, begin, end - begin, draws[1])
         for run in range(swarm.runs.shape[0]):
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-            at = np.int64(a)
+            at = np.int64(a - begin)
             call(
                 swarm.functions[group, GO_ALONE], place(memory, swarm.bases[group]), place(work.single, at), rows,
                 np.uint64(k - first) * n, a, z, place(draws, at), place(draws, n_words + at),

@@ -36,6 +36,7 @@ from .failures import works
 
 ZERO = np.uint64(0)
 ONE = np.uint64(1)
+NOBODY = -2.0  # the option of no robots
 TILE = 256  # robots whose curves are looked at together: their extremes fit in the processor's first-level cache
 
 sensors_of = loop(inline="always")(Sensors.of_trial)
@@ -121,9 +122,9 @@ def draw_for_messages(swarm, trial, tick, receivers, senders, first, last, draws
 
 
 @loop()
-def count_known(swarm, counts, stops, rounds):
-    """Start the counts: robots that are never silent send a message a round while they work, others 0 so far."""
-    for i in range(counts.shape[1]):
+def count_known(swarm, counts, stops, rounds, begin, end):
+    """Start counts of robots begin ... end - 1: they send a message a round while they work, or 0 so far if silent."""
+    for i in range(begin, min(end, counts.shape[1])):
         last = rounds
         if stops.shape[1] > 0 and stops[TALKING, i] - 1 < last:
             last = stops[TALKING, i] - 1
@@ -135,19 +136,19 @@ def count_known(swarm, counts, stops, rounds):
 
 
 @loop()
-def count_sent(signals, said, stops, tick, counts):
-    """Count who talks in this round, where robots may be silent; else `count_known` has counted it."""
-    for i in range(counts.shape[1]):
+def count_sent(signals, said, stops, tick, counts, begin, end):
+    """Count which of robots begin ... end - 1 talk in this round, if they may be silent; else `count_known` did."""
+    for i in range(begin, min(end, counts.shape[1])):
         counts[SENT, i] += signals[said + np.uint64(i)] == SAID and works(stops, TALKING, i, tick)
 
 
 @loop()
-def count_said(signals, said, bounds, senders, links, counts):
-    """Count what is heard in this round, where robots may be silent, messages are sums and none is lost."""
+def count_said(signals, said, bounds, senders, links, counts, begin, end):
+    """Count what robots begin ... end - 1 hear, where robots may be silent, messages are sums and none is lost."""
     total = 0
-    for i in range(counts.shape[1]):
+    for i in range(counts.shape[1] if links == FULL else 0):
         total += signals[said + np.uint64(i)] == SAID
-    for i in range(counts.shape[1]):
+    for i in range(begin, min(end, counts.shape[1])):
         if links == FULL:
             counts[HEARD, i] += total - (signals[said + np.uint64(i)] == SAID)
         else:
@@ -178,26 +179,33 @@ def judge(swarm, of_block, memory, rows, start, verdicts, now):
 
 
 @loop()
-def agree(verdicts, honest, agreed, now):
-    """Note the first round after which all honest robots have decided for the same option, and the option."""
-    if agreed[0] >= 0.0:
-        return
-    option = -2.0
-    for i in range(verdicts.shape[0]):
+def option_of(verdicts, honest, begin, end):
+    """The option that all honest ones of robots begin ... end - 1 have decided for; NOBODY if none of them is honest.
+
+    Below 0 if they differ, or have not decided.
+    """
+    option = NOBODY
+    for i in range(begin, end):
         if honest.size == 0 or honest[i]:
-            if option == -2.0:
+            if option == NOBODY:
                 option = verdicts[i, DECISION]
             elif verdicts[i, DECISION] != option:
-                return
-    if option >= 0.0:
+                return -1.0
+    return option
+
+
+@loop()
+def agree(option, agreed, now):
+    """Note the first round after which all honest robots have decided for the same option, and the option."""
+    if agreed[0] < 0.0 <= option:
         agreed[0] = option
         agreed[1] = now
 
 
 @loop()
-def forget_verdicts(verdicts, agreed):
-    """Reset decisions to what is known before the first round."""
-    for i in range(verdicts.shape[0]):
+def forget_verdicts(verdicts, agreed, begin, end):
+    """Reset decisions of robots begin ... end - 1 to what is known before the first round."""
+    for i in range(min(begin, verdicts.shape[0]), min(end, verdicts.shape[0])):
         verdicts[i, DECISION] = -1.0
         verdicts[i, DECIDED_IN] = np.inf
         verdicts[i, CHANGED] = np.inf
@@ -217,12 +225,12 @@ def judge_blank(swarm, memory, start, verdicts):
 
 
 @loop(forceinline=True)
-def next_checkpoint(checkpoints, start):
-    """The index of the first checkpoint that is not before a round; checkpoints are in order."""
-    low, high = 0, checkpoints.size
+def first_from(values, start):
+    """The index of the first of some values, in order, that is not below `start`."""
+    low, high = 0, values.size
     while low < high:
         middle = (low + high) // 2
-        if checkpoints[middle] < start:
+        if values[middle] < start:
             low = middle + 1
         else:
             high = middle
@@ -230,16 +238,26 @@ def next_checkpoint(checkpoints, start):
 
 
 @loop()
-def measure_intervals(swarm, memory, c, intervals):
-    """Write how the intervals of honest robots do at checkpoint c into the `Intervals` of a trial."""
-    bounds, wrong, truth = intervals.bounds, intervals.wrong, intervals.truths[c]
-    held = counted = 0
-    wide = 0.0
+def ask_intervals(swarm, memory, bounds):
+    """Write the intervals of robots into `bounds` (end, robot); some brains of a mixed swarm may have none."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        if not swarm.functions[group, BOUND]:  # some brains of a mixed swarm may have none
+        if swarm.functions[group, BOUND]:
+            call(swarm.functions[group, BOUND], place(memory, swarm.bases[group]), bounds, bounds.shape[1], first, last)
+
+
+@loop()
+def measure_intervals(swarm, c, intervals, goes_on):
+    """Write how the intervals of honest robots do at checkpoint c into the `Intervals` of a trial.
+
+    If this `goes_on`, these robots come after those of the last call.
+    """
+    bounds, wrong, truth, sums = intervals.bounds, intervals.wrong, intervals.truths[c], intervals.sums
+    held, wide, counted = (sums[0], sums[1], sums[2]) if goes_on else (0.0, 0.0, 0.0)
+    for run in range(swarm.runs.shape[0]):
+        group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        if not swarm.functions[group, BOUND]:
             continue
-        call(swarm.functions[group, BOUND], place(memory, swarm.bases[group]), bounds, bounds.shape[1], first, last)
         for i in range(np.int64(first), np.int64(last)):
             if swarm.honest.size == 0 or swarm.honest[i]:
                 low, high = bounds[0, i], bounds[1, i]
@@ -248,21 +266,26 @@ def measure_intervals(swarm, memory, c, intervals):
                 held += low <= truth <= high
                 wide += high - low
                 counted += 1
+    sums[0], sums[1], sums[2] = held, wide, counted
     if counted > 0:
         intervals.sure[COVERAGE, c] = held / counted
         intervals.sure[WIDTH, c] = wide / counted
 
 
 @loop()
-def find_wrong(swarm, rows, first, wrong):
-    """Note the first estimate of an honest robot that is no number in [0, 1], in rows of the rounds from `first` on.
-
-    Estimates are counted without branches, so that the processor handles several at once.
-    """
-    flat, robots, amiss = rows.reshape(-1), rows.shape[1], 0
-    for k in range(flat.size):
+def count_amiss(rows, begin, end):
+    """How many of rows.flat[begin:end] are no numbers in [0, 1]; without branches, for several at once."""
+    flat, amiss = rows.reshape(-1), 0
+    for k in range(begin, end):
         amiss += not ((flat[k] >= -SLACK) & (flat[k] <= 1.0 + SLACK))
-    if amiss > 0 and wrong[0] < 0.0:
+    return amiss
+
+
+@loop()
+def find_wrong(swarm, rows, first, wrong):
+    """Note the first estimate of an honest robot that is no number in [0, 1], in rows of the rounds from `first` on."""
+    flat, robots = rows.reshape(-1), rows.shape[1]
+    if wrong[0] < 0.0 and count_amiss(rows, 0, flat.size) > 0:
         for k in range(flat.size):
             honest = swarm.honest.size == 0 or swarm.honest[k % robots]
             if honest and not -SLACK <= flat[k] <= 1.0 + SLACK:
@@ -271,16 +294,16 @@ def find_wrong(swarm, rows, first, wrong):
 
 
 @loop()
-def settle(rows, top, delta, low, high, where, value):
+def settle(rows, top, delta, low, high, where, value, begin, end):
     """One backward pass of the paper's convergence rule (Sec. IV-A) over rows of indices top, top + 1, ...
 
     `low` and `high` hold each robot's extremes over all later indices, `where` and `value` the earliest index that is
-    within delta of all later ones. Returns False once no earlier index can qualify for any robot. Robots are compared
-    without branches, so that the processor handles several at once.
+    within delta of all later ones. Returns False once no earlier index can qualify for any of robots begin ... end - 1.
+    Robots are compared without branches, so that the processor handles several at once.
     """
     undecided = False
-    for first in range(ZERO, np.uint64(low.size), np.uint64(TILE)):
-        last = min(first + np.uint64(TILE), np.uint64(low.size))
+    for first in range(np.uint64(begin), np.uint64(end), np.uint64(TILE)):
+        last = min(first + np.uint64(TILE), np.uint64(end))
         open_ones = True
         r = rows.shape[0] - 1
         while r >= 0 and open_ones:

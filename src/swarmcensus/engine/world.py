@@ -105,9 +105,9 @@ def round_readings(sensors, trial, out):
     """Fill `out` (round, robot) with the number of black readings in each round, from round 1 on."""
     robots = np.uint64(out.shape[1])
     bits = np.zeros(out.shape[1], np.uint64)
-    source = source_of(sensors)
+    source = source_of(sensors, 0, out.shape[1])
     for k in range(out.shape[0]):
-        renew(source, k + 1)
+        renew(source, k + 1, 0, out.shape[1])
         count_blacks(out[k], bits, source.tables, sensors.looks, sensors.key, trial, k + 1, np.uint64(0), robots)
 
 
@@ -117,11 +117,11 @@ def single_readings(sensors, trial, out):
     robots, looks = out.shape[1], sensors.looks
     bits = np.zeros(robots, np.uint64)
     blacks = np.zeros(robots)
-    source = source_of(sensors)
+    source = source_of(sensors, 0, robots)
     for step in range(out.shape[0]):
         left = looks - step % looks
         if left == looks:
             tick = step // looks + 1
-            renew(source, tick)
+            renew(source, tick, 0, robots)
             count_blacks(blacks, bits, source.tables, looks, sensors.key, trial, tick, np.uint64(0), np.uint64(robots))
-        arrange(out[step], blacks, bits, left, sensors.order, trial, step + 1)
+        arrange(out[step], blacks, bits, left, sensors.order, trial, step + 1, np.uint64(0))

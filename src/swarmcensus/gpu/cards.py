@@ -7,7 +7,7 @@ import numpy as np
 from swarmcensus.brains import slots
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import kept_of_message
-from swarmcensus.engine.constants import CLIPPED, FULL, HEARD, LISTED, COVERAGE, PART, SENT, VERDICTS, WIDTH, WRONG
+from swarmcensus.engine.constants import CLIPPED, COVERAGE, FULL, HEARD, LISTED, PART, SENT, VERDICTS, WIDTH, WRONG
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
 from swarmcensus.gpu.given import ARRAYS, Given
 from swarmcensus.gpu.source import Features, measures, parameters, source
@@ -228,7 +228,7 @@ class _Held:
             if self.metrics.estimates:
                 shapes["kept"] = (np.float64, (checks, trials, robots))
             if features.counted:
-                shapes |= {name: (np.int64, (trials, robots)) for name in ("sent", "heard")}
+                shapes |= dict.fromkeys(("sent", "heard"), (np.int64, (trials, robots)))
             if features.judged:
                 shapes |= {"verdicts": (np.float64, (trials, robots, 6)), "unanimous": (np.int16, (trials, rounds))}
             if features.bounded:
@@ -331,7 +331,7 @@ def _blanks(setting: Setting, local: bool) -> np.ndarray:
     schedule = schedule_of(setting, alone=local)
     flat: list[float] = []
     for brain in setting.brains:
-        for name, value in (brain.memory | (schedule if brain is setting.brain else {})).items():
+        for value in (brain.memory | (schedule if brain is setting.brain else {})).values():
             flat += value if isinstance(value, tuple) else [value]
         flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
     return np.array(flat, _number(setting))

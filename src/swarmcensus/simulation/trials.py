@@ -11,8 +11,20 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains.metrics import Metric
-from swarmcensus.engine import Inputs, Measures, Segments, States, Swarm, Tally, compiler, interruptible
-from swarmcensus.engine.constants import PART, VERDICTS
+from swarmcensus.engine import (
+    ALONE,
+    Inputs,
+    Measures,
+    Segments,
+    States,
+    Swarm,
+    Tally,
+    compiler,
+    interruptible,
+    parts_of,
+    run_together,
+)
+from swarmcensus.engine.constants import BLOCK, PART, VERDICTS
 from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
@@ -27,7 +39,8 @@ from swarmcensus.worlds import Change, along, steady
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
 CROWD_BYTES = 1_000_000_000  # of these, where no other trial runs at the same time
-SHARED_BYTES = 250_000_000  # of each trial, where several threads share the memory
+SHARED_BYTES = 250_000_000  # of each trial, where other trials run at the same time
+LARGE = 50_000  # robots from which on threads gain by sharing a trial
 
 
 @dataclass(frozen=True)
@@ -71,14 +84,20 @@ class Batch:
     watched: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int, threads: int = 1) -> int:
-    """How many rounds of estimates to keep at a time, if so many threads run trials.
+def is_crowd(setting: Setting, local: bool = False) -> bool:
+    """Whether the estimates of a trial take so much memory that no other such trial should run at the same time."""
+    rounds = setting.rounds * (setting.observations_per_round if local else 1)
+    return 8 * setting.robots * min(rounds, ROWS_OF_A_CROWD) > SHARED_BYTES
+
+
+def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
+    """How many rounds of estimates to keep at a time.
 
     All rounds if they fit; else the number for which estimates and snapshots together take the least memory, which
     grows with the square root of the rounds; but a hundred where memory allows.
     """
     fits = ROWS_BYTES // (8 * robots)
-    crowd = min(ROWS_OF_A_CROWD, (CROWD_BYTES if threads == 1 else SHARED_BYTES) // (8 * robots))
+    crowd = min(ROWS_OF_A_CROWD, CROWD_BYTES // (8 * robots))
     balanced = math.isqrt(rounds * record_bytes // 8)
     length = max(fits, crowd, balanced, 1)
     return min(rounds, -(-length // multiple) * multiple)
@@ -92,18 +111,19 @@ def run_batch(
     metrics: Metrics,
     stop: np.ndarray,
     local: bool = False,
-    threads: int = 1,
+    idle: Callable[[], int] = lambda: 1,
 ) -> Batch | None:
     """Run trials first ... first + trials - 1; None if `stop` (uint8, shape (1,)) was set meanwhile.
 
-    With `local`, the metrics are of the local estimate by single observation. So many `threads` share the memory.
+    With `local`, the metrics are of the local estimate by single observation. A trial of a large swarm is shared by as
+    many threads as are `idle`, to the same bits.
     """
     given = inputs_of(setting, seed, first, trials, order=local)
     if not setting.members and (local or not metrics.watched):
-        return _live(setting, given, trials, metrics, stop, local, threads)
+        return _live(setting, given, trials, metrics, stop, local, idle)
     batches = []
     for k in range(trials):  # metrics of files see one trial at a time, and each trial has other members
-        batch = _live(setting, given.of(k), 1, metrics, stop, local, threads)
+        batch = _live(setting, given.of(k), 1, metrics, stop, local, idle)
         if batch is None:
             return None
         batches.append(batch)
@@ -111,8 +131,9 @@ def run_batch(
 
 
 def _live(
-    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool, threads: int
-) -> Batch | None:
+    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool,
+    idle: Callable[[], int],
+) -> Batch | None:  # fmt: skip
     first = given.first
     looks = setting.observations_per_round
     rounds = setting.rounds * (looks if local else 1)
@@ -126,10 +147,11 @@ def _live(
     states = states_of(setting, swarm, delay + 2, np.empty((0, setting.robots)))
     memory, outbox, signals, _ = states
     kept = memory.nbytes + (outbox.nbytes + signals.nbytes if delay else 0)  # where a segment may be run again
-    length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1, threads)
+    length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1)
     segments = -(-rounds // length)
     states = states._replace(rows=np.empty((length, setting.robots)))
-    room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0)
+    team = min(idle(), swarm.of_block.size - 1) if setting.robots >= LARGE else 1
+    room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0, team)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)
     checkpoints = np.array(metrics.checkpoints, np.int64)
@@ -140,8 +162,8 @@ def _live(
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         with blaming(setting, first, trials):
-            groups = swarm, given, states, room, measures, tally, intervals
-            finished = compiler.compile_world("kernel").simulate(*groups, rounds, local, begin, end, stop)
+            groups = given, states, room, measures, tally, intervals, rounds, local, begin, end
+            finished = _simulate(swarm, groups, stop, team)
         if not finished:
             return None
         check_estimates(setting, given, measures.wrong, local)  # before a metric fails because of them
@@ -169,13 +191,29 @@ def _live(
     )  # fmt: skip
 
 
-def room_of(states: States, snapshots: int, outboxes: int) -> Segments:
-    """Room for so many copies of states, and of their messages."""
+def _simulate(swarm: Swarm, groups: tuple[Any, ...], stop: np.ndarray, team: int) -> bool:
+    """Whether `kernel.simulate` came to the end, in one thread or in several that share each trial."""
+    simulate = compiler.compile_world("kernel").simulate
+    if team == 1:
+        return bool(simulate(swarm, *groups, stop, ALONE))
+    parts = parts_of(swarm, team)
+
+    def run_part(number: int, gate: int, halt: np.ndarray) -> bool:
+        own, begin = parts[number]
+        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate])))
+
+    return all(run_together(run_part, team, stop))
+
+
+def room_of(states: States, snapshots: int, outboxes: int, threads: int = 1) -> Segments:
+    """Room for so many copies of states, and of their messages, and for what threads that share a trial tell others."""
     return Segments(
         np.empty((snapshots, *states.memory.shape), np.uint8),
         np.empty((outboxes, *states.outbox.shape), np.uint8),
         np.empty((outboxes, *states.signals.shape), np.uint8),
         np.empty((3, states.memory.shape[0])),
+        np.empty((-(-states.memory.shape[0] // BLOCK), states.outbox.shape[1]), np.uint8),
+        np.zeros((3, threads)),
     )
 
 
@@ -300,7 +338,7 @@ def _rerun(
     tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
     end, stop = -(-setting.rounds // len(states.rows)), np.zeros(1, np.uint8)
     groups = swarm, given, states, room, measures, tally, no_intervals()
-    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop)
+    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop, ALONE)
     estimates: np.ndarray = room.extremes[2]
     return estimates
 

@@ -1,6 +1,7 @@
 """Statements and functions of a brain in C, with their comments."""
 
 import ast
+import itertools
 from collections.abc import Iterator
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
@@ -90,13 +91,32 @@ class Function:
         self.made.append(f"{STEP * depth}{line}{_remark(remark)}")
 
     def _block(self, body: list[ast.stmt], depth: int) -> None:
-        for statement in body:
+        asked: ast.stmt | None = None
+        for statement, following in itertools.zip_longest(body, body[1:]):
+            if statement is asked:  # written with the statement before
+                continue
             for text in self.comments.above(statement.lineno, self.node.lineno):
                 self._write(f"// {text}".rstrip(), depth)
             for name in self.scopes.before.get(id(statement), ()):
                 if self.scopes.is_read(name):
                     self._write(f"{self._declared(name, statement)} = {self._zero(name)};", depth)
-            self._statement(statement, depth)
+            if _asks(statement, following) and self.unit.returns_record(called(statement.value)):  # type: ignore[attr-defined]
+                asked = following
+                self._ask(statement, following, depth)
+            else:
+                self._statement(statement, depth)
+
+    def _ask(self, node: ast.Assign, test: ast.If, depth: int) -> None:
+        """Name what a function returns if it says anything, and else do something."""
+        name, other = node.targets[0].id, called(node.value)  # type: ignore[attr-defined]
+        record, local = self.unit.results[other], self.unit.local(name)
+        assert isinstance(record, Record)
+        if name in self.scopes.at.get(id(node), ()):
+            self.scopes.at[id(node)].discard(name)
+            self._write(f"struct {record.name} {local};", depth, self.comments.at(node.lineno, node.lineno))
+        self._write(f"if (!{self._passed_on(node.value, other, f'&{local}')}) {{", depth)  # type: ignore[arg-type]
+        self._block(test.body, depth + 1)
+        self._write("}", depth)
 
     def _declared(self, name: str, node: ast.AST) -> str:
         c_type = self.unit.type_of(self.names.get(name, REAL), node)
@@ -295,6 +315,9 @@ class Function:
         if name in self.scopes.at.get(id(node), ()):
             self.scopes.at[id(node)].discard(name)
             self._write(f"struct {record.name} {self.unit.local(name)};", depth, remark)
+        if any(record.lengths) and self.unit.results.get(called(value)) == record:
+            self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
+            return
         texts = self._items(node, value, len(kind), depth, kind)
         if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
             texts = [self._kept(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
@@ -430,6 +453,9 @@ class Function:
         other = called(value)
         if other in self.unit.functions and self.unit.results[other] == record:
             text = self._passed_on(value, other, name)  # type: ignore[arg-type]
+            if self.fills and not self.unit.returns_record(other):
+                self._write(f"*{name} = {text};", depth, remark)
+                text = "true"
             self._write(f"return {text};", depth, remark)
             return
         arrow = "->" if self.fills else "."
@@ -473,6 +499,19 @@ def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
     parts: list[ast.stmt] = [ast.copy_location(ast.Expr(value), node) for value in values]
     made = ast.If(test, parts[:1], parts[1:])
     return ast.fix_missing_locations(ast.copy_location(made, node))
+
+
+def _asks(node: ast.stmt, following: ast.stmt | None) -> bool:
+    """Whether a name is given what a call returns, and the statement after it is for the case that this is None."""
+    match node, following:
+        case (
+            ast.Assign(targets=[ast.Name(id=name)], value=ast.Call()),
+            ast.If(
+                test=ast.Compare(left=ast.Name(id=same), ops=[ast.Is()], comparators=[ast.Constant(None)]), orelse=[]
+            ),
+        ):
+            return name == same
+    return False
 
 
 def _says(node: ast.AST) -> bool:

@@ -1,0 +1,95 @@
+"""How threads share one large trial: each has its blocks of robots, and they wait for each other.
+
+All members of a team run the same loop on the same arrays, and come to the same decisions. What depends on the robots
+of all goes through `most_of` or `unanimous`. A team of one never waits.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from swarmcensus.engine.calling import pass_gate
+from swarmcensus.engine.compiling import loop
+from swarmcensus.engine.constants import BLOCK
+
+from .states import NOBODY, copy_all
+
+BEGIN, ME, COUNT, GATE = range(4)  # of a member: its first block, its number, how many there are, see `Team`
+TURN = 2
+
+
+class Team(NamedTuple):
+    """What a member knows of its team. Its `Swarm` has the runs of its own blocks alone."""
+
+    first: Any  # robots first ... last - 1 are its own
+    last: Any
+    begin: Any  # its first block
+    me: Any
+    count: Any
+    gate: Any  # the address of a function that returns once all members have called it
+    votes: Any  # (3, member): numbers that all see, in rows that take turns, and which row a member uses next
+
+
+@loop(inline="always")
+def team_of(member, swarm, votes, robots):
+    """The team of a member."""
+    first = member[BEGIN] * BLOCK
+    last = min(first + np.int64(swarm.of_block.size - 1) * BLOCK, robots)
+    return Team(first, last, member[BEGIN], member[ME], member[COUNT], member[GATE], votes)
+
+
+@loop(forceinline=True)
+def wait(team):
+    """Return once all members are here."""
+    if team.count > 1:
+        pass_gate(team.gate)
+
+
+@loop()
+def gathered(team, number):
+    """Tell all members a number; returns which row of team.votes has the numbers of all.
+
+    Two rows are enough: who writes to a row again has waited in between, for all to have read it.
+    """
+    turn = np.int64(team.votes[TURN, team.me])
+    team.votes[TURN, team.me] = 1 - turn
+    team.votes[turn, team.me] = number
+    wait(team)
+    return turn
+
+
+@loop()
+def most_of(team, number):
+    """The greatest of the members' numbers."""
+    turn = gathered(team, number)
+    for member in range(team.count):
+        number = max(number, team.votes[turn, member])
+    return number
+
+
+@loop()
+def unanimous(team, option):
+    """The option of all members but those that have NOBODY; below 0 if there is none, or if they differ."""
+    turn = gathered(team, option)
+    for member in range(team.count):
+        other = team.votes[turn, member]
+        if option == NOBODY:
+            option = other
+        elif other not in (option, NOBODY):
+            return -1.0
+    return option
+
+
+@loop()
+def share_of(team, size):
+    """Which of so many things are a member's own: from the first number up to the second."""
+    return size * team.me // team.count, size * (team.me + 1) // team.count
+
+
+@loop()
+def copy_together(team, target, source):
+    """Copy an array; all wait until it is whole."""
+    there, here = target.reshape(-1), source.reshape(-1)
+    first, last = share_of(team, here.size)
+    copy_all(there[first:last], here[first:last])
+    wait(team)
