@@ -82,7 +82,7 @@ def watched(page, *words, edits=False):
 
 @harness.question
 def trying(cold=False, quick=False):
-    """The least and the most of three, once compiled; with `cold`, each time with no machine code at all."""
+    """The least and the most of three, or one if `quick`, once compiled; if `cold`, of one with nothing compiled."""
     again = "--out", "out.nc", "--fresh"
     network, moving = program("run", "network.toml", *again), program("run", "moving.toml", *again)
     curves = program("plot", "out.nc", "--kind", "curves")
@@ -111,10 +111,10 @@ def trying(cold=False, quick=False):
         table = harness.table("seconds from the shell", "what", "least", "most")
         for names, commands in asked.items():
             rows = []
-            for _ in range(1 if quick or cold else 4):
+            for _ in range(1 if cold else 2 if quick else 4):
                 with tempfile.TemporaryDirectory() as empty:
                     rows.append([spent for command in commands for spent in command(empty if cold else None)])
-            rows = rows[1:] or rows  # the first may compile
+            rows = rows if cold else rows[1:]  # the first may compile
             for name, *spent in zip(names, *rows, strict=True):
                 table.add_row(name, f"{min(spent):.2f}", f"{max(spent):.2f}")
         opened.close()
