@@ -177,8 +177,8 @@ class _Held:
     def _upload(self, given: Inputs, setting: Setting) -> None:
         sensors, links, one = given.sensors, given.links, self.given
         if self.local and self.sizes.features.changes and sensors.b.shape[1] == 1:  # nobody waits for who makes tables
-            sides = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
-            sensors = sensors._replace(**dict(zip("bw", sides, strict=True)))
+            b, w = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
+            sensors = sensors._replace(b=b, w=w)
         keys = {"readings_key": sensors.key, "losses_key": given.radio.key, "order_key": sensors.order}
         for name, key in (keys | {"luck_key": given.draws}).items():
             getattr(one, name)[: key.size] = key.tolist()
@@ -358,7 +358,8 @@ def _asked(setting: Setting, given: Inputs) -> np.ndarray:
     """Which robots count and have an interval, (trial, robot)."""
     honest = given.honest if given.honest.size else np.ones((len(given.stops), setting.robots), np.bool_)
     groups = given.group if given.group.size else np.zeros(honest.shape, np.int64)
-    return honest & np.array([brain.has_interval for brain in setting.brains])[groups]
+    asked: np.ndarray = honest & np.array([brain.has_interval for brain in setting.brains])[groups]
+    return asked
 
 
 def _batch(setting: Setting, given: Inputs, sizes: Sizes, metrics: Metrics, found: Arrays, local: bool) -> Batch:

@@ -1,7 +1,6 @@
 """Statements and functions of a brain in C, with their comments."""
 
 import ast
-import itertools
 from collections.abc import Iterator
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
@@ -91,31 +90,34 @@ class Function:
         self.made.append(f"{STEP * depth}{line}{_remark(remark)}")
 
     def _block(self, body: list[ast.stmt], depth: int) -> None:
-        asked: ast.stmt | None = None
-        for statement, following in itertools.zip_longest(body, body[1:]):
-            if statement is asked:  # written with the statement before
+        written: ast.stmt | None = None
+        for statement, following in zip(body, [*body[1:], None], strict=True):
+            if statement is written:
                 continue
             for text in self.comments.above(statement.lineno, self.node.lineno):
                 self._write(f"// {text}".rstrip(), depth)
             for name in self.scopes.before.get(id(statement), ()):
                 if self.scopes.is_read(name):
                     self._write(f"{self._declared(name, statement)} = {self._zero(name)};", depth)
-            if _asks(statement, following) and self.unit.returns_record(called(statement.value)):  # type: ignore[attr-defined]
-                asked = following
-                self._ask(statement, following, depth)
-            else:
-                self._statement(statement, depth)
+            match statement, following:
+                case (
+                    ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call),
+                    ast.If(test=ast.Compare(ast.Name(id=same), [ast.Is()], [ast.Constant(None)]), body=then, orelse=[]),
+                ) if name == same and self.unit.returns_record(called(call)):
+                    self._ask(statement, name, call, then, depth)
+                    written = following
+                case _:
+                    self._statement(statement, depth)
 
-    def _ask(self, node: ast.Assign, test: ast.If, depth: int) -> None:
+    def _ask(self, node: ast.stmt, name: str, call: ast.Call, then: list[ast.stmt], depth: int) -> None:
         """Name what a function returns if it says anything, and else do something."""
-        name, other = node.targets[0].id, called(node.value)  # type: ignore[attr-defined]
-        record, local = self.unit.results[other], self.unit.local(name)
+        record, local = self.unit.results[called(call)], self.unit.local(name)
         assert isinstance(record, Record)
         if name in self.scopes.at.get(id(node), ()):
             self.scopes.at[id(node)].discard(name)
             self._write(f"struct {record.name} {local};", depth, self.comments.at(node.lineno, node.lineno))
-        self._write(f"if (!{self._passed_on(node.value, other, f'&{local}')}) {{", depth)  # type: ignore[arg-type]
-        self._block(test.body, depth + 1)
+        self._write(f"if (!{self._passed_on(call, called(call), f'&{local}')}) {{", depth)
+        self._block(then, depth + 1)
         self._write("}", depth)
 
     def _declared(self, name: str, node: ast.AST) -> str:
@@ -499,19 +501,6 @@ def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
     parts: list[ast.stmt] = [ast.copy_location(ast.Expr(value), node) for value in values]
     made = ast.If(test, parts[:1], parts[1:])
     return ast.fix_missing_locations(ast.copy_location(made, node))
-
-
-def _asks(node: ast.stmt, following: ast.stmt | None) -> bool:
-    """Whether a name is given what a call returns, and the statement after it is for the case that this is None."""
-    match node, following:
-        case (
-            ast.Assign(targets=[ast.Name(id=name)], value=ast.Call()),
-            ast.If(
-                test=ast.Compare(left=ast.Name(id=same), ops=[ast.Is()], comparators=[ast.Constant(None)]), orelse=[]
-            ),
-        ):
-            return name == same
-    return False
 
 
 def _says(node: ast.AST) -> bool:
