@@ -67,7 +67,7 @@ class Emulator:
         function = program[kernel]
         function.argtypes = [Given, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
         given = Given.from_buffer_copy(arguments)
-        assert threads % 32 == 0 and 0 < threads <= 1024
+        assert threads in range(32, 1025, 32)
         room = np.full(max(shared, 8), 0xA5, np.uint8)  # nobody may rely on zeros
         for block in range(blocks):
             function(given, block, threads, room.ctypes.data)

@@ -18,8 +18,8 @@ from numba.core import cgutils
 from numba.core.compiler_lock import global_compiler_lock
 from numba.extending import intrinsic
 
-from swarmcensus.engine.code_cache import not_compiled, sealed
-from swarmcensus.engine.compiling import INSIDE
+from swarmcensus.engine.code_cache import not_compiled
+from swarmcensus.engine.compiling import INSIDE, whole
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
 NOT_COMPILED = "a function is called that was not compiled for this use"
@@ -176,7 +176,6 @@ def phase(*takes: Any) -> Callable[[Any], Phase]:
     """Make a function a Phase, cached on disk. As in CPython, division by zero is an error."""
 
     def made(function: Any) -> Phase:
-        machine = numba.njit(nogil=True, error_model="python", cache=True, **INSIDE)(function)
-        return Phase(sealed(machine, function), takes)
+        return Phase(whole(function, **INSIDE), takes)
 
     return made

@@ -9,9 +9,8 @@ stay.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.compiling import inside, loop
 from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.draws import binomial_row
 
@@ -45,7 +44,7 @@ class Source(NamedTuple):
     changes: bool  # whether tables may differ from those of the round before
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def source_of(sensors, first, last):
     """A source of a trial's readings for robots first ... last - 1, whose tables are not made yet.
 
@@ -60,7 +59,7 @@ def source_of(sensors, first, last):
     return Source(tables, stand, sensors, sensors.drift.shape[1] > 0 or sensors.course[UNTIL] > 1.0)
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def renew(source, k, first, last):
     """Make the tables of round k for robots first ... last - 1: kind 0 for PART observations, the last for the rest.
 

@@ -35,6 +35,7 @@ SOURCES = (
     "calling.py",
     "layout.py",
     "compiling.py",
+    "parts.py",
     "strict.py",
     "changes.py",
     "records.py",

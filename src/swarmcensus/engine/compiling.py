@@ -4,7 +4,7 @@ import types
 from collections.abc import Callable
 from typing import Any
 
-from swarmcensus.engine.code_cache import sealed
+from swarmcensus.engine.code_cache import not_compiled, sealed
 
 # Numba makes two more functions around each, for calls from C and from CPython, which takes a fifth of the time of
 # compiling. Nothing calls from C. CPython crashes if it calls a function that has no wrapper for it.
@@ -17,18 +17,22 @@ def compiled(function: types.FunctionType, checked: bool = False) -> Any:
 
     With `checked`, so is an index beyond a vector's ends, which would read or write other memory.
     """
-    import numba
-
-    return numba.njit(nogil=True, error_model="python", forceinline=True, boundscheck=checked or None, **INSIDE)(
-        function
-    )
+    return inside(error_model="python", forceinline=True, boundscheck=checked or None)(function)
 
 
 def entry(function: types.FunctionType) -> Any:
     """Compile a function that CPython calls, without the GIL, and cache it on disk."""
+    return whole(function, **NOT_FROM_C)
+
+
+def whole(function: types.FunctionType, **options: Any) -> Any:
+    """Compile a function that CPython calls, or machine code by its address, without the GIL; it is kept on disk."""
     import numba
 
-    return sealed(numba.njit(nogil=True, error_model="python", cache=True, **NOT_FROM_C)(function), function)
+    from swarmcensus.engine.parts import Whole
+
+    machine = numba.njit(nogil=True, error_model="python", cache=True, pipeline_class=Whole, **options)
+    return sealed(machine(function), function)
 
 
 def loop(from_cpython: bool = False, **options: Any) -> Callable[[types.FunctionType], Any]:
@@ -36,7 +40,20 @@ def loop(from_cpython: bool = False, **options: Any) -> Callable[[types.Function
 
     Machine code calls it, and CPython too if `from_cpython`.
     """
+    return inside(from_cpython, _nrt=False, **options)
+
+
+def inside(from_cpython: bool = False, **options: Any) -> Callable[[types.FunctionType], Any]:
+    """Compile a function only as a part of those that call it, without the GIL; CPython calls it if `from_cpython`."""
     import numba
 
-    calls = NOT_FROM_C if from_cpython else INSIDE
-    return numba.njit(nogil=True, _nrt=False, **options, **calls)  # type: ignore[call-overload, no-any-return]
+    from swarmcensus.engine.parts import AlsoFromCpython, Inside
+
+    def made(function: types.FunctionType) -> Any:
+        if not_compiled():
+            return function
+        if from_cpython:
+            return AlsoFromCpython(function, {"nopython": True, "nogil": True, **options, **NOT_FROM_C})
+        return numba.njit(nogil=True, pipeline_class=Inside, **options, **INSIDE)(function)
+
+    return made

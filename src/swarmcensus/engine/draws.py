@@ -6,9 +6,8 @@ than `PART` observations are drawn as several binomials that add up.
 """
 
 import numpy as np
-from numba import njit
 
-from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.compiling import inside, loop
 from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.random import unit, words
 
@@ -17,7 +16,7 @@ SHIFT = np.uint64(60)
 BITS = np.uint64(4)
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def alias_row(weights, row):
     """Fill `row`, a uint64 for each column: a 60-bit threshold, and in the low 4 bits the alias."""
     columns = weights.size
@@ -54,7 +53,7 @@ def alias_row(weights, row):
         row[c] = (threshold & ~LOW) | np.uint64(alias[c])
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def binomial_row(looks, p, row):
     """The alias row of Binomial(looks, p), looks <= PART."""
     weights = np.zeros(row.size)

@@ -6,11 +6,10 @@ Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the ad
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
-from swarmcensus.engine.compiling import INSIDE, entry, loop
+from swarmcensus.engine.compiling import entry, inside, loop
 from swarmcensus.engine.constants import (
     ASK,
     DRAW_FUSE,
@@ -69,7 +68,7 @@ class Buffers(NamedTuple):
     nothing: Any  # (2, byte): sums of the messages of no blocks, see `phases.hear_all`: all robots are one block
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def buffers_of(robots, messages, size):
     """Room for so many robots and messages per tick; a message has `size` bytes."""
     return Buffers(

@@ -6,11 +6,10 @@ A `Swarm` (`layout.py`) holds the addresses of the brains' functions, which are 
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew
-from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.compiling import inside, loop
 from swarmcensus.engine.constants import (
     ADD_UP,
     BLOCK,
@@ -77,7 +76,7 @@ class Work(NamedTuple):
     arrivals: Any  # (2, message): receivers and senders of what gets through
 
 
-@njit(nogil=True, **INSIDE)
+@inside()
 def graph_of(links, graph, robots, first, last):
     """One of the graphs of a batch; nobody touches the bounds of other robots than first ... last - 1."""
     receivers = links.receivers[links.starts[graph] : links.starts[graph + 1]]

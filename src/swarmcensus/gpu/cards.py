@@ -7,7 +7,7 @@ import numpy as np
 from swarmcensus.brains import slots
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import kept_of_message
-from swarmcensus.engine.constants import CLIPPED, FULL, HEARD, LISTED, COVERAGE, PART, SENT, VERDICTS, WIDTH, WRONG
+from swarmcensus.engine.constants import CLIPPED, COVERAGE, FULL, HEARD, LISTED, PART, SENT, VERDICTS, WIDTH, WRONG
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
 from swarmcensus.gpu.given import ARRAYS, Given
 from swarmcensus.gpu.source import Features, measures, parameters, source
@@ -177,8 +177,8 @@ class _Held:
     def _upload(self, given: Inputs, setting: Setting) -> None:
         sensors, links, one = given.sensors, given.links, self.given
         if self.local and self.sizes.features.changes and sensors.b.shape[1] == 1:  # nobody waits for who makes tables
-            sides = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
-            sensors = sensors._replace(**dict(zip("bw", sides, strict=True)))
+            b, w = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
+            sensors = sensors._replace(b=b, w=w)
         keys = {"readings_key": sensors.key, "losses_key": given.radio.key, "order_key": sensors.order}
         for name, key in (keys | {"luck_key": given.draws}).items():
             getattr(one, name)[: key.size] = key.tolist()
@@ -228,7 +228,7 @@ class _Held:
             if self.metrics.estimates:
                 shapes["kept"] = (np.float64, (checks, trials, robots))
             if features.counted:
-                shapes |= {name: (np.int64, (trials, robots)) for name in ("sent", "heard")}
+                shapes |= dict.fromkeys(("sent", "heard"), (np.int64, (trials, robots)))
             if features.judged:
                 shapes |= {"verdicts": (np.float64, (trials, robots, 6)), "unanimous": (np.int16, (trials, rounds))}
             if features.bounded:
@@ -331,7 +331,7 @@ def _blanks(setting: Setting, local: bool) -> np.ndarray:
     schedule = schedule_of(setting, alone=local)
     flat: list[float] = []
     for brain in setting.brains:
-        for name, value in (brain.memory | (schedule if brain is setting.brain else {})).items():
+        for value in (brain.memory | (schedule if brain is setting.brain else {})).values():
             flat += value if isinstance(value, tuple) else [value]
         flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
     return np.array(flat, _number(setting))
@@ -358,7 +358,8 @@ def _asked(setting: Setting, given: Inputs) -> np.ndarray:
     """Which robots count and have an interval, (trial, robot)."""
     honest = given.honest if given.honest.size else np.ones((len(given.stops), setting.robots), np.bool_)
     groups = given.group if given.group.size else np.zeros(honest.shape, np.int64)
-    return honest & np.array([brain.has_interval for brain in setting.brains])[groups]
+    asked: np.ndarray = honest & np.array([brain.has_interval for brain in setting.brains])[groups]
+    return asked
 
 
 def _batch(setting: Setting, given: Inputs, sizes: Sizes, metrics: Metrics, found: Arrays, local: bool) -> Batch:

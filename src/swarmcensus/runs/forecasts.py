@@ -67,7 +67,7 @@ def seconds_for(
 ) -> float:
     """The seconds that so many trials of settings take in `jobs` threads, measured on brains that are compiled."""
     every = np.ones((len(settings), trials), np.bool_)
-    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS, placing.on_card if placing else None)
+    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS, placing.room if placing else None)
     return _forecast(study, settings, tasks, jobs, 0.0)[0]
 
 

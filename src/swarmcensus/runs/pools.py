@@ -14,7 +14,7 @@ import numpy as np
 
 from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
-from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, LeavableThreads, code_cache, compiler, interruptible
+from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
 from swarmcensus.runs.tasks import Bundle, Crew, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
@@ -65,11 +65,16 @@ class Threads:
     note = ""
 
     def __init__(
-        self, executor: Executor, jobs: int, study: Study, settings: list[Setting], card: "Card | None" = None
+        self,
+        executor: Executor,
+        jobs: int,
+        study: Study,
+        settings: list[Setting],
+        card: "Card | None" = None,
+        feeder: Executor | None = None,
     ) -> None:
-        """Use the executor's threads, which are so many `jobs`."""
-        self.executor, self.crew, self.card = executor, Crew(jobs), card
-        self._feeder = LeavableThreads(1) if card else None
+        """Use the executor's threads, which are so many `jobs`, and the `feeder`'s one for a card."""
+        self.executor, self.crew, self.card, self.feeder = executor, Crew(jobs), card, feeder
         self._on_card = set[object]()
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
@@ -84,11 +89,10 @@ class Threads:
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
-        on_card = self._feeder is not None and bundle[0].on_card
-        executor = self._feeder if self._feeder and on_card else self.executor
+        feeder = self.feeder if bundle[0].on_card else None
         given = (*self.common, bundle, self.metrics, self.stop, self.crew, outcome, self.card)
-        future = executor.submit(run_bundle, *given)
-        unfinished = self._on_card if on_card else self.crew.unfinished
+        future = (feeder or self.executor).submit(run_bundle, *given)
+        unfinished = self._on_card if feeder else self.crew.unfinished
         unfinished.add(future)
         future.add_done_callback(unfinished.discard)
         self._outcomes[future] = outcome
@@ -101,8 +105,6 @@ class Threads:
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
         self.stop[0] = 1
-        if self._feeder:
-            self._feeder.shutdown(wait=False)
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should take, in seconds."""

@@ -142,6 +142,8 @@ class Unit:
 
     def record_of(self, kind: tuple[Kind, ...], node: ast.AST) -> Record:
         """The struct for tuples of this kind. Raises Untranslatable for tuples that hold more than numbers."""
+        if self.message and VECTOR in kind and kind == self.message.kinds:
+            return self.message
         if any(item not in (REAL, WHOLE, TRUTH) for item in kind) or not 0 < len(kind) <= len(ORDINALS):
             raise Untranslatable(f"a tuple of other things than 1 to {len(ORDINALS)} numbers has no type in C", node)
         name = "_".join(str(item) for item in kind) if len(kind) > 1 else f"one_{kind[0]}"
