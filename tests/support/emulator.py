@@ -49,9 +49,11 @@ class Emulator:
                     shutil.copy(made, temporary)
         return ctypes.CDLL(str(library))
 
-    def set_constant(self, program, name, values):
-        place = (ctypes.c_char * len(values)).in_dll(program, name)
-        ctypes.memmove(place, values, len(values))
+    def set_global(self, program, name, values):
+        ctypes.memmove((ctypes.c_char * len(values)).in_dll(program, name), values, len(values))
+
+    def get_global(self, program, name, size):
+        return bytes((ctypes.c_char * size).in_dll(program, name))
 
     def upload(self, array):
         return Memory(array.copy())

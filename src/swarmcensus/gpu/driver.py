@@ -66,8 +66,11 @@ class Driver(Protocol):
     def build(self, source: str) -> Program:
         """Compile CUDA C++, or find it in the cache on disk."""
 
-    def set_constant(self, program: Program, name: str, values: bytes) -> None:
-        """Give a constant array of a program its values, for the launches that follow."""
+    def set_global(self, program: Program, name: str, values: bytes) -> None:
+        """Give a variable of a program its bytes, for the launches that follow."""
+
+    def get_global(self, program: Program, name: str, size: int) -> bytes:
+        """The bytes of a variable of a program, once all launches are over."""
 
     def upload(self, array: np.ndarray) -> Buffer:
         """Copy an array to the card."""
@@ -164,11 +167,19 @@ class Cuda:
         """The machine code of a source for this card. Raises CardError with the compiler's first error."""
         return compiled(self._nvrtc, source, self.target)
 
-    def set_constant(self, program: _Module, name: str, values: bytes) -> None:
-        """Give a constant array of a program its values, for the launches that follow."""
-        place, _ = self.call("cuModuleGetGlobal", program.handle, name.encode())
+    def set_global(self, program: _Module, name: str, values: bytes) -> None:
+        """Give a variable of a program its bytes, for the launches that follow."""
         array = np.frombuffer(values, np.uint8)
-        self.call("cuMemcpyHtoD", place, array.ctypes.data, array.nbytes)
+        self.call("cuMemcpyHtoD", self._place(program, name), array.ctypes.data, array.nbytes)
+
+    def get_global(self, program: _Module, name: str, size: int) -> bytes:
+        """The bytes of a variable of a program, once all launches are over."""
+        array = np.empty(size, np.uint8)
+        self.call("cuMemcpyDtoH", array.ctypes.data, self._place(program, name), size)
+        return array.tobytes()
+
+    def _place(self, program: _Module, name: str) -> Any:
+        return self.call("cuModuleGetGlobal", program.handle, name.encode())[0]
 
     def upload(self, array: np.ndarray) -> _Memory:
         """Copy an array to the card."""

@@ -216,7 +216,6 @@ CALLS = {
     "decide": ("double", ""),
     "done": ("bool", ""),
     "bound": ("void", "double *low, double *high"),
-    "is_finite": ("bool", ""),
 }
 
 

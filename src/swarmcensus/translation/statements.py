@@ -1,6 +1,7 @@
 """Statements and functions of a brain in C, with their comments."""
 
 import ast
+import itertools
 from collections.abc import Iterator
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
@@ -91,7 +92,7 @@ class Function:
 
     def _block(self, body: list[ast.stmt], depth: int) -> None:
         written: ast.stmt | None = None
-        for statement, following in zip(body, [*body[1:], None], strict=True):
+        for statement, following in itertools.zip_longest(body, body[1:]):
             if statement is written:
                 continue
             for text in self.comments.above(statement.lineno, self.node.lineno):

@@ -58,6 +58,7 @@ class Unit:
     message: Record | None = None  # what `broadcast` returns and `receive` takes
     parameters: frozenset[str] = frozenset()  # fields of the record that are constants in C
     prefix: str = ""  # of functions and constants in C
+    checked: bool = False  # whether what raises an error in Python is noticed, by functions that a program has
     needs: set[str] = field(default_factory=set)  # names of helper functions in C
     used: set[str] = field(default_factory=set)  # constants that functions read
     used_parameters: set[str] = field(default_factory=set)

@@ -57,7 +57,7 @@ def test_constants_get_their_values(card):
     given = np.zeros(1)
     card.constants[b"given"] = given.ctypes.data
     opened = open_driver()
-    opened.set_constant(opened.build("one"), "given", np.float64(0.25).tobytes())
+    opened.set_global(opened.build("one"), "given", np.float64(0.25).tobytes())
     assert given == 0.25
 
 
