@@ -90,6 +90,11 @@ def is_crowd(setting: Setting, local: bool = False) -> bool:
     return 8 * setting.robots * min(rounds, ROWS_OF_A_CROWD) > SHARED_BYTES
 
 
+def is_shared(setting: Setting) -> bool:
+    """Whether threads may share a trial."""
+    return setting.body is None and setting.robots >= LARGE
+
+
 def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
     """How many rounds of estimates to keep at a time.
 
@@ -150,7 +155,7 @@ def _live(
     length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1)
     segments = -(-rounds // length)
     states = states._replace(rows=np.empty((length, setting.robots)))
-    team = min(idle(), swarm.of_block.size - 1) if setting.robots >= LARGE else 1
+    team = min(idle(), swarm.of_block.size - 1) if is_shared(setting) else 1
     room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0, team)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)
