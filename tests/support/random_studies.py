@@ -16,17 +16,18 @@ BRAINS = (
     "bayes-bots", "alone", "information-filter", "three-state", "w-msr", "oracle", "changing-floor", "recurrent",
     *(str(EXAMPLE / f"{name}.py") for name in ("pairwise", "histogram", "quiet", "sprt", "leader", "shy")),
 )  # fmt: skip
-ADVERSARIES = ("always-black", "jammer", "random", str(EXAMPLE / "liar.py"))
+HONEST = ("oracle", "histogram.py", "sprt.py")  # that no adversary can wear
+ADVERSARIES = ("always-black", "jammer", "random", "creeper")
 
 
-def random_study(number: int, brains=BRAINS) -> sc.Study:
-    """The study of this number."""
+def random_study(number: int, brains=BRAINS, most=300) -> sc.Study:
+    """The study of this number, of at most so many robots."""
     rng = np.random.default_rng(number)
 
     def one(*values):
         return values[rng.integers(len(values))]
 
-    robots, rounds = int(one(1, 2, 7, 30, 100, 300)), int(one(5, 40, 130))
+    robots, rounds = min(int(one(1, 2, 7, 30, 100, 300)), most), int(one(5, 40, 130))
     accuracy = one(
         0.7, 1.0, "U(0.525, 0.975)", {"black": 0.9, "white": "U(0.5, 0.8)"},
         {"start": 0.9, "drift": -0.002}, {"start": "U(0.6, 0.8)", "drift": 0.001},
@@ -56,7 +57,7 @@ def random_study(number: int, brains=BRAINS) -> sc.Study:
             parts = one("sensing", "talking", ["sensing", "talking"])
             until = one({}, {"until": 30 if rounds > 30 else 5})
             given["faults"] = [{"at": 3, "robots": 0.4, "stop": parts} | until]
-        if one(True, False, False) and given["swarm"]["brain"] != "oracle":
+        if one(True, False, False) and not given["swarm"]["brain"].endswith(HONEST):
             given["members"] = [one({"brain": one(*ADVERSARIES), "honest": False}, {"accuracy": 0.9}) | {"robots": 0.3}]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
