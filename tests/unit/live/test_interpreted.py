@@ -10,7 +10,8 @@ from types import SimpleNamespace
 import psutil
 
 from swarmcensus import brains
-from swarmcensus.live import interpreted, sessions
+from swarmcensus.cli.commands import main
+from swarmcensus.live import interpreted, server, sessions
 from swarmcensus.live.interpreted import INTERPRETER, Interpreted
 from swarmcensus.live.offers import offer_of, wanted
 from swarmcensus.live.sessions import Session
@@ -55,13 +56,13 @@ def test_cpython_shows_what_machine_code_shows():
         for asked in WORLDS:
             trial, is_compiled = wanted(offer_of(None), asked), threading.Event()
             here = shown_here(trial)
+            expected = picture(here, rounds)
             shown = Interpreted(trial, lambda here=here, wait=is_compiled.wait: here if wait(60) else None)
-            before = picture(shown, rounds)
+            assert picture(shown, rounds) == expected
             assert not shown.own.done()
-            assert before == picture(here, rounds)
             is_compiled.set()
             shown.own.result(60)
-            assert before == picture(shown, rounds)
+            assert picture(shown, rounds) == expected
     assert ended()
 
 
@@ -115,6 +116,24 @@ def test_without_a_process_the_page_waits(monkeypatch):
     monkeypatch.setattr(interpreted.subprocess, "Popen", none_started)
     shown = Interpreted(wanted(offer_of(None), {}), lambda: SimpleNamespace(scenes=lambda: ["scene"]))
     assert shown.scenes() == ["scene"]
+
+
+def test_the_command_starts_the_process_where_nothing_is_compiled(tmp_path, monkeypatch):
+    served, settings = [], wanted(offer_of(None), WORLDS[0]).settings
+    shown_here(wanted(offer_of(None), WORLDS[0]))
+    assert not interpreted.needs_compiling(settings)
+    assert interpreted.prepared() is not INTERPRETER
+    monkeypatch.setattr(server, "warm", lambda *given: served.append((INTERPRETER._process is not None, given[2])))
+    monkeypatch.setattr(server, "serve", lambda served: served.socket.close())
+    monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path))
+    assert interpreted.needs_compiling(settings)
+    assert main(["watch", "--no-browser"]) == 0
+    [(is_running, until)] = served
+    assert is_running
+    until.close()
+    assert ended()
+    assert main(["watch", "--set", "robots=many"]) == 2
+    assert ended()
 
 
 def test_the_process_ends_with_its_parent():
