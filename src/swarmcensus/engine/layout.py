@@ -116,7 +116,7 @@ class Segments(NamedTuple):
     signals: np.ndarray  # (segment, round x robot): as the outbox
     extremes: np.ndarray  # (3, robot): least and greatest estimate of all later rounds, and the estimate of round 0
     sums: np.ndarray  # (block, byte): sums of the messages of blocks, see `phases.hear_all`
-    votes: np.ndarray  # (3, thread): see `teams.py`
+    votes: np.ndarray  # (4, thread): see `teams.py`
 
 
 class Measures(NamedTuple):
@@ -223,7 +223,7 @@ def runs_of(group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return runs, of_block[: -(-robots // BLOCK) + 1].astype(np.uint64)
 
 
-ALONE = np.array([0, 0, 1, 0])  # the member of a team of one, see `teams.py`
+ALONE = np.array([0, 0, 1, 0, 0])  # the member of a team of one, see `teams.py`
 
 
 def parts_of(swarm: Swarm, count: int) -> list[tuple[Swarm, int]]:

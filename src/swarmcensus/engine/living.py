@@ -44,9 +44,9 @@ def live(swarm, given, states, tally, first, history, said, signals, messages, s
     partial = np.zeros((2 * sums.shape[0], outbox.shape[1]), np.uint8)
     work = Work(blacks, bits, np.zeros(0), draws, sums, partial, arrivals)
     source = source_of(sensors_of(given.sensors, 0), 0, robots)
-    member = np.zeros(4, np.int64)
+    member = np.zeros(5, np.int64)
     member[COUNT] = 1
-    team = team_of(member, swarm, np.zeros((3, 1)), robots)
+    team = team_of(member, swarm, np.zeros((4, 1)), robots)
     for r in range(rows.shape[0]):
         k = first + r
         renew(source, k, 0, robots)

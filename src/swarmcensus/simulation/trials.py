@@ -203,9 +203,11 @@ def _simulate(swarm: Swarm, groups: tuple[Any, ...], stop: np.ndarray, team: int
         return bool(simulate(swarm, *groups, stop, ALONE))
     parts = parts_of(swarm, team)
 
-    def run_part(number: int, gate: int, halt: np.ndarray) -> bool:
+    groups[2].votes[:] = 0.0
+
+    def run_part(number: int, gate: int, here: int, halt: np.ndarray) -> bool:
         own, begin = parts[number]
-        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate])))
+        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate, here])))
 
     return all(run_together(run_part, team, stop))
 
@@ -218,7 +220,7 @@ def room_of(states: States, snapshots: int, outboxes: int, threads: int = 1) -> 
         np.empty((outboxes, *states.signals.shape), np.uint8),
         np.empty((3, states.memory.shape[0])),
         np.empty((-(-states.memory.shape[0] // BLOCK), states.outbox.shape[1]), np.uint8),
-        np.zeros((3, threads)),
+        np.zeros((4, threads)),
     )
 
 
