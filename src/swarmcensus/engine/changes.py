@@ -59,7 +59,7 @@ def source_of(sensors, first, last):
     return Source(tables, stand, sensors, sensors.drift.shape[1] > 0 or sensors.course[UNTIL] > 1.0)
 
 
-@inside()
+@loop()
 def renew(source, k, first, last):
     """Make the tables of round k for robots first ... last - 1: kind 0 for PART observations, the last for the rest.
 

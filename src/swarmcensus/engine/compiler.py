@@ -10,13 +10,13 @@ from swarmcensus.brains import Brain, codec_source, is_shipped
 from swarmcensus.brains.metrics import GIVEN, Metric
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
-from swarmcensus.engine.constants import PHASES
+from swarmcensus.engine.constants import HELPERS, PHASES
 from swarmcensus.engine.records import record_type
 from swarmcensus.support.errors import without_colours
 
 LOOPS = (
-    "world", "scores", "failures", "states", "teams", "agreement", "rounds", "kernel", "living", "motion", "neighbours",
-    "walk", "riding", "steering",
+    "world", "scores", "failures", "states", "teams", "agreement", "scenes", "helpers", "rounds", "kernel", "living",
+    "motion", "neighbours", "walk", "riding", "steering",
 )  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
 ALWAYS = ("begin", "sense", "believe")  # what of a brain is needed with whatever neighbours
 ONE_BY_ONE, IN_SUMS, IN_SUMS_OF_ALL = "one by one", "in sums", "in sums of all"
@@ -98,6 +98,15 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
     if not_compiled():
         return np.array(found, object)
     return np.array([address or 0 for address in found], np.uint64)
+
+
+@functools.lru_cache(maxsize=64)
+def compile_helpers(needed: frozenset[str]) -> Any:
+    """The addresses of functions that the engine calls, by their places in `constants.py`."""
+    module = compile_world("helpers")
+    with LOCK:
+        found = [getattr(module, name).address() if name in needed else None for name in HELPERS]
+    return np.array(found, object) if not_compiled() else np.array([address or 0 for address in found], np.uint64)
 
 
 def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:

@@ -31,6 +31,7 @@ class Swarm(NamedTuple):
     jams: bool  # whether any brain may drown what others say
     draws: np.ndarray  # two keys of two words each; empty where no brain uses luck
     honest: np.ndarray  # (robot): whom decisions and metrics count; empty where they count all
+    helpers: Any  # (function): addresses of what of the engine is compiled apart, see `constants.py`
 
 
 class States(NamedTuple):

@@ -8,7 +8,9 @@ from swarmcensus.engine.constants import BLOCK, HEARD, SENT, TALKING
 from swarmcensus.engine.layout import States
 
 from .failures import works
-from .rounds import Work, advance, count_heard, graph_of, most_arrivals
+from .helpers import count_heard
+from .rounds import advance, graph_of, most_arrivals
+from .scenes import Work
 from .states import ZERO, believe_all, blank_states, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
 from .teams import COUNT, team_of
 

@@ -29,9 +29,9 @@ from .agreement import agreed_from, half_width
 from .states import (
     ONE,
     ZERO,
-    agree,
+    agree_on,
     arrives,
-    ask_intervals,
+    ask_all,
     believe_all,
     blank_states,
     copy_all,
@@ -228,11 +228,11 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
             for block in range(np.uint64(swarm.of_block.size - 1)):
                 judge(swarm, block, memory, rows, np.uint64(here), verdicts, now)
             if tally.agreed[0] < 0.0:
-                agree(option_of(verdicts, swarm.honest, 0, n), tally.agreed, now)
+                agree_on(option_of(verdicts, swarm.honest, 0, n), tally.agreed, now)
         if intervals.bounds.shape[1] > 0:
             c = first_from(intervals.checkpoints, now)
             if c < intervals.checkpoints.size and intervals.checkpoints[c] == now:
-                ask_intervals(swarm, memory, intervals.bounds)
+                ask_all(swarm, memory, intervals.bounds)
                 measure_intervals(swarm, c, intervals, False)
         if recorded.history.shape[0] > 0:
             copy_all(recorded.history[k], memory)
@@ -283,8 +283,8 @@ def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagr
     `Measures`. Returns the first index from which on it stays within delta; infinite for never.
     """
     robots = rows.shape[1]
-    find_wrong(swarm, start, 0, wrong)
-    find_wrong(swarm, rows, 1, wrong)
+    find_wrong(swarm.honest, start, 0, wrong)
+    find_wrong(swarm.honest, rows, 1, wrong)
     agreed = np.inf
     if wrong[0] < 0.0:
         room = np.empty(robots)
