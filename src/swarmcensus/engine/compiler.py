@@ -140,6 +140,14 @@ def compile_world(name: str = "world") -> types.ModuleType:
     return module(_loop_files(), name)
 
 
+def compile_loop(moving: bool) -> None:
+    """Compile the loop of robots that move, or that of fixed networks, before there is anything to run."""
+    loop = compile_world("riding").ride if moving else compile_world("kernel").simulate
+    if not not_compiled():
+        types = compile_world("scenes")
+        loop.compile(types.TO_RIDE if moving else types.TO_SIMULATE)
+
+
 def is_known(world: str, entry: str) -> bool:
     """Whether machine code of one of the engine's entry points is on disk."""
     return is_kept(_loop_files(), f"{world}.{entry}-*.nbc")

@@ -6,7 +6,21 @@ import numpy as np
 from numba import typeof
 
 from swarmcensus.engine.changes import Source
-from swarmcensus.engine.layout import Intervals, Reception, Sensors, States, Swarm, Tally
+from swarmcensus.engine.layout import (
+    ALONE,
+    NO_LINKS,
+    Chunk,
+    Inputs,
+    Intervals,
+    Measures,
+    Reception,
+    Recorded,
+    Segments,
+    Sensors,
+    States,
+    Swarm,
+    Tally,
+)
 
 from .teams import Team
 
@@ -48,38 +62,83 @@ class Scene(NamedTuple):
     stop: Any
 
 
-def _arrays(dtype: Any) -> list[Any]:
-    """Arrays by their dimensions, from 0 on."""
-    return [np.zeros((0,) * dimensions, dtype) for dimensions in range(4)]
+def _like(dtype: Any, dimensions: int = 1) -> Any:
+    return np.zeros((0,) * dimensions, dtype)
 
 
-_, BYTES, TABLES, _ = _arrays(np.uint8)
-_, WORDS, ROWS_OF_WORDS, CUBE = _arrays(np.uint64)
-_, WHOLES, ROWS_OF_WHOLES, _ = _arrays(np.int64)
-_, REALS, ROWS_OF_REALS, _ = _arrays(np.float64)
-_, NUMBERS, ROWS_OF_NUMBERS, _ = _arrays(np.uint32)
-FLAGS = np.zeros(0, np.bool_)
-
-# the Numba types of groups that are passed by their addresses
-SOURCE_LIKE = Source(
-    CUBE, ROWS_OF_REALS, Sensors(REALS, REALS, ROWS_OF_REALS, REALS, 1, WORDS, WORDS), changes=True
+WORDS, REALS, BYTES, FLAGS = (_like(dtype) for dtype in (np.uint64, np.float64, np.uint8, np.bool_))
+WHOLES, NUMBERS = _like(np.int64), _like(np.uint32)
+WORD_ROWS, REAL_ROWS, BYTE_ROWS, FLAG_ROWS = (
+    _like(dtype, 2) for dtype in (np.uint64, np.float64, np.uint8, np.bool_)
 )  # fmt: skip
-SOURCE = typeof(SOURCE_LIKE)
-SCENE = typeof(
-    Scene(
-        Swarm(
-            ROWS_OF_WORDS, WHOLES, WHOLES, WHOLES, TABLES, ROWS_OF_WORDS, WORDS, True, True, True, WORDS, FLAGS, WORDS
+WHOLE_ROWS = _like(np.int64, 2)
+REAL_CUBE, BYTE_CUBE, WHOLE_CUBE = (_like(dtype, 3) for dtype in (np.float64, np.uint8, np.int64))
+
+# groups like those that are passed, of which only the types matter
+SWARM = Swarm(
+    WORD_ROWS, WHOLES, WHOLES, WHOLES, BYTE_ROWS, WORD_ROWS, WORDS, True, True, True, WORDS, FLAGS, WORDS
+)  # fmt: skip
+STATES = States(BYTE_ROWS, BYTE_ROWS, BYTES, REAL_ROWS)
+TALLY = Tally(WHOLE_ROWS, REAL_ROWS, REALS)
+RECEPTION = Reception(WORDS, np.uint64(0), 1, False)
+INTERVALS = Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_ROWS, REALS)
+READINGS = Source(
+    _like(np.uint64, 3), REAL_ROWS, Sensors(REALS, REALS, REAL_ROWS, REALS, 1, WORDS, WORDS), changes=True
+)  # fmt: skip
+TRIAL = Scene(
+    SWARM,
+    STATES,
+    Work(REALS, WORDS, REALS, WORD_ROWS, BYTE_ROWS, BYTE_ROWS, _like(np.uint32, 2)),
+    READINGS,
+    Graph(1, NUMBERS, NUMBERS, WHOLES),
+    RECEPTION,
+    TALLY,
+    WHOLE_ROWS,
+    1,
+    Team(1, 1, 1, 1, 1, 1, REAL_ROWS),
+    BYTES,
+)
+INPUTS = Inputs(
+    1, Sensors(REAL_ROWS, REAL_ROWS, REAL_CUBE, REALS, 1, WORDS, WORDS), (REAL_ROWS, REAL_ROWS), RECEPTION, NO_LINKS,
+    WHOLE_CUBE, WORDS, WORDS, REAL_ROWS, WHOLE_ROWS, FLAG_ROWS,
+)  # fmt: skip
+
+SOURCE, SCENE, INTERVALS_OF_TRIAL = map(typeof, (READINGS, TRIAL, INTERVALS))
+TO_SIMULATE = tuple(
+    map(
+        typeof,
+        (
+            SWARM,
+            INPUTS,
+            STATES,
+            Segments(BYTE_CUBE, BYTE_CUBE, BYTE_ROWS, REAL_ROWS, BYTE_ROWS, REAL_ROWS),
+            Measures(
+                1.0, REAL_ROWS, WHOLE_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS
+            ),
+            Tally(WHOLE_CUBE, REAL_CUBE, REAL_ROWS),
+            Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS),
+            1,
+            False,
+            0,
+            1,
+            BYTES,
+            ALONE,
         ),
-        States(TABLES, TABLES, BYTES, ROWS_OF_REALS),
-        Work(REALS, WORDS, REALS, ROWS_OF_WORDS, TABLES, TABLES, ROWS_OF_NUMBERS),
-        SOURCE_LIKE,
-        Graph(1, NUMBERS, NUMBERS, WHOLES),
-        Reception(WORDS, np.uint64(0), 1, False),
-        Tally(ROWS_OF_WHOLES, ROWS_OF_REALS, REALS),
-        ROWS_OF_WHOLES,
-        1,
-        Team(1, 1, 1, 1, 1, 1, ROWS_OF_REALS),
-        BYTES,
     )
 )
-INTERVALS_OF_TRIAL = typeof(Intervals(WHOLES, REALS, ROWS_OF_REALS, REALS, ROWS_OF_REALS, REALS))
+TO_RIDE = tuple(
+    map(
+        typeof,
+        (
+            SWARM,
+            INPUTS,
+            STATES,
+            TALLY,
+            INTERVALS,
+            Chunk(1, FLAG_ROWS, _like(np.int32, 3), WHOLES, NUMBERS, REAL_CUBE, REAL_ROWS),
+            FLAG_ROWS,
+            Recorded(BYTE_CUBE, REAL_ROWS),
+            BYTES,
+        ),
+    )
+)

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Literal, Protocol
 from weakref import WeakKeyDictionary
 
@@ -16,6 +17,7 @@ from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
 from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, LeavableThreads, code_cache, compiler, interruptible
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
+from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
@@ -132,7 +134,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
 
     `show` is called with a note on the kind of swarm, and with how many kinds are done, of how many. If the process has
     no other threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles
-    for networks.
+    for networks. For one kind of swarm, the copy compiles what the engine's loop calls, and this process the loop.
     """
     studies = list(studies)
     caution(brain for study, _ in studies for brain in study.brains)
@@ -155,14 +157,17 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
             show(_compile_note(left[0][0], done, kinds), (done, kinds))
 
     moving = [pair for pair in new if pair[0].body]
-
-    def compile_moving() -> None:
-        _run_all(moving)
-
-    alone = not moving or len(moving) == len(new) or not code_cache.keeps()
-    ended = compile_moving if alone else in_background(compile_moving, report_rest)
-    if ended is not compile_moving:
+    both = 0 < len(moving) < len(new)
+    alone = not code_cache.keeps() or not (both or _needs_loop(new))
+    aside = partial(_run_all, moving) if both else partial(_prepare, new[:1])
+    if not alone:
+        report_rest()
+    ended = aside if alone else in_background(aside, report_rest)
+    if ended is not aside and both:
         here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
+    elif ended is not aside:
+        interruptible(compiler.compile_loop)(bool(moving))
+        ended()
     while here:
         report_rest()
         _run_once(*here[0])
@@ -205,6 +210,18 @@ def _kind_of_swarm(setting: Setting) -> str:
 def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
     for setting, study in tiny:
         _run_once(setting, study)
+
+
+def _needs_loop(new: list[tuple[Setting, Study]]) -> bool:
+    """Whether the engine's loop is to be compiled, and is another one than that of robots that steer."""
+    return bool(new) and not _engine_is_compiled(new[0][0]) and not new[0][0].steers
+
+
+@interruptible
+def _prepare(new: list[tuple[Setting, Study]]) -> None:
+    """Compile what is called before the engine's loop, and by it."""
+    for setting, study in new:
+        prepare(setting, study.seed)
 
 
 def _engine_is_compiled(setting: Setting) -> bool:

@@ -130,6 +130,16 @@ def run_ride(
     return [rider.measure(metrics, grounds[key]) for rider, key in zip(riders, keys, strict=True)]
 
 
+def prepare(setting: Setting, seed: int) -> None:
+    """Compile what is called before the loop of a setting's trials, or by it: draws, walks, brains, measuring."""
+    given = inputs_of(setting, seed, 0)
+    if setting.body is None:
+        swarm_of(setting, given, setting.use)
+        return
+    for chunk in walk_of(setting, given, np.zeros(1, np.uint8), commands_of(setting)).chunks(1):
+        sampling.ground(setting, seed, 0).colours(chunk.tiles, chunk.tick)
+
+
 def tiles_of(setting: Setting) -> int:
     """How many tiles the arena has from wall to wall."""
     assert setting.body is not None
