@@ -140,12 +140,15 @@ def compile_world(name: str = "world") -> types.ModuleType:
     return module(_loop_files(), name)
 
 
-def compile_loop(moving: bool) -> None:
-    """Compile the loop of robots that move, or that of fixed networks, before there is anything to run."""
-    loop = compile_world("riding").ride if moving else compile_world("kernel").simulate
+LOOP_TYPES = {"kernel.simulate": "TO_SIMULATE", "riding.ride": "TO_RIDE", "riding.start_states": "TO_START",
+              "riding.conclude": "TO_CONCLUDE"}  # fmt: skip
+
+
+def compile_loop(name: str) -> None:
+    """Compile one of LOOP_TYPES before there is anything to run; with what it is called is always of the same types."""
+    file, _, function = name.partition(".")
     if not not_compiled():
-        types = compile_world("scenes")
-        loop.compile(types.TO_RIDE if moving else types.TO_SIMULATE)
+        getattr(compile_world(file), function).compile(getattr(compile_world("scenes"), LOOP_TYPES[name]))
 
 
 def is_known(world: str, entry: str) -> bool:

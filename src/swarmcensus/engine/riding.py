@@ -11,21 +11,24 @@ from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
 from swarmcensus.engine.compiling import entry, inside, loop
 from swarmcensus.engine.constants import (
+    AGREED,
     ASK,
     DRAW_FUSE,
     DRAW_OBSERVE,
     DRAW_STEER,
     END_ROUND,
+    FIRST_WRONG,
+    HALF_WIDTH,
     HEAR,
     HEAR_ALL,
     HEAR_SUMS,
     HEARD,
     LISTED,
     SENSE,
+    SETTLED,
 )
 from swarmcensus.engine.random import unit, words
 
-from .agreement import agreed_from, half_width
 from .states import (
     ONE,
     ZERO,
@@ -41,7 +44,6 @@ from .states import (
     count_sent,
     draw_for_messages,
     drowned,
-    find_wrong,
     first_from,
     forget_verdicts,
     is_said,
@@ -50,7 +52,6 @@ from .states import (
     measure_intervals,
     option_of,
     sensors_of,
-    settle,
     silence_failed,
 )
 
@@ -282,26 +283,28 @@ def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagr
     `wrong` (3) gets the first invalid estimate, and `disagreement` (checkpoint) that of the `checkpoints`, as in
     `Measures`. Returns the first index from which on it stays within delta; infinite for never.
     """
-    robots = rows.shape[1]
-    find_wrong(swarm.honest, start, 0, wrong)
-    find_wrong(swarm.honest, rows, 1, wrong)
+    rounds, robots = rows.shape
+    helpers, honest = swarm.helpers, swarm.honest
+    call(helpers[FIRST_WRONG], start, 1, robots, 0, honest, honest.size, wrong)
+    call(helpers[FIRST_WRONG], rows, rounds, robots, 1, honest, honest.size, wrong)
     agreed = np.inf
+    room, answer = np.empty((3, robots)), np.zeros(1)
     if wrong[0] < 0.0:
-        room = np.empty(robots)
-        since = agreed_from(start, 0, swarm.honest, delta, room, 0.0)
-        since = agreed_from(rows, 1, swarm.honest, delta, room, since)
-        if since <= rows.shape[0]:
-            agreed = since
+        call(helpers[AGREED], start, 1, robots, 0, honest, honest.size, delta, room, answer)
+        call(helpers[AGREED], rows, rounds, robots, 1, honest, honest.size, delta, room, answer)
+        if answer[0] <= rounds:
+            agreed = answer[0]
         for c in range(checkpoints.size):
-            if checkpoints[c] <= rows.shape[0]:
-                disagreement[c] = half_width(rows[checkpoints[c] - 1], swarm.honest, room)
-    low = np.empty(robots)
-    high = np.empty(robots)
+            if checkpoints[c] <= rounds:
+                row = place(rows, (checkpoints[c] - 1) * robots)
+                call(helpers[HALF_WIDTH], row, robots, honest, honest.size, room, place(disagreement, c))
     for i in range(robots):
-        low[i] = np.inf
-        high[i] = -np.inf
-        where[i] = rows.shape[0]
-        value[i] = rows[rows.shape[0] - 1, i]
-    if settle(rows, np.int64(1), delta, low, high, where, value, 0, robots):
-        settle(start, np.int64(0), delta, low, high, where, value, 0, robots)
+        room[0, i] = np.inf
+        room[1, i] = -np.inf
+        where[i] = rounds
+        value[i] = rows[rounds - 1, i]
+    low, high = place(room, 0), place(room, robots)
+    call(helpers[SETTLED], rows, rounds, robots, 1, delta, low, high, where, value, 0, robots, answer)
+    if answer[0] != 0.0:
+        call(helpers[SETTLED], start, 1, robots, 0, delta, low, high, where, value, 0, robots, answer)
     return agreed

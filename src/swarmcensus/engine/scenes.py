@@ -142,3 +142,5 @@ TO_RIDE = tuple(
         ),
     )
 )
+TO_START = (*TO_RIDE[:3], typeof(REAL_ROWS), TO_RIDE[3])
+TO_CONCLUDE = tuple(map(typeof, (SWARM, REAL_ROWS, REAL_ROWS, 1.0, WHOLES, REALS, REALS, WHOLES, REALS)))

@@ -166,7 +166,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     if ended is not aside and both:
         here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
     elif ended is not aside:
-        interruptible(compiler.compile_loop)(bool(moving))
+        interruptible(compiler.compile_loop)("riding.ride" if moving else "kernel.simulate")
         ended()
     while here:
         report_rest()

@@ -136,6 +136,8 @@ def prepare(setting: Setting, seed: int) -> None:
     if setting.body is None:
         swarm_of(setting, given, setting.use)
         return
+    compiler.compile_loop("riding.start_states")
+    compiler.compile_loop("riding.conclude")
     for chunk in walk_of(setting, given, np.zeros(1, np.uint8), commands_of(setting)).chunks(1):
         sampling.ground(setting, seed, 0).colours(chunk.tiles, chunk.tick)
 
