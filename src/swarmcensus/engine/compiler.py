@@ -2,6 +2,7 @@
 
 import functools
 import types
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -100,13 +101,14 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
     return np.array([address or 0 for address in found], np.uint64)
 
 
-@functools.lru_cache(maxsize=64)
-def compile_helpers(needed: frozenset[str]) -> Any:
+def compile_helpers(needed: Collection[str]) -> Any:
     """The addresses of functions that the engine calls, by their places in `constants.py`."""
     module = compile_world("helpers")
     with LOCK:
         found = [getattr(module, name).address() if name in needed else None for name in HELPERS]
-    return np.array(found, object) if not_compiled() else np.array([address or 0 for address in found], np.uint64)
+    if not_compiled():
+        return np.array(found, object)
+    return np.array([address or 0 for address in found], np.uint64)
 
 
 def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:

@@ -22,7 +22,7 @@ DECIDED, IS_DONE = "decided", "is_done"  # of a trace, besides a brain's own fie
 
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     """The swarm of some trials. Raises NotCompiled."""
-    helpers = compiler.compile_helpers(helpers_of(setting, given, use))
+    helpers = helpers_of(setting, given, use)
     if not setting.members:
         plain = _informed(homogeneous_swarm(setting.brain, setting.robots, use), setting, use)
         return plain._replace(draws=given.draws if given.draws.size else plain.draws, helpers=helpers)
@@ -31,23 +31,31 @@ def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     return _informed(swarm(setting.brains, group, use, given.draws, honest), setting, use)._replace(helpers=helpers)
 
 
-def helpers_of(setting: Setting, given: Inputs, use: str) -> frozenset[str]:
-    """What of the engine is called for trials of a setting on a fixed network, besides what all call."""
-    brains, mode, fails = setting.brains, given.links.mode, given.stops.size > 0
+def helpers_of(setting: Setting, given: Inputs, use: str) -> np.ndarray:
+    """The addresses of what of the engine is called for trials of a setting on a fixed network."""
+    radio, links = given.radio, given.links
+    return _helpers(
+        setting.brains, use, links.mode, given.stops.size > 0, bool(radio.threshold), given.draws.size > 0
+    )  # fmt: skip
+
+
+@functools.lru_cache(maxsize=256)
+def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses: bool, luck: bool) -> np.ndarray:
     silent = any(compiler.array_layout(brain, len(brains) > 1).is_signalled for brain in brains)
     wanted = {
         "go_alone": use == "alone",
         "hear_pairs": mode == PAIRS,
-        "hear_singly": mode == LISTED and bool(silent or fails or given.radio.threshold),
+        "hear_singly": mode == LISTED and (silent or fails or loses),
         "fail_sensors": fails,
         "count_signals": silent,
-        "draw_words": given.draws.size > 0,
+        "draw_words": luck,
         "note_clipped": any(brain.parts for brain in brains),
     }
     wanted |= dict.fromkeys(("ask_intervals", "note_intervals"), any(brain.has_interval for brain in brains))
     judged = any(brain.decides or brain.ends for brain in brains)
     wanted |= dict.fromkeys(("forget", "judge_block", "agree"), judged)
-    return frozenset(MEASURING).union(name for name, is_wanted in wanted.items() if is_wanted)
+    addresses: np.ndarray = compiler.compile_helpers({*MEASURING, *(name for name, yes in wanted.items() if yes)})
+    return addresses
 
 
 def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
