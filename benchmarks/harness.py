@@ -1,8 +1,9 @@
 """What all benchmarks share: questions from the shell, timing in turn, processes, tables, tables in pages, and figures.
 
 A benchmark is a file of functions that are marked as a `question`. `python benchmarks/FILE.py QUESTION` answers one,
-and without a name it answers all that do not say otherwise. Parameters of the function are its options. `--quick` asks
-for an answer in seconds, whose last digits count for less: of few `trials`, and of less where a function takes `quick`.
+and without a name it answers all that do not say otherwise; a file's only question needs no name. Parameters of the
+function are its options. `--quick` asks for an answer in seconds, whose last digits count for less: of few `trials`,
+and of less where a function takes `quick`.
 """
 
 import argparse
@@ -72,7 +73,10 @@ def answer(module):
             else:
                 kind = str if given.default is None else type(given.default)
                 one.add_argument(f"--{key}", type=kind, default=argparse.SUPPRESS, metavar=key.upper())
-    options = vars(parser.parse_args())
+    words = sys.argv[1:]
+    if len(questions) == 1 and words[:1] != [*questions]:  # the only question needs no name
+        words = [*questions, *words]
+    options = vars(parser.parse_args(words))
     name, IS_QUICK = options.pop("question"), options.pop("quick")
     for it in [questions[name]] if name else [it for it in questions.values() if it.unasked]:
         takes = inspect.signature(it).parameters

@@ -15,7 +15,7 @@ from pathlib import Path
 import harness
 import numpy as np
 
-from swarmcensus import Study, brains
+from swarmcensus import Study
 from swarmcensus.runs import pools, running, tasks
 from swarmcensus.runs.clusters import BUNDLES_PER_SECOND, BUNDLES_PER_WORKER, LONGEST, SHORTEST, Workers, workers
 from swarmcensus.runs.pools import Threads
@@ -23,20 +23,6 @@ from swarmcensus.runs.running import run
 from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.support.files import shipped_study
 
-NETWORK = """trials = 2
-[swarm]
-brain = "mine.py"
-robots = 20
-accuracy = 0.675
-[world]
-topology = "ring"
-fill_ratio = 0.55
-[schedule]
-rounds = 200
-"""
-MOVING = NETWORK.replace('topology = "ring"', 'topology = "moving"\ndensity = 2.0').replace(
-    "rounds = 200", "ticks = 1000"
-)
 LARGE = """trials = 1
 [swarm]
 robots = {robots}
@@ -68,72 +54,22 @@ LATE = 60.0  # seconds over which workers come
 
 
 @harness.question
-def trying(cold=False, quick=False):
-    """Seconds to try something, the least and the most of five: starts, a small study, one with a brain never compiled.
-
-    With `cold`, also the first run on a machine, which compiles the engine's loops too: half a minute more.
-    """
+def starts(quick=False):
+    """Seconds of commands that compute nothing, the least and the most of five."""
     asked = {
         "python -c pass": lambda: harness.process("-c", "pass"),
         "import swarmcensus": lambda: harness.process("-c", "import swarmcensus"),
         "swarmcensus --help": lambda: harness.program("--help"),
         "a results file that is not there": lambda: harness.program("show", "nothing.nc", code=2),
         "a study with a wrong key": lambda: harness.program("run", "wrong.toml", code=2),
-        "run, compiled": lambda: known("network.toml"),
-        "run, compiled, moving": lambda: known("moving.toml"),
-        "run with a fresh brain": lambda: fresh("network.toml"),
-        "run with a fresh brain, moving": lambda: fresh("moving.toml"),
-        "then its first curves": lambda: fresh("network.toml", "plot", "out.nc", "--kind", "curves"),
-        "curves again": lambda: harness.program("plot", "out.nc", "--kind", "curves"),
-        "run with another comment": commented,
     }
     table = harness.table("seconds from the shell", "what", "least", "most")
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        Path("network.toml").write_text(NETWORK)
-        Path("moving.toml").write_text(MOVING)
-        Path("wrong.toml").write_text(NETWORK.replace("rounds", "roundz"))
-        edited(0)
-        for study in ("network.toml", "moving.toml"):
-            known(study)  # the engine's loops
-        harness.program("plot", "out.nc", "--kind", "curves")
+        Path("wrong.toml").write_text("roundz = 2\n")
         for what, run_it in asked.items():
             spent = [run_it().seconds for _ in range(1 if quick else 5)]
             table.add_row(what, f"{min(spent):.2f}", f"{max(spent):.2f}")
-        for study in ("network.toml", "moving.toml") if cold else ():
-            Path("out.nc").unlink(missing_ok=True)
-            cache = f"{folder}/{study}-cache"
-            cost = harness.program("run", study, "--out", "out.nc", cache=cache).seconds
-            table.add_row(f"the first run on a machine, {study}", f"{cost:.2f}", "")
-            cost = harness.program("plot", "out.nc", "--kind", "curves", cache=cache).seconds
-            table.add_row("then its first curves", f"{cost:.2f}", "")
     harness.show(table)
-
-
-def edited(number, comment=""):
-    """A brain like the shipped one that no cache knows."""
-    source = brains.load("minimalistic").source.replace("1e-12", f"1e-12 * (1.0 + {number}e-16)")
-    Path("mine.py").write_text(source + f"# {comment}\n")
-
-
-def known(study):
-    """A run."""
-    Path("out.nc").unlink(missing_ok=True)
-    return harness.program("run", study, "--out", "out.nc")
-
-
-def fresh(study, *then):
-    """A run with a brain that was never compiled, or what follows it."""
-    edited(time.time_ns())
-    first = known(study)
-    return harness.program(*then) if then else first
-
-
-def commented():
-    """A run with a brain of which only a comment is new."""
-    edited(1)
-    known("network.toml")
-    edited(1, f"a comment of {time.time_ns()}")
-    return known("network.toml")
 
 
 @harness.question

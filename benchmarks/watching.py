@@ -1,18 +1,14 @@
-"""How smooth the live page is: seconds to a moving picture, pictures a second, and what memory does while it plays.
+"""How smooth the live page is: pictures a second, and what memory does while it plays.
 
-python benchmarks/watching.py [--quick]: `swarmcensus watch` is started three times with a new cache of compiled code,
-of which the first compiles. Then a headless Chromium plays four swarms at 60 ticks a second, and the first for five
-minutes. No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
+python benchmarks/watching.py [--quick]: a headless Chromium plays four swarms at 60 ticks a second, and the first for
+five minutes. No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
+`benchmarks/trying.py` has the seconds to the first picture.
 """
 
 import gc
-import os
 import re
 import shutil
 import statistics
-import subprocess
-import sys
-import tempfile
 import time
 
 import harness
@@ -33,23 +29,6 @@ SECONDS = 10
 
 def tick_of(page: Page) -> int:
     return int(re.findall(r"[\d,]+", page.inner_text("#clock"))[0].replace(",", ""))
-
-
-def from_command(page: Page, cache: str) -> float:
-    """Seconds from the command to a picture that moves, in a browser that runs already."""
-    command = [sys.executable, "-m", "swarmcensus", "watch", "--no-browser"]
-    environment = os.environ | {"SWARMCENSUS_CACHE": cache}
-    page.goto("about:blank")
-    began = time.perf_counter()
-    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as running:
-        assert running.stdout
-        page.goto(running.stdout.readline().strip())
-        while page.evaluate("typeof state === 'undefined' ? 0 : state.drawn") <= 0:
-            time.sleep(0.02)
-        taken = time.perf_counter() - began
-        page.goto("about:blank")
-        running.terminate()
-    return taken
 
 
 def first_picture(page: Page, address: str) -> float:
@@ -94,16 +73,13 @@ def long_play(page: Page, served: Served, minutes: float) -> None:
 
 @harness.question
 def watching(minutes: float = 5.0, quick: bool = False) -> None:
-    """Seconds to a moving picture, pictures a second of four swarms, and memory over so many minutes of play."""
+    """Pictures a second of four swarms, and memory over so many minutes of play."""
     minutes = 0.2 if quick else minutes
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
     served = listen(offer_of(None))
     with serving(served), sync_playwright() as running:
         opened = running.chromium.launch(executable_path=browser, args=["--no-sandbox"])
         page = opened.new_page(viewport={"width": 1280, "height": 900})
-        with tempfile.TemporaryDirectory() as cache:
-            taken = ", ".join(f"{from_command(page, cache):.1f}" for _ in range(3))
-        print(f"From the command to a moving picture, the first time with compilation: {taken} s", flush=True)
         for name, asked in SWARMS.items():
             first_picture(page, served.address(asked))  # compiles
             first = first_picture(page, served.address(asked))

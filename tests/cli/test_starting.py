@@ -115,6 +115,8 @@ def test_a_doctor_names_what_there_is(capsys):
     assert found["python"] == ".".join(map(str, sys.version_info[:3]))
     assert all(name in printed and version in printed for name, version in found["libraries"].items())
     assert found["faults"] == []
+    assert {"usable"} < found["card"].keys()
+    assert "graphics card" in printed
     assert found["extras"] == dict.fromkeys(start.EXTRAS, True)  # as the tests' own extra has them all
 
 

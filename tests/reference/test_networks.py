@@ -179,8 +179,6 @@ def test_length_of_segments():
     assert trials.segment_length(10**6, 120, 8, 1) == 100  # of a crowd, a hundred
     assert trials.segment_length(10**5, 120, 8, 1) == 100
     assert trials.segment_length(10**10, 1, 8, 1) == 1
-    assert trials.segment_length(10**6, 100, 96, 1, 2) == 34  # or as few as take the least, where threads share
-    assert trials.segment_length(3 * 10**5, 120, 96, 1, 2) == 100
 
 
 def test_batches_of_long_trials_keep_as_little_as_they_say(monkeypatch):
@@ -189,7 +187,7 @@ def test_batches_of_long_trials_keep_as_little_as_they_say(monkeypatch):
     monkeypatch.setattr(trials, "segment_length", lambda *sizes: asked.append(sizes) or 3)
     (setting,) = settings_of(robots=2, rounds=3, looks=4)
     size = compiler.array_layout(setting.brain).blank.nbytes
-    for local, expected in ((False, (2, 3, size, 1, 1)), (True, (2, 12, size, 4, 1))):
+    for local, expected in ((False, (2, 3, size, 1)), (True, (2, 12, size, 4))):
         run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO, local)
         assert asked.pop() == expected
 

@@ -49,9 +49,11 @@ class Emulator:
                     shutil.copy(made, temporary)
         return ctypes.CDLL(str(library))
 
-    def set_constant(self, program, name, values):
-        place = (ctypes.c_char * len(values)).in_dll(program, name)
-        ctypes.memmove(place, values, len(values))
+    def set_global(self, program, name, values):
+        ctypes.memmove((ctypes.c_char * len(values)).in_dll(program, name), values, len(values))
+
+    def get_global(self, program, name, size):
+        return bytes((ctypes.c_char * size).in_dll(program, name))
 
     def upload(self, array):
         return Memory(array.copy())
@@ -67,7 +69,7 @@ class Emulator:
         function = program[kernel]
         function.argtypes = [Given, ctypes.c_int64, ctypes.c_int64, ctypes.c_void_p]
         given = Given.from_buffer_copy(arguments)
-        assert threads % 32 == 0 and 0 < threads <= 1024
+        assert threads in range(32, 1025, 32)
         room = np.full(max(shared, 8), 0xA5, np.uint8)  # nobody may rely on zeros
         for block in range(blocks):
             function(given, block, threads, room.ctypes.data)

@@ -1,8 +1,10 @@
 """A stand-in for a card: the CPU engine computes what it runs."""
 
+import threading
+
 import numpy as np
 
-from swarmcensus.gpu import Card, CardFull
+from swarmcensus.gpu import Card, CardFull, CardLost
 from swarmcensus.runs import devices
 from swarmcensus.simulation import run_batch
 
@@ -13,13 +15,14 @@ class FakeCard(Card):
     name = "Fake 1"
 
     def __init__(self, most=1000):
-        self.most, self.batches = most, []
+        self.most, self.batches, self.threads = most, [], set()
 
     def most_trials(self, setting, metrics, local):
         return self.most
 
     def run_batch(self, setting, seed, first, trials, metrics, stop, local=False):
         batch = run_batch(setting, seed, first, trials, metrics, stop, local)
+        self.threads.add(threading.get_ident())
         self.batches.append((setting, first, trials, local))
         return batch
 
@@ -33,6 +36,15 @@ class Fuller(FakeCard):
         if trials > self.room:
             raise CardFull("the memory of Fake 1 is full")
         return super().run_batch(setting, seed, first, trials, *rest)
+
+
+class Losing(FakeCard):
+    """A card that is lost after two batches."""
+
+    def run_batch(self, *given):
+        if len(self.batches) == 2:
+            raise CardLost("Fake 1 was lost")
+        return super().run_batch(*given)
 
 
 class Rounding(FakeCard):

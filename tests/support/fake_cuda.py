@@ -20,7 +20,7 @@ class Fake:
     def __init__(self):
         self.fails, self.called, self.kernels, self.memory = {}, [], {}, {}
         self.version, self.capability, self.size, self.busy = 13000, (9, 0), 1 << 30, 0
-        self.log = b""
+        self.log, self.constants = b"", {}
 
     def answer(self, name, *values):
         self.called.append(name)
@@ -101,6 +101,7 @@ def _driver(fake):
         cuMemsetD8=fill,
         cuModuleLoadData=lambda code: fake.answer("cuModuleLoadData", code),
         cuModuleGetFunction=lambda _, name: fake.answer("cuModuleGetFunction", name.decode()),
+        cuModuleGetGlobal=lambda _, name: fake.answer("cuModuleGetGlobal", fake.constants[name], 8),
         cuFuncSetAttribute=lambda *_: fake.answer("cuFuncSetAttribute"),
         cuLaunchKernel=launch, cuStreamQuery=query,
     )  # fmt: skip

@@ -47,7 +47,7 @@ def random_study(number: int, brains=BRAINS) -> sc.Study:
         },
         "world": world,
         "schedule": {"rounds": rounds, "observations_per_round": int(one(1, 10, 15, 37))},
-        "measure": {"checkpoints": [1, 5, rounds], "estimates": bool(one(True, False)), "local": bool(one(True, False))},
+        "measure": {"checkpoints": [1, 5, rounds]} | {key: bool(one(True, False)) for key in ("estimates", "local")},
     }  # fmt: skip
     if isinstance(accuracy, float) and one(True, False):
         given["swarm"]["assumed_accuracy"] = one(0.8, {"error": "N(0, 0.05)"})

@@ -169,7 +169,7 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
             fields_of_liar(prefixes.own, {*own_memory, *adversary.contents.parameters}),
             REPLACED,
         ),
-        functions_source(fields, optional, prefixes, brain.options, brain.uses.silence),
+        functions_source(fields, optional, prefixes, brain.options, brain.uses.silence, brain.never_speaks),
     ]
     return "\n\n\n".join(parts) + "\n"
 
@@ -179,17 +179,21 @@ def _first_line(tree: ast.Module) -> str:
 
 
 def functions_source(
-    fields: Sequence[Field], optional: Collection[str], prefixes: Prefixes, options: int, silent: bool
+    fields: Sequence[Field], optional: Collection[str], prefixes: Prefixes, options: int, silent: bool, mute: bool
 ) -> str:
-    """The functions that alter what the honest brain says and hears; `optional` are those of the adversary."""
+    """The functions that alter what the honest brain says and hears; `optional` are those of the adversary.
+
+    An honest brain may be `silent` now and then, or `mute`: it never says anything.
+    """
     own, honest, helper = prefixes
     before, parts = _altered_message(fields, optional, prefixes, options)
     # Numba cannot index a tuple that may be None, but can unpack it
     unpacked = ", ".join(f"said_{k}" for k, _ in enumerate(fields)) + ", = said"
-    lines = [*(["if said is None:", "    return None"] if silent else []), unpacked, *before]
+    says = [f"said = {honest}broadcast(me)", *(["if said is None:", "    return None"] if silent else [])]
+    says = [f"return {honest}broadcast(me)"] if mute else [*says, f"return {helper}tell(me, said)"]
     functions = [
-        "\n    ".join([f"def {helper}tell(me, said):", *lines, f"return ({', '.join(parts)},)"]),
-        f"def broadcast(me):\n    return {helper}tell(me, {honest}broadcast(me))",
+        "\n    ".join([f"def {helper}tell(me, said):", unpacked, *before, f"return ({', '.join(parts)},)"]),
+        "\n    ".join(["def broadcast(me):", *says]),
     ]
     if "hear" in optional:
         k = next(k for k, field in enumerate(fields) if field.role in VALUES)

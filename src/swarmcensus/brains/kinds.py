@@ -66,9 +66,11 @@ class Kinds:
             case ast.Name(id=name):
                 own = self.names.get(function, {}).get(name)
                 return own or (NOTHING if name in self.unknown.get(function, ()) else self.constants.get(name) or REAL)
-            case ast.Attribute(value=ast.Name(id=name), attr=attribute):
-                is_record = self.names.get(function, {}).get(name) == RECORD
-                return VECTOR if is_record and self.record.get(attribute) else REAL
+            case ast.Attribute(value=ast.Name() as value, attr=attribute):
+                whole = self.of(value, function)
+                return (
+                    NOTHING if whole == NOTHING else VECTOR if whole == RECORD and self.record.get(attribute) else REAL
+                )
             case ast.Subscript(value=value, slice=index):
                 whole = self.of(value, function)
                 if isinstance(whole, str):
@@ -142,7 +144,7 @@ class Kinds:
         if isinstance(target, ast.Name):
             own[target.id] = joined(*filter(None, (own.get(target.id), kind)))
         elif isinstance(target, ast.Tuple | ast.List):
-            kinds = kind if isinstance(kind, tuple) else (REAL,) * len(target.elts)
+            kinds = kind if isinstance(kind, tuple) else (NOTHING if kind == NOTHING else REAL,) * len(target.elts)
             for item, each in zip(target.elts, kinds, strict=False):
                 self._set(item, each, function)
 

@@ -1,6 +1,6 @@
 from . import code_cache as code_cache, codegen as codegen, compiler as compiler
 from .addresses import address as address
-from .code_cache import cache_root as cache_root, keeps as keeps
+from .code_cache import cache_root as cache_root, keeps as keeps, not_compiled as not_compiled
 from .codegen import record_fields as record_fields
 from .compiler import (
     IN_SUMS as IN_SUMS,
@@ -32,7 +32,15 @@ from .layout import (
     parts_of as parts_of,
     runs_of as runs_of,
 )
-from .random import chance as chance, single_chance as single_chance, word_of as word_of, words as words
+from .random import (
+    block as block,
+    chance as chance,
+    counter as counter,
+    single_chance as single_chance,
+    unit as unit,
+    word_of as word_of,
+    words as words,
+)
 from .records import record_type as record_type
 from .return_values import spoken as spoken
 from .states import heard_by as heard_by

@@ -1,5 +1,6 @@
-from . import driver as driver, paying as paying
+from . import choosing as choosing, driver as driver
 from .cards import Card as Card, why_not as why_not
+from .choosing import check_brains as check_brains, pays_off as pays_off
 from .driver import (
     Buffer as Buffer,
     CardError as CardError,
@@ -9,4 +10,4 @@ from .driver import (
     Program as Program,
     open_driver as open_driver,
 )
-from .paying import pays_off as pays_off
+from .examining import examined as examined

@@ -7,12 +7,13 @@ import numpy as np
 from swarmcensus.brains import slots
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import kept_of_message
-from swarmcensus.engine.constants import CLIPPED, FULL, HEARD, LISTED, COVERAGE, PART, SENT, VERDICTS, WIDTH, WRONG
+from swarmcensus.engine.constants import CLIPPED, COVERAGE, FULL, HEARD, LISTED, PART, SENT, VERDICTS, WIDTH, WRONG
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
 from swarmcensus.gpu.given import ARRAYS, Given
 from swarmcensus.gpu.source import Features, measures, parameters, source
 from swarmcensus.simulation import Batch, Metrics, bins_at, consensus_of, inputs_of, run_batch, schedule_of
 from swarmcensus.studies import Setting
+from swarmcensus.support.errors import BrainError
 from swarmcensus.translation import owed_numbers
 
 MOST_IN_A_BLOCK = 1024  # threads, and so robots of a trial that one block can run
@@ -20,6 +21,7 @@ THREADS = 128  # of a block that runs several small trials, or robots or rows on
 BLOCK_SIZE = 256  # robots of a block of a large swarm, whose messages are added up together (kernels/sums.h)
 SHARED = 96 * 1024  # bytes of shared memory that a block of any card of the last years may have
 FOR_QUANTILES = 1088  # bytes of it
+FAILED = "brain_failed"  # a variable of programs: whether Python would have raised an error
 CHUNK = 64  # rounds that one block looks at for agreement
 SPARE = 0.9  # the share of the free memory that a batch may take
 MOST_WORK = 2e10  # robots times rounds of a batch: about a second
@@ -107,7 +109,8 @@ class Card:
     ) -> Batch | None:
         """Run trials as `simulation.run_batch` does; None if `stop` was set meanwhile.
 
-        Where a brain gives what the contract does not allow, the CPU runs them again, and says why.
+        A trial in which a brain fails is run again by the CPU, which says why. Raises BrainError where that is one of
+        several trials.
         """
         given = inputs_of(setting, seed, first, trials, order=local)
         features = features_of(setting, given, local)
@@ -116,7 +119,9 @@ class Card:
         found = held.run(stop)
         if found is None:
             return None
-        if found["amiss"].any() or _are_wrong(setting, given, metrics, found):
+        if held.failed or found["amiss"].any() or _are_wrong(setting, given, found):
+            if trials > 1:
+                raise BrainError(f"a brain fails in one of trials {first} to {first + trials - 1} of {setting}")
             return run_batch(setting, seed, first, trials, metrics, stop, local)
         return _batch(setting, given, sizes, metrics, found, local)
 
@@ -162,12 +167,13 @@ class _Held:
         self.formats = not local and any(brain.parts for brain in setting.brains)
         kernels = "alone.cu" if local else "trials.cu" if sizes.is_small else "crowds.cu"
         threads = next(n for n in (128, 256, 512, 1024) if n >= (sizes.robots if sizes.is_small and not local else 1))
-        self.program = driver.build(source(setting.brains, sizes.features, kernels, threads))
+        written = tuple(brain.as_written for brain in setting.brains)
+        self.program = driver.build(source(written, sizes.features, kernels, threads))
         self.measures = driver.build(measures())
         for group, brain in enumerate(setting.brains):
             numbers = np.array(parameters(brain), _number(setting))
             if numbers.size:
-                driver.set_constant(self.program, f"parameters_{group}", numbers.tobytes())
+                driver.set_global(self.program, f"parameters_{group}", numbers.tobytes())
         self.buffers: dict[str, Buffer] = {}
         self.found: Arrays = {}
         self.given = Given()
@@ -177,8 +183,8 @@ class _Held:
     def _upload(self, given: Inputs, setting: Setting) -> None:
         sensors, links, one = given.sensors, given.links, self.given
         if self.local and self.sizes.features.changes and sensors.b.shape[1] == 1:  # nobody waits for who makes tables
-            sides = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
-            sensors = sensors._replace(**dict(zip("bw", sides, strict=True)))
+            b, w = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
+            sensors = sensors._replace(b=b, w=w)
         keys = {"readings_key": sensors.key, "losses_key": given.radio.key, "order_key": sensors.order}
         for name, key in (keys | {"luck_key": given.draws}).items():
             getattr(one, name)[: key.size] = key.tolist()
@@ -228,7 +234,7 @@ class _Held:
             if self.metrics.estimates:
                 shapes["kept"] = (np.float64, (checks, trials, robots))
             if features.counted:
-                shapes |= {name: (np.int64, (trials, robots)) for name in ("sent", "heard")}
+                shapes |= dict.fromkeys(("sent", "heard"), (np.int64, (trials, robots)))
             if features.judged:
                 shapes |= {"verdicts": (np.float64, (trials, robots, 6)), "unanimous": (np.int16, (trials, rounds))}
             if features.bounded:
@@ -272,6 +278,7 @@ class _Held:
     def run(self, stop: np.ndarray) -> Arrays | None:
         """Run the trials and measure them; None if `stop` was set meanwhile."""
         sizes = self.sizes
+        self.driver.set_global(self.program, FAILED, bytes(4))
         trials, robots, rounds = sizes.trials, sizes.robots, sizes.rounds
         if self.local:
             self._launch("tables", trials * self.given.sensors, tables_made=trials, k=1)
@@ -291,6 +298,7 @@ class _Held:
                 self._launch_blocks("decide", trials * rounds, threads, FOR_QUANTILES)
         if not self.driver.wait(stop):
             return None
+        self.failed = any(self.driver.get_global(self.program, FAILED, 4))
         for name, array in self.found.items():
             if array.size:
                 self.driver.download(self.buffers[name], array)
@@ -331,7 +339,7 @@ def _blanks(setting: Setting, local: bool) -> np.ndarray:
     schedule = schedule_of(setting, alone=local)
     flat: list[float] = []
     for brain in setting.brains:
-        for name, value in (brain.memory | (schedule if brain is setting.brain else {})).items():
+        for value in (brain.memory | (schedule if brain is setting.brain else {})).values():
             flat += value if isinstance(value, tuple) else [value]
         flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
     return np.array(flat, _number(setting))
@@ -346,7 +354,7 @@ def _bounds(given: Inputs, robots: int) -> np.ndarray:
     return np.concatenate([links.starts[:-1, np.newaxis], ends + links.starts[0]], axis=1)
 
 
-def _are_wrong(setting: Setting, given: Inputs, metrics: Metrics, found: Arrays) -> bool:
+def _are_wrong(setting: Setting, given: Inputs, found: Arrays) -> bool:
     """Whether an interval is none."""
     if "bounds_of" not in found:
         return False
@@ -358,7 +366,8 @@ def _asked(setting: Setting, given: Inputs) -> np.ndarray:
     """Which robots count and have an interval, (trial, robot)."""
     honest = given.honest if given.honest.size else np.ones((len(given.stops), setting.robots), np.bool_)
     groups = given.group if given.group.size else np.zeros(honest.shape, np.int64)
-    return honest & np.array([brain.has_interval for brain in setting.brains])[groups]
+    asked: np.ndarray = honest & np.array([brain.has_interval for brain in setting.brains])[groups]
+    return asked
 
 
 def _batch(setting: Setting, given: Inputs, sizes: Sizes, metrics: Metrics, found: Arrays, local: bool) -> Batch:

@@ -57,6 +57,7 @@ class Driver(Protocol):
     """What kernels need of a card. All errors are CardError."""
 
     name: str  # of the card
+    cuda: str  # the version that its driver is for, as "13.0"
     shared: int  # bytes of shared memory that a block may have
 
     def free(self) -> int:
@@ -65,8 +66,11 @@ class Driver(Protocol):
     def build(self, source: str) -> Program:
         """Compile CUDA C++, or find it in the cache on disk."""
 
-    def set_constant(self, program: Program, name: str, values: bytes) -> None:
-        """Give a constant array of a program its values, for the launches that follow."""
+    def set_global(self, program: Program, name: str, values: bytes) -> None:
+        """Give a variable of a program its bytes, for the launches that follow."""
+
+    def get_global(self, program: Program, name: str, size: int) -> bytes:
+        """The bytes of a variable of a program, once all launches are over."""
 
     def upload(self, array: np.ndarray) -> Buffer:
         """Copy an array to the card."""
@@ -112,14 +116,15 @@ class Cuda:
         self._context, self._modules, self._lock = None, dict[str, _Module](), threading.Lock()
         try:
             self.call("cuInit", 0)
-            self.version = _version(self.call("cuDriverGetVersion"))
+            number = self.call("cuDriverGetVersion")
             major, minor = self._compile("nvrtcVersion")
         except (CardError, RuntimeError, OSError, AttributeError) as error:  # the bindings load libraries when called
             raise _unopened(error) from None
-        if self.version[0] < major:
+        self.cuda = f"{number // 1000}.{number % 1000 // 10}"
+        if number // 1000 < major:
             raise CardError(
-                f"the driver of this card is for CUDA {self.version[0]}.{self.version[1]}, and the compiler for CUDA "
-                f"{major}: update the driver" + (", or pip install 'swarmcensus[gpu12]'" if major == 13 else "")
+                f"the driver of this card is for CUDA {self.cuda}, and the compiler for CUDA {major}: update the driver"
+                + (", or pip install 'swarmcensus[gpu12]'" if major == 13 else "")
             )
         device = self.call("cuDeviceGet", 0)
         self.name = self.call("cuDeviceGetName", 256, device).split(b"\0")[0].decode()
@@ -162,11 +167,19 @@ class Cuda:
         """The machine code of a source for this card. Raises CardError with the compiler's first error."""
         return compiled(self._nvrtc, source, self.target)
 
-    def set_constant(self, program: _Module, name: str, values: bytes) -> None:
-        """Give a constant array of a program its values, for the launches that follow."""
-        place, _ = self.call("cuModuleGetGlobal", program.handle, name.encode())
+    def set_global(self, program: _Module, name: str, values: bytes) -> None:
+        """Give a variable of a program its bytes, for the launches that follow."""
         array = np.frombuffer(values, np.uint8)
-        self.call("cuMemcpyHtoD", place, array.ctypes.data, array.nbytes)
+        self.call("cuMemcpyHtoD", self._place(program, name), array.ctypes.data, array.nbytes)
+
+    def get_global(self, program: _Module, name: str, size: int) -> bytes:
+        """The bytes of a variable of a program, once all launches are over."""
+        array = np.empty(size, np.uint8)
+        self.call("cuMemcpyDtoH", array.ctypes.data, self._place(program, name), size)
+        return array.tobytes()
+
+    def _place(self, program: _Module, name: str) -> Any:
+        return self.call("cuModuleGetGlobal", program.handle, name.encode())[0]
 
     def upload(self, array: np.ndarray) -> _Memory:
         """Copy an array to the card."""
@@ -204,8 +217,8 @@ class Cuda:
     def wait(self, stop: np.ndarray) -> bool:
         """Wait until all launches are over; False if `stop` (uint8, shape (1,)) was set meanwhile."""
         pause = FIRST_PAUSE
+        self._answer("cuCtxSetCurrent", self._driver.cuCtxSetCurrent(self._context))
         while True:
-            self.call("cuCtxSetCurrent", self._context)
             answer = self._driver.cuStreamQuery(0)
             if int(answer[0]) != NOT_READY:
                 self._answer("cuStreamQuery", answer)
@@ -293,10 +306,6 @@ def _unopened(error: Exception) -> CardError:
     if isinstance(error, CardError):
         return CardError("this machine has no NVIDIA card, or CUDA_VISIBLE_DEVICES hides it")
     return CardError("NVIDIA's driver is not installed: this machine has no card that can be used")
-
-
-def _version(number: int) -> tuple[int, int]:
-    return number // 1000, number % 1000 // 10
 
 
 def kept(digest: str) -> bytes | None:

@@ -14,10 +14,10 @@ ARRAYS = {  # by name: the type of an item
     "b": "double", "w": "double", "drift": "double", "assumed_b": "double", "assumed_w": "double", "blanks": "number",
     "stops": "int64_t", "bounds": "int64_t", "senders": "uint32_t", "groups": "uint8_t", "honest": "uint8_t",
     "counted": "int64_t", "rounds_of": "int64_t", "bins": "double", "stand": "double", "tables": "uint64_t",
-    "memory": "uint64_t", "outbox": "number", "signals": "uint8_t", "parts": "number", "around": "number", "rows": "double",
-    "said": "uint32_t", "decisions": "int16_t", "amiss": "uint8_t", "clipped": "int64_t", "sent": "int64_t",
-    "heard": "int64_t", "verdicts": "double", "bounds_of": "double", "where": "int64_t", "value": "double",
-    "final": "double", "agreed": "int64_t", "right": "double", "widths": "double", "kept": "double",
+    "memory": "uint64_t", "outbox": "number", "signals": "uint8_t", "parts": "number", "around": "number",
+    "rows": "double", "said": "uint32_t", "decisions": "int16_t", "amiss": "uint8_t", "clipped": "int64_t",
+    "sent": "int64_t", "heard": "int64_t", "verdicts": "double", "bounds_of": "double", "where": "int64_t",
+    "value": "double", "final": "double", "agreed": "int64_t", "right": "double", "widths": "double", "kept": "double",
     "unanimous": "int16_t",
 }  # fmt: skip
 

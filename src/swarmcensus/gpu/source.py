@@ -38,7 +38,7 @@ def is_additive(brains: tuple[Brain, ...]) -> bool:
 
 @functools.lru_cache(maxsize=64)
 def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads: int) -> str:
-    """The program with the kernels of a file, for blocks of so many threads and these brains, whatever their parameters.
+    """The program with the kernels of a file, for blocks of so many threads; brains may have any parameters.
 
     Raises InputError for what C does not know.
     """
@@ -47,7 +47,8 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
         "groups": len(brains), "width": len(codegen.kept_of_message(brains[0], len(brains) > 1)),
         "additive": int(is_additive(brains)), "counted": int(features.counted),
-        "formats": int(any(brain.parts for brain in brains)), "options": max(brain.options for brain in brains), "most_threads": threads,
+        "formats": int(any(brain.parts for brain in brains)), "most_threads": threads,
+        "options": max(brain.options for brain in brains),
     }  # fmt: skip
     return "\n\n".join(
         [  # brains come before macros, which could have a name of theirs
@@ -68,8 +69,13 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
 def measures() -> str:
     """The program that measures estimates, whatever the brains."""
     return "\n\n".join(
-        [_text("types.h"), "typedef double number;", "#define MOST_THREADS 1024", _text("machine.h"), STRUCT]
-        + [*map(_text, ("given.h", "random.h", "tables.cu", "measures.cu"))]
+        [
+            _text("types.h"),
+            "typedef double number;\n#define MOST_THREADS 1024",
+            _text("machine.h"),
+            STRUCT,
+            *map(_text, ("given.h", "random.h", "tables.cu", "measures.cu")),
+        ]
     )
 
 
@@ -210,7 +216,6 @@ CALLS = {
     "decide": ("double", ""),
     "done": ("bool", ""),
     "bound": ("void", "double *low, double *high"),
-    "is_finite": ("bool", ""),
 }
 
 
@@ -227,6 +232,8 @@ def _dispatch(brains: tuple[Brain, ...]) -> str:
             given = [f"blanks + {' + '.join(starts[: group + 1])}" if n == "blanks" else n for n in given]
             call = f"brain_{group}::robot_{name}({', '.join([f'&me.of_{group}', *given])})"
             last = group == len(brains) - 1
-            lines += [f"    return {call};" if last else f"    if (group == {group}) {{\n        return {call};\n    }}"]
+            lines += [
+                f"    return {call};" if last else f"    if (group == {group}) {{\n        return {call};\n    }}"
+            ]
         parts.append("\n".join([*lines, "}"]))
     return "\n\n".join(parts)

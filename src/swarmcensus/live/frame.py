@@ -64,7 +64,7 @@ def watch(
         words["brain"] = str(brain)
     offer = offer_of(Path(of) if isinstance(of, str) else of, files)
     query, _ = first_view(offer, words)
-    served = listen(offer, port=port)
+    served = listen(offer, port=port, interprets=True)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))
     return Watching(served.address(urlencode(words | query)), height, running)

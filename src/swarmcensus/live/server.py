@@ -52,6 +52,7 @@ class Served:
     offer: Offer
     host: str
     socket: socket.socket
+    interprets: bool = False  # whether CPython shows trials while they are compiled
     token: str = field(default_factory=lambda: secrets.token_urlsafe(18))
 
     @property
@@ -65,9 +66,9 @@ class Served:
         return f"http://{host}:{self.port}/?token={self.token}{'#' * bool(fragment)}{fragment}"
 
 
-def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
+def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0, interprets: bool = False) -> Served:
     """Listen on a port; 0 takes a free one. Raises InputError if it is not available, or the server not installed."""
-    return Served(offer, host, bound(host, port))
+    return Served(offer, host, bound(host, port), interprets)
 
 
 def bound(host: str, port: int) -> socket.socket:
@@ -141,7 +142,7 @@ def app_of(served: Served) -> Any:
             return
         await page.accept()
         pages.add(id(page))
-        session = Session(served.offer)
+        session = Session(served.offer, served.interprets)
         into, requests = anyio.create_memory_object_stream[str | bytes](MOST_WAITING)
         try:
             async with anyio.create_task_group() as talking:
@@ -232,13 +233,14 @@ def server_of(served: Served) -> Any:
     )
 
 
-def warm(served: Served, query: Mapping[str, str]) -> None:
-    """Compute the first frames while the browser is still opening."""
+def warm(served: Served, query: Mapping[str, str], until: contextlib.ExitStack | None = None) -> None:
+    """Compute the first frames while the browser is still opening, then close `until`."""
 
     def begin() -> None:
-        page = Session(served.offer)
-        page.answer(json.dumps({"do": "begin", "ask": dict(query)}))
-        page.answer(json.dumps({"do": "frames", "from": 0, "count": 2}))
+        with until or contextlib.ExitStack():
+            page = Session(served.offer, served.interprets)
+            page.answer(json.dumps({"do": "begin", "ask": dict(query)}))
+            page.answer(json.dumps({"do": "frames", "from": 0, "count": 2}))
 
     threading.Thread(target=begin, daemon=True).start()
 

@@ -9,34 +9,29 @@ from collections.abc import Mapping
 from typing import Any
 
 from swarmcensus.brains import Brain, Value, adversary, length
-from swarmcensus.live.compilations import COMPILATIONS
+from swarmcensus.live.interpreted import Interpreted, needs_compiling
 from swarmcensus.live.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_RECORDING, PLAYED, Offer, Wanted, names_of, wanted
-from swarmcensus.live.robots import robot_of
-from swarmcensus.live.scenes import scene_of
 from swarmcensus.live.settling import Settling
-from swarmcensus.live.shows import Show
+from swarmcensus.live.shown import Answer, Shown
 from swarmcensus.studies import to_toml_value
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.hints import did_you_mean
 
 MOST_FRAMES = 600  # in one answer
-MOST_BYTES = 3_000_000
-PATIENCE = 0.2  # seconds of computation before a page learns that it takes longer
 TRIED = 3.0  # the most seconds for which a new trial is tried before it is shown
 ASIDE = 0.05  # the same for requests that a page does not wait for
 LONGEST = 12  # numbers of a parameter that a page shows
 MOST_TEXT = 16_384  # characters of a request
-Answer = bytes | dict[str, Any]
 Spoken = bytes | str  # an answer as a socket carries it
 
 
 class Session:
     """The session of one page."""
 
-    def __init__(self, offer: Offer) -> None:
-        """Start without a trial."""
-        self.offer = offer
-        self.shows: tuple[Show, ...] = ()
+    def __init__(self, offer: Offer, interprets: bool = False) -> None:
+        """Start without a trial; `interprets`: CPython shows the first one while it is compiled."""
+        self.offer, self.interprets = offer, interprets
+        self.shown: Shown | Interpreted | None = None
         self.trial: Wanted | None = None
         self.settling: tuple[Settling, ...] | None = None
 
@@ -64,87 +59,56 @@ class Session:
         if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
             raise InputError("ask: should be names and texts", key="ask")
         trial = wanted(self.offer, ask)
-        shows = self._shows(trial)
         tick = _whole(request, "tick", 0, MOST_ROUNDS)
-        began = time.monotonic()
-        for show in shows:  # a brain that fails before this moment is refused, so that the page keeps what it shows
-            while time.monotonic() - began < TRIED and not self._reached(
-                show, min(tick, show.rounds), time.monotonic()
-            ):
-                pass
-        self.shows, self.trial, self.settling = shows, trial, None
-        return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]
 
-    def _shows(self, trial: Wanted) -> tuple[Show, ...]:
-        shows = []
-        for setting in trial.settings:
-            with COMPILATIONS.of(setting):
-                shows.append(Show(self.offer.live(setting, trial.seed, trial.trial), trial.study.measure))
-        return tuple(shows)
+        def compute() -> Shown:
+            shown = self._shown(trial)
+            shown.approach(tick, TRIED)  # a brain that fails before this moment is refused: the page keeps its picture
+            return shown
+
+        shown = Interpreted(trial, compute) if self._is_interpreted(trial) else compute()
+        scenes = shown.scenes()
+        self.shown, self.trial, self.settling = shown, trial, None
+        return [{"scenes": scenes, "form": form_of(self.offer, trial)}]
+
+    def _is_interpreted(self, trial: Wanted) -> bool:
+        """Whether CPython shows a trial until machine code is ready: only where the page has no other picture."""
+        has_picture = isinstance(self.shown, Shown) or (self.shown is not None and self.shown.own.done())
+        return self.interprets and not has_picture and self.offer.logged is None and needs_compiling(trial.settings)
+
+    def _shown(self, trial: Wanted) -> Shown:
+        return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, self.offer.live)
 
     def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
-        """Frames of all sides, or a note that they take longer."""
-        last = self._last()
+        shown, last = self._last()
         first, step = _whole(request, "from", 0, last), _whole(request, "step", 1, last or 1)
-        most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
-        count = min(_whole(request, "count", 1, MOST_FRAMES), most)
-        ticks = list(range(first, min(last, first + (count - 1) * step) + 1, step))
-        began = time.monotonic()
-        done: list[int] = []
-        for tick in ticks:
-            try:
-                there = all(self._reached(show, tick, began) for show in self.shows)
-            except InputError:
-                if done:  # show what came before a brain failed
-                    break
-                raise
-            if not there:
-                return self._encoded(done) if done else [{"going": True, "to": tick}]
-            done.append(tick)
-            if time.monotonic() - began > PATIENCE:
-                break
-        return self._encoded(done)
-
-    def _reached(self, show: Show, tick: int, began: float) -> bool:
-        """Compute towards a round for at most PATIENCE seconds; whether it is reached."""
-        with COMPILATIONS.of(show.setting):
-            while not show.ready(tick):
-                if time.monotonic() - began > PATIENCE:
-                    return False
-        return True
-
-    def _encoded(self, ticks: list[int]) -> list[Answer]:
-        frames: list[Answer] = []
-        for side, show in enumerate(self.shows):
-            with COMPILATIONS.of(show.setting):
-                frames.append(show.frames(ticks, side))
-        return [*frames, {"frames": len(ticks)}]
+        return shown.frames(first, step, _whole(request, "count", 1, MOST_FRAMES))
 
     def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
-        tick = _whole(request, "tick", 0, self._last())
-        side = _whole(request, "side", 0, len(self.shows) - 1)
-        show = self.shows[side]
-        robot = _whole(request, "robot", 0, show.setting.robots - 1)
-        with COMPILATIONS.of(show.setting):
-            if not self._reached(show, tick, time.monotonic()):
-                return [{"going": True, "to": tick}]
-            return [{"told": robot_of(show, tick, robot), "side": side}]
+        shown, last = self._last()
+        assert self.trial is not None
+        tick = _whole(request, "tick", 0, last)
+        side = _whole(request, "side", 0, len(self.trial.settings) - 1)
+        robot = _whole(request, "robot", 0, self.trial.settings[side].robots - 1)
+        return shown.robot(side, tick, robot)
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
         """What is new in growing logs since the version that the page knows."""
         recording = self.offer.logged
-        if recording is None or len(self.shows) != 1:
+        if recording is None or self.trial is None or len(self.trial.settings) != 1:
             raise InputError.at("do", "'news'", "only of a recording in logs, without a second brain")
         news = recording.news(_whole(request, "since", 0, 2**53))
         return [{**news, "fixed": fixed(self.offer)}]
 
     def _settled(self, request: Mapping[str, Any]) -> list[Answer]:
         """K of each side, or a note that it takes longer."""
-        self._last()
+        shown, _ = self._last()
         assert self.trial is not None
+        if isinstance(shown, Interpreted) and not shown.own.done():
+            return [{"going": True}]
         if self.settling is None:  # separate trials, so that the shown ones stay at their rounds
             delta = self.trial.study.measure.delta
-            self.settling = tuple(Settling(show, delta) for show in self._shows(self.trial))
+            self.settling = tuple(Settling(show, delta) for show in self._shown(self.trial).shows)
         began = time.monotonic()
         for one in self.settling:
             while not one.on():
@@ -154,14 +118,14 @@ class Session:
 
     def _saved(self, request: Mapping[str, Any]) -> list[Answer]:
         """Whether a brain file was saved: the version of all files, and what is wrong with one that is shown."""
-        shown = [show.setting.brain for show in self.shows]
-        wrong = self.offer.files.look(shown)
+        wrong = self.offer.files.look(setting.brain for setting in (self.trial.settings if self.trial else ()))
         return [{"version": self.offer.files.version, "wrong": wrong}]
 
-    def _last(self) -> int:
-        if not self.shows:
+    def _last(self) -> tuple[Shown | Interpreted, int]:
+        """What the page shows, and the last round of it."""
+        if self.shown is None:
             raise InputError("no trial yet: send begin first")
-        return min(show.rounds for show in self.shows)
+        return self.shown, self.shown.rounds
 
 
 def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:

@@ -15,25 +15,31 @@ from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
 from swarmcensus.support.hints import did_you_mean
-from swarmcensus.support.options import wrong_option
+from swarmcensus.support.options import option, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.gpu import Card  # runs on the CPU import nothing of it
 
 Device = Literal["cpu", "gpu", "auto"]
 DEVICES: tuple[Device, ...] = get_args(Device)
+UNKNOWN = 2**31  # trials that fit the card of a worker
 LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Placing:
-    """The card of this process, if it runs anything, and which settings run on cards, (setting,).
+    """The card of this process, if it runs anything, and how many trials of each setting it may run at a time.
 
-    On a cluster the cards are those of its workers.
+    `room` is (setting,), and 0 for settings that run on the CPU. On a cluster the cards are those of its workers.
     """
 
     card: "Card | None"
-    on_card: NDArray[np.bool_]
+    room: NDArray[np.int64]
+
+    @property
+    def on_card(self) -> NDArray[np.bool_]:
+        """Which settings run on a card, (setting,)."""
+        return self.room > 0
 
     @property
     def label(self) -> str:
@@ -53,12 +59,18 @@ def check_device(device: str, cluster: bool = False) -> None:
         hint = did_you_mean(str(device), DEVICES)
         raise wrong_option("device", device, f"{hint}should be {', '.join(DEVICES[:-1])} or {DEVICES[-1]}")
     if device == "gpu" and not cluster:
-        open_card(device)
+        from swarmcensus.gpu import CardError
+
+        try:
+            open_card(device)
+        except CardError as error:
+            why = f"{option('device', device)}: {error}"
+            raise CardError(why, key="device", value=device) from None
 
 
 def all_on_cpu(settings: Sequence[Setting]) -> Placing:
     """No card."""
-    return Placing(None, np.zeros(len(settings), np.bool_))
+    return Placing(None, np.zeros(len(settings), np.int64))
 
 
 def placing_of(
@@ -78,7 +90,7 @@ def placing_of(
     check_device(device, cluster)
     if device == "cpu":
         return all_on_cpu(settings)
-    from swarmcensus.gpu import pays_off, why_not
+    from swarmcensus.gpu import check_brains, pays_off, why_not
 
     metrics = metrics_of(study)
     card = open_card(device) if device == "gpu" and not cluster else None
@@ -88,22 +100,22 @@ def placing_of(
         card = open_card(device) if pays_off(able) and not cluster else None
         if not pays_off(able) or (card is None and not cluster):
             return all_on_cpu(settings)
-    for number, setting in enumerate(settings):
-        if card is None or reasons[number] or not trials[number]:
-            continue
+    room = np.where([not why for why in reasons], UNKNOWN, 0)
+    for number in np.flatnonzero((room > 0) & (trials > 0)).tolist():
         try:
-            for way in {False, local}:
-                card.most_trials(setting, metrics, way)
+            check_brains(settings[number].brains)
+            if card is not None:
+                room[number] = min(card.most_trials(settings[number], metrics, way) for way in {False, local})
         except InputError as error:
             if device == "gpu":
                 raise
-            reasons[number] = str(error)
+            reasons[number], room[number] = str(error), 0
     refused = Counter(why for why, count in zip(reasons, trials.tolist(), strict=True) if why and count)
     if refused and not quiet:
         why = next(iter(refused)) if len(refused) == 1 else ", ".join(f"{w} ({n:,})" for w, n in refused.items())
         of = counted(int((trials > 0).sum()), "setting")
         LOG.info("%s: %s of %s run on the CPU: %s", study.name, f"{refused.total():,}", of, why)
-    return Placing(card, np.array([not why for why in reasons], np.bool_))
+    return Placing(card, room)
 
 
 def placing_of_study(study: Study, device: Device, quiet: bool = True) -> Placing:

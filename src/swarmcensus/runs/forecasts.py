@@ -13,7 +13,7 @@ from swarmcensus.engine import interruptible
 from swarmcensus.runs.devices import Placing
 from swarmcensus.runs.pools import BUNDLE_SECONDS
 from swarmcensus.runs.tasks import Task, metrics_of, plan_tasks
-from swarmcensus.simulation import run_batch, run_ride, watched
+from swarmcensus.simulation import is_shared, run_batch, run_ride, watched
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.formatting import counted
@@ -67,7 +67,7 @@ def seconds_for(
 ) -> float:
     """The seconds that so many trials of settings take in `jobs` threads, measured on brains that are compiled."""
     every = np.ones((len(settings), trials), np.bool_)
-    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS, placing.on_card if placing else None)
+    tasks = plan_tasks(settings, every, every if local else None, BUNDLE_SECONDS, placing.room if placing else None)
     return _forecast(study, settings, tasks, jobs, 0.0)[0]
 
 
@@ -81,10 +81,13 @@ def _forecast(
 ) -> tuple[float, float]:
     """The seconds that tasks take, and those of the longest trial; measured if they may be `least` or more."""
     cores, slowdowns = min(jobs or 1, os.cpu_count() or 1), [1.0] * len(tasks)
-    if jobs and _wall_seconds(tasks, slowdowns, cores) * SLOWEST >= least:
+    if jobs and _wall_seconds(settings, tasks, slowdowns, cores) * SLOWEST >= least:
         slowdowns = _slowdowns(study, settings, tasks)
-    trials = (_trial_seconds(task) * slowdown for task, slowdown in zip(tasks, slowdowns, strict=True))
-    return _wall_seconds(tasks, slowdowns, cores), max(trials)
+    shares = [cores if is_shared(settings[task.settings[0]]) else 1 for task in tasks]
+    trials = (
+        _trial_seconds(task) * slowdown / share for task, slowdown, share in zip(tasks, slowdowns, shares, strict=True)
+    )
+    return _wall_seconds(settings, tasks, slowdowns, cores), max(trials)
 
 
 def duration_text(seconds: float) -> str:
@@ -95,10 +98,11 @@ def duration_text(seconds: float) -> str:
     return f"{number:,.12g} {name[:-1] if number == 1.0 else name}"
 
 
-def _wall_seconds(tasks: Sequence[Task], slowdowns: Sequence[float], cores: int) -> float:
-    """The seconds that tasks take on `cores` cores; each task runs on one."""
+def _wall_seconds(settings: Sequence[Setting], tasks: Sequence[Task], slowdowns: Sequence[float], cores: int) -> float:
+    """The seconds that tasks take on `cores` cores; each task runs on one, but for trials that threads share."""
     each = [task.cost * slowdown for task, slowdown in zip(tasks, slowdowns, strict=True)]
-    return max(sum(each) / cores, max(each))
+    alone = (cost for cost, task in zip(each, tasks, strict=True) if not is_shared(settings[task.settings[0]]))
+    return max(sum(each) / cores, max(alone, default=0.0))
 
 
 def _trial_seconds(task: Task) -> float:

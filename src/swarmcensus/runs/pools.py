@@ -15,8 +15,8 @@ import numpy as np
 
 from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
-from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, LeavableThreads, code_cache, compiler, interruptible
-from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
+from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
+from swarmcensus.runs.tasks import Bundle, Crew, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
@@ -67,12 +67,17 @@ class Threads:
     note = ""
 
     def __init__(
-        self, executor: Executor, jobs: int, study: Study, settings: list[Setting], card: "Card | None" = None
+        self,
+        executor: Executor,
+        jobs: int,
+        study: Study,
+        settings: list[Setting],
+        card: "Card | None" = None,
+        feeder: Executor | None = None,
     ) -> None:
-        """Use the executor's threads, of which `jobs` will be busy at once."""
-        self.executor, self.jobs, self.card = executor, jobs, card
-        self._feeder = LeavableThreads(1) if card else None
-        self._on_card = set[Future[Outcome]]()
+        """Use the executor's threads, which are so many `jobs`, and the `feeder`'s one for a card."""
+        self.executor, self.crew, self.card, self.feeder = executor, Crew(jobs), card, feeder
+        self._on_card = set[object]()
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
         self.metrics = metrics_of(study)
@@ -81,18 +86,17 @@ class Threads:
     @property
     def queue_length(self) -> int:
         """How many bundles should be submitted at a time: those for the card keep no thread waiting."""
-        return 4 * self.jobs + len(self._on_card)
+        return 4 * self.crew.jobs + len(self._on_card)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Start a bundle on the next free thread, or on the card."""
         outcome: Outcome = []
-        on_card = self._feeder is not None and bundle[0].on_card
-        executor = self._feeder if self._feeder and on_card else self.executor
-        given = (*self.common, bundle, self.metrics, self.stop, self.jobs, outcome, self.card)
-        future = executor.submit(run_bundle, *given)
-        if on_card:
-            self._on_card.add(future)
-            future.add_done_callback(self._on_card.discard)
+        feeder = self.feeder if bundle[0].on_card else None
+        given = (*self.common, bundle, self.metrics, self.stop, self.crew, outcome, self.card)
+        future = (feeder or self.executor).submit(run_bundle, *given)
+        unfinished = self._on_card if feeder else self.crew.unfinished
+        unfinished.add(future)
+        future.add_done_callback(unfinished.discard)
         self._outcomes[future] = outcome
         return future
 
@@ -103,8 +107,6 @@ class Threads:
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
         self.stop[0] = 1
-        if self._feeder:
-            self._feeder.shutdown(wait=False)
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should take, in seconds."""

@@ -103,8 +103,7 @@ def run(
             state.output.announce(known, total, 0.0)  # for `status`, while brains compile or workers start
             state.output.parts.sketch = partial(_save_without_trials, state, marks, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
-        every = len(settings) * study.trials * (1 + study.measure.local)
-        pool = stack.enter_context(_pool(state, min(jobs, every), cluster, device))
+        pool = stack.enter_context(_pool(state, jobs, cluster, device))
         try:
             interrupted = _run_stages(state, pool, None if cluster else jobs, announce_from)
         except KeyboardInterrupt:  # between two stages
@@ -167,10 +166,10 @@ def recompute(
     values = Values(study, settings, wanted.shape[1], local)
     placing = placing_of(study, settings, wanted.sum(axis=1), device, local=local)
     state = State(study, settings, values, progress, None, np.zeros(0), slice(None), placing)
-    tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.on_card)
+    tasks = plan_tasks(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS, placing.room)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     LOG.debug("%s: %s trials again, in %s threads", study.name, f"{state.total:,}", jobs)
-    with _pool(state, min(jobs, state.total * (1 + local)), None, device) as pool:
+    with _pool(state, jobs, None, device) as pool:
         if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt
     return values
@@ -215,8 +214,9 @@ def _pool(state: State, jobs: int, cluster: str | None, device: Device) -> Itera
         return
     if not _is_complete(state):
         pools.compile_for([(state.study, on_cpu)], state.show)
-    with LeavableThreads(jobs) as executor:
-        threads = pools.Threads(executor, jobs, state.study, state.settings, state.placing.card)
+    card = state.placing.card
+    with LeavableThreads(jobs) as executor, LeavableThreads(1 if card else 0) as feeder:
+        threads = pools.Threads(executor, jobs, state.study, state.settings, card, feeder)
         try:
             yield threads
         finally:
@@ -249,7 +249,7 @@ def _run_stages(state: State, pool: pools.Pool, jobs: int | None, announce_from:
         bundle_seconds = pool.bundle_seconds(
             sum(seconds(s) * n for s, n in zip(state.settings, lacking.sum(axis=1), strict=True))
         )
-        tasks = plan_tasks(state.settings, lacking, local, bundle_seconds, state.placing.on_card)
+        tasks = plan_tasks(state.settings, lacking, local, bundle_seconds, state.placing.room)
         if any(task.on_card for task in tasks):
             state.devices = {state.placing.label}
         state.done, state.total = _so_far(state, trials, unsettled)

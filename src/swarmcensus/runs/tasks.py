@@ -1,7 +1,9 @@
 """Cuts a study into tasks, bundles short ones, and runs bundles."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from contextlib import nullcontext
+from dataclasses import dataclass, field, replace
+from threading import Lock
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -25,6 +27,7 @@ from swarmcensus.simulation import (
     Batch,
     MetricFails,
     Metrics,
+    is_crowd,
     line_of_failure,
     run_batch,
     run_ride,
@@ -39,8 +42,10 @@ if TYPE_CHECKING:
     from swarmcensus.gpu import Card
 
 RIDE_BYTES = 256_000_000  # most memory for the curves of all states on one trajectory
+CROWDS = Lock()  # for trials that no other may run beside, as they take much memory: each uses all threads
 EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings
 EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one more task costs 0.1 ms
+UNLIMITED = 2**31
 CARD_SPEED = 300.0  # cores that a card is about as fast as
 
 
@@ -67,6 +72,18 @@ class Failure:
     setting: int
     trial: int
     why: str
+
+
+@dataclass
+class Crew:
+    """The threads of a run, and the bundles that they have not finished."""
+
+    jobs: int = 1
+    unfinished: set[object] = field(default_factory=set)
+
+    def idle(self) -> int:
+        """How many threads a bundle may use: those that have none are shared among all that have."""
+        return max(1, self.jobs // max(1, len(self.unfinished)))
 
 
 Bundle = tuple[Task, ...]
@@ -96,14 +113,15 @@ def plan_tasks(
     wanted: Wanted,
     local: Wanted | None,
     seconds: float,
-    on_card: NDArray[np.bool_] | None = None,
+    room: NDArray[np.int64] | None = None,
 ) -> list[Task]:
     """The tasks for all trials that are `wanted`, each of at most about `seconds`.
 
     Some trials of every setting come first, so that a run that is cut off covers the whole study. `local` marks the
-    trials of which local estimates are wanted, `on_card` the settings that run on a card.
+    trials of which local estimates are wanted. `room`, (setting,), is how many trials a card runs at a time, and 0 for
+    settings that run on the CPU.
     """
-    tasks = _tasks_by_kind(settings, wanted, local, seconds, on_card)
+    tasks = _tasks_by_kind(settings, wanted, local, seconds, room)
     return sorted(tasks, key=lambda task: task.first)
 
 
@@ -112,20 +130,20 @@ def _tasks_by_kind(
     wanted: Wanted,
     local: Wanted | None,
     seconds: float,
-    on_card: NDArray[np.bool_] | None,
+    room: NDArray[np.int64] | None,
 ) -> Iterator[Task]:
-    cards = [False] * len(settings) if on_card is None else on_card.tolist()
+    rooms = [0] * len(settings) if room is None else room.tolist()
     # usually all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
     every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
         if setting.body is None:
             spans = [(0, wanted.shape[1])] if every[number] else _spans(wanted[number])
-            yield from _split("batch", (number,), setting, spans, seconds, cards[number])
+            yield from _split("batch", (number,), setting, spans, seconds, rooms[number])
     if local is not None:
         deaf: dict[str, Any] = {key.field: key.default for key in KEYS.values() if key.messages}
         for numbers in _group_by(settings, lambda s: replace(s, topology=settings[0].topology, **deaf)):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
-            yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds, cards[numbers[0]])
+            yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds, rooms[numbers[0]])
     for numbers in _group_by(settings, lambda s: addresses.walk_group(s) if s.body else None):
         if settings[numbers[0]].body is not None:
             yield from _rides(numbers, settings, wanted)
@@ -177,17 +195,17 @@ def _split(
     setting: Setting,
     spans: Sequence[tuple[int, int]],
     limit: float,
-    on_card: bool,
+    room: int,
 ) -> Iterator[Task]:
-    cost = seconds(setting, kind == "local") / (CARD_SPEED if on_card else 1.0)
-    size = max(1, int(limit / cost))
+    cost = seconds(setting, kind == "local") / (CARD_SPEED if room else 1.0)
+    size = min(max(1, int(limit / cost)), room or UNLIMITED)
     for begin, end in spans:
-        some_early = not on_card and cost * (end - begin) >= EARLY_SECONDS
+        some_early = not room and cost * (end - begin) >= EARLY_SECONDS
         early = -(-(end - begin) // EARLY_ONE_IN) if some_early else 0
         first = begin
         while first < end:
             count = min(size, end - first, early or size)
-            yield Task(kind, numbers, first, count, cost * count, on_card)
+            yield Task(kind, numbers, first, count, cost * count, room > 0)
             first, early = first + count, 0
 
 
@@ -197,16 +215,16 @@ def run_bundle(
     bundle: Bundle,
     metrics: Metrics,
     stop: NDArray[np.uint8],
-    threads: int = 1,
+    crew: Crew | None = None,
     outcome: Outcome | None = None,
     card: "Card | None" = None,
 ) -> Outcome:
     """Run tasks one after another, while `stop` (uint8, shape (1,)) is 0; a failing trial does not affect others.
 
-    `threads` is how many threads do this at once and share the memory. What is done is added to `outcome` at once.
+    Threads of the `crew` that have nothing to do help with large trials. What is done is added to `outcome` at once.
     Tasks for a card run on the CPU if there is no `card`. Raises CardError, also for a card that is full or lost.
     """
-    outcome = [] if outcome is None else outcome
+    outcome, crew = [] if outcome is None else outcome, crew or Crew()
     for task in bundle:
         if stop[0]:
             break
@@ -214,7 +232,7 @@ def run_bundle(
             _run_on_card(card, settings, seed, task, metrics, stop, outcome)
             continue
         try:
-            outcome += _run(settings, seed, task, metrics, stop, threads)
+            outcome += _run(settings, seed, task, metrics, stop, crew)
         except InputError as error:
             singles = _single_trials(task)
             if len(singles) == 1:
@@ -225,7 +243,7 @@ def run_bundle(
                 location = "" if located else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
                 outcome += [Failure(n, task.first, f"{error}{location}") for n in task.settings]
             else:
-                outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, threads)
+                outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, crew)
     return outcome
 
 
@@ -242,8 +260,7 @@ def _run_on_card(
     from swarmcensus.gpu import CardError, CardFull
 
     setting, local = settings[task.settings[0]], task.kind == "local"
-    most = card.most_trials(setting, metrics, local)
-    rest = [task]
+    most, rest = task.trials, [task]
     while rest and not stop[0]:
         part = rest.pop()
         if part.trials > most:
@@ -284,14 +301,18 @@ def _single_trials(task: Task) -> list[Task]:
 
 
 def _run(
-    settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], threads: int
+    settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], crew: Crew
 ) -> list[Piece]:
     chosen, local = [settings[n] for n in task.settings], task.kind == "local"
-    with watched(chosen, seed, task.first, task.trials):
+    crowd = task.kind != "ride" and is_crowd(chosen[0], local)
+    with CROWDS if crowd else nullcontext(), watched(chosen, seed, task.first, task.trials):
         if task.kind == "ride":
             batches = run_ride(chosen, seed, task.first, metrics, stop)
+        elif stop[0]:
+            batches = None
         else:
-            batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, threads)
+            idle = (lambda: crew.jobs) if crowd else crew.idle
+            batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, idle)
             batches = None if batch is None else [batch] * len(chosen)
     return _pieces(task, batches or [], metrics)
 

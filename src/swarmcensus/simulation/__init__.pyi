@@ -34,6 +34,8 @@ from .trials import (
     Metrics as Metrics,
     bins_at as bins_at,
     blaming as blaming,
+    is_crowd as is_crowd,
+    is_shared as is_shared,
     record_estimates as record_estimates,
     record_readings as record_readings,
     record_trial as record_trial,

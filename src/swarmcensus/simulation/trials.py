@@ -39,7 +39,8 @@ from swarmcensus.worlds import Change, along, steady
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
 CROWD_BYTES = 1_000_000_000  # of these, where no other trial runs at the same time
-SHARED_BYTES = 250_000_000  # of each trial, where several threads share the memory
+SHARED_BYTES = 250_000_000  # of each trial, where other trials run at the same time
+LARGE = 50_000  # robots from which on threads gain by sharing a trial
 
 
 @dataclass(frozen=True)
@@ -83,14 +84,25 @@ class Batch:
     watched: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int, threads: int = 1) -> int:
-    """How many rounds of estimates to keep at a time, if so many threads run trials.
+def is_crowd(setting: Setting, local: bool = False) -> bool:
+    """Whether the estimates of a trial take so much memory that no other such trial should run at the same time."""
+    rounds = setting.rounds * (setting.observations_per_round if local else 1)
+    return 8 * setting.robots * min(rounds, ROWS_OF_A_CROWD) > SHARED_BYTES
+
+
+def is_shared(setting: Setting) -> bool:
+    """Whether threads may share a trial."""
+    return setting.body is None and setting.robots >= LARGE
+
+
+def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
+    """How many rounds of estimates to keep at a time.
 
     All rounds if they fit; else the number for which estimates and snapshots together take the least memory, which
     grows with the square root of the rounds; but a hundred where memory allows.
     """
     fits = ROWS_BYTES // (8 * robots)
-    crowd = min(ROWS_OF_A_CROWD, (CROWD_BYTES if threads == 1 else SHARED_BYTES) // (8 * robots))
+    crowd = min(ROWS_OF_A_CROWD, CROWD_BYTES // (8 * robots))
     balanced = math.isqrt(rounds * record_bytes // 8)
     length = max(fits, crowd, balanced, 1)
     return min(rounds, -(-length // multiple) * multiple)
@@ -104,20 +116,19 @@ def run_batch(
     metrics: Metrics,
     stop: np.ndarray,
     local: bool = False,
-    threads: int = 1,
-    team: int = 1,
+    idle: Callable[[], int] = lambda: 1,
 ) -> Batch | None:
     """Run trials first ... first + trials - 1; None if `stop` (uint8, shape (1,)) was set meanwhile.
 
-    With `local`, the metrics are of the local estimate by single observation. So many `threads` share the memory. A
-    `team` of threads shares each trial, to the same bits.
+    With `local`, the metrics are of the local estimate by single observation. A trial of a large swarm is shared by as
+    many threads as are `idle`, to the same bits.
     """
     given = inputs_of(setting, seed, first, trials, order=local)
     if not setting.members and (local or not metrics.watched):
-        return _live(setting, given, trials, metrics, stop, local, threads, team)
+        return _live(setting, given, trials, metrics, stop, local, idle)
     batches = []
     for k in range(trials):  # metrics of files see one trial at a time, and each trial has other members
-        batch = _live(setting, given.of(k), 1, metrics, stop, local, threads, team)
+        batch = _live(setting, given.of(k), 1, metrics, stop, local, idle)
         if batch is None:
             return None
         batches.append(batch)
@@ -125,8 +136,8 @@ def run_batch(
 
 
 def _live(
-    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool, threads: int,
-    team: int,
+    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool,
+    idle: Callable[[], int],
 ) -> Batch | None:  # fmt: skip
     first = given.first
     looks = setting.observations_per_round
@@ -141,10 +152,10 @@ def _live(
     states = states_of(setting, swarm, delay + 2, np.empty((0, setting.robots)))
     memory, outbox, signals, _ = states
     kept = memory.nbytes + (outbox.nbytes + signals.nbytes if delay else 0)  # where a segment may be run again
-    length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1, threads)
+    length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1)
     segments = -(-rounds // length)
     states = states._replace(rows=np.empty((length, setting.robots)))
-    team = min(team, swarm.of_block.size - 1)
+    team = min(idle(), swarm.of_block.size - 1) if is_shared(setting) else 1
     room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0, team)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)

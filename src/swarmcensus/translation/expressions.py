@@ -60,10 +60,10 @@ class Expressions:
         if isinstance(value, int):
             return self._whole_literal(value, node)
         if self.kind(node) == REAL:
-            return Text(f"{self.unit.need('to_whole')}({self.real(node).text})")
+            return Text(f"{self.unit.need('to_whole')}({self._result(self.real(node).text).text})")
         if isinstance(node, ast.Call) and (rounding := self._rounding(node)):
             cut = self.real(node.args[0]) if WHOLES[_called(node)] == "trunc" else rounding
-            return Text(f"{self.unit.need('to_whole')}({cut.text})")
+            return Text(f"{self.unit.need('to_whole')}({self._result(cut.text).text})")
         return self._value(node, WHOLE)
 
     def truth(self, node: ast.expr) -> Text:
@@ -282,6 +282,8 @@ class Expressions:
                 raise Untranslatable(f"the index {place} counts from an end that is not known", index)
             return str(place % items if items else place)
         text = self.whole(index).text
+        if items and self.unit.checked:
+            return f"brain_place({text}, {items})"
         if self.is_never_negative(index):
             return text
         if not items:
@@ -312,8 +314,22 @@ class Expressions:
             dividend = sides[0].within(PRODUCT)
             if REAL not in (self._side(left, REAL), self._side(right, REAL)):
                 dividend = f"(number){sides[0].within(UNARY)}"
-            return Text(f"{dividend} / {sides[1].within(UNARY)}", PRODUCT)
+            return Text(f"{dividend} / {self._divisor(right, sides[1]).within(UNARY)}", PRODUCT)
         return self._by_helper(node, kind, sides)
+
+    def _divisor(self, node: ast.expr, text: Text) -> Text:
+        """What is divided by, and looked at as it runs where the unit is checked."""
+        return Text(f"brain_divisor({text.text})") if self.unit.checked and not literal(node) else text
+
+    def _argument(self, node: ast.expr) -> str:
+        """A real argument of a function of math.h, of which C++ has one for each type."""
+        text = self.real(node)
+        is_whole = self.unit.checked and self.kind(node) == WHOLE
+        return f"(number){text.within(UNARY)}" if is_whole else text.text
+
+    def _result(self, text: str) -> Text:
+        """What a function of math.h gives, and looked at as it runs where the unit is checked."""
+        return Text(f"brain_result({text})" if self.unit.checked else text)
 
     def _wide(self, node: ast.expr, text: Text, other: ast.expr) -> Text:
         """A whole number in 32 bits: C works with 16 on small chips, if neither operand has a type of ours."""
@@ -330,6 +346,8 @@ class Expressions:
     def _by_helper(self, node: ast.BinOp, kind: Kind, sides: list[Text]) -> Text:
         """Operations whose meaning differs from C's."""
         left, right = node.left, node.right
+        if isinstance(node.op, ast.Mod | ast.FloorDiv):
+            sides[1] = self._divisor(right, sides[1])
         both = f"({sides[0].text}, {sides[1].text})"
         if (
             isinstance(node.op, ast.Mod)
@@ -348,7 +366,7 @@ class Expressions:
                 return Text(self.unit.need("whole_power") + both)
             if literal(right) == 2.0:
                 return Text(f"{self.unit.need('number_square')}({self.real(left).text})")
-            return Text(f"{self.unit.math('pow')}({self.real(left).text}, {self.real(right).text})")
+            return self._result(f"{self.unit.math('pow')}({self._argument(left)}, {self._argument(right)})")
         raise Untranslatable(f"{ast.unparse(node)} has no translation to C", node)
 
     def _comparison(self, node: ast.Compare) -> Text:
@@ -415,7 +433,7 @@ class Expressions:
             return None
         made = WHOLES[name]
         function = self.unit.need(made) if made == "nearest_even" else self.unit.math(made)
-        return Text(f"{function}({self.real(arguments[0]).text})")
+        return Text(f"{function}({self._result(self.real(arguments[0]).text).text})")
 
     def _call(self, node: ast.Call) -> Text:
         name, arguments = _called(node), node.args
@@ -432,16 +450,15 @@ class Expressions:
         if name in SCALES:
             return Text(f"{self.real(arguments[0]).within(PRODUCT)} * {self.unit.real(SCALES[name])}", PRODUCT)
         if name == "ldexp":
-            return Text(
-                f"{self.unit.math(name)}({self.real(arguments[0]).text}, (int){self.whole(arguments[1]).within(UNARY)})"
-            )
+            scale = self.whole(arguments[1]).within(UNARY)
+            return self._result(f"{self.unit.math(name)}({self.real(arguments[0]).text}, (int){scale})")
         if name == "log" and len(arguments) == 2:
             parts = [f"{self.unit.math('log')}({self.real(argument).text})" for argument in arguments]
-            return Text(" / ".join(parts), PRODUCT)
+            return self._result(" / ".join(parts)) if self.unit.checked else Text(" / ".join(parts), PRODUCT)
         if name in SAME_NAME or name in ("log", "gamma"):
             self.unit.functions_of_math.add(name)
             function = self.unit.math("tgamma" if name == "gamma" else name)
-            return Text(f"{function}({', '.join(self.real(argument).text for argument in arguments)})")
+            return self._result(f"{function}({', '.join(map(self._argument, arguments))})")
         raise Untranslatable(f"{ast.unparse(node.func)} has no translation to C", node)
 
     def _own(self, node: ast.Call, name: str) -> Text:

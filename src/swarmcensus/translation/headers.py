@@ -108,10 +108,12 @@ def _header(brain: Brain) -> str:
 def bare(brain: Brain, talk: str, codec: Unit) -> str:
     """A brain's C for a program that runs many: without includes, comments, bytes and parameters.
 
-    Whole numbers have 64 bits, as in the engine. `talk` is text that calls functions of the `codec`. Raises InputError.
+    Whole numbers have 64 bits, as in the engine, and what raises an error in Python calls `brain_divisor`,
+    `brain_result` or `brain_place`. `talk` is text that calls functions of the `codec`. Raises InputError.
     """
     try:
         unit = unit_of(brain)
+        unit.checked = True
         body = _functions(unit, Comments(""))
         codec_text = _needed_codec(codec, Comments(""), talk)
         parts = [

@@ -1,6 +1,7 @@
 """Statements and functions of a brain in C, with their comments."""
 
 import ast
+import itertools
 from collections.abc import Iterator
 
 from swarmcensus.brains import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
@@ -90,13 +91,35 @@ class Function:
         self.made.append(f"{STEP * depth}{line}{_remark(remark)}")
 
     def _block(self, body: list[ast.stmt], depth: int) -> None:
-        for statement in body:
+        written: ast.stmt | None = None
+        for statement, following in itertools.zip_longest(body, body[1:]):
+            if statement is written:
+                continue
             for text in self.comments.above(statement.lineno, self.node.lineno):
                 self._write(f"// {text}".rstrip(), depth)
             for name in self.scopes.before.get(id(statement), ()):
                 if self.scopes.is_read(name):
                     self._write(f"{self._declared(name, statement)} = {self._zero(name)};", depth)
-            self._statement(statement, depth)
+            match statement, following:
+                case (
+                    ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call),
+                    ast.If(test=ast.Compare(ast.Name(id=same), [ast.Is()], [ast.Constant(None)]), body=then, orelse=[]),
+                ) if name == same and self.unit.returns_record(called(call)):
+                    self._ask(statement, name, call, then, depth)
+                    written = following
+                case _:
+                    self._statement(statement, depth)
+
+    def _ask(self, node: ast.stmt, name: str, call: ast.Call, then: list[ast.stmt], depth: int) -> None:
+        """Name what a function returns if it says anything, and else do something."""
+        record, local = self.unit.results[called(call)], self.unit.local(name)
+        assert isinstance(record, Record)
+        if name in self.scopes.at.get(id(node), ()):
+            self.scopes.at[id(node)].discard(name)
+            self._write(f"struct {record.name} {local};", depth, self.comments.at(node.lineno, node.lineno))
+        self._write(f"if (!{self._passed_on(call, called(call), f'&{local}')}) {{", depth)
+        self._block(then, depth + 1)
+        self._write("}", depth)
 
     def _declared(self, name: str, node: ast.AST) -> str:
         c_type = self.unit.type_of(self.names.get(name, REAL), node)
@@ -295,6 +318,9 @@ class Function:
         if name in self.scopes.at.get(id(node), ()):
             self.scopes.at[id(node)].discard(name)
             self._write(f"struct {record.name} {self.unit.local(name)};", depth, remark)
+        if any(record.lengths) and self.unit.results.get(called(value)) == record:
+            self._write(f"{self.unit.local(name)} = {self.say.as_kind(value, kind).text};", depth)
+            return
         texts = self._items(node, value, len(kind), depth, kind)
         if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
             texts = [self._kept(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
@@ -430,6 +456,9 @@ class Function:
         other = called(value)
         if other in self.unit.functions and self.unit.results[other] == record:
             text = self._passed_on(value, other, name)  # type: ignore[arg-type]
+            if self.fills and not self.unit.returns_record(other):
+                self._write(f"*{name} = {text};", depth, remark)
+                text = "true"
             self._write(f"return {text};", depth, remark)
             return
         arrow = "->" if self.fills else "."

@@ -58,6 +58,7 @@ class Unit:
     message: Record | None = None  # what `broadcast` returns and `receive` takes
     parameters: frozenset[str] = frozenset()  # fields of the record that are constants in C
     prefix: str = ""  # of functions and constants in C
+    checked: bool = False  # whether what raises an error in Python is noticed, by functions that a program has
     needs: set[str] = field(default_factory=set)  # names of helper functions in C
     used: set[str] = field(default_factory=set)  # constants that functions read
     used_parameters: set[str] = field(default_factory=set)
@@ -142,6 +143,8 @@ class Unit:
 
     def record_of(self, kind: tuple[Kind, ...], node: ast.AST) -> Record:
         """The struct for tuples of this kind. Raises Untranslatable for tuples that hold more than numbers."""
+        if self.message and VECTOR in kind and kind == self.message.kinds:
+            return self.message
         if any(item not in (REAL, WHOLE, TRUTH) for item in kind) or not 0 < len(kind) <= len(ORDINALS):
             raise Untranslatable(f"a tuple of other things than 1 to {len(ORDINALS)} numbers has no type in C", node)
         name = "_".join(str(item) for item in kind) if len(kind) > 1 else f"one_{kind[0]}"

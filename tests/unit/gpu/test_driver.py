@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine import cache_root
-from swarmcensus.gpu import CardError, CardFull, CardLost, driver, open_driver
+from swarmcensus.gpu import CardError, CardFull, CardLost, driver, examined, open_driver
 from tests.support import fake_cuda
 
 GOING = np.zeros(1, np.uint8)
@@ -39,6 +39,26 @@ def test_kernels_change_what_was_uploaded(card):
     assert found.tolist() == [0.0, 4.0, 8.0, 12.0]
     assert card.called.count("cuFuncSetAttribute") == 1
     assert (opened.name, opened.shared) == ("Fake 1", 232_448)
+
+
+def test_a_small_program_shows_that_a_card_works(card):
+    def doubled(blocks, threads, _, struct):
+        address = ctypes.c_uint64.from_address(struct).value
+        np.frombuffer(card.memory[address], np.float64)[: card.reached] *= 2.0
+
+    card.kernels["doubled"], card.reached = doubled, 64
+    assert examined() == {"name": "Fake 1", "cuda": "13.0", "gigabytes": (card.size - 512) / 1e9}
+    card.reached = 63
+    with pytest.raises(CardError, match="Fake 1 computes wrongly"):
+        examined()
+
+
+def test_constants_get_their_values(card):
+    given = np.zeros(1)
+    card.constants[b"given"] = given.ctypes.data
+    opened = open_driver()
+    opened.set_global(opened.build("one"), "given", np.float64(0.25).tobytes())
+    assert given == 0.25
 
 
 def test_memory_is_freed_with_its_buffer(card):

@@ -65,7 +65,7 @@ def test_growing_recording_replays_each_tick_once(whole, tmp_path, monkeypatch):
     known = read_recording(whole)
     assert len(lived) == sum(life.relived for life in lives.relive_all(known))
     lived.clear()
-    [grown] = page.shows
+    [grown] = page.shown.shows
     offer = offer_of(whole)
     trial = wanted(offer, {})
     static = Show(offer.live(trial.settings[0], trial.seed, trial.trial), trial.study.measure)
@@ -85,7 +85,7 @@ def test_working_robots_are_shown_after_their_last_ticks(whole, tmp_path, monkey
         with (recording.folder / name).open("ab") as log:
             log.write(recording.contents[name][log.tell() : 900 if name == "robot-0.log" else 500])
     _, news = asked(session, do="news", since=0)
-    [show] = session.shows
+    [show] = session.shown.shows
     last = {number: show.life._last[number][0] for number in (0, 1, 2)}
     assert last[0] == news["rounds"] > last[1] > last[2] >= 0
     now = [robot_of(show, news["rounds"], robot) for robot in range(4)]

@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+import threading
 import time
 
 import numpy as np
@@ -318,6 +319,20 @@ def test_two_fingers_zoom(browser, served):
     assert centre == pytest.approx([0.375, 0.5], abs=0.02)  # what was between the fingers still is
     assert phone.evaluate("visualViewport.scale") == 1
     context.close()
+
+
+def test_the_old_picture_stays_dimmed_until_the_new_one_is_there(page, served, monkeypatch):
+    goes_on, begin = threading.Event(), Session._begin
+    come(page, served.address("setting=1"), 30)
+    monkeypatch.setattr(Session, "_begin", lambda *given: goes_on.wait(60) and begin(*given))
+    old = page.evaluate(f"{PUT} put('robots', '9'); [state.run, state.drawn, state.scenes[0].robots]")
+    playwright.expect(page.locator("main[data-waits='1']")).to_be_visible(timeout=20_000)
+    assert page.evaluate("[state.run, state.drawn, state.scenes[0].robots]") == old
+    page.wait_for_timeout(400)
+    assert page.locator("#stages figure").evaluate("figure => getComputedStyle(figure).opacity") < "0.5"
+    goes_on.set()
+    until(page, "[state.preparing, state.scenes[0].robots, state.drawn]", [False, 9, 30])
+    playwright.expect(page.locator("main[data-waits]")).to_have_count(0)
 
 
 @pytest.mark.long

@@ -20,7 +20,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.live import server, sessions
+from swarmcensus.live import server, shown
 from swarmcensus.live.offers import offer_of
 from swarmcensus.live.server import listen, serving
 from swarmcensus.live.sessions import Session
@@ -174,7 +174,7 @@ def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
             numba.njit(function)(1)
         return Show(*given)
 
-    monkeypatch.setattr(sessions, "Show", compiling)
+    monkeypatch.setattr(shown, "Show", compiling)
     monkeypatch.setattr(server, "NOTICE", 0.005)
     with talk(served) as page:
         page.send(json.dumps({"id": 1, "do": "begin", "ask": {"brain": "commons", "topology": "ring"}}))

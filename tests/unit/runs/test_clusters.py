@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import platform
 import shutil
 import signal
 import subprocess
@@ -17,11 +18,13 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.runs import clusters, queues
+from swarmcensus.gpu import CardError, CardLost
+from swarmcensus.runs import clusters, devices, queues
 from swarmcensus.runs.running import run
 from swarmcensus.studies import addresses
 from swarmcensus.support.errors import InputError, Interrupted
 from tests.support.clusters import LONG, Once, study
+from tests.support.fake_card import Fuller, Losing
 from tests.support.places import EXAMPLE
 from tests.support.results import same
 
@@ -122,6 +125,49 @@ def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
         assert not set(client.run(os.getpid).values()) & set(victims)
     assert "failed" not in killed.attrs
     assert same(killed, sc.run(some, jobs=2))
+
+
+@pytest.fixture
+def with_cards(monkeypatch):
+    """Puts a card into each worker, or an error in place of it."""
+    real = clusters.run_remotely
+
+    def put(card):
+        def run_there(key, bundle, device="cpu"):
+            def the_card():
+                if isinstance(card, Exception):
+                    raise card
+                return card
+
+            devices.the_card = the_card
+            return real(key, bundle, device)
+
+        monkeypatch.setattr(clusters, "run_remotely", run_there)
+
+    return put
+
+
+def test_workers_use_their_cards(here, scheduler, with_cards):
+    with_cards(Fuller())
+    on_cards = run(study(FIXED), cluster=scheduler, device="gpu")
+    assert same(on_cards, sc.run(study(FIXED), jobs=2))
+    assert on_cards.attrs["device"] == "gpu"
+
+
+def test_workers_without_a_card_are_named_or_use_their_cpu(here, scheduler, with_cards, monkeypatch):
+    with_cards(CardError("this machine has no NVIDIA card"))
+    with pytest.raises(CardError, match=f"^the worker on {platform.node()}: this machine has no NVIDIA card$"):
+        run(study(FIXED), cluster=scheduler, device="gpu", out="s.nc")
+    assert not Path("s.nc").exists()
+    monkeypatch.setattr("swarmcensus.gpu.choosing.WORTH", 0.0)
+    assert same(run(study(FIXED), cluster=scheduler, device="auto", out="s.nc"), sc.run(study(FIXED), jobs=2))
+
+
+def test_a_worker_that_loses_its_card_ends_the_run(here, scheduler, with_cards):
+    with_cards(Losing())
+    with pytest.raises(CardLost, match=f"^the worker on {platform.node()}: Fake 1 was lost$"):
+        run(study(FIXED), cluster=scheduler, device="gpu", out="s.nc")
+    assert same(run(study(FIXED), jobs=2, out="s.nc"), sc.run(study(FIXED), jobs=2))
 
 
 @pytest.mark.long

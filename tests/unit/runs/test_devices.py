@@ -1,6 +1,8 @@
 """Studies on a card, for which a stand-in computes: what runs there, what on the CPU, and what is said."""
 
 import logging
+import threading
+import time
 import warnings
 
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.gpu import CardError, CardFull, CardLost, paying
+from swarmcensus.gpu import CardError, CardFull, CardLost, choosing
 from swarmcensus.runs import devices, verifying
 from swarmcensus.runs.running import run
 from swarmcensus.support.errors import InputError, Interrupted
@@ -63,12 +65,14 @@ def failing_on(card, after, error):
 
 
 def test_a_study_of_all_kinds_gives_the_same_file(card, here):
-    study = sc.Study.parse(SMALL).with_(measure={"local": True, "estimates": True})
+    study, before = sc.Study.parse(SMALL).with_(measure={"local": True, "estimates": True}), threading.active_count()
     on_card = run(study, device="gpu", out="card.nc")
     assert same(on_card, run(study))
     assert on_card.attrs["device"] == "gpu (Fake 1)"
     assert "device" not in run(study).attrs
     assert {local for *_, local in card.batches} == {False, True}
+    assert len(card.threads) == 1
+    assert threading.active_count() == before
     assert sum(trials for _, _, trials, local in card.batches if not local) == on_card.attrs["trials_done"]
 
 
@@ -112,7 +116,7 @@ def test_one_that_is_known_to_be_too_large_is_refused_before_anything_runs(card,
         run(study, device="gpu", out="r.nc")
     assert not card.batches
     assert not [*here.iterdir()]
-    monkeypatch.setattr(paying, "WORTH", 0.0)
+    monkeypatch.setattr(choosing, "WORTH", 0.0)
     run(study.with_(schedule={"rounds": 20}), device="auto")
     assert {setting.robots for setting, *_ in card.batches} == {4}
 
@@ -124,8 +128,8 @@ def test_a_lost_card_ends_the_run_and_keeps_finished_work(monkeypatch, here):
         run(study, device="gpu", out="r.nc")
     card, lines = put(monkeypatch, FakeCard()), []
     assert same(run(study, device="gpu", out="r.nc", say=lines.append), run(study))
-    assert lines == ["r.nc: found 7 of 10 trials; 7 of them in 1 shard of a run that was cut off"]
-    assert sum(trials for _, _, trials, _ in card.batches) == 3
+    assert lines == ["r.nc: found 8 of 10 trials; 8 of them in 1 shard of a run that was cut off"]
+    assert sum(trials for _, _, trials, _ in card.batches) == 2
 
 
 def test_ctrl_c_keeps_finished_batches(card, here):
@@ -145,6 +149,25 @@ def test_ctrl_c_keeps_finished_batches(card, here):
     assert same(resumed, run(study))
 
 
+def test_ctrl_c_stops_a_batch(card):
+    begun = threading.Event()
+
+    def run_batch(*given):
+        begun.set()
+        while not given[5][0]:
+            time.sleep(0.001)
+
+    def press(*_):
+        if begun.is_set():
+            raise KeyboardInterrupt
+
+    card.run_batch = run_batch
+    started = time.monotonic()
+    with pytest.raises(Interrupted, match=r"^stopped after 0 of 5 trials$"):
+        run(ring(), device="gpu", progress=press)
+    assert time.monotonic() - started < 1.0
+
+
 def test_failing_trials_fail_as_on_the_cpu(card, here):
     (here / "fails.py").write_text(FAILS)
     study = study_of("fails.py", robots=4, rounds=80, trials=20, fill_ratio=0.3)
@@ -153,6 +176,15 @@ def test_failing_trials_fail_as_on_the_cpu(card, here):
         on_card, on_cpu = run(study, device="gpu"), run(study)
     assert same(on_card, on_cpu)
     assert on_card.attrs["failed"] == on_cpu.attrs["failed"]
+
+
+def test_brains_that_do_not_translate_are_refused_with_their_line(card, refused, here):
+    source = brains.load("minimalistic").source
+    (here / "deep.py").write_text(source.replace("    me.t += looks\n", "    me.t += looks * min(1, 4_000_000_000)\n"))
+    (here / "s.toml").write_text(SMALL.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "deep.py"]'))
+    line = 1 + source.splitlines().index("    me.t += looks")
+    assert refused("run", "s.toml", "--device", "gpu").startswith(f"swarmcensus: brain file deep.py, line {line}: ")
+    assert not card.batches
 
 
 def test_auto_takes_a_card_for_long_studies_only(card):
@@ -164,7 +196,7 @@ def test_auto_takes_a_card_for_long_studies_only(card):
 
 def test_auto_is_silent_without_a_card(no_card, caplog, monkeypatch):
     caplog.set_level(logging.INFO)
-    monkeypatch.setattr(paying, "WORTH", 0.0)
+    monkeypatch.setattr(choosing, "WORTH", 0.0)
     assert same(run(ring(), device="auto"), run(ring()))
     assert not caplog.text
 
@@ -222,7 +254,8 @@ COMMANDS = {
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_refuse_a_card_that_is_not_there(command, no_card, files, refused):
-    assert refused(*COMMANDS[command].split(), "--device", "gpu") == "swarmcensus: this machine has no NVIDIA card"
+    said = refused(*COMMANDS[command].split(), "--device", "gpu")
+    assert said == "swarmcensus: --device gpu: this machine has no NVIDIA card"
 
 
 @pytest.mark.parametrize("command", ["plan", "tune"])

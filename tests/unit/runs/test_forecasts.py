@@ -116,6 +116,16 @@ def test_a_rule_is_a_least_time_and_a_cluster_is_counted_by_core(tried, caplog):
     assert line == f"long: this takes at least {forecasts.duration_text(due)} of one core"
 
 
+def test_a_large_trial_takes_all_cores(monkeypatch):
+    monkeypatch.setattr(forecasts.os, "cpu_count", lambda: 4)
+    made = study(rounds=10, swarm={"robots": [40_000, 60_000]}).with_(trials=1)
+    tasks = plan_tasks(made.settings(), np.ones((2, 1), np.bool_), None, 0.1)
+    costs = [sum(task.cost for task in tasks if task.settings == (k,)) for k in (0, 1)]
+    for chosen, due in (((0,), costs[0]), ((1,), costs[1] / 4), ((0, 1), max(sum(costs) / 4, costs[0]))):
+        some = [task for task in tasks if task.settings[0] in chosen]
+        assert forecasts._wall_seconds(made.settings(), some, [1.0] * len(some), 4) == pytest.approx(due)
+
+
 def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
     assert said(study(rounds=10_000, trials=100), 2, caplog) == ([], [])
     assert said(study(rounds=10_000, world=MOVING), 2, caplog) == ([], [])
@@ -123,7 +133,7 @@ def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
 
 
 def test_a_round_that_takes_long_itself_is_not_tried(tried, caplog):
-    (line,), _ = said(study(rounds=10, swarm={"robots": 2_000_000_000}), 2, caplog)
+    (line,), _ = said(study(rounds=20, swarm={"robots": 2_000_000_000}), 2, caplog)
     assert HEARD in line
     assert not tried
 

@@ -6,7 +6,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.results import shards, values as arrays
-from swarmcensus.runs import pools, tasks
+from swarmcensus.runs import pools
 from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.support.errors import InputError
@@ -77,13 +77,3 @@ def test_a_replay_of_a_single_round_begins_before_it():
     fields, estimates, _ = record_trial(setting, SEED, 0)
     assert (fields["t"][0] == 0.0).all()
     assert (estimates[0] == 0.5).all()
-
-
-def test_threads_share_the_memory(monkeypatch):
-    asked, batch = [], tasks.run_batch
-    monkeypatch.setattr(tasks, "run_batch", lambda *given: asked.append(given[7]) or batch(*given))
-    for settings, trials, jobs, threads in ((1, 1, 2, 1), (1, 2, 2, 2), (3, 1, 2, 2), (2, 3, 1, 1)):
-        asked.clear()
-        run(crowds(settings, 5, trials), jobs, progress=False)
-        assert threads in asked
-        assert {*asked} <= {1, threads}

@@ -222,6 +222,9 @@ class Health:
         yield "cache", f"{cache['folder']}: {state if cache['usable'] else 'cannot be used'}"
         for name, installed in self.as_dict["extras"].items():
             yield f"extra {name}", "installed" if installed else f"not installed: pip install 'swarmcensus[{name}]'"
+        card = self.as_dict["card"]
+        usable = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
+        yield "graphics card", usable.format(**card) if card["usable"] else f"not usable: {card['why']}"
 
 
 def health() -> Health:
@@ -253,8 +256,19 @@ def health() -> Health:
         "libraries": libraries,
         "cache": {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)},
         "extras": {name: all(map(importlib.util.find_spec, parts)) for name, parts in EXTRAS.items()},
+        "card": _card(),
     }
     return Health(as_dict, faults)
+
+
+def _card() -> dict[str, Any]:
+    """The graphics card and its driver, or why none can be used."""
+    try:
+        from swarmcensus.gpu import examined
+
+        return examined() | {"usable": True}
+    except (ImportError, InputError) as error:  # libraries may be missing
+        return {"usable": False, "why": str(error)}
 
 
 def _version(name: str) -> str:

@@ -53,6 +53,15 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until Ctrl-C, or write it with one trial."""
+    from swarmcensus.live import prepared
+
+    with contextlib.ExitStack() as stack:
+        if options.out is None and not (options.of and options.of.is_dir()):
+            stack.enter_context(prepared())  # while the rest is imported and read
+        return _watch(options, stack)
+
+
+def _watch(options: argparse.Namespace, stack: contextlib.ExitStack) -> int:
     from swarmcensus.live import first_view, offer_of
     from swarmcensus.support.files import check_output
 
@@ -78,7 +87,7 @@ def watch(options: argparse.Namespace) -> int:
         raise
     if options.out is not None:
         return _export(options, offer, query, play)
-    return _serve(options, offer, query, play)
+    return _serve(options, offer, query, play, stack.pop_all())
 
 
 def _warn_of_gaps(logged: "LoggedRecording") -> None:
@@ -93,14 +102,20 @@ def _warn_of_gaps(logged: "LoggedRecording") -> None:
         say(f"{states}: swarmcensus relive tells where the others differ.")
 
 
-def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
+def _serve(
+    options: argparse.Namespace,
+    offer: "Offer",
+    query: dict[str, str],
+    play: dict[str, str],
+    stack: contextlib.ExitStack,
+) -> int:
     from urllib.parse import urlencode
 
     from swarmcensus.live import LOOPBACK, listen, serve, warm
 
-    served = listen(offer, options.host, options.port or 0)
+    served = listen(offer, options.host, options.port or 0, interprets=True)
     with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, not a failure
-        warm(served, query)
+        warm(served, query, stack)
         address = served.address(urlencode(query | play))
         print(address, flush=True)
         say("Press Ctrl-C to stop.")

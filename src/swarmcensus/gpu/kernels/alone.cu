@@ -37,7 +37,6 @@ KERNEL(alone) {
                 robot_fuse(me.brains, at.group);
                 note_estimate(given, at, k, robot_estimate(me.brains, at.group));
             }
-            note_state(me, given, at);
         }
     }
 }

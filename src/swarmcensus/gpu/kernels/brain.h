@@ -10,15 +10,6 @@ BRAIN_PART void robot_start(struct brain *me, const number *blank, int64_t i, do
     ${name}
 }
 
-BRAIN_PART bool robot_is_finite(struct brain *me) {
-    const number *numbers = (const number *)me;
-    bool finite = true;
-    BRAIN_EACH_NUMBER {
-        finite = finite && numbers[n] - numbers[n] == 0;
-    }
-    return finite;
-}
-
 BRAIN_PART int32_t robot_say(struct brain *me, number *out, int64_t &clipped) {
     ${jam}
     struct message message;

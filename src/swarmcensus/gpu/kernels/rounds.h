@@ -220,13 +220,6 @@ PART void pass(Robot &me, const Given &given, const Place &at, int64_t k) {
     }
 }
 
-// What is no number in a state shows that Python would have raised an error.
-PART void note_state(Robot &me, const Given &given, const Place &at) {
-    if (!robot_is_finite(me.brains, at.group)) {
-        given.amiss[at.trial] = 1;
-    }
-}
-
 // What is left of a robot at the end of a trial.
 PART void finish(Robot &me, const Given &given, const Place &at) {
     const int64_t n = at.trial * given.robots + at.i;
@@ -242,5 +235,4 @@ PART void finish(Robot &me, const Given &given, const Place &at) {
     verdict[0] = me.decision, verdict[1] = me.decided_in, verdict[2] = me.changed;
     verdict[3] = me.done_in, verdict[4] = me.done_estimate, verdict[5] = robot_done(me.brains, at.group);
 #endif
-    note_state(me, given, at);
 }

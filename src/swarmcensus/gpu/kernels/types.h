@@ -15,6 +15,7 @@ typedef long long int64_t;
 #define INFINITY __int_as_float(0x7f800000)
 #define NAN __int_as_float(0x7fc00000)
 #define BRAIN_CONSTANT __constant__
+#define BRAIN_NOTED __device__
 #define BRAIN_PART __device__ static inline
 
 #else
@@ -23,9 +24,36 @@ typedef long long int64_t;
 #include <cstdint>
 #include <cstring>
 #define BRAIN_CONSTANT
+#define BRAIN_NOTED
 #define BRAIN_PART static inline
 
 #endif
+
+// Where Python would raise an error, C goes on, and this is noted.
+extern "C" { BRAIN_NOTED int32_t brain_failed; }
+
+template <class T> BRAIN_PART T brain_divisor(T by) {
+    if (by == 0) {
+        brain_failed = 1;
+    }
+    return by;
+}
+
+template <class T> BRAIN_PART T brain_result(T x) {
+    if (!(x - x == 0)) {
+        brain_failed = 1;
+    }
+    return x;
+}
+
+BRAIN_PART int64_t brain_place(int64_t index, int64_t items) {
+    const int64_t place = index < 0 ? index + items : index;
+    if (0 <= place && place < items) {
+        return place;
+    }
+    brain_failed = 1;
+    return 0;
+}
 
 #define BRAIN_TABLE
 #define BRAIN_EACH_NUMBER \

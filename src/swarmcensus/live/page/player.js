@@ -85,10 +85,11 @@ function tickOn(now) {
   requestAnimationFrame(tickOn);
   const passed = Math.min((now - state.last) / 1000, 0.25);
   state.last = now;
-  const late = state.drawn !== state.tick && !state.halted && (state.preparing || state.scenes.length > 0);
+  const late = state.preparing || (state.drawn !== state.tick && !state.halted && state.scenes.length > 0);
   $("waiting").hidden = !(late && now - state.shownAt > 700);
   if (late) tellWhy();
   if (!late) state.shownAt = now;
+  dimOld(state.preparing && state.scenes.length > 0 && now - state.shownAt > DIM ? now - state.shownAt : null);
   if (!state.scenes.length || state.preparing) return;
   const by = strides();
   if (!state.frames.has(state.tick)) fetchAt(state.tick, state.run);
@@ -116,6 +117,16 @@ function tickOn(now) {
     state.completed = here;
     settle(state.run, state.tick).catch(() => {});
   }
+}
+
+// dim the old picture, with a clock of the milliseconds for which another one has been prepared; null: show it
+function dimOld(waited) {
+  const main = document.querySelector("main");
+  const seconds = waited === null ? "" : String(Math.floor(waited / 1000));
+  if ((main.dataset.waits ?? "") === seconds) return;
+  if (seconds) main.dataset.waits = seconds;
+  else delete main.dataset.waits;
+  main.style.setProperty("--waits", seconds || "0");
 }
 
 function tellWhy() {

@@ -13,6 +13,7 @@ const AT_ONCE = 120; // frames per request, if many are missing
 const PATIENCE = 200; // milliseconds after which a moment counts as chosen, and not as passed through
 const PAUSE = 150; // milliseconds between pieces of work that nobody waits for
 const SOON = 150; // milliseconds after which the address holds what was changed
+const DIM = 300; // milliseconds after which a picture is dimmed while another one is prepared
 const LOOK = 500; // milliseconds between looks at brain files
 const RESTARTS = ["setting", "topology"]; // changes after which a moment is another one
 const recordedText = $("recorded");
@@ -104,7 +105,9 @@ async function begin(ask, tick = null, robot = state.chosen) {
     const goal = state.goal;
     try {
       const answer = await state.source.begin(goal.ask, goal.tick ?? 0);
+      const picture = state.form && (await firstOf(answer, goal).catch(() => null)); // what fails fails again below
       arrive(answer, goal);
+      if (picture) keep(picture);
       if (!instead) refused = null;
     } catch (error) {
       refused = error;
@@ -117,6 +120,14 @@ async function begin(ask, tick = null, robot = state.chosen) {
   complain(refused);
   $("title").textContent = state.form ? titled() : "";
   if (refused && state.form) buildFields(state.form, change, Boolean(recordedText));
+}
+
+// the frames of the moment with which a trial begins: until then the page keeps its old picture
+async function firstOf({ scenes }, goal) {
+  const tick = Math.min(Math.max(goal.tick ?? 0, 0), ...scenes.map((scene) => scene.rounds));
+  let sides = null;
+  while (!sides && state.goal === goal) sides = await state.source.frames(tick, 1, 1);
+  return sides;
 }
 
 function arrive({ form, scenes }, { ask, tick, robot }) {

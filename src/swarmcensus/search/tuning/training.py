@@ -72,11 +72,13 @@ class Training:
     def __enter__(self) -> Self:
         """Create the threads."""
         self._executor = LeavableThreads(self.jobs)
+        self._feeder = LeavableThreads(1 if self.placing.card else 0)
         return self
 
     def __exit__(self, *_: object) -> None:
         """End them."""
         self._executor.shutdown()
+        self._feeder.shutdown()
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need, once: candidates differ in numbers only."""
@@ -93,7 +95,7 @@ class Training:
         """The predicted seconds of a candidate on one core."""
         every = np.ones((len(self.worlds), self.trials), np.bool_)
         local = every if self.local else None
-        tasks = plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS, self.placing.on_card)
+        tasks = plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS, self.placing.room)
         return sum(task.cost for task in tasks)
 
     def run(
@@ -108,8 +110,8 @@ class Training:
         settings = [world_with(world, program) for program in programs for world in self.worlds]
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
-        placing = Placing(self.placing.card, np.tile(self.placing.on_card, len(programs)))
-        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS, placing.on_card)
+        placing = Placing(self.placing.card, np.tile(self.placing.room, len(programs)))
+        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS, placing.room)
         tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate after the other
         kept = 0
 
@@ -127,11 +129,12 @@ class Training:
 
         state = State(seeded, settings, values, report, None, np.zeros(0), slice(None), placing)
         state.total, state.work_total = wanted.size, sum(task.cost for task in tasks)
-        pool = pools.Threads(self._executor, self.jobs, seeded, settings, placing.card)
+        pool = pools.Threads(self._executor, self.jobs, seeded, settings, placing.card, self._feeder)
         try:
             stopped = run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool)
-        finally:
+        except BaseException:
             pool.halt()
+            raise
         report(Progress(state.done, state.total, state.work_done, state.work_total))
         if stopped:
             raise KeyboardInterrupt

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.engine import compile_world
+from swarmcensus.engine import compile_world, not_compiled
 from swarmcensus.worlds.arena import Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 
@@ -11,6 +11,8 @@ def paint(arena: Arena, chance: Chance, share: float) -> Paint:
     """Black if the tile's own uniform number is below the share."""
 
     def colours(tiles: Tiles) -> np.ndarray:
+        if not_compiled():
+            return chance.noise(tiles) < share
         black = np.empty(tiles.shape[:2], np.bool_)
         compile_world().paint_tiles(tiles, chance.key, chance.trial, share, black)
         return black

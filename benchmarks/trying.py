@@ -1,0 +1,125 @@
+"""What a new user waits for: python benchmarks/trying.py [--cold] [--quick].
+
+Seconds from the shell to a study's first results, to its curves, through `reproduce`, and to a moving picture of
+`watch`, in a headless Chromium that is open already.
+"""
+
+import contextlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import harness
+from playwright.sync_api import sync_playwright
+
+from swarmcensus import brains
+
+NETWORK = """trials = 2
+[swarm]
+brain = "minimalistic"
+robots = 20
+accuracy = 0.675
+[world]
+topology = "ring"
+fill_ratio = 0.55
+[schedule]
+rounds = 200
+"""
+MOVING = NETWORK.replace('topology = "ring"', 'topology = "moving"\ndensity = 2.0').replace(
+    "rounds = 200", "ticks = 1000"
+)
+
+
+def program(*words, edits=False):
+    """A command; with `edits` its brain is another one each time."""
+
+    def seconds(cache):
+        if edits:
+            edited()
+        return [harness.program(*words, cache=cache).seconds]
+
+    return seconds
+
+
+def edited():
+    """A brain file like the shipped one, that no cache knows."""
+    source = brains.load("minimalistic").source
+    Path("mine.py").write_text(source.replace("1e-12", f"1e-12 * (1.0 + {time.time_ns()}e-16)"))
+
+
+def until(page, what):
+    """Wait until something is so in a page; returns when."""
+    while not page.evaluate(f"typeof state !== 'undefined' && {what}"):
+        time.sleep(0.02)
+    return time.perf_counter()
+
+
+def watched(page, *words, edits=False):
+    """A page of `watch` until its picture moves; with `edits` also after its brain's file was changed."""
+
+    def seconds(cache):
+        command = [sys.executable, "-m", "swarmcensus", "watch", "--quiet", "--no-browser", *words]
+        environment = os.environ | ({"SWARMCENSUS_CACHE": str(cache)} if cache else {})
+        begun = time.perf_counter()
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as running:
+            page.goto(running.stdout.readline().strip())
+            spent = [until(page, "state.drawn > 0") - begun]
+            if edits:
+                until(page, "state.settled !== null")  # machine code shows it
+                run, begun = page.evaluate("state.run"), time.perf_counter()
+                edited()
+                spent.append(until(page, f"state.run > {run} && state.drawn >= 0") - begun)
+            page.goto("about:blank")
+            running.terminate()
+        return spent
+
+    return seconds
+
+
+@harness.question
+def trying(cold=False, quick=False):
+    """The least and the most of three, or one if `quick`, once compiled; if `cold`, of one with nothing compiled."""
+    again = "--out", "out.nc", "--fresh"
+    network, moving = program("run", "network.toml", *again), program("run", "moving.toml", *again)
+    curves = program("plot", "out.nc", "--kind", "curves")
+    browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))))
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+        page = opened.new_page(viewport={"width": 1280, "height": 900})
+        asked = {
+            ("a study of networks", "then its curves", "then one of robots that move"): (network, curves, moving),
+            ("a study of robots that move alone",): (moving,),
+            ("the first figure of `reproduce`",): (program("reproduce", "--only", "fig2", "--fresh"),),
+            ("all of `reproduce`",): (program("reproduce", "--fresh"),),
+            ("`watch`, a network",): (watched(page, "--set", "topology=ring"),),
+            ("`watch`, robots that move", "then after a change of the brain"): (watched(page, "mine.py", edits=True),),
+        }
+        if not cold:
+            new, new_moving = (program("run", f"my-{name}.toml", *again, edits=True) for name in ("network", "moving"))
+            asked |= {
+                ("a study of networks, with a new brain", "then its curves"): (new, curves),
+                ("a study of robots that move, with a new brain",): (new_moving,),
+            }
+        for name, study in ("network", NETWORK), ("moving", MOVING):
+            Path(f"{name}.toml").write_text(study)
+            Path(f"my-{name}.toml").write_text(study.replace('"minimalistic"', '"mine.py"'))
+        edited()
+        table = harness.table("seconds from the shell", "what", "least", "most")
+        for names, commands in asked.items():
+            rows = []
+            for _ in range(1 if cold else 2 if quick else 4):
+                with tempfile.TemporaryDirectory() as empty:
+                    rows.append([spent for command in commands for spent in command(empty if cold else None)])
+            rows = rows if cold else rows[1:]  # the first may compile
+            for name, *spent in zip(names, *rows, strict=True):
+                table.add_row(name, f"{min(spent):.2f}", f"{max(spent):.2f}")
+        opened.close()
+    harness.show(table)
+
+
+if __name__ == "__main__":
+    harness.answer(globals())

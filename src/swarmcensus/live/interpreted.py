@@ -1,0 +1,206 @@
+"""The first seconds of a trial, which CPython computes in another process while this one compiles.
+
+CPython gives the same bits as machine code, only more slowly. So a page may have its frames from either.
+"""
+
+import contextlib
+import dataclasses
+import functools
+import io
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+import types
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import TYPE_CHECKING, Any
+
+from swarmcensus.engine import LeavableThreads, code_cache, compiler
+
+if TYPE_CHECKING:  # imported late, so that the process starts before Numba is imported here
+    from swarmcensus.live.offers import Wanted
+    from swarmcensus.live.shown import Answer, Shown
+    from swarmcensus.studies import Setting
+
+COMMAND = "from swarmcensus.live.interpreted import main; main()"
+AT_ONCE = 1500  # ticks of a robot that CPython computes at a time: a tenth of a second
+
+
+class Interpreter:
+    """The process in which CPython runs the engine; it lasts as long as somebody waits for machine code."""
+
+    def __init__(self) -> None:
+        """Start with nobody waiting."""
+        self._waiting = 0
+        self._process: subprocess.Popen[bytes] | None = None
+        self._lock = threading.Lock()
+
+    @functools.cached_property
+    def _asking(self) -> LeavableThreads:
+        return LeavableThreads(1)
+
+    def start(self) -> None:
+        """Start the process, if there is none."""
+        with self._lock, contextlib.suppress(OSError):  # without it a page waits for machine code
+            if self._process is None:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", "-W", "ignore", "-c", COMMAND],
+                    env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.DEVNULL,
+                    start_new_session=True,  # Ctrl-C is for this process; that one ends with it
+                )
+
+    def __enter__(self) -> None:
+        """Wait for machine code: the process lasts at least until `__exit__`."""
+        with self._lock:
+            self._waiting += 1
+        self.start()
+
+    def __exit__(self, *_: object) -> None:
+        """End the process, if nobody else waits."""
+        with self._lock:
+            self._waiting -= 1
+            process, self._process = (None, self._process) if self._waiting else (self._process, None)
+        if process:
+            process.kill()  # it may be in a brain's endless loop
+            process.communicate()
+
+    def ask(self, *request: Any) -> Future[Any]:
+        """Ask the process for something; the result is None if it cannot tell."""
+        return self._asking.submit(self._answer, request)
+
+    def _answer(self, request: tuple[Any, ...]) -> Any:
+        process = self._process
+        if process is None or process.stdin is None or process.stdout is None:
+            return None
+        try:
+            pickle.dump(request, process.stdin)
+            process.stdin.flush()
+            return pickle.load(process.stdout)
+        except (OSError, EOFError, ValueError, pickle.UnpicklingError):  # it was ended
+            return None
+
+
+INTERPRETER = Interpreter()
+
+
+class Interpreted:
+    """Trials as `Shown` has them, by the interpreter until this process has computed `own`."""
+
+    def __init__(self, trial: "Wanted", compute: "Callable[[], Shown]") -> None:
+        """Start computing in a thread."""
+        self.rounds = trial.rounds
+        self.own: Future[Shown] = Future()
+        self._trial = packed((trial.settings, trial.seed, trial.trial, trial.study.measure))
+        INTERPRETER.start()
+        threading.Thread(target=self._compute, args=(compute,), name="swarmcensus", daemon=True).start()
+
+    def _compute(self, compute: "Callable[[], Shown]") -> None:
+        with INTERPRETER:
+            try:
+                self.own.set_result(compute())
+            except BaseException as error:
+                self.own.set_exception(error)
+
+    def scenes(self) -> list[dict[str, Any]]:
+        """As in `Shown`."""
+        return self._ask("scenes")  # type: ignore[no-any-return]
+
+    def frames(self, first: int, step: int, count: int) -> "list[Answer]":
+        """As in `Shown`."""
+        return self._ask("frames", first, step, count)  # type: ignore[no-any-return]
+
+    def robot(self, side: int, tick: int, robot: int) -> "list[Answer]":
+        """As in `Shown`."""
+        return self._ask("robot", side, tick, robot)  # type: ignore[no-any-return]
+
+    def _ask(self, what: str, *given: int) -> Any:
+        """The answer of whoever has it first. What fails in CPython fails here too, with a better message."""
+        if not self.own.done():
+            told = INTERPRETER.ask(self._trial, what, given)
+            wait((told, self.own), return_when=FIRST_COMPLETED)
+            if told.done() and told.result() is not None:
+                return told.result()
+        return getattr(self.own.result(), what)(*given)
+
+
+def needs_compiling(settings: "Sequence[Setting]") -> bool:
+    """Whether machine code that these settings need is not on disk, so that a page would wait for it."""
+    return not code_cache.not_compiled() and not all(map(_is_compiled, settings))
+
+
+def _is_compiled(setting: "Setting") -> bool:
+    steers = any(brain.steers for brain in setting.brains)
+    moving = ("steering", "live") if steers else ("riding", "ride")
+    use = "moving" if setting.body else "network"
+    mixed = len(setting.brains) > 1
+    brains = all(compiler.is_compiled(brain, use, mixed) for brain in setting.brains)
+    return brains and compiler.is_known(*(moving if setting.body else ("living", "live")))
+
+
+def prepared() -> contextlib.AbstractContextManager[None]:
+    """On a new installation, start the interpreter before it is known what will be watched."""
+    new = not any(compiler.is_known(*entry) for entry in (("living", "live"), ("riding", "ride")))
+    return INTERPRETER if new and not code_cache.not_compiled() else contextlib.nullcontext()
+
+
+class _Packer(pickle.Pickler):
+    def reducer_override(self, thing: Any) -> Any:
+        """Brains without their modules, which are made of their source, and without what is computed once."""
+        if isinstance(thing, types.ModuleType):
+            return _no_module, ()
+        if dataclasses.is_dataclass(thing) and not isinstance(thing, type):
+            return type(thing), tuple(getattr(thing, field.name) for field in dataclasses.fields(thing) if field.init)
+        return NotImplemented
+
+
+def _no_module() -> types.ModuleType:
+    return types.ModuleType("unloaded")
+
+
+def packed(thing: Any) -> bytes:
+    """Settings for the interpreter; nothing if they hold what no other process can have."""
+    into = io.BytesIO()
+    with contextlib.suppress(pickle.PicklingError, TypeError, AttributeError):
+        _Packer(into).dump(thing)
+        return into.getvalue()
+    return b""
+
+
+def main() -> None:
+    """Answer requests until standard input ends, one after the other."""
+    requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
+
+    def read() -> None:
+        with contextlib.suppress(EOFError):
+            while True:
+                requests.put(pickle.load(sys.stdin.buffer))
+        os._exit(0)  # also from a brain's endless loop
+
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what a topology's file prints is no answer
+    threading.Thread(target=read, daemon=True).start()
+    from swarmcensus.live.shown import Shown
+    from swarmcensus.live.simulated import Simulated
+
+    @functools.lru_cache(maxsize=4)
+    def shown(trial: bytes) -> Shown:
+        settings, seed, number, measure = pickle.loads(trial)
+        made = Shown(settings, seed, number, measure, Simulated)
+        for show in made.shows:
+            show.life.length = min(show.life.length, max(1, AT_ONCE // show.setting.robots))
+        return made
+
+    while True:
+        trial, what, given = requests.get()
+        try:
+            answer = getattr(shown(trial), what)(*given)
+        except Exception:  # the other process computes it too, and reports it
+            answer = None
+        answers.write(pickle.dumps(answer))
+        answers.flush()

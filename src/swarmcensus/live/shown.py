@@ -1,0 +1,99 @@
+"""The trials that a page shows: their scenes, frames and robots, computed a piece at a time."""
+
+import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from swarmcensus.live.compilations import COMPILATIONS
+from swarmcensus.live.robots import robot_of
+from swarmcensus.live.scenes import scene_of
+from swarmcensus.live.shows import Show
+from swarmcensus.studies import Measure, Setting
+from swarmcensus.support.errors import InputError
+
+if TYPE_CHECKING:
+    from swarmcensus.live.logged import Logged
+    from swarmcensus.live.simulated import Simulated
+
+MOST_BYTES = 3_000_000  # of frames in one answer
+PATIENCE = 0.2  # seconds of computation before a page learns that it takes longer
+Answer = bytes | dict[str, Any]
+
+
+class Shown:
+    """One trial, or two of them side by side in the same world."""
+
+    def __init__(
+        self,
+        settings: Sequence[Setting],
+        seed: int,
+        trial: int,
+        measure: Measure,
+        live: "Callable[[Setting, int, int], Simulated | Logged]",
+    ) -> None:
+        """Start the trials. Raises InputError if a brain does not compile."""
+        shows = []
+        for setting in settings:
+            with COMPILATIONS.of(setting):
+                shows.append(Show(live(setting, seed, trial), measure))
+        self.shows = tuple(shows)
+
+    @property
+    def rounds(self) -> int:
+        """How many rounds can be shown."""
+        return min(show.rounds for show in self.shows)
+
+    def approach(self, tick: int, seconds: float) -> None:
+        """Compute towards a round, for about so many seconds. Raises InputError if a brain fails before it."""
+        began = time.monotonic()
+        for show in self.shows:
+            while time.monotonic() - began < seconds and not _reached(show, min(tick, show.rounds), time.monotonic()):
+                pass
+
+    def scenes(self) -> list[dict[str, Any]]:
+        """What stays the same during the trials."""
+        return [scene_of(show) for show in self.shows]
+
+    def frames(self, first: int, step: int, count: int) -> list[Answer]:
+        """Frames of all sides, or a note that they take longer. Raises InputError if a brain fails."""
+        most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
+        ticks = range(first, min(self.rounds, first + (min(count, most) - 1) * step) + 1, step)
+        began = time.monotonic()
+        done: list[int] = []
+        for tick in ticks:
+            try:
+                there = all(_reached(show, tick, began) for show in self.shows)
+            except InputError:
+                if done:  # show what came before a brain failed
+                    break
+                raise
+            if not there:
+                return self._encoded(done) if done else [{"going": True, "to": tick}]
+            done.append(tick)
+            if time.monotonic() - began > PATIENCE:
+                break
+        return self._encoded(done)
+
+    def _encoded(self, ticks: list[int]) -> list[Answer]:
+        frames: list[Answer] = []
+        for side, show in enumerate(self.shows):
+            with COMPILATIONS.of(show.setting):
+                frames.append(show.frames(ticks, side))
+        return [*frames, {"frames": len(ticks)}]
+
+    def robot(self, side: int, tick: int, robot: int) -> list[Answer]:
+        """A robot in full, or a note that it takes longer. Raises InputError if a brain fails."""
+        show = self.shows[side]
+        with COMPILATIONS.of(show.setting):
+            if not _reached(show, tick, time.monotonic()):
+                return [{"going": True, "to": tick}]
+            return [{"told": robot_of(show, tick, robot), "side": side}]
+
+
+def _reached(show: Show, tick: int, began: float) -> bool:
+    """Compute towards a round until PATIENCE seconds after `began`; whether it is reached."""
+    with COMPILATIONS.of(show.setting):
+        while not show.ready(tick):
+            if time.monotonic() - began > PATIENCE:
+                return False
+    return True

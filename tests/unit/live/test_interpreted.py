@@ -1,0 +1,148 @@
+"""The first seconds of a page on a new installation: CPython computes them in another process."""
+
+import json
+import subprocess
+import sys
+import threading
+import time
+from types import SimpleNamespace
+
+import psutil
+
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.live import interpreted, server, sessions
+from swarmcensus.live.interpreted import INTERPRETER, Interpreted
+from swarmcensus.live.offers import offer_of, wanted
+from swarmcensus.live.sessions import Session
+from swarmcensus.live.shown import Shown
+from swarmcensus.live.simulated import Simulated
+
+WORLDS = [
+    {"robots": "8", "density": "4"},
+    {"robots": "8", "density": "4", "floor": "clusters(0.3)"},
+    {"topology": "ring", "robots": "8", "brain": "census", "beside": "commons", "link_success": "0.7"},
+    {"topology": "scale-free", "robots": "8", "liars": "0.25", "fill_ratio": "0.55"},
+]
+
+
+def shown_here(trial):
+    return Shown(trial.settings, trial.seed, trial.trial, trial.study.measure, Simulated)
+
+
+def picture(shown, rounds):
+    """All that a page asks of these rounds: scenes, frames one by one, and a robot in each."""
+    parts = [shown.scenes()]
+    for tick in rounds:
+        for does, given in (("frames", (tick, 1, 1)), ("robot", (0, tick, 3))):
+            while "going" in (answers := getattr(shown, does)(*given))[-1]:
+                pass
+            parts.append(answers)
+    return parts
+
+
+def ended():
+    """Wait until the process has ended."""
+    for _ in range(200):
+        if INTERPRETER._process is None:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def test_cpython_shows_what_machine_code_shows():
+    rounds = [0, 1, 2, 40, 130, 20]
+    with INTERPRETER:
+        for asked in WORLDS:
+            trial, is_compiled = wanted(offer_of(None), asked), threading.Event()
+            here = shown_here(trial)
+            expected = picture(here, rounds)
+            shown = Interpreted(trial, lambda here=here, wait=is_compiled.wait: here if wait(60) else None)
+            assert picture(shown, rounds) == expected
+            assert not shown.own.done()
+            is_compiled.set()
+            shown.own.result(60)
+            assert picture(shown, rounds) == expected
+    assert ended()
+
+
+def test_a_session_goes_on_with_machine_code(monkeypatch):
+    """A page that has a picture waits for the next one, so that a brain that fails is refused."""
+    is_compiled, compute = threading.Event(), Session._shown
+    monkeypatch.setattr(sessions, "needs_compiling", lambda settings: True)
+    monkeypatch.setattr(Session, "_shown", lambda *given: is_compiled.wait(60) and compute(*given))
+    session = Session(offer_of(None), interprets=True)
+
+    def ask(does, **words):
+        return session.answer(json.dumps({"do": does, **words}))
+
+    world = {"robots": "5", "rounds": "300"}
+    for seed in "1", "2":  # also while the first one is still shown by CPython
+        assert "scenes" in ask("begin", ask={"seed": seed, **world})[0]
+        assert isinstance(ask("frames", **{"from": 1})[0], bytes)
+    assert ask("settled") == [{"id": None, "going": True}]
+    is_compiled.set()
+    assert session.shown.own.result(60).rounds == 300
+    while ask("settled")[0].get("going"):
+        pass
+    assert "scenes" in ask("begin", ask={"seed": "3", **world})[0]
+    assert isinstance(session.shown, Shown)
+    assert ended()
+
+
+def test_an_endless_loop_in_cpython_holds_up_nobody(tmp_path):
+    source = brains.load("minimalistic").source.replace(
+        "def fuse(me):\n", "def fuse(me):\n    while True:\n        pass\n"
+    )
+    (mine := tmp_path / "mine.py").write_text(source)
+    trial = wanted(offer_of(None, (mine,)), {"brain": str(mine), "topology": "ring"})
+    is_compiled = threading.Event()
+
+    def compute():
+        is_compiled.wait(60)
+        return SimpleNamespace(frames=lambda *given: given)
+
+    shown = Interpreted(trial, compute)
+    assert len(shown.scenes()) == 1
+    threading.Timer(0.3, is_compiled.set).start()
+    assert shown.frames(1, 1, 1) == (1, 1, 1)
+    assert ended()
+
+
+def test_without_a_process_the_page_waits(monkeypatch):
+    def none_started(*_, **__):
+        raise OSError("no more processes")
+
+    monkeypatch.setattr(interpreted.subprocess, "Popen", none_started)
+    shown = Interpreted(wanted(offer_of(None), {}), lambda: SimpleNamespace(scenes=lambda: ["scene"]))
+    assert shown.scenes() == ["scene"]
+
+
+def test_the_command_starts_the_process_where_nothing_is_compiled(tmp_path, monkeypatch):
+    served, settings = [], wanted(offer_of(None), WORLDS[0]).settings
+    shown_here(wanted(offer_of(None), WORLDS[0]))
+    assert not interpreted.needs_compiling(settings)
+    assert interpreted.prepared() is not INTERPRETER
+    monkeypatch.setattr(server, "warm", lambda *given: served.append((INTERPRETER._process is not None, given[2])))
+    monkeypatch.setattr(server, "serve", lambda served: served.socket.close())
+    monkeypatch.setenv("SWARMCENSUS_CACHE", str(tmp_path))
+    assert interpreted.needs_compiling(settings)
+    assert main(["watch", "--no-browser"]) == 0
+    [(is_running, until)] = served
+    assert is_running
+    until.close()
+    assert ended()
+    assert main(["watch", "--set", "robots=many"]) == 2
+    assert ended()
+
+
+def test_the_process_ends_with_its_parent():
+    start = "from swarmcensus.live.interpreted import INTERPRETER as it; it.start()"
+    program = f"{start}; print(it._process.pid, flush=True); input()"
+    with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as parent:
+        assert parent.stdout
+        child = psutil.Process(int(parent.stdout.readline()))
+        assert child.is_running()
+        parent.kill()
+    psutil.wait_procs([child], timeout=20)
+    assert not child.is_running()
