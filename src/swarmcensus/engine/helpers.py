@@ -24,6 +24,7 @@ from swarmcensus.engine.random import words
 from .agreement import agreed_from, half_width
 from .scenes import INTERVALS_OF_TRIAL, SCENE, SOURCE
 from .states import (
+    ONE,
     ZERO,
     agree_on,
     arrives,
@@ -51,8 +52,12 @@ from .teams import unanimous
 
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, unpacks=True)
 def renew_tables(source, k, first, last):
-    """Make the tables of round k for robots first ... last - 1."""
-    renew(unpacked(source, SOURCE), np.int64(k), np.int64(first), np.int64(last))
+    """Make the tables of round k for robots first ... last - 1; in round 1 they may be those of another trial."""
+    of = unpacked(source, SOURCE)
+    if k == ONE:
+        for i in range(first if of.sensors.b.size > 1 else ZERO, last if of.sensors.b.size > 1 else ONE):
+            of.stand[0, i] = np.nan
+    renew(of, np.int64(k), np.int64(first), np.int64(last))
 
 
 @apart(ARRAY, WHOLE, unpacks=True)

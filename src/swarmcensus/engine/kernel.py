@@ -7,15 +7,13 @@ Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the ad
 import numpy as np
 
 from swarmcensus.engine.calling import call, packed, place
-from swarmcensus.engine.changes import source_of
+from swarmcensus.engine.changes import source_with
 from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.constants import (
     AGREED,
     ALL_ALONE,
     AMISS,
     ASK_INTERVALS,
-    BLOCK,
-    BLOCKS,
     BOUND,
     COUNT_AHEAD,
     COUNT_CLIPPED,
@@ -37,8 +35,8 @@ from swarmcensus.engine.constants import (
 from swarmcensus.engine.layout import Intervals, States, Tally
 from swarmcensus.engine.random import word_of, words
 
-from .rounds import advance, graph_of, most_arrivals
-from .scenes import INTERVALS_OF_TRIAL, SCENE, SOURCE, Scene, Work
+from .rounds import advance, graph_of
+from .scenes import INTERVALS_OF_TRIAL, SCENE, SOURCE, Scene
 from .states import (
     ZERO,
     believe_all,
@@ -83,7 +81,7 @@ def agreed_together(team, swarm, rows, rounds, first, delta, room, agreed, answe
 
 @entry
 def simulate(
-    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member
+    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member, work
 ):  # fmt: skip
     """Run a batch of trials from blank states to their metrics; False if stopped.
 
@@ -97,7 +95,7 @@ def simulate(
     states.rows then hold the estimates of the step.
 
     Several threads may run this at the same time, each as a `member` of a team (`teams.py`) with a `swarm` of its own
-    blocks, and all else in common.
+    blocks, room to `work` in, and all else in common.
     """
     memory, outbox, signals, rows = states
     sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
@@ -107,17 +105,9 @@ def simulate(
     count = (rounds + segment - 1) // segment
     team = team_of(member, swarm, segments.votes, robots)
     begin, end = team.first, team.last
-    own = end - begin
-    blacks = np.zeros(own if local else min(own, BLOCK))
-    bits = np.zeros(blacks.size, np.uint64)
-    single = np.zeros(own if local else 0)
-    arrivals = np.zeros((2, 0), np.uint32)
-    draws = np.zeros((3, max(blacks.size, min(own, BLOCKS * BLOCK)) if swarm.draws.size > 0 else 0), np.uint64)
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
-    uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
-    partial = np.zeros((2 * segments.sums.shape[0], outbox.shape[1]), np.uint8)
-    room, answer = np.empty(robots), np.empty(1)
+    unjudged, order, answer = tally.verdicts[0, :0], work.order, work.answer
     helpers, clips = swarm.helpers, False
     for group in range(swarm.clipped.size):
         clips |= swarm.clipped[group] >= 0
@@ -126,17 +116,11 @@ def simulate(
         wait(team)
         number = given.first + trial
         failures = given.stops[trial]
-        graph = graph_of(links, trial if links.starts.size > 2 else 0, robots, begin, end)
-        most = most_arrivals(graph, begin, end)
-        if most > arrivals.shape[1]:
-            arrivals = np.zeros((2, most), np.uint32)
-        if swarm.draws.size > 0 and most > draws.shape[1]:
-            draws = np.zeros((3, most), np.uint64)
-        work = Work(blacks, bits, single, draws, segments.sums, partial, arrivals)
-        source = source_of(sensors_of(sensors, trial), begin, end)
+        graph = graph_of(links, trial if links.starts.size > 2 else 0, work.bounds, begin, end)
+        source = source_with(work.tables, work.stand, sensors_of(sensors, trial))
         call(helpers[RENEW], packed(source, SOURCE), 1, begin, end)
         counted = tally_of(tally, trial)
-        again = Tally(uncounted, unjudged, counted.agreed)  # of rounds that are run again
+        again = Tally(work.uncounted, unjudged, counted.agreed)  # of rounds that are run again
         asked = intervals_of(intervals, trial)
         scene = packed(Scene(swarm, states, work, source, graph, radio, counted, failures, number, team, stop), SCENE)
         where, value, wrong, agreement = (
@@ -152,7 +136,7 @@ def simulate(
             wait(team)
             agreement[trial] = 0.0
             if are_numbers(team, swarm, start, 1, robots, 0, wrong, answer):
-                agreement[trial] = agreed_together(team, swarm, start, 1, 0, measures.delta, room, 0.0, answer)
+                agreement[trial] = agreed_together(team, swarm, start, 1, 0, measures.delta, order, 0.0, answer)
             for i in range(begin, end):
                 low[i] = np.inf
                 high[i] = -np.inf
@@ -205,7 +189,7 @@ def simulate(
                     sound = are_numbers(team, swarm, rows, last - first, robots, first, wrong, answer)
                     if sound and not local:
                         agreement[trial] = agreed_together(
-                            team, swarm, rows, last - first, first, measures.delta, room, agreement[trial], answer
+                            team, swarm, rows, last - first, first, measures.delta, order, agreement[trial], answer
                         )  # fmt: skip
                     for c in range(team.me, checkpoints.size, team.count):
                         if first <= checkpoints[c] < last:
@@ -221,7 +205,7 @@ def simulate(
                             if sound and not local:
                                 call(
                                     helpers[HALF_WIDTH], place(rows, (checkpoints[c] - first) * robots), robots,
-                                    swarm.honest, swarm.honest.size, room, answer,
+                                    swarm.honest, swarm.honest.size, order, answer,
                                 )  # fmt: skip
                                 measures.disagreement[c, trial] = answer[0]
                 if s == count - 1:

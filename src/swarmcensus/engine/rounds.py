@@ -47,26 +47,16 @@ SIZE, TOGETHER = np.uint64(BLOCK), np.uint64(BLOCKS)
 
 
 @inside()
-def graph_of(links, graph, robots, first, last):
-    """One of the graphs of a batch; nobody touches the bounds of other robots than first ... last - 1."""
+def graph_of(links, graph, bounds, first, last):
+    """One of the graphs of a batch; `bounds` get those of robots first ... last - 1."""
     receivers = links.receivers[links.starts[graph] : links.starts[graph + 1]]
     senders = links.senders[links.starts[graph] : links.starts[graph + 1]]
-    bounds = np.empty(robots + 1, np.int64)
     link = first_from(receivers, first)
     for i in range(first, last + 1):
         while link < receivers.size and receivers[link] < i:
             link += 1
         bounds[i] = link
     return Graph(links.mode, receivers, senders, bounds)
-
-
-@loop()
-def most_arrivals(graph, begin, end):
-    """How many messages may arrive in one call at robots begin ... end - 1: at a block, or among pairs at one robot."""
-    most = graph.bounds.size - 1 if graph.mode == PAIRS else 0
-    for first in range(begin, end, BLOCK):
-        most = max(most, graph.bounds[min(first + BLOCK, end)] - graph.bounds[first])
-    return most
 
 
 @loop()

@@ -20,6 +20,7 @@ from swarmcensus.engine.layout import (
     States,
     Swarm,
     Tally,
+    Work,
 )
 
 from .teams import Team
@@ -32,18 +33,6 @@ class Graph(NamedTuple):
     receivers: Any
     senders: Any
     bounds: Any  # (robot + 1): robot i has the links from bounds[i] to bounds[i + 1]
-
-
-class Work(NamedTuple):
-    """Room to work in, for a block of robots, or for all that go alone."""
-
-    blacks: Any  # (robot): how many readings of a round are black
-    bits: Any  # (robot): random words
-    single: Any  # (robot): single readings; no robots if they do not go alone
-    draws: Any  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
-    sums: Any  # (block, byte): sums of messages of blocks of a full network, see `phases.hear_all`
-    partial: Any  # (2 x block, byte): sums of the blocks before and after each
-    arrivals: Any  # (2, message): receivers and senders of what gets through
 
 
 class Scene(NamedTuple):
@@ -85,10 +74,14 @@ INTERVALS = Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_ROWS, REALS)
 READINGS = Source(
     _like(np.uint64, 3), REAL_ROWS, Sensors(REALS, REALS, REAL_ROWS, REALS, 1, WORDS, WORDS), changes=True
 )  # fmt: skip
+WORK = Work(
+    REALS, WORDS, REALS, WORD_ROWS, BYTE_ROWS, BYTE_ROWS, _like(np.uint32, 2), READINGS.tables, REAL_ROWS, WHOLES,
+    REALS, REALS, WHOLE_ROWS,
+)  # fmt: skip
 TRIAL = Scene(
     SWARM,
     STATES,
-    Work(REALS, WORDS, REALS, WORD_ROWS, BYTE_ROWS, BYTE_ROWS, _like(np.uint32, 2)),
+    WORK,
     READINGS,
     Graph(1, NUMBERS, NUMBERS, WHOLES),
     RECEPTION,
@@ -111,7 +104,7 @@ TO_SIMULATE = tuple(
             SWARM,
             INPUTS,
             STATES,
-            Segments(BYTE_CUBE, BYTE_CUBE, BYTE_ROWS, REAL_ROWS, BYTE_ROWS, REAL_ROWS),
+            Segments(BYTE_CUBE, BYTE_CUBE, BYTE_ROWS, REAL_ROWS, REAL_ROWS),
             Measures(
                 1.0, REAL_ROWS, WHOLE_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS
             ),
@@ -123,6 +116,7 @@ TO_SIMULATE = tuple(
             1,
             BYTES,
             ALONE,
+            WORK,
         ),
     )
 )
