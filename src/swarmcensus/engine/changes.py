@@ -44,7 +44,7 @@ class Source(NamedTuple):
     changes: bool  # whether tables may differ from those of the round before
 
 
-@inside()
+@loop(inline="always")
 def source_with(tables, stand, sensors):
     """A source of a trial's readings with such tables."""
     return Source(tables, stand, sensors, sensors.drift.shape[1] > 0 or sensors.course[UNTIL] > 1.0)

@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.engine.calling import call, packed, place
 from swarmcensus.engine.changes import source_with
-from swarmcensus.engine.compiling import entry, loop
+from swarmcensus.engine.compiling import counting_nothing, entry, loop
 from swarmcensus.engine.constants import (
     AGREED,
     ALL_ALONE,
@@ -79,7 +79,7 @@ def agreed_together(team, swarm, rows, rounds, first, delta, room, agreed, answe
     return since if since >= 0.0 else agreed
 
 
-@entry
+@counting_nothing
 def simulate(
     swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member, work
 ):  # fmt: skip

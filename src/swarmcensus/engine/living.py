@@ -4,7 +4,7 @@ import numpy as np
 
 from swarmcensus.engine.calling import call, packed
 from swarmcensus.engine.changes import source_with
-from swarmcensus.engine.compiling import entry
+from swarmcensus.engine.compiling import counting_nothing, entry
 from swarmcensus.engine.constants import HEARD, RENEW, SENT, TALKING
 from swarmcensus.engine.layout import States
 
@@ -13,7 +13,7 @@ from .helpers import count_heard
 from .rounds import advance, graph_of
 from .scenes import SOURCE
 from .states import ZERO, believe_all, blank_states, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
-from .teams import COUNT, team_of
+from .teams import team_of
 
 
 @entry
@@ -26,22 +26,20 @@ def start_states(swarm, given, states, tally):
         judge_blank(swarm, states.memory, states.rows, tally.verdicts)
 
 
-@entry
-def live(swarm, given, states, tally, first, history, said, signals, messages, stop, work):
+@counting_nothing
+def live(swarm, given, states, tally, first, history, said, signals, messages, stop, member, votes, work):
     """Run rounds of the only trial `given` from `first` on, as many as states.rows, which get the estimates.
 
     After each round its states go to `history` (round, robot, byte), the messages that were heard to `said` (round,
     robot, byte) and `signals` (round, robot), and the totals of messages sent and heard so far to `messages` (round,
-    what). `tally` counts on from the round before `first`. There is room to `work` in.
+    what). `tally` counts on from the round before `first`. The others are as in `simulate`.
     """
     memory, outbox, rows = states.memory, states.outbox, states.rows
     trial, radio, stops, counts, delay = given.first, given.radio, given.stops[0], tally.counts, given.radio.delay
     robots = memory.shape[0]
     graph = graph_of(given.links, 0, work.bounds, 0, robots)
     source = source_with(work.tables, work.stand, sensors_of(given.sensors, 0))
-    member = np.zeros(4, np.int64)
-    member[COUNT] = 1
-    team = team_of(member, swarm, np.zeros((3, 1)), robots)
+    team = team_of(member, swarm, votes, robots)
     for r in range(rows.shape[0]):
         k = first + r
         call(swarm.helpers[RENEW], packed(source, SOURCE), k, 0, robots)

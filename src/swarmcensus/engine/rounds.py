@@ -6,7 +6,7 @@ A `Swarm` (`layout.py`) holds the addresses of the brains' functions, which are 
 import numpy as np
 
 from swarmcensus.engine.calling import call, packed, place
-from swarmcensus.engine.compiling import inside, loop
+from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import (
     ADD_UP,
     AGREE,
@@ -46,7 +46,7 @@ from .teams import wait
 SIZE, TOGETHER = np.uint64(BLOCK), np.uint64(BLOCKS)
 
 
-@inside()
+@loop()
 def graph_of(links, graph, bounds, first, last):
     """One of the graphs of a batch; `bounds` get those of robots first ... last - 1."""
     receivers = links.receivers[links.starts[graph] : links.starts[graph + 1]]

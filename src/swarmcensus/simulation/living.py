@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from swarmcensus.engine import Chunk, Inputs, Recorded, States, Swarm, Tally, compiler, interruptible, works
+from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Swarm, Tally, compiler, interruptible, works
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
@@ -146,7 +146,7 @@ class _Network:
         with blaming(setting, self.given.first):
             self.kernel.live(
                 self.swarm, self.given, self.states._replace(rows=estimates), self.tally, first, history, said, signals,
-                messages, np.zeros(1, np.uint8), work_of(self.swarm, self.given, self.states),
+                messages, np.zeros(1, np.uint8), ALONE, np.zeros((3, 1)), work_of(self.swarm, self.given, self.states),
             )  # fmt: skip
         return Stretch(first, history, said, signals, estimates, messages, done)
 
