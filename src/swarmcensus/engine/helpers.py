@@ -124,6 +124,12 @@ def fail_sensors(scene, tick, first, last):
     silence_failed(of.work.blacks, of.stops, np.int64(tick), first, last)
 
 
+@apart(ARRAY, WHOLE, WHOLE, WHOLE, WHOLE, WHOLE, ARRAY)
+def fill_words(key, trial, tick, part, first, size, out):
+    """See `random.words`."""
+    words(seen_as(key, 2, np.uint64), trial, tick, part, first, size, seen_as(out, size, np.uint64))
+
+
 @apart(ARRAY, WHOLE, WHOLE, WHOLE, unpacks=True)
 def draw_words(scene, tick, first, last):
     """Draw a word for each of the messages along links first ... last - 1."""

@@ -18,6 +18,7 @@ from swarmcensus.engine.constants import (
     DRAW_WORDS,
     END_ROUND,
     FAIL_SENSORS,
+    FILL_WORDS,
     FULL,
     HEAR,
     HEAR_ALL,
@@ -32,7 +33,6 @@ from swarmcensus.engine.constants import (
     SENSE,
 )
 from swarmcensus.engine.draws import count_blacks
-from swarmcensus.engine.random import words
 
 from .scenes import SCENE, SOURCE, Graph, Scene
 from .states import (
@@ -113,13 +113,13 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
             if whole and block % TOGETHER == ZERO:
                 until = min(start + TOGETHER * SIZE, np.uint64(team.last))
                 if is_random:
-                    words(swarm.draws, trial, k, DRAW_FUSE, start, until - start, draws[1])
+                    call(helpers[FILL_WORDS], swarm.draws, trial, k, DRAW_FUSE, start, until - start, draws[1])
                 call(
                     shared[HEAR_ALL], memory, outbox, said, partial, SIZE, rows, here, start, until,
                     place(draws, fused),
                 )  # fmt: skip
             elif r >= 0 and is_random and not whole:
-                words(swarm.draws, trial, k, DRAW_FUSE, start, end - start, draws[1])
+                call(helpers[FILL_WORDS], swarm.draws, trial, k, DRAW_FUSE, start, end - start, draws[1])
             if hears and in_sums:
                 call(
                     shared[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n,
@@ -151,7 +151,7 @@ def advance(swarm, states, work, source, graph, radio, tally, stops, trial, firs
                 if stops.shape[1] > 0:
                     call(helpers[FAIL_SENSORS], scene, k + 1, start, end)
                 if is_random:
-                    words(swarm.draws, trial, k + 1, DRAW_OBSERVE, start, end - start, draws[0])
+                    call(helpers[FILL_WORDS], swarm.draws, trial, k + 1, DRAW_OBSERVE, start, end - start, draws[0])
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     offset = np.int64(a - start)

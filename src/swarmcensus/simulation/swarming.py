@@ -49,6 +49,7 @@ def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses:
         "fail_sensors": fails,
         "count_signals": silent,
         "draw_words": luck,
+        "fill_words": luck,
         "note_clipped": any(brain.parts for brain in brains),
     }
     wanted |= dict.fromkeys(("ask_intervals", "note_intervals"), any(brain.has_interval for brain in brains))
