@@ -17,6 +17,7 @@ from swarmcensus.engine.constants import (
     DRAW_OBSERVE,
     DRAW_STEER,
     END_ROUND,
+    FILL_WORDS,
     FIRST_WRONG,
     HALF_WIDTH,
     HEAR,
@@ -184,8 +185,8 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
                 if seen[i] >= 0.0:
                     recorded.readings[k, i] = seen[i]
         if is_random:
-            words(swarm.draws, trial, now, DRAW_OBSERVE, ZERO, np.uint64(n), draws[0])
-            words(swarm.draws, trial, now, DRAW_FUSE, ZERO, np.uint64(n), draws[1])
+            call(swarm.helpers[FILL_WORDS], swarm.draws, trial, now, DRAW_OBSERVE, ZERO, n, draws[0])
+            call(swarm.helpers[FILL_WORDS], swarm.draws, trial, now, DRAW_FUSE, ZERO, n, draws[1])
         for run in range(swarm.runs.shape[0]):
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
             at = np.int64(a)

@@ -1,5 +1,6 @@
 """Where bundles of trials are run: the protocol of pools, and threads of this process (`clusters.py` has workers)."""
 
+import contextlib
 import logging
 import os
 import time
@@ -136,7 +137,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
 
     `show` is called with a note on the kind of swarm, and with how many kinds are done, of how many. If the process has
     no other threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles
-    for networks. For one kind of swarm, the copy compiles what the engine's loop calls, and this process the loop.
+    for networks. If there is one kind of robots only, each compiles half of what they need (`simulation.prepare`).
     """
     studies = list(studies)
     caution(brain for study, _ in studies for brain in study.brains)
@@ -161,14 +162,14 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     moving = [pair for pair in new if pair[0].body]
     both = 0 < len(moving) < len(new)
     alone = not code_cache.keeps() or not (both or _needs_loop(new))
-    aside = partial(_run_all, moving) if both else partial(_prepare, new[:1])
+    aside: Callable[[], None] = partial(_run_all, moving) if both else lambda: _prepare(*new[0], aside=True)
     if not alone:
         report_rest()
     ended = aside if alone else in_background(aside, report_rest)
     if ended is not aside and both:
         here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
     elif ended is not aside:
-        interruptible(compiler.compile_loop)("riding.ride" if moving else "kernel.simulate")
+        _prepare(*new[0], aside=False)
         ended()
     while here:
         report_rest()
@@ -220,10 +221,10 @@ def _needs_loop(new: list[tuple[Setting, Study]]) -> bool:
 
 
 @interruptible
-def _prepare(new: list[tuple[Setting, Study]]) -> None:
-    """Compile what is called before the engine's loop, and by it."""
-    for setting, study in new:
-        prepare(setting, study.seed)
+def _prepare(setting: Setting, study: Study, aside: bool) -> None:
+    """Compile half of what one kind of swarm needs; if its brain fails, the real run reports it."""
+    with contextlib.suppress(Exception):
+        prepare(setting, study.seed, aside)
 
 
 def _engine_is_compiled(setting: Setting) -> bool:
