@@ -276,7 +276,7 @@ def measure_intervals(swarm, c, intervals, goes_on):
 def count_amiss(rows, begin, end):
     """How many of rows.flat[begin:end] are no numbers in [0, 1]; without branches, for several at once."""
     flat, amiss = rows.reshape(-1), 0
-    for k in range(begin, end):
+    for k in range(np.uint64(begin), np.uint64(end)):
         amiss += not ((flat[k] >= -SLACK) & (flat[k] <= 1.0 + SLACK))
     return amiss
 

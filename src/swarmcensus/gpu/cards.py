@@ -84,11 +84,18 @@ class Card:
         self.name = driver.name
 
     def most_trials(self, setting: Setting, metrics: Metrics, local: bool = False) -> int:
-        """How many trials of a setting can be run at a time. Raises CardFull where there is no memory for one."""
-        given = inputs_of(setting, 0, 0, 1, order=local)
-        sizes = _sizes(setting, given, features_of(setting, given, local), local)
+        """How many trials of a setting can be run at a time, but for their links.
+
+        Raises CardFull where there is no memory for one.
+        """
+        features = Features(
+            mode=FULL if setting.additive else LISTED,
+            sound=True, jams=False, signalled=True, lucky=True, judged=_judged(setting, local),
+            bounded=_bounded(setting, local), changes=True,
+        )  # fmt: skip
+        sizes = _sizes(setting, 1, features, local)
         room = self.driver.free() * SPARE
-        kept = 8 * len(metrics.checkpoints) * setting.robots * (3 if sizes.features.bounded else 1)
+        kept = 8 * len(metrics.checkpoints) * setting.robots * (3 if features.bounded else 1)
         most = int(room // (sizes.bytes + kept))
         if most < 1:
             raise CardFull(
@@ -114,7 +121,7 @@ class Card:
         """
         given = inputs_of(setting, seed, first, trials, order=local)
         features = features_of(setting, given, local)
-        sizes = _sizes(setting, given, features, local)
+        sizes = _sizes(setting, trials, features, local)
         held = _Held(self.driver, given, sizes, setting, metrics, local)
         found = held.run(stop)
         if found is None:
@@ -135,21 +142,31 @@ def features_of(setting: Setting, given: Inputs, local: bool = False) -> Feature
         jams=any(brain.jams for brain in brains),
         signalled=len(brains) > 1 or brains[0].uses.silence or brains[0].jams,
         lucky=given.draws.size > 0,
-        judged=not local and any(brain.decides or brain.ends for brain in brains),
-        bounded=not local and any(brain.has_interval for brain in brains),
+        judged=_judged(setting, local),
+        bounded=_bounded(setting, local),
         changes=sensors.drift.shape[2] > 0 or sensors.course[3] > 1.0,
     )
 
 
-def _sizes(setting: Setting, given: Inputs, features: Features, local: bool) -> Sizes:
+def _judged(setting: Setting, local: bool) -> bool:
+    """Whether it is noted what robots decide, and whether they are done."""
+    return not local and any(brain.decides or brain.ends for brain in setting.brains)
+
+
+def _bounded(setting: Setting, local: bool) -> bool:
+    """Whether robots are asked for intervals."""
+    return not local and any(brain.has_interval for brain in setting.brains)
+
+
+def _sizes(setting: Setting, trials: int, features: Features, local: bool) -> Sizes:
     brains = setting.brains
     number = 4 if setting.precision == "single" else 8
     fields = max(len(slots(brain.lengths)) + len(slots(brain.message)) + 4 for brain in brains)
     return Sizes(
-        trials=len(given.stops),
+        trials=trials,
         robots=setting.robots,
         rounds=setting.rounds * (setting.observations_per_round if local else 1),
-        slots=(0 if local else given.radio.delay) + 2,
+        slots=(0 if local else setting.message_delay) + 2,
         message=number * len(kept_of_message(brains[0], len(brains) > 1)),
         words=fields + 8,
         features=features,

@@ -42,7 +42,7 @@ ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
 CROWD_BYTES = 1_000_000_000  # of these, where no other trial runs at the same time
 SHARED_BYTES = 250_000_000  # of each trial, where other trials run at the same time
-LARGE = 50_000  # robots from which on threads gain by sharing a trial
+LARGE = 50_000  # robots from which on threads gain by sharing a trial; each then has a quarter of that or more
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def _live(
     length = segment_length(setting.robots, rounds, kept // setting.robots, looks if local else 1)
     segments = -(-rounds // length)
     states = states._replace(rows=np.empty((length, setting.robots)))
-    team = min(idle(), swarm.of_block.size - 1) if is_shared(setting) else 1
+    team = min(idle(), 4 * setting.robots // LARGE, swarm.of_block.size - 1) if is_shared(setting) else 1
     room = room_of(states, max(segments - 2, 0), max(segments - 2, 0) if delay else 0, team)
     measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
     tally = tally_of(setting, trials, local)

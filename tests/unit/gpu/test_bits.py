@@ -1,0 +1,155 @@
+"""Kernels give the bits of the CPU's engine; g++ compiles them here, with a loop over the threads of a block."""
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.brains.brain import shipped
+from swarmcensus.gpu import Card, CardFull, cards, why_not
+from swarmcensus.runs.tasks import metrics_of
+from swarmcensus.support.errors import InputError
+from tests.support.emulator import Emulator, needs_gxx
+from tests.support.random_studies import BRAINS, GO_ON, differences, random_study
+
+pytestmark = needs_gxx
+FEW = (6, 29, 43, 50, 52)  # random studies that have all that a study may have between them
+BRAIN = """
+MEMORY = {"t": 0.0, "n": 0.0}
+MESSAGE = ("t",)
+
+
+def observe(me, blacks, looks):
+    me.t += looks
+    me.n += blacks
+
+
+def broadcast(me):
+    return (me.t,)
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return me.n / me.t if me.t > 0.0 else 0.5
+"""
+
+
+@pytest.fixture
+def card():
+    return Card(Emulator())
+
+
+@pytest.fixture(params=["in a block", "round by round"])
+def way(request, monkeypatch):
+    """How kernels run a swarm: a small one as a whole in a block of threads, a large one round by round."""
+    if request.param != "in a block":
+        monkeypatch.setattr(cards, "SHARED", 0)
+
+
+def networks(brain, rounds=20, trials=3, **world):
+    """A small study of networks."""
+    return sc.Study(
+        name="networks", seed=4, trials=trials,
+        swarm={"brain": str(brain), "robots": 6, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": 0.3} | world,
+        schedule={"rounds": rounds, "observations_per_round": 4},
+        measure={"checkpoints": [1, rounds]},
+    )  # fmt: skip
+
+
+def run(card, study, trials=3):
+    """All trials of a study's first setting."""
+    return card.run_batch(study.settings()[0], study.seed, 0, trials, metrics_of(study), GO_ON)
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("number", FEW)
+def test_same_bits(card, way, number):
+    assert differences(card, random_study(number, most=30)) == []
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("delay", [0, 2])
+def test_same_sums_in_full_networks_of_several_blocks(card, way, delay):
+    study = networks("commons", 4, topology="full", message_delay=delay)
+    study = study.with_(swarm={"brain": "commons", "robots": [256, 257, 700], "accuracy": 0.7})
+    assert differences(card, study) == []
+
+
+@pytest.mark.long
+@pytest.mark.interpreted
+@pytest.mark.parametrize("brain", [*shipped(), *(brain for brain in BRAINS if brain.endswith(".py"))])
+def test_same_bits_of_all_brains(card, monkeypatch, brain):
+    for number, shared in ((29, cards.SHARED), (50, 0), (8, cards.SHARED)):
+        monkeypatch.setattr(cards, "SHARED", shared)
+        assert differences(card, random_study(number, [brain], most=30)) == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("number", range(100, 112))
+def test_same_bits_of_random_studies(card, number):
+    assert differences(card, random_study(number)) == []
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize(
+    ("broken", "why"),
+    [
+        (("pass", "me.t = me.t / (0.0 if me.n > 20.0 else 1.0)"), "ZeroDivisionError"),
+        (("pass", "me.n = math.sqrt(20.0 - me.n) + me.n"), "ValueError"),
+        (("pass", "me.t = 1.0 * int(me.t * 10.0 ** (me.n * 20.0))"), "OverflowError"),
+        (("return me.n / me.t", "return 1.5 if me.n > 20.0 else me.n / me.t"), "estimate gives 1.5"),
+    ],
+)
+def test_brain_that_fails_is_blamed_as_on_the_cpu(card, tmp_path, broken, why):
+    """Python's errors are noticed on a card, though it goes on."""
+    file = tmp_path / "failing.py"
+    file.write_text("import math\n\n" + BRAIN.replace(*broken))
+    study = networks(file)
+    with pytest.raises(InputError, match="a brain fails in one of trials 0 to 2"):
+        run(card, study)
+    with pytest.raises(InputError, match=why):
+        run(card, study, 1)
+
+
+@pytest.mark.interpreted
+def test_programs_are_for_all_parameters(card, monkeypatch):
+    sources = []
+    build = Emulator.build
+    monkeypatch.setattr(Emulator, "build", lambda self, source: sources.append(source) or build(self, source))
+    for memory in (20.0, 50.0):
+        study = networks("tracking").with_(
+            swarm={"brain": {"file": "tracking", "memory": memory}, "robots": 6, "accuracy": 0.8}
+        )
+        assert differences(card, study) == []
+    assert len(set(sources)) == 2  # of the rounds, and of what is measured
+
+
+def test_batches_fit_the_memory():
+    study = networks("minimalistic", 1000)
+    setting, metrics = study.settings()[0], metrics_of(study)
+    few, many = (Card(Emulator(memory)).most_trials(setting, metrics) for memory in (1 << 20, 1 << 24))
+    assert 1 <= few < many / 10
+    with pytest.raises(CardFull, match=r"the card Emulator has 0\.0 GB of free memory, and one trial of .* takes"):
+        Card(Emulator(1000)).most_trials(setting, metrics)
+
+
+@pytest.mark.interpreted
+def test_stopped_batch_gives_nothing(card, way):
+    study = networks("minimalistic", 100)
+    assert card.run_batch(study.settings()[0], 0, 0, 2, metrics_of(study), np.ones(1, np.uint8)) is None
+
+
+def test_moving_robots_and_metrics_of_files_are_for_the_cpu():
+    moving = sc.Study(
+        trials=1, swarm={"brain": "commons", "robots": 5, "accuracy": 0.8},
+        world={"topology": "moving", "density": 1.0, "fill_ratio": 0.5}, schedule={"ticks": 10},
+    )  # fmt: skip
+    assert why_not(moving.settings()[0], metrics_of(moving)) == "robots move"
+    assert why_not(networks("commons").settings()[0], metrics_of(networks("commons"))) is None
