@@ -46,10 +46,10 @@ def works(quick):
     yield "the same, scale-free", networks(**crowd, topology="scale-free"), False
     yield "census, ring of 100, 1,000 rounds, 600 trials", networks("census", trials=600 // few), False
     paper = sc.Study.load(harness.ROOT / "studies" / "paper" / "topologies.toml")
-    small = {"robots": 10, "accuracy": 0.675} if quick else {}
-    yield "the paper's static runs", paper.with_(swarm=paper.swarm | small), False
-    board = sc.Study.load(harness.ROOT / "studies" / "leaderboard.toml").with_(trials=3 if quick else 30)
-    yield "the leaderboard's worlds, 30 trials", board, False
+    small = {"brain": "minimalistic", "robots": 10, "accuracy": 0.675}
+    yield "the paper's static runs", paper.with_(swarm=small) if quick else paper, False
+    board = sc.Study.load(harness.ROOT / "studies" / "leaderboard.toml").with_(trials=1 if quick else 10)
+    yield "the leaderboard's worlds, 10 trials", board, False
 
 
 class Timed:

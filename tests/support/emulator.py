@@ -61,6 +61,9 @@ class Emulator:
     def empty(self, size):
         return Memory(np.zeros(-(-size // 8), np.uint64))
 
+    def clear(self, buffer, size):
+        buffer.array.view(np.uint8)[:size] = 0
+
     def download(self, buffer, into):
         into.reshape(-1).view(np.uint8)[:] = buffer.array.reshape(-1).view(np.uint8)[: into.nbytes]
 

@@ -7,6 +7,7 @@ CPython's functions and arrays.
 
 import contextlib
 import ctypes
+import threading
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
@@ -22,6 +23,7 @@ from swarmcensus.engine.code_cache import not_compiled
 from swarmcensus.engine.compiling import INSIDE, whole
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
+_COUNTING = threading.Lock()
 NOT_COMPILED = "a function is called that was not compiled for this use"
 
 
@@ -94,8 +96,35 @@ def _machine_gate(typing, address):
     return types.void(address), generate
 
 
+@intrinsic
+def _machine_count_up(typing, address):
+    def generate(context, builder, signature, values):
+        place = builder.inttoptr(values[0], ir.IntType(64).as_pointer())
+        builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "seq_cst")
+        return context.get_dummy_value()
+
+    return types.void(address), generate
+
+
+@intrinsic
+def _machine_counted(typing, address):
+    def generate(context, builder, signature, values):
+        return builder.load_atomic(builder.inttoptr(values[0], ir.IntType(64).as_pointer()), "seq_cst", 8)
+
+    return types.int64(address), generate
+
+
 def _plain_gate(address):
     ctypes.CFUNCTYPE(None)(int(address))()
+
+
+def _plain_count_up(address):
+    with _COUNTING:
+        ctypes.c_int64.from_address(int(address)).value += 1
+
+
+def _plain_counted(address):
+    return ctypes.c_int64.from_address(int(address)).value
 
 
 def _plain_place(items, first):
@@ -164,7 +193,8 @@ def _plain_view(items, shape, dtype):
 # view; seen_as(items, shape, dtype) makes what was passed an array again; word_at(words, k) reads one uint64 of it,
 # without making an array; packed(group, kind) passes a NamedTuple of this Numba type, and unpacked(place, kind) makes
 # it one again, in functions that count no references; pass_gate(address) calls a function of C without arguments;
-# blank_state(record) is a state of zeros on the stack, which the compiler keeps in registers
+# count_up(address) adds one to an int64 that several threads see, and counted(address) reads it; blank_state(record) is
+# a state of zeros on the stack, which the compiler keeps in registers
 PLAIN = not_compiled()
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
@@ -174,6 +204,8 @@ word_at = _plain_word if PLAIN else _machine_word
 packed = _plain_group if PLAIN else _machine_packed
 unpacked = _plain_group if PLAIN else _machine_unpacked
 pass_gate = _plain_gate if PLAIN else _machine_gate
+count_up = _plain_count_up if PLAIN else _machine_count_up
+counted = _plain_counted if PLAIN else _machine_counted
 
 
 @contextlib.contextmanager

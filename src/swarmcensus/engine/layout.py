@@ -116,7 +116,7 @@ class Segments(NamedTuple):
     outboxes: np.ndarray  # (segment, round x robot, byte): the outbox; no segments if messages are not late
     signals: np.ndarray  # (segment, round x robot): as the outbox
     extremes: np.ndarray  # (3, robot): least and greatest estimate of all later rounds, and the estimate of round 0
-    votes: np.ndarray  # (3, thread): see `teams.py`
+    votes: np.ndarray  # (4, thread): see `teams.py`
 
 
 class Work(NamedTuple):
@@ -241,7 +241,7 @@ def runs_of(group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return runs, of_block[: -(-robots // BLOCK) + 1].astype(np.uint64)
 
 
-ALONE = np.array([0, 0, 1, 0])  # the member of a team of one, see `teams.py`
+ALONE = np.array([0, 0, 1, 0, 0])  # the member of a team of one, see `teams.py`
 
 
 def parts_of(swarm: Swarm, count: int) -> list[tuple[Swarm, int]]:

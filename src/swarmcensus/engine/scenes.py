@@ -88,7 +88,7 @@ TRIAL = Scene(
     TALLY,
     WHOLE_ROWS,
     1,
-    Team(1, 1, 1, 1, 1, 1, REAL_ROWS),
+    Team(1, 1, 1, 1, 1, 1, 1, REAL_ROWS),
     BYTES,
 )
 INPUTS = Inputs(

@@ -8,14 +8,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.engine.calling import pass_gate
+from swarmcensus.engine.calling import count_up, counted, pass_gate
 from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import BLOCK
 
 from .states import NOBODY, copy_all
 
-BEGIN, ME, COUNT, GATE = range(4)  # of a member: its first block, its number, how many there are, see `Team`
-TURN = 2
+BEGIN, ME, COUNT, GATE, HERE = range(5)  # of a member: its first block, its number, how many there are, see `Team`
+TURN, WAITED = 2, 3
+SPINS = 2000  # looks at whether all are here, before other threads may run
 
 
 class Team(NamedTuple):
@@ -26,8 +27,9 @@ class Team(NamedTuple):
     begin: Any  # its first block
     me: Any
     count: Any
-    gate: Any  # the address of a function that returns once all members have called it
-    votes: Any  # (3, member): numbers that all see, in rows that take turns, and which row a member uses next
+    gate: Any  # the address of a function that lets other threads run
+    here: Any  # the address of how often members have come to wait
+    votes: Any  # (4, member): two rows of numbers that all see; which row is next; how often a member waited
 
 
 @loop(inline="always")
@@ -35,14 +37,30 @@ def team_of(member, swarm, votes, robots):
     """The team of a member."""
     first = member[BEGIN] * BLOCK
     last = min(first + np.int64(swarm.of_block.size - 1) * BLOCK, robots)
-    return Team(first, last, member[BEGIN], member[ME], member[COUNT], member[GATE], votes)
+    return Team(first, last, member[BEGIN], member[ME], member[COUNT], member[GATE], member[HERE], votes)
 
 
 @loop(forceinline=True)
 def wait(team):
     """Return once all members are here."""
     if team.count > 1:
-        pass_gate(team.gate)
+        meet(team)
+
+
+@loop()
+def meet(team):
+    """`wait` for several; a function of its own, so that small swarms do not get slower.
+
+    A thread that sleeps may be woken on the core of another one, and wait for it. So it looks again and again.
+    """
+    team.votes[WAITED, team.me] += 1.0
+    all_here = np.int64(team.votes[WAITED, team.me]) * team.count
+    count_up(team.here)
+    spins = 0
+    while counted(team.here) < all_here:
+        spins += 1
+        if spins % SPINS == 0:
+            pass_gate(team.gate)
 
 
 @loop()

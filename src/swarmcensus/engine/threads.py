@@ -6,6 +6,7 @@ import ctypes
 import functools
 import queue
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, ParamSpec, TypeVar
@@ -17,6 +18,7 @@ from swarmcensus.engine.code_cache import not_compiled
 Result = TypeVar("Result")
 Given = ParamSpec("Given")
 LOOK_SECONDS = 0.5  # between two calls of WHILE_WAITING
+NOBODY_WAITS = 1 << 62  # more than threads will ever come to wait
 STOP_SECONDS = 0.05  # between two looks at whether a team should stop
 LEAVE_SECONDS = 0.5  # for threads to end, before they are left behind
 WHILE_WAITING: list[Callable[[], None]] = []  # called now and then while an interruptible function runs
@@ -53,29 +55,22 @@ class LeavableThreads(concurrent.futures.Executor):
             del future, work, item
 
 
-def run_together(function: Callable[[int, Any, np.ndarray], Result], count: int, stop: np.ndarray) -> list[Result]:
-    """Call function(number, gate, stop) in `count` threads, and return what they return, in order.
+def run_together(function: Callable[[int, int, int, np.ndarray], Result], count: int, stop: np.ndarray) -> list[Result]:
+    """Call function(number, gate, here, halt) in `count` threads, and return what they return, in order.
 
-    Each gets its number, the address of a C function that returns once all threads have called it, and an array that
-    becomes 1 when `stop` does, or when any of them raises an error: the others then stop, and the error is raised.
+    Each gets its number, the addresses of a C function that lets other threads run and of an int64 by which they wait
+    for each other (`teams.py`), and an array that becomes 1 when `stop` does, or when any of them raises an error: the
+    others then wait no more, and stop, and the error is raised.
     """
-    halt, barrier = np.zeros(1, np.uint8), threading.Barrier(count)
-
-    def wait() -> None:
-        try:
-            barrier.wait()
-        except threading.BrokenBarrierError:
-            halt[0] = 1
-
-    gate = ctypes.CFUNCTYPE(None)(wait)
+    halt, here = np.zeros(1, np.uint8), np.zeros(1, np.int64)
+    gate = ctypes.CFUNCTYPE(None)(lambda: time.sleep(0.0))
     address = ctypes.cast(gate, ctypes.c_void_p).value
     team = LeavableThreads(count)
-    futures = [team.submit(function, number, address, halt) for number in range(count)]
+    futures = [team.submit(function, number, address, here.ctypes.data, halt) for number in range(count)]
     team.shutdown(wait=False)
     while concurrent.futures.wait(futures, STOP_SECONDS, concurrent.futures.FIRST_EXCEPTION).not_done:
         if stop[0] or any(future.done() and future.exception() for future in futures):
-            halt[0] = 1
-            barrier.abort()
+            halt[0], here[0] = 1, NOBODY_WAITS
     return [future.result() for future in futures]
 
 

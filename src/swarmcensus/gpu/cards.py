@@ -1,5 +1,8 @@
 """A card that runs batches of trials on fixed networks, to the bits of the CPU's engine."""
 
+import math
+import threading
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +24,7 @@ THREADS = 128  # of a block that runs several small trials, or robots or rows on
 BLOCK_SIZE = 256  # robots of a block of a large swarm, whose messages are added up together (kernels/sums.h)
 SHARED = 96 * 1024  # bytes of shared memory that a block of any card of the last years may have
 FOR_QUANTILES = 1088  # bytes of it
+ALIGNED = 256  # bytes
 FAILED = "brain_failed"  # a variable of programs: whether Python would have raised an error
 CHUNK = 64  # rounds that one block looks at for agreement
 SPARE = 0.9  # the share of the free memory that a batch may take
@@ -82,6 +86,16 @@ class Card:
         """Use a card."""
         self.driver = driver
         self.name = driver.name
+        self._room: Buffer | None = None  # kept for the next batch: making room takes longer than a small batch
+        self._size = 0
+        self._lock = threading.Lock()  # one batch at a time
+
+    def room(self, size: int) -> Buffer:
+        """Memory for so many bytes or more. Raises CardFull."""
+        if self._room is None or self._size < size:
+            self._room = None  # is freed before there is more
+            self._room, self._size = self.driver.empty(size), size
+        return self._room
 
     def most_trials(self, setting: Setting, metrics: Metrics, local: bool = False) -> int:
         """How many trials of a setting can be run at a time, but for their links.
@@ -122,8 +136,9 @@ class Card:
         given = inputs_of(setting, seed, first, trials, order=local)
         features = features_of(setting, given, local)
         sizes = _sizes(setting, trials, features, local)
-        held = _Held(self.driver, given, sizes, setting, metrics, local)
-        found = held.run(stop)
+        with self._lock:
+            held = _Held(self, given, sizes, setting, metrics, local)
+            found = held.run(stop)
         if found is None:
             return None
         if held.failed or found["amiss"].any() or _are_wrong(setting, given, found):
@@ -177,10 +192,11 @@ class _Held:
     """The arrays of a batch on a card."""
 
     def __init__(
-        self, driver: Driver, given: Inputs, sizes: Sizes, setting: Setting, metrics: Metrics, local: bool
+        self, card: Card, given: Inputs, sizes: Sizes, setting: Setting, metrics: Metrics, local: bool
     ) -> None:
         """Compile the program, upload what it is given, and make room for what it finds."""
-        self.driver, self.sizes, self.local, self.metrics = driver, sizes, local, metrics
+        self.driver, self.sizes, self.local, self.metrics = card.driver, sizes, local, metrics
+        driver = self.driver
         self.formats = not local and any(brain.parts for brain in setting.brains)
         kernels = "alone.cu" if local else "trials.cu" if sizes.is_small else "crowds.cu"
         threads = next(n for n in (128, 256, 512, 1024) if n >= (sizes.robots if sizes.is_small and not local else 1))
@@ -191,13 +207,12 @@ class _Held:
             numbers = np.array(parameters(brain), _number(setting))
             if numbers.size:
                 driver.set_global(self.program, f"parameters_{group}", numbers.tobytes())
-        self.buffers: dict[str, Buffer] = {}
-        self.found: Arrays = {}
         self.given = Given()
-        self._upload(given, setting)
-        self._make_room()
+        self.uploaded = self._upload(given, setting)
+        self._make_room(card)
 
-    def _upload(self, given: Inputs, setting: Setting) -> None:
+    def _upload(self, given: Inputs, setting: Setting) -> Buffer:
+        """Upload what kernels are given, in one piece."""
         sensors, links, one = given.sensors, given.links, self.given
         if self.local and self.sizes.features.changes and sensors.b.shape[1] == 1:  # nobody waits for who makes tables
             b, w = (np.repeat(side, self.sizes.robots, axis=1) for side in (sensors.b, sensors.w))
@@ -230,10 +245,16 @@ class _Held:
             "senders": links.senders, "groups": given.group.astype(np.uint8), "honest": honest.astype(np.uint8),
             "counted": counted.astype(np.int64), "rounds_of": checkpoints, "bins": bins,
         }  # fmt: skip
+        places, size = _places({name: array.nbytes for name, array in arrays.items()})
+        piece = np.empty(size, np.uint8)
         for name, array in arrays.items():
-            self._hold(name, self.driver.upload(np.ascontiguousarray(array)) if array.size else None)
+            piece[places[name] : places[name] + array.nbytes] = np.ascontiguousarray(array).reshape(-1).view(np.uint8)
+        buffer = self.driver.upload(piece)
+        self._point(places, buffer)
+        return buffer
 
-    def _make_room(self) -> None:
+    def _make_room(self, card: Card) -> None:
+        """Make room for what kernels find, in one piece to download, and for what they work with."""
         sizes, checks = self.sizes, self.given.checkpoints
         trials, robots, rounds, features = sizes.trials, sizes.robots, sizes.rounds, sizes.features
         shapes: dict[str, tuple[type, tuple[int, ...]]] = {
@@ -258,32 +279,39 @@ class _Held:
                 shapes["bounds_of"] = (np.float64, (checks, trials, 2, robots))
         if self.formats:
             shapes["clipped"] = (np.int64, (trials, robots))
-        self.found = {name: np.empty(shape, kind) for name, (kind, shape) in shapes.items()}
         sensors, kinds = self.given.sensors, self.given.kinds
-        room = {name: array.nbytes for name, array in self.found.items()} | {
+        kept = {name: np.dtype(kind).itemsize * math.prod(shape) for name, (kind, shape) in shapes.items()}
+        work = {
+            "said": 4 * trials * (rounds + 1) if features.counted and features.mode == FULL else 0,
             "rows": 8 * trials * (rounds + 1) * robots,
             "tables": 8 * 16 * trials * kinds * sensors,
             "stand": 8 * 3 * trials * sensors,
-            "said": 4 * trials * (rounds + 1) if features.counted and features.mode == FULL else 0,
             "decisions": 2 * trials * rounds * robots if features.judged else 0,
         }
         if not self.local and not sizes.is_small:
             blocks = -(-robots // BLOCK_SIZE)
-            room |= {
+            work |= {
                 "memory": 8 * trials * robots * sizes.words,
                 "outbox": trials * sizes.slots * robots * sizes.message,
                 "signals": trials * sizes.slots * robots if features.signalled else 0,
                 "parts": 3 * trials * blocks * sizes.message if features.mode == FULL else 0,
                 "around": 2 * trials * robots * sizes.message if features.mode == FULL else 0,
             }
-        for name, size in room.items():
-            self._hold(name, self.driver.empty(size) if size else None)
+        places, size = _places(kept | work)
+        self.room = card.room(size)
+        self.driver.clear(self.room, places["rows"])  # what is found, and what is counted from 0
+        self._point(places, self.room)
+        self.piece = np.empty(places["said"], np.uint8)
+        self.found: Arrays = {
+            name: self.piece[places[name] : places[name] + kept[name]].view(kind).reshape(shape)
+            for name, (kind, shape) in shapes.items()
+        }
 
-    def _hold(self, name: str, buffer: Buffer | None) -> None:
-        assert name in ARRAYS
-        if buffer is not None:
-            self.buffers[name] = buffer
-            setattr(self.given, name, buffer.address)
+    def _point(self, places: Mapping[str, int], buffer: Buffer) -> None:
+        """Give the kernels the addresses of arrays in a buffer."""
+        for name, place in places.items():
+            assert name in ARRAYS
+            setattr(self.given, name, buffer.address + place)
 
     @property
     def together(self) -> int:
@@ -316,9 +344,7 @@ class _Held:
         if not self.driver.wait(stop):
             return None
         self.failed = any(self.driver.get_global(self.program, FAILED, 4))
-        for name, array in self.found.items():
-            if array.size:
-                self.driver.download(self.buffers[name], array)
+        self.driver.download(self.room, self.piece)
         return self.found
 
     def _run_crowd(self, stop: np.ndarray) -> bool:
@@ -345,6 +371,15 @@ class _Held:
             setattr(self.given, name, value)
         program = self.measures if kernel in MEASURES else self.program
         self.driver.launch(program, kernel, blocks, -(-threads // 32) * 32, shared, bytes(self.given))
+
+
+def _places(sizes: Mapping[str, int]) -> tuple[dict[str, int], int]:
+    """Where arrays of so many bytes begin in one piece of memory, and how long that is."""
+    places, at = {}, 0
+    for name, size in sizes.items():
+        places[name] = at
+        at += -(-size // ALIGNED) * ALIGNED
+    return places, at
 
 
 def _number(setting: Setting) -> np.dtype[Any]:

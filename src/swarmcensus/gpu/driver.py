@@ -78,6 +78,9 @@ class Driver(Protocol):
     def empty(self, size: int) -> Buffer:
         """So many bytes of the card, all 0."""
 
+    def clear(self, buffer: Buffer, size: int) -> None:
+        """Set the first bytes of a buffer to 0."""
+
     def download(self, buffer: Buffer, into: np.ndarray) -> None:
         """Copy memory of the card to a contiguous array, once all launches are over."""
 
@@ -192,9 +195,13 @@ class Cuda:
     def empty(self, size: int) -> _Memory:
         """So many bytes of the card, all 0."""
         memory = _Memory(self, size)
-        if size:
-            self.call("cuMemsetD8", memory.address, 0, size)
+        self.clear(memory, size)
         return memory
+
+    def clear(self, buffer: Buffer, size: int) -> None:
+        """Set the first bytes of a buffer to 0."""
+        if size:
+            self.call("cuMemsetD8", buffer.address, 0, size)
 
     def download(self, buffer: Buffer, into: np.ndarray) -> None:
         """Copy memory of the card to a contiguous array, once all launches are over."""

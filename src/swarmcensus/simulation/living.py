@@ -146,7 +146,7 @@ class _Network:
         with blaming(setting, self.given.first):
             self.kernel.live(
                 self.swarm, self.given, self.states._replace(rows=estimates), self.tally, first, history, said, signals,
-                messages, np.zeros(1, np.uint8), ALONE, np.zeros((3, 1)), work_of(self.swarm, self.given, self.states),
+                messages, np.zeros(1, np.uint8), ALONE, np.zeros((4, 1)), work_of(self.swarm, self.given, self.states),
             )  # fmt: skip
         return Stretch(first, history, said, signals, estimates, messages, done)
 

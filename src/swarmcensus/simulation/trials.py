@@ -205,10 +205,12 @@ def _simulate(swarm: Swarm, groups: tuple[Any, ...], stop: np.ndarray, team: int
         return bool(simulate(swarm, *groups, stop, ALONE, work_of(swarm, groups[0], groups[1], groups[-3])))
     parts, sums = parts_of(swarm, team), sums_of(groups[1])
 
-    def run_part(number: int, gate: int, halt: np.ndarray) -> bool:
+    groups[2].votes[:] = 0.0
+
+    def run_part(number: int, gate: int, here: int, halt: np.ndarray) -> bool:
         own, begin = parts[number]
         work = work_of(own, groups[0], groups[1], groups[-3], begin * BLOCK, sums)
-        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate]), work))
+        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate, here]), work))
 
     return all(run_together(run_part, team, stop))
 
@@ -220,7 +222,7 @@ def room_of(states: States, snapshots: int, outboxes: int, threads: int = 1) -> 
         np.empty((outboxes, *states.outbox.shape), np.uint8),
         np.empty((outboxes, *states.signals.shape), np.uint8),
         np.empty((3, states.memory.shape[0])),
-        np.zeros((3, threads)),
+        np.zeros((4, threads)),
     )
 
 
