@@ -33,7 +33,7 @@ def limit(robots, rounds, looks, b, w, fill_ratio, key, trials):
     estimate so that nothing is optimised away.
     """
     steady = np.array([fill_ratio, fill_ratio, 1.0, 1.0])
-    source = source_of(Sensors(np.full(1, b), np.full(1, w), np.zeros((3, 0)), steady, looks, key, key), 0, 1)
+    source = source_of(Sensors(np.full(1, b), np.full(1, w), np.zeros((3, 0)), steady, looks, key, key))
     renew(source, 1, 0, 1)
     row = source.tables[0, 0]
     bits = np.zeros(robots, np.uint64)

@@ -29,6 +29,7 @@ from .layout import (
     States as States,
     Swarm as Swarm,
     Tally as Tally,
+    Work as Work,
     parts_of as parts_of,
     runs_of as runs_of,
 )

@@ -131,6 +131,37 @@ def _plain_place(items, first):
     return items.reshape(-1)[int(first) :]
 
 
+def _kind_of(group, kind):
+    if group != kind.instance_type:
+        raise TypeError(f"{group} is not the {kind.instance_type} that machine code expects")
+    return kind.instance_type
+
+
+@intrinsic
+def _machine_packed(typing, group, kind):
+    target = _kind_of(group, kind)
+
+    def generate(context, builder, signature, values):
+        place = cgutils.alloca_once(builder, context.get_value_type(target))
+        builder.store(values[0], place)
+        return builder.bitcast(place, cgutils.voidptr_t)
+
+    return ARRAY(group, kind), generate
+
+
+@intrinsic
+def _machine_unpacked(typing, place, kind):
+    def generate(context, builder, signature, values):
+        shape = context.get_value_type(kind.instance_type)
+        return builder.load(builder.bitcast(values[0], shape.as_pointer()))
+
+    return kind.instance_type(place, kind), generate
+
+
+def _plain_group(group, kind):
+    return group
+
+
 @intrinsic
 def _machine_word(typing, words, place):
     def generate(context, builder, signature, values):
@@ -160,15 +191,18 @@ def _plain_view(items, shape, dtype):
 
 # call(function, *arguments) calls by address; place(items, first) passes an array from an item on, without making a
 # view; seen_as(items, shape, dtype) makes what was passed an array again; word_at(words, k) reads one uint64 of it,
-# without making an array; pass_gate(address) calls a function of C without arguments; count_up(address) adds one to an
-# int64 that several threads see, and counted(address) reads it; blank_state(record) is a state of zeros on the stack,
-# which the compiler keeps in registers
+# without making an array; packed(group, kind) passes a NamedTuple of this Numba type, and unpacked(place, kind) makes
+# it one again, in functions that count no references; pass_gate(address) calls a function of C without arguments;
+# count_up(address) adds one to an int64 that several threads see, and counted(address) reads it; blank_state(record) is
+# a state of zeros on the stack, which the compiler keeps in registers
 PLAIN = not_compiled()
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
 blank_state = _plain_blank if PLAIN else _machine_blank
 place = _plain_place if PLAIN else _machine_place
 word_at = _plain_word if PLAIN else _machine_word
+packed = _plain_group if PLAIN else _machine_packed
+unpacked = _plain_group if PLAIN else _machine_unpacked
 pass_gate = _plain_gate if PLAIN else _machine_gate
 count_up = _plain_count_up if PLAIN else _machine_count_up
 counted = _plain_counted if PLAIN else _machine_counted
@@ -189,16 +223,18 @@ def _one_at_a_time() -> Iterator[None]:
 
 
 class Phase(NamedTuple):
-    """A function that is compiled for each brain, and the types of its arguments."""
+    """A function that is called by its address, and the types of its arguments."""
 
     function: Any
     takes: tuple[Any, ...]
+    several: bool  # whether loops may handle several robots at once
 
     def address(self) -> Any:
         """The address of its machine code, compiled or loaded now; the function itself if Numba is switched off."""
         if not hasattr(self.function, "compile"):
             return self.function
-        with global_compiler_lock, _one_at_a_time():  # other threads compile loops as usual
+        # other threads compile loops as usual
+        with global_compiler_lock, contextlib.nullcontext() if self.several else _one_at_a_time():
             self.function.compile(self.takes)
         made = self.function.overloads[self.takes]
         return made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
@@ -208,6 +244,18 @@ def phase(*takes: Any) -> Callable[[Any], Phase]:
     """Make a function a Phase, cached on disk. As in CPython, division by zero is an error."""
 
     def made(function: Any) -> Phase:
-        return Phase(whole(function, **INSIDE), takes)
+        return Phase(whole(function, **INSIDE), takes, several=False)
+
+    return made
+
+
+def apart(*takes: Any, unpacks: bool = False) -> Callable[[Any], Phase]:
+    """Make a function of the engine a Phase: it is compiled once a machine, and only where it is needed.
+
+    One that `unpacks` groups counts no references, and so cannot make arrays of addresses.
+    """
+
+    def made(function: Any) -> Phase:
+        return Phase(whole(function, **{"_nrt": False} if unpacks else {}, **INSIDE), takes, several=True)
 
     return made

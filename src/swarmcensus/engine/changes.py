@@ -44,22 +44,21 @@ class Source(NamedTuple):
     changes: bool  # whether tables may differ from those of the round before
 
 
-@inside()
-def source_of(sensors, first, last):
-    """A source of a trial's readings for robots first ... last - 1, whose tables are not made yet.
-
-    There is room for all robots, but nobody touches that of the others.
-    """
-    looks, robots = sensors.looks, sensors.b.size
-    kinds = (1 if looks >= PART else 0) + (1 if looks % PART > 0 else 0)
-    tables = np.empty((kinds, robots, COLUMNS), np.uint64)
-    stand = np.empty((3, robots))
-    for i in range(first if robots > 1 else 0, last if robots > 1 else 1):
-        stand[0, i] = np.nan
+@loop(inline="always")
+def source_with(tables, stand, sensors):
+    """A source of a trial's readings with such tables."""
     return Source(tables, stand, sensors, sensors.drift.shape[1] > 0 or sensors.course[UNTIL] > 1.0)
 
 
 @inside()
+def source_of(sensors):
+    """A source of a trial's readings, whose tables are not made yet."""
+    looks, robots = sensors.looks, sensors.b.size
+    kinds = (1 if looks >= PART else 0) + (1 if looks % PART > 0 else 0)
+    return source_with(np.empty((kinds, robots, COLUMNS), np.uint64), np.full((3, robots), np.nan), sensors)
+
+
+@loop()
 def renew(source, k, first, last):
     """Make the tables of round k for robots first ... last - 1: kind 0 for PART observations, the last for the rest.
 

@@ -2,6 +2,7 @@
 
 import functools
 import types
+from collections.abc import Collection
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,13 +11,13 @@ from swarmcensus.brains import Brain, codec_source, is_shipped
 from swarmcensus.brains.metrics import GIVEN, Metric
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
-from swarmcensus.engine.constants import PHASES
+from swarmcensus.engine.constants import HELPERS, PHASES
 from swarmcensus.engine.records import record_type
 from swarmcensus.support.errors import without_colours
 
 LOOPS = (
-    "world", "scores", "failures", "states", "teams", "agreement", "rounds", "kernel", "living", "motion", "neighbours",
-    "walk", "riding", "steering",
+    "world", "scores", "failures", "states", "teams", "agreement", "scenes", "helpers", "rounds", "kernel", "living",
+    "motion", "neighbours", "walk", "riding", "steering",
 )  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
 ALWAYS = ("begin", "sense", "believe")  # what of a brain is needed with whatever neighbours
 ONE_BY_ONE, IN_SUMS, IN_SUMS_OF_ALL = "one by one", "in sums", "in sums of all"
@@ -100,6 +101,16 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
     return np.array([address or 0 for address in found], np.uint64)
 
 
+def compile_helpers(needed: Collection[str]) -> Any:
+    """The addresses of functions that the engine calls, by their places in `constants.py`."""
+    module = compile_world("helpers")
+    with LOCK:
+        found = [getattr(module, name).address() if name in needed else None for name in HELPERS]
+    if not_compiled():
+        return np.array(found, object)
+    return np.array([address or 0 for address in found], np.uint64)
+
+
 def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
     """Which of a brain's functions a use calls."""
     if use == "alone":
@@ -129,6 +140,17 @@ def compile_metric(metric: Metric) -> types.ModuleType:
 def compile_world(name: str = "world") -> types.ModuleType:
     """The engine's entry points of one file, which know of no brain."""
     return module(_loop_files(), name)
+
+
+LOOP_TYPES = {"kernel.simulate": "TO_SIMULATE", "riding.ride": "TO_RIDE", "riding.start_states": "TO_START",
+              "riding.conclude": "TO_CONCLUDE"}  # fmt: skip
+
+
+def compile_loop(name: str) -> None:
+    """Compile one of LOOP_TYPES before there is anything to run; with what it is called is always of the same types."""
+    file, _, function = name.partition(".")
+    if not not_compiled():
+        getattr(compile_world(file), function).compile(getattr(compile_world("scenes"), LOOP_TYPES[name]))
 
 
 def is_known(world: str, entry: str) -> bool:

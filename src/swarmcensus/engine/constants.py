@@ -53,3 +53,11 @@ DRAW_OBSERVE, DRAW_FUSE, DRAW_STEER, DRAW_ALONE, DRAW_ALONE_FUSE = range(5)
 
 # what checks powers, in the source of a compiled brain: the result of one, and one as a whole
 POWER, RAISED = "power_of_cpython", "raised_as_in_cpython"
+
+# what of the engine is compiled apart (`helpers.py`), and the index of each function's address in `Swarm.helpers`
+HELPERS = ("renew_tables", "count_ahead", "note_amiss", "note_wrong", "note_agreed", "note_width", "note_settled",
+           "note_clipped", "fail_sensors", "draw_words", "count_signals", "hear_singly", "hear_pairs", "go_alone",
+           "forget", "judge_block", "agree", "ask_intervals", "note_intervals", "fill_words")  # fmt: skip
+(RENEW, COUNT_AHEAD, AMISS, FIRST_WRONG, AGREED, HALF_WIDTH, SETTLED, COUNT_CLIPPED, FAIL_SENSORS, DRAW_WORDS,
+ COUNT_SIGNALS, HEAR_SINGLY, HEAR_PAIRS, ALL_ALONE, FORGET, JUDGE_BLOCK, AGREE, ASK_INTERVALS,
+ INTERVALS, FILL_WORDS) = range(20)  # fmt: skip

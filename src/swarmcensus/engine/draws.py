@@ -7,28 +7,33 @@ than `PART` observations are drawn as several binomials that add up.
 
 import numpy as np
 
-from swarmcensus.engine.compiling import inside, loop
+from swarmcensus.engine.calling import blank_state
+from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.random import unit, words
+from swarmcensus.engine.records import record_type
 
 LOW = np.uint64(COLUMNS - 1)
 SHIFT = np.uint64(60)
 BITS = np.uint64(4)
 
+ROOM = record_type(  # on the stack
+    [(name, kind, (COLUMNS,)) for name, kind in (("weights", "f8"), ("share", "f8"), ("alias", "i8"), ("small", "i8"),
+                                                 ("large", "i8"))]
+)  # fmt: skip
 
-@inside()
+
+@loop()
 def alias_row(weights, row):
     """Fill `row`, a uint64 for each column: a 60-bit threshold, and in the low 4 bits the alias."""
     columns = weights.size
+    room = blank_state(ROOM)
+    share, alias, small, large = room.share, room.alias, room.small, room.large
     total = 0.0
     for c in range(columns):
         total += weights[c]
-    share = np.empty(columns)
-    alias = np.empty(columns, np.int64)
-    small = np.empty(columns, np.int64)
-    large = np.empty(columns, np.int64)
     smalls = larges = 0
-    for c in range(columns):  # loops, not array expressions: those take seconds to compile
+    for c in range(columns):
         share[c] = weights[c] / total * columns
         alias[c] = c
         if share[c] < 1.0:
@@ -53,10 +58,10 @@ def alias_row(weights, row):
         row[c] = (threshold & ~LOW) | np.uint64(alias[c])
 
 
-@inside()
+@loop()
 def binomial_row(looks, p, row):
     """The alias row of Binomial(looks, p), looks <= PART."""
-    weights = np.zeros(row.size)
+    weights = blank_state(ROOM).weights
     weights[0] = 1.0
     for _ in range(looks):  # Pascal's triangle: sums and products alone give the same bits on any machine
         for k in range(looks, 0, -1):

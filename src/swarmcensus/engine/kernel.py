@@ -6,45 +6,47 @@ Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the ad
 
 import numpy as np
 
-from swarmcensus.engine.calling import call, place
-from swarmcensus.engine.changes import renew, source_of
-from swarmcensus.engine.compiling import entry, loop
+from swarmcensus.engine.calling import call, packed, place
+from swarmcensus.engine.changes import source_with
+from swarmcensus.engine.compiling import counting_nothing, entry, loop
 from swarmcensus.engine.constants import (
-    BLOCK,
-    BLOCKS,
+    AGREED,
+    ALL_ALONE,
+    AMISS,
+    ASK_INTERVALS,
     BOUND,
+    COUNT_AHEAD,
+    COUNT_CLIPPED,
     DECISION,
     DRAW_FUSE,
     DRAW_OBSERVE,
     END_ROUND,
+    FIRST_WRONG,
+    FORGET,
+    HALF_WIDTH,
     HEAR,
+    INTERVALS,
     IS_DONE,
+    RENEW,
     SENSE,
+    SETTLED,
     VERDICTS,
 )
 from swarmcensus.engine.layout import Intervals, States, Tally
 from swarmcensus.engine.random import word_of, words
 
-from .agreement import agreed_from, half_width
-from .rounds import Work, advance, advance_alone, count_heard, graph_of, most_arrivals
+from .rounds import advance, graph_of
+from .scenes import INTERVALS_OF_TRIAL, SCENE, SOURCE, Scene
 from .states import (
     ZERO,
-    ask_intervals,
     believe_all,
     blank_states,
     copy_all,
-    count_amiss,
-    count_clipped,
-    count_known,
-    find_wrong,
     first_from,
     forget_verdicts,
     is_said,
     judge,
-    judge_blank,
-    measure_intervals,
     sensors_of,
-    settle,
 )
 from .teams import copy_together, most_of, share_of, team_of, wait
 
@@ -52,30 +54,34 @@ tally_of, intervals_of = map(loop(inline="always"), (Tally.of_trial, Intervals.o
 
 
 @loop()
-def are_numbers(team, swarm, rows, first, wrong):
+def are_numbers(team, swarm, rows, rounds, robots, first, wrong, answer):
     """Whether all estimates of honest robots so far are numbers in [0, 1]; else `wrong` says which is the first."""
-    begin, end = share_of(team, rows.shape[0] * rows.shape[1])
-    if most_of(team, float(count_amiss(rows, begin, end))) > 0.0:
+    begin, end = share_of(team, rounds * robots)
+    call(swarm.helpers[AMISS], rows, rounds, robots, begin, end, answer)
+    if most_of(team, answer[0]) > 0.0:
         if team.me == 0:
-            find_wrong(swarm, rows, first, wrong)
+            call(swarm.helpers[FIRST_WRONG], rows, rounds, robots, first, swarm.honest, swarm.honest.size, wrong)
         wait(team)
     return wrong[0] < 0.0
 
 
 @loop()
-def agreed_together(team, rows, first, honest, delta, room, agreed):
+def agreed_together(team, swarm, rows, rounds, first, delta, room, agreed, answer):
     """What `agreed_from` returns: each member looks at some of these rows."""
-    begin, end = share_of(team, rows.shape[0])
-    since = -1.0
+    begin, end = share_of(team, rounds)
+    answer[0] = -1.0
     if begin < end:
-        since = agreed_from(rows[begin:end], first + begin, honest, delta, room, since)
-    since = most_of(team, since)
+        call(
+            swarm.helpers[AGREED], place(rows, begin * room.size), end - begin, room.size, first + begin, swarm.honest,
+            swarm.honest.size, delta, room, answer,
+        )  # fmt: skip
+    since = most_of(team, answer[0])
     return since if since >= 0.0 else agreed
 
 
-@entry
+@counting_nothing
 def simulate(
-    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member
+    swarm, given, states, segments, measures, tally, intervals, rounds, local, first_step, last_step, stop, member, work
 ):  # fmt: skip
     """Run a batch of trials from blank states to their metrics; False if stopped.
 
@@ -89,7 +95,7 @@ def simulate(
     states.rows then hold the estimates of the step.
 
     Several threads may run this at the same time, each as a `member` of a team (`teams.py`) with a `swarm` of its own
-    blocks, and all else in common.
+    blocks, room to `work` in, and all else in common.
     """
     memory, outbox, signals, rows = states
     sensors, beliefs, radio, links = given.sensors, given.beliefs, given.radio, given.links
@@ -99,49 +105,38 @@ def simulate(
     count = (rounds + segment - 1) // segment
     team = team_of(member, swarm, segments.votes, robots)
     begin, end = team.first, team.last
-    own = end - begin
-    blacks = np.zeros(own if local else min(own, BLOCK))
-    bits = np.zeros(blacks.size, np.uint64)
-    single = np.zeros(own if local else 0)
-    arrivals = np.zeros((2, 0), np.uint32)
-    draws = np.zeros((3, max(blacks.size, min(own, BLOCKS * BLOCK)) if swarm.draws.size > 0 else 0), np.uint64)
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
-    uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
-    partial = np.zeros((2 * segments.sums.shape[0], outbox.shape[1]), np.uint8)
-    room = np.empty(robots)
+    unjudged, order, answer = tally.verdicts[0, :0], work.order, work.answer
+    helpers, clips = swarm.helpers, False
+    for group in range(swarm.clipped.size):
+        clips |= swarm.clipped[group] >= 0
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
         wait(team)
         number = given.first + trial
         failures = given.stops[trial]
-        graph = graph_of(links, trial if links.starts.size > 2 else 0, robots, begin, end)
-        most = most_arrivals(graph, begin, end)
-        if most > arrivals.shape[1]:
-            arrivals = np.zeros((2, most), np.uint32)
-        if swarm.draws.size > 0 and most > draws.shape[1]:
-            draws = np.zeros((3, most), np.uint64)
-        work = Work(blacks, bits, single, draws, segments.sums, partial, arrivals)
-        source = source_of(sensors_of(sensors, trial), begin, end)
-        renew(source, 1, begin, end)
+        graph = graph_of(links, trial if links.starts.size > 2 else 0, work.bounds, begin, end)
+        source = source_with(work.tables, work.stand, sensors_of(sensors, trial))
+        call(helpers[RENEW], packed(source, SOURCE), 1, begin, end)
         counted = tally_of(tally, trial)
-        again = Tally(uncounted, unjudged, counted.agreed)  # of rounds that are run again
+        again = Tally(work.uncounted, unjudged, counted.agreed)  # of rounds that are run again
         asked = intervals_of(intervals, trial)
+        scene = packed(Scene(swarm, states, work, source, graph, radio, counted, failures, number, team, stop), SCENE)
         where, value, wrong, agreement = (
             measures.where[trial], measures.value[trial], measures.wrong[trial], measures.agreement,
         )  # fmt: skip
         if first_step == 0:
             blank_states(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             believe_all(swarm, memory, start, ZERO)
-            forget_verdicts(counted.verdicts, counted.agreed, begin, end)
+            counted.agreed[0], counted.agreed[1] = -1.0, np.inf
             if counted.verdicts.shape[0] > 0:
-                judge_blank(swarm, memory, start, counted.verdicts)
-            count_known(swarm, counted.counts, failures, rounds, begin, end)
-            count_heard(swarm, graph, radio, failures, max(rounds - radio.delay, 0), counted.counts, begin, end)
+                call(helpers[FORGET], scene, start)
+            call(helpers[COUNT_AHEAD], scene, rounds)
             wait(team)
             agreement[trial] = 0.0
-            if are_numbers(team, swarm, start, 0, wrong):
-                agreement[trial] = agreed_together(team, start, 0, swarm.honest, measures.delta, room, 0.0)
+            if are_numbers(team, swarm, start, 1, robots, 0, wrong, answer):
+                agreement[trial] = agreed_together(team, swarm, start, 1, 0, measures.delta, order, 0.0, answer)
             for i in range(begin, end):
                 low[i] = np.inf
                 high[i] = -np.inf
@@ -166,7 +161,7 @@ def simulate(
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
                 if local:
-                    advance_alone(swarm, states, work, source, failures, number, first, last, stop, team)
+                    call(helpers[ALL_ALONE], scene, first, last)
                     wait(team)
                 else:
                     begun = first
@@ -182,19 +177,19 @@ def simulate(
                         if stop[0] != 0:
                             return False
                         if asks:
-                            ask_intervals(swarm, memory, asked.bounds)
+                            call(helpers[ASK_INTERVALS], scene, packed(asked, INTERVALS_OF_TRIAL))
                             for turn in range(team.count):  # sums go through the robots in order
                                 if turn == team.me:
-                                    measure_intervals(swarm, c, asked, turn > 0)
+                                    call(helpers[INTERVALS], scene, packed(asked, INTERVALS_OF_TRIAL), c, turn)
                                 wait(team)
                         begun = until
                 if stop[0] != 0:
                     return False
                 if forward:
-                    measurable = are_numbers(team, swarm, rows[: last - first], first, wrong) and not local
-                    if measurable:
+                    sound = are_numbers(team, swarm, rows, last - first, robots, first, wrong, answer)
+                    if sound and not local:
                         agreement[trial] = agreed_together(
-                            team, rows[: last - first], first, swarm.honest, measures.delta, room, agreement[trial]
+                            team, swarm, rows, last - first, first, measures.delta, order, agreement[trial], answer
                         )  # fmt: skip
                     for c in range(team.me, checkpoints.size, team.count):
                         if first <= checkpoints[c] < last:
@@ -207,24 +202,30 @@ def simulate(
                                 if measures.kept.shape[0] > 0:
                                     measures.kept[c, trial, i] = x
                             measures.correct[c, trial] = right / honest
-                            if measurable:
-                                measures.disagreement[c, trial] = half_width(
-                                    rows[checkpoints[c] - first], swarm.honest, room
+                            if sound and not local:
+                                call(
+                                    helpers[HALF_WIDTH], place(rows, (checkpoints[c] - first) * robots), robots,
+                                    swarm.honest, swarm.honest.size, order, answer,
                                 )  # fmt: skip
+                                measures.disagreement[c, trial] = answer[0]
                 if s == count - 1:
-                    count_clipped(swarm, memory, counted.counts)
+                    if clips:
+                        call(helpers[COUNT_CLIPPED], scene)
                     if agreement[trial] > rounds:
                         agreement[trial] = np.inf
                     for i in range(begin, end):
                         measures.final[trial, i] = value[i] = rows[last - 1 - first, i]
                         where[i] = rounds
                 if not forward or s == count - 1:
-                    undecided = settle(
-                        rows[: last - first], first, measures.delta, low, high, where, value, begin, end
+                    call(
+                        helpers[SETTLED], rows, last - first, robots, first, measures.delta, low, high, where, value,
+                        begin, end, answer,
                     )  # fmt: skip
-                    undecided = most_of(team, 1.0 if undecided else 0.0) > 0.0
+                    undecided = most_of(team, answer[0]) > 0.0
         if undecided and last_step == 2 * count - 1:
-            settle(start, np.int64(0), measures.delta, low, high, where, value, begin, end)
+            call(
+                helpers[SETTLED], start, 1, robots, 0, measures.delta, low, high, where, value, begin, end, answer
+            )  # fmt: skip
     return True
 
 

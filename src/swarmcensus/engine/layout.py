@@ -31,6 +31,7 @@ class Swarm(NamedTuple):
     jams: bool  # whether any brain may drown what others say
     draws: np.ndarray  # two keys of two words each; empty where no brain uses luck
     honest: np.ndarray  # (robot): whom decisions and metrics count; empty where they count all
+    helpers: Any  # (function): addresses of what of the engine is compiled apart, see `constants.py`
 
 
 class States(NamedTuple):
@@ -115,8 +116,25 @@ class Segments(NamedTuple):
     outboxes: np.ndarray  # (segment, round x robot, byte): the outbox; no segments if messages are not late
     signals: np.ndarray  # (segment, round x robot): as the outbox
     extremes: np.ndarray  # (3, robot): least and greatest estimate of all later rounds, and the estimate of round 0
-    sums: np.ndarray  # (block, byte): sums of the messages of blocks, see `phases.hear_all`
     votes: np.ndarray  # (4, thread): see `teams.py`
+
+
+class Work(NamedTuple):
+    """Room to work in, for a block of robots, or for all that go alone; a thread that shares trials has its own."""
+
+    blacks: np.ndarray  # (robot): how many readings of a round are black
+    bits: np.ndarray  # (robot): random words
+    single: np.ndarray  # (robot): single readings; no robots if they do not go alone
+    draws: np.ndarray  # (3, robot or message): words to observe, fuse and hear with; empty where no brain uses luck
+    sums: np.ndarray  # (block, byte): sums of messages of blocks of a full network, in common, see `phases.hear_all`
+    partial: np.ndarray  # (2 x block, byte): sums of the blocks before and after each
+    arrivals: np.ndarray  # (2, message): receivers and senders of what gets through
+    tables: np.ndarray  # (kind, robot or 1, column): see `changes.Source`
+    stand: np.ndarray  # (3, robot or 1)
+    bounds: np.ndarray  # (robot + 1): see `scenes.Graph`
+    order: np.ndarray  # (robot): estimates that are put in order
+    answer: np.ndarray  # (1): what a function that is compiled apart returns
+    uncounted: np.ndarray  # (3, 0): counts of no robots
 
 
 class Measures(NamedTuple):

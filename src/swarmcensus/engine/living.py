@@ -2,15 +2,18 @@
 
 import numpy as np
 
-from swarmcensus.engine.changes import renew, source_of
-from swarmcensus.engine.compiling import entry
-from swarmcensus.engine.constants import BLOCK, HEARD, SENT, TALKING
+from swarmcensus.engine.calling import call, packed
+from swarmcensus.engine.changes import source_with
+from swarmcensus.engine.compiling import counting_nothing, entry
+from swarmcensus.engine.constants import HEARD, RENEW, SENT, TALKING
 from swarmcensus.engine.layout import States
 
 from .failures import works
-from .rounds import Work, advance, count_heard, graph_of, most_arrivals
+from .helpers import count_heard
+from .rounds import advance, graph_of
+from .scenes import SOURCE
 from .states import ZERO, believe_all, blank_states, copy_all, forget_verdicts, heard_by, judge_blank, sensors_of
-from .teams import COUNT, team_of
+from .teams import team_of
 
 
 @entry
@@ -23,33 +26,23 @@ def start_states(swarm, given, states, tally):
         judge_blank(swarm, states.memory, states.rows, tally.verdicts)
 
 
-@entry
-def live(swarm, given, states, tally, first, history, said, signals, messages, stop):
+@counting_nothing
+def live(swarm, given, states, tally, first, history, said, signals, messages, stop, member, votes, work):
     """Run rounds of the only trial `given` from `first` on, as many as states.rows, which get the estimates.
 
     After each round its states go to `history` (round, robot, byte), the messages that were heard to `said` (round,
     robot, byte) and `signals` (round, robot), and the totals of messages sent and heard so far to `messages` (round,
-    what). `tally` counts on from the round before `first`.
+    what). `tally` counts on from the round before `first`. The others are as in `simulate`.
     """
     memory, outbox, rows = states.memory, states.outbox, states.rows
     trial, radio, stops, counts, delay = given.first, given.radio, given.stops[0], tally.counts, given.radio.delay
     robots = memory.shape[0]
-    blacks = np.zeros(min(robots, BLOCK))
-    bits = np.zeros(blacks.size, np.uint64)
-    graph = graph_of(given.links, 0, robots, 0, robots)
-    most = most_arrivals(graph, 0, robots)
-    arrivals = np.zeros((2, most), np.uint32)
-    draws = np.zeros((3, max(robots, most if swarm.draws.size > 0 else 0)), np.uint64)
-    sums = np.empty((swarm.of_block.size - 1, outbox.shape[1]), np.uint8)
-    partial = np.zeros((2 * sums.shape[0], outbox.shape[1]), np.uint8)
-    work = Work(blacks, bits, np.zeros(0), draws, sums, partial, arrivals)
-    source = source_of(sensors_of(given.sensors, 0), 0, robots)
-    member = np.zeros(5, np.int64)
-    member[COUNT] = 1
-    team = team_of(member, swarm, np.zeros((4, 1)), robots)
+    graph = graph_of(given.links, 0, work.bounds, 0, robots)
+    source = source_with(work.tables, work.stand, sensors_of(given.sensors, 0))
+    team = team_of(member, swarm, votes, robots)
     for r in range(rows.shape[0]):
         k = first + r
-        renew(source, k, 0, robots)
+        call(swarm.helpers[RENEW], packed(source, SOURCE), k, 0, robots)
         advance(
             swarm, States(memory, outbox, states.signals, rows[r:]), work, source, graph, radio, tally, stops, trial,
             k, k + 1, stop, team,

@@ -11,27 +11,31 @@ from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
 from swarmcensus.engine.compiling import entry, inside, loop
 from swarmcensus.engine.constants import (
+    AGREED,
     ASK,
     DRAW_FUSE,
     DRAW_OBSERVE,
     DRAW_STEER,
     END_ROUND,
+    FILL_WORDS,
+    FIRST_WRONG,
+    HALF_WIDTH,
     HEAR,
     HEAR_ALL,
     HEAR_SUMS,
     HEARD,
     LISTED,
     SENSE,
+    SETTLED,
 )
 from swarmcensus.engine.random import unit, words
 
-from .agreement import agreed_from, half_width
 from .states import (
     ONE,
     ZERO,
-    agree,
+    agree_on,
     arrives,
-    ask_intervals,
+    ask_all,
     believe_all,
     blank_states,
     copy_all,
@@ -41,7 +45,6 @@ from .states import (
     count_sent,
     draw_for_messages,
     drowned,
-    find_wrong,
     first_from,
     forget_verdicts,
     is_said,
@@ -50,7 +53,6 @@ from .states import (
     measure_intervals,
     option_of,
     sensors_of,
-    settle,
     silence_failed,
 )
 
@@ -183,8 +185,8 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
                 if seen[i] >= 0.0:
                     recorded.readings[k, i] = seen[i]
         if is_random:
-            words(swarm.draws, trial, now, DRAW_OBSERVE, ZERO, np.uint64(n), draws[0])
-            words(swarm.draws, trial, now, DRAW_FUSE, ZERO, np.uint64(n), draws[1])
+            call(swarm.helpers[FILL_WORDS], swarm.draws, trial, now, DRAW_OBSERVE, ZERO, n, draws[0])
+            call(swarm.helpers[FILL_WORDS], swarm.draws, trial, now, DRAW_FUSE, ZERO, n, draws[1])
         for run in range(swarm.runs.shape[0]):
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
             at = np.int64(a)
@@ -228,11 +230,11 @@ def live_on(swarm, states, buffers, sensors, radio, stops, tally, intervals, chu
             for block in range(np.uint64(swarm.of_block.size - 1)):
                 judge(swarm, block, memory, rows, np.uint64(here), verdicts, now)
             if tally.agreed[0] < 0.0:
-                agree(option_of(verdicts, swarm.honest, 0, n), tally.agreed, now)
+                agree_on(option_of(verdicts, swarm.honest, 0, n), tally.agreed, now)
         if intervals.bounds.shape[1] > 0:
             c = first_from(intervals.checkpoints, now)
             if c < intervals.checkpoints.size and intervals.checkpoints[c] == now:
-                ask_intervals(swarm, memory, intervals.bounds)
+                ask_all(swarm, memory, intervals.bounds)
                 measure_intervals(swarm, c, intervals, False)
         if recorded.history.shape[0] > 0:
             copy_all(recorded.history[k], memory)
@@ -282,26 +284,28 @@ def conclude(swarm, rows, start, delta, where, value, wrong, checkpoints, disagr
     `wrong` (3) gets the first invalid estimate, and `disagreement` (checkpoint) that of the `checkpoints`, as in
     `Measures`. Returns the first index from which on it stays within delta; infinite for never.
     """
-    robots = rows.shape[1]
-    find_wrong(swarm, start, 0, wrong)
-    find_wrong(swarm, rows, 1, wrong)
+    rounds, robots = rows.shape
+    helpers, honest = swarm.helpers, swarm.honest
+    call(helpers[FIRST_WRONG], start, 1, robots, 0, honest, honest.size, wrong)
+    call(helpers[FIRST_WRONG], rows, rounds, robots, 1, honest, honest.size, wrong)
     agreed = np.inf
+    room, answer = np.empty((3, robots)), np.zeros(1)
     if wrong[0] < 0.0:
-        room = np.empty(robots)
-        since = agreed_from(start, 0, swarm.honest, delta, room, 0.0)
-        since = agreed_from(rows, 1, swarm.honest, delta, room, since)
-        if since <= rows.shape[0]:
-            agreed = since
+        call(helpers[AGREED], start, 1, robots, 0, honest, honest.size, delta, room, answer)
+        call(helpers[AGREED], rows, rounds, robots, 1, honest, honest.size, delta, room, answer)
+        if answer[0] <= rounds:
+            agreed = answer[0]
         for c in range(checkpoints.size):
-            if checkpoints[c] <= rows.shape[0]:
-                disagreement[c] = half_width(rows[checkpoints[c] - 1], swarm.honest, room)
-    low = np.empty(robots)
-    high = np.empty(robots)
+            if checkpoints[c] <= rounds:
+                row = place(rows, (checkpoints[c] - 1) * robots)
+                call(helpers[HALF_WIDTH], row, robots, honest, honest.size, room, place(disagreement, c))
     for i in range(robots):
-        low[i] = np.inf
-        high[i] = -np.inf
-        where[i] = rows.shape[0]
-        value[i] = rows[rows.shape[0] - 1, i]
-    if settle(rows, np.int64(1), delta, low, high, where, value, 0, robots):
-        settle(start, np.int64(0), delta, low, high, where, value, 0, robots)
+        room[0, i] = np.inf
+        room[1, i] = -np.inf
+        where[i] = rounds
+        value[i] = rows[rounds - 1, i]
+    low, high = place(room, 0), place(room, robots)
+    call(helpers[SETTLED], rows, rounds, robots, 1, delta, low, high, where, value, 0, robots, answer)
+    if answer[0] != 0.0:
+        call(helpers[SETTLED], start, 1, robots, 0, delta, low, high, where, value, 0, robots, answer)
     return agreed

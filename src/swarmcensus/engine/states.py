@@ -195,7 +195,7 @@ def option_of(verdicts, honest, begin, end):
 
 
 @loop()
-def agree(option, agreed, now):
+def agree_on(option, agreed, now):
     """Note the first round after which all honest robots have decided for the same option, and the option."""
     if agreed[0] < 0.0 <= option:
         agreed[0] = option
@@ -238,7 +238,7 @@ def first_from(values, start):
 
 
 @loop()
-def ask_intervals(swarm, memory, bounds):
+def ask_all(swarm, memory, bounds):
     """Write the intervals of robots into `bounds` (end, robot); some brains of a mixed swarm may have none."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
@@ -282,13 +282,13 @@ def count_amiss(rows, begin, end):
 
 
 @loop()
-def find_wrong(swarm, rows, first, wrong):
+def find_wrong(honest, rows, first, wrong):
     """Note the first estimate of an honest robot that is no number in [0, 1], in rows of the rounds from `first` on."""
     flat, robots = rows.reshape(-1), rows.shape[1]
     if wrong[0] < 0.0 and count_amiss(rows, 0, flat.size) > 0:
         for k in range(flat.size):
-            honest = swarm.honest.size == 0 or swarm.honest[k % robots]
-            if honest and not -SLACK <= flat[k] <= 1.0 + SLACK:
+            counts = honest.size == 0 or honest[k % robots]
+            if counts and not -SLACK <= flat[k] <= 1.0 + SLACK:
                 wrong[0], wrong[1], wrong[2] = k % robots, first + k // robots, flat[k]
                 return
 

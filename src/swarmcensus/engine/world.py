@@ -105,7 +105,7 @@ def round_readings(sensors, trial, out):
     """Fill `out` (round, robot) with the number of black readings in each round, from round 1 on."""
     robots = np.uint64(out.shape[1])
     bits = np.zeros(out.shape[1], np.uint64)
-    source = source_of(sensors, 0, out.shape[1])
+    source = source_of(sensors)
     for k in range(out.shape[0]):
         renew(source, k + 1, 0, out.shape[1])
         count_blacks(out[k], bits, source.tables, sensors.looks, sensors.key, trial, k + 1, np.uint64(0), robots)
@@ -117,7 +117,7 @@ def single_readings(sensors, trial, out):
     robots, looks = out.shape[1], sensors.looks
     bits = np.zeros(robots, np.uint64)
     blacks = np.zeros(robots)
-    source = source_of(sensors, 0, robots)
+    source = source_of(sensors)
     for step in range(out.shape[0]):
         left = looks - step % looks
         if left == looks:

@@ -1,5 +1,6 @@
 """Where bundles of trials are run: the protocol of pools, and threads of this process (`clusters.py` has workers)."""
 
+import contextlib
 import logging
 import os
 import time
@@ -7,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Literal, Protocol
 from weakref import WeakKeyDictionary
 
@@ -16,6 +18,7 @@ from swarmcensus.brains import PLAIN
 from swarmcensus.checks import caution
 from swarmcensus.engine import IN_SUMS_OF_ALL, ONE_BY_ONE, code_cache, compiler, interruptible
 from swarmcensus.runs.tasks import Bundle, Crew, Outcome, Task, metrics_of, run_bundle
+from swarmcensus.simulation import prepare
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import InputError
 from swarmcensus.support.fork import in_background
@@ -134,7 +137,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
 
     `show` is called with a note on the kind of swarm, and with how many kinds are done, of how many. If the process has
     no other threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles
-    for networks.
+    for networks. If there is one kind of robots only, each compiles half of what they need (`simulation.prepare`).
     """
     studies = list(studies)
     caution(brain for study, _ in studies for brain in study.brains)
@@ -157,14 +160,17 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
             show(_compile_note(left[0][0], done, kinds), (done, kinds))
 
     moving = [pair for pair in new if pair[0].body]
-
-    def compile_moving() -> None:
-        _run_all(moving)
-
-    alone = not moving or len(moving) == len(new) or not code_cache.keeps()
-    ended = compile_moving if alone else in_background(compile_moving, report_rest)
-    if ended is not compile_moving:
+    both = 0 < len(moving) < len(new)
+    alone = not code_cache.keeps() or not (both or _needs_loop(new))
+    aside: Callable[[], None] = partial(_run_all, moving) if both else lambda: _prepare(*new[0], aside=True)
+    if not alone:
+        report_rest()
+    ended = aside if alone else in_background(aside, report_rest)
+    if ended is not aside and both:
         here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
+    elif ended is not aside:
+        _prepare(*new[0], aside=False)
+        ended()
     while here:
         report_rest()
         _run_once(*here[0])
@@ -207,6 +213,18 @@ def _kind_of_swarm(setting: Setting) -> str:
 def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
     for setting, study in tiny:
         _run_once(setting, study)
+
+
+def _needs_loop(new: list[tuple[Setting, Study]]) -> bool:
+    """Whether the engine's loop is to be compiled, and is another one than that of robots that steer."""
+    return bool(new) and not _engine_is_compiled(new[0][0]) and not new[0][0].steers
+
+
+@interruptible
+def _prepare(setting: Setting, study: Study, aside: bool) -> None:
+    """Compile half of what one kind of swarm needs; if its brain fails, the real run reports it."""
+    with contextlib.suppress(Exception):
+        prepare(setting, study.seed, aside)
 
 
 def _engine_is_compiled(setting: Setting) -> bool:

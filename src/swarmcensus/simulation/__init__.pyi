@@ -15,7 +15,7 @@ from .metrics import (
 )
 from .oracle import fixed as fixed
 from .recorded import known as known, readings_of as readings_of
-from .rides import record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
+from .rides import prepare as prepare, record_ride as record_ride, run_ride as run_ride, senders_heard as senders_heard
 from .swarming import (
     DECIDED as DECIDED,
     IS_DONE as IS_DONE,

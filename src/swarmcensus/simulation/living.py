@@ -12,14 +12,14 @@ from typing import Protocol
 
 import numpy as np
 
-from swarmcensus.engine import Chunk, Inputs, Recorded, States, Swarm, Tally, compiler, interruptible, works
+from swarmcensus.engine import ALONE, Chunk, Inputs, Recorded, States, Swarm, Tally, compiler, interruptible, works
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.simulation import sampling
 from swarmcensus.simulation.hanging import watched
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, commands_of, links_of, walk_of
 from swarmcensus.simulation.swarming import states_of, swarm_of, tally_of
-from swarmcensus.simulation.trials import blaming
+from swarmcensus.simulation.trials import blaming, work_of
 from swarmcensus.studies import Setting
 
 STRETCH_BYTES = 4_000_000  # of states
@@ -146,7 +146,7 @@ class _Network:
         with blaming(setting, self.given.first):
             self.kernel.live(
                 self.swarm, self.given, self.states._replace(rows=estimates), self.tally, first, history, said, signals,
-                messages, np.zeros(1, np.uint8),
+                messages, np.zeros(1, np.uint8), ALONE, np.zeros((4, 1)), work_of(self.swarm, self.given, self.states),
             )  # fmt: skip
         return Stretch(first, history, said, signals, estimates, messages, done)
 

@@ -130,6 +130,21 @@ def run_ride(
     return [rider.measure(metrics, grounds[key]) for rider, key in zip(riders, keys, strict=True)]
 
 
+def prepare(setting: Setting, seed: int, aside: bool) -> None:
+    """Compile half of what a setting's trials need: the loop, or with `aside` what another process may compile."""
+    moves = setting.body is not None
+    if not aside:
+        compiler.compile_loop("riding.ride" if moves else "kernel.simulate")
+    given = inputs_of(setting, seed, 0)
+    if aside != moves:  # brains and measuring
+        swarm_of(setting, given, setting.use)
+    if aside and moves:
+        compiler.compile_loop("riding.start_states")
+        compiler.compile_loop("riding.conclude")
+        for chunk in walk_of(setting, given, np.zeros(1, np.uint8), commands_of(setting)).chunks(1):
+            sampling.ground(setting, seed, 0).colours(chunk.tiles, chunk.tick)
+
+
 def tiles_of(setting: Setting) -> int:
     """How many tiles the arena has from wall to wall."""
     assert setting.body is not None

@@ -8,24 +8,55 @@ import numpy as np
 
 from swarmcensus.brains import Brain
 from swarmcensus.engine import Inputs, States, Swarm, Tally, compiler, runs_of
-from swarmcensus.engine.constants import VERDICTS
+from swarmcensus.engine.constants import HELPERS, LISTED, PAIRS, VERDICTS
 from swarmcensus.simulation.informing import schedule_of
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies import Setting
 
 NO_DRAWS = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)
+NO_HELPERS = np.zeros(0, np.uint64)
+MEASURING = HELPERS[:7]  # what all trials on fixed networks call
 DECIDED, IS_DONE = "decided", "is_done"  # of a trace, besides a brain's own fields
 
 
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     """The swarm of some trials. Raises NotCompiled."""
+    helpers = helpers_of(setting, given, use)
     if not setting.members:
         plain = _informed(homogeneous_swarm(setting.brain, setting.robots, use), setting, use)
-        return plain._replace(draws=given.draws) if given.draws.size else plain
+        return plain._replace(draws=given.draws if given.draws.size else plain.draws, helpers=helpers)
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else ALL_HONEST
-    return _informed(swarm(setting.brains, group, use, given.draws, honest), setting, use)
+    return _informed(swarm(setting.brains, group, use, given.draws, honest), setting, use)._replace(helpers=helpers)
+
+
+def helpers_of(setting: Setting, given: Inputs, use: str) -> np.ndarray:
+    """The addresses of what of the engine is called for trials of a setting on a fixed network."""
+    radio, links = given.radio, given.links
+    return _helpers(
+        setting.brains, use, links.mode, given.stops.size > 0, bool(radio.threshold), given.draws.size > 0
+    )  # fmt: skip
+
+
+@functools.lru_cache(maxsize=256)
+def _helpers(brains: tuple[Brain, ...], use: str, mode: int, fails: bool, loses: bool, luck: bool) -> np.ndarray:
+    silent = any(compiler.array_layout(brain, len(brains) > 1).is_signalled for brain in brains)
+    wanted = {
+        "go_alone": use == "alone",
+        "hear_pairs": mode == PAIRS,
+        "hear_singly": mode == LISTED and (silent or fails or loses),
+        "fail_sensors": fails,
+        "count_signals": silent,
+        "draw_words": luck,
+        "fill_words": luck,
+        "note_clipped": any(brain.parts for brain in brains),
+    }
+    wanted |= dict.fromkeys(("ask_intervals", "note_intervals"), any(brain.has_interval for brain in brains))
+    judged = any(brain.decides or brain.ends for brain in brains)
+    wanted |= dict.fromkeys(("forget", "judge_block", "agree"), judged)
+    addresses: np.ndarray = compiler.compile_helpers({*MEASURING, *(name for name, yes in wanted.items() if yes)})
+    return addresses
 
 
 def _informed(swarm: Swarm, setting: Setting, use: str) -> Swarm:
@@ -74,6 +105,7 @@ def swarm(
         jams=any(brain.jams for brain in brains),
         draws=draws if any(brain.uses.luck for brain in brains) else NO_DRAWS,
         honest=honest,
+        helpers=NO_HELPERS,
     )
 
 

@@ -14,17 +14,19 @@ from swarmcensus.brains.metrics import Metric
 from swarmcensus.engine import (
     ALONE,
     Inputs,
+    Links,
     Measures,
     Segments,
     States,
     Swarm,
     Tally,
+    Work,
     compiler,
     interruptible,
     parts_of,
     run_together,
 )
-from swarmcensus.engine.constants import BLOCK, PART, VERDICTS
+from swarmcensus.engine.constants import BLOCK, BLOCKS, COLUMNS, PAIRS, PART, VERDICTS
 from swarmcensus.simulation.answers import WrongAnswer, check_estimates, check_intervals, check_verdicts
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.intervals import intervals_of, no_intervals
@@ -200,14 +202,15 @@ def _simulate(swarm: Swarm, groups: tuple[Any, ...], stop: np.ndarray, team: int
     """Whether `kernel.simulate` came to the end, in one thread or in several that share each trial."""
     simulate = compiler.compile_world("kernel").simulate
     if team == 1:
-        return bool(simulate(swarm, *groups, stop, ALONE))
-    parts = parts_of(swarm, team)
+        return bool(simulate(swarm, *groups, stop, ALONE, work_of(swarm, groups[0], groups[1], groups[-3])))
+    parts, sums = parts_of(swarm, team), sums_of(groups[1])
 
     groups[2].votes[:] = 0.0
 
     def run_part(number: int, gate: int, here: int, halt: np.ndarray) -> bool:
         own, begin = parts[number]
-        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate, here])))
+        work = work_of(own, groups[0], groups[1], groups[-3], begin * BLOCK, sums)
+        return bool(simulate(own, *groups, halt, np.array([begin, number, team, gate, here]), work))
 
     return all(run_together(run_part, team, stop))
 
@@ -219,9 +222,56 @@ def room_of(states: States, snapshots: int, outboxes: int, threads: int = 1) -> 
         np.empty((outboxes, *states.outbox.shape), np.uint8),
         np.empty((outboxes, *states.signals.shape), np.uint8),
         np.empty((3, states.memory.shape[0])),
-        np.empty((-(-states.memory.shape[0] // BLOCK), states.outbox.shape[1]), np.uint8),
         np.zeros((4, threads)),
     )
+
+
+def sums_of(states: States) -> np.ndarray:
+    """Room for sums of the messages of blocks of robots."""
+    return np.empty((-(-states.memory.shape[0] // BLOCK), states.outbox.shape[1]), np.uint8)
+
+
+def work_of(
+    swarm: Swarm,
+    given: Inputs,
+    states: States,
+    local: bool = False,
+    begin: int = 0,
+    sums: np.ndarray | None = None,
+) -> Work:
+    """Room to work in, for the robots of a swarm, the first of which is `begin`."""
+    robots, looks, accuracies = len(states.memory), given.sensors.looks, given.sensors.b.shape[1]
+    own = min((swarm.of_block.size - 1) * BLOCK, robots - begin)
+    at_once, luck = own if local else min(own, BLOCK), swarm.draws.size > 0
+    sums = sums_of(states) if sums is None else sums
+    most = 0
+    if luck or swarm.is_signalled or given.radio.threshold or given.stops.size:
+        most = _most_arrivals(given.links, robots)
+    return Work(
+        np.zeros(at_once),
+        np.zeros(at_once, np.uint64),
+        np.zeros(own if local else 0),
+        np.zeros((3, max(at_once, min(own, BLOCKS * BLOCK), most) if luck else 0), np.uint64),
+        sums,
+        np.zeros((2 * len(sums), sums.shape[1]), np.uint8),
+        np.zeros((2, most if given.links.mode != PAIRS else robots), np.uint32),
+        np.empty(((looks >= PART) + (looks % PART > 0), accuracies, COLUMNS), np.uint64),
+        np.full((3, accuracies), np.nan),
+        np.empty(robots + 1, np.int64),
+        np.empty(robots),
+        np.empty(1),
+        np.empty((3, 0), np.int64),
+    )
+
+
+def _most_arrivals(links: Links, robots: int) -> int:
+    """How many messages may arrive at a block of robots in a round, or among pairs at one robot."""
+    if links.mode == PAIRS:
+        return robots
+    if robots <= BLOCK:
+        return int(np.diff(links.starts).max())
+    graphs = itertools.pairwise(links.starts.tolist())
+    return max(int(np.bincount(links.receivers[a:z] // BLOCK, minlength=1).max()) for a, z in graphs)
 
 
 def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
@@ -345,7 +395,8 @@ def _rerun(
     tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
     end, stop = -(-setting.rounds // len(states.rows)), np.zeros(1, np.uint8)
     groups = swarm, given, states, room, measures, tally, no_intervals()
-    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop, ALONE)
+    work = work_of(swarm, given, states)
+    compiler.compile_world("kernel").simulate(*groups, setting.rounds, False, 0, end, stop, ALONE, work)
     estimates: np.ndarray = room.extremes[2]
     return estimates
 

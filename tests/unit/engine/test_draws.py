@@ -116,7 +116,7 @@ def test_purposes_share_no_numbers():
 
 @numba.njit
 def made(sensors):
-    source = source_of(sensors, 0, sensors.b.size)
+    source = source_of(sensors)
     renew(source, 1, 0, sensors.b.size)
     return source.tables
 

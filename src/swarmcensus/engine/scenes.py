@@ -1,0 +1,140 @@
+"""What the loop of rounds passes to functions that are compiled apart (`helpers.py`), as one group."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import typeof
+
+from swarmcensus.engine.changes import Source
+from swarmcensus.engine.layout import (
+    ALONE,
+    NO_LINKS,
+    Chunk,
+    Inputs,
+    Intervals,
+    Measures,
+    Reception,
+    Recorded,
+    Segments,
+    Sensors,
+    States,
+    Swarm,
+    Tally,
+    Work,
+)
+
+from .teams import Team
+
+
+class Graph(NamedTuple):
+    """Who hears whom in a trial."""
+
+    mode: Any  # LISTED, FULL or PAIRS
+    receivers: Any
+    senders: Any
+    bounds: Any  # (robot + 1): robot i has the links from bounds[i] to bounds[i + 1]
+
+
+class Scene(NamedTuple):
+    """A trial, or a member's part of one."""
+
+    swarm: Any
+    states: Any
+    work: Any
+    source: Any
+    graph: Any
+    radio: Any
+    tally: Any
+    stops: Any
+    trial: Any
+    team: Any
+    stop: Any
+
+
+def _like(dtype: Any, dimensions: int = 1) -> Any:
+    return np.zeros((0,) * dimensions, dtype)
+
+
+WORDS, REALS, BYTES, FLAGS = (_like(dtype) for dtype in (np.uint64, np.float64, np.uint8, np.bool_))
+WHOLES, NUMBERS = _like(np.int64), _like(np.uint32)
+WORD_ROWS, REAL_ROWS, BYTE_ROWS, FLAG_ROWS = (
+    _like(dtype, 2) for dtype in (np.uint64, np.float64, np.uint8, np.bool_)
+)  # fmt: skip
+WHOLE_ROWS = _like(np.int64, 2)
+REAL_CUBE, BYTE_CUBE, WHOLE_CUBE = (_like(dtype, 3) for dtype in (np.float64, np.uint8, np.int64))
+
+# groups like those that are passed, of which only the types matter
+SWARM = Swarm(
+    WORD_ROWS, WHOLES, WHOLES, WHOLES, BYTE_ROWS, WORD_ROWS, WORDS, True, True, True, WORDS, FLAGS, WORDS
+)  # fmt: skip
+STATES = States(BYTE_ROWS, BYTE_ROWS, BYTES, REAL_ROWS)
+TALLY = Tally(WHOLE_ROWS, REAL_ROWS, REALS)
+RECEPTION = Reception(WORDS, np.uint64(0), 1, False)
+INTERVALS = Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_ROWS, REALS)
+READINGS = Source(
+    _like(np.uint64, 3), REAL_ROWS, Sensors(REALS, REALS, REAL_ROWS, REALS, 1, WORDS, WORDS), changes=True
+)  # fmt: skip
+WORK = Work(
+    REALS, WORDS, REALS, WORD_ROWS, BYTE_ROWS, BYTE_ROWS, _like(np.uint32, 2), READINGS.tables, REAL_ROWS, WHOLES,
+    REALS, REALS, WHOLE_ROWS,
+)  # fmt: skip
+TRIAL = Scene(
+    SWARM,
+    STATES,
+    WORK,
+    READINGS,
+    Graph(1, NUMBERS, NUMBERS, WHOLES),
+    RECEPTION,
+    TALLY,
+    WHOLE_ROWS,
+    1,
+    Team(1, 1, 1, 1, 1, 1, 1, REAL_ROWS),
+    BYTES,
+)
+INPUTS = Inputs(
+    1, Sensors(REAL_ROWS, REAL_ROWS, REAL_CUBE, REALS, 1, WORDS, WORDS), (REAL_ROWS, REAL_ROWS), RECEPTION, NO_LINKS,
+    WHOLE_CUBE, WORDS, WORDS, REAL_ROWS, WHOLE_ROWS, FLAG_ROWS,
+)  # fmt: skip
+
+SOURCE, SCENE, INTERVALS_OF_TRIAL = map(typeof, (READINGS, TRIAL, INTERVALS))
+TO_SIMULATE = tuple(
+    map(
+        typeof,
+        (
+            SWARM,
+            INPUTS,
+            STATES,
+            Segments(BYTE_CUBE, BYTE_CUBE, BYTE_ROWS, REAL_ROWS, REAL_ROWS),
+            Measures(
+                1.0, REAL_ROWS, WHOLE_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS
+            ),
+            Tally(WHOLE_CUBE, REAL_CUBE, REAL_ROWS),
+            Intervals(WHOLES, REALS, REAL_ROWS, REALS, REAL_CUBE, REAL_ROWS),
+            1,
+            False,
+            0,
+            1,
+            BYTES,
+            ALONE,
+            WORK,
+        ),
+    )
+)
+TO_RIDE = tuple(
+    map(
+        typeof,
+        (
+            SWARM,
+            INPUTS,
+            STATES,
+            TALLY,
+            INTERVALS,
+            Chunk(1, FLAG_ROWS, _like(np.int32, 3), WHOLES, NUMBERS, REAL_CUBE, REAL_ROWS),
+            FLAG_ROWS,
+            Recorded(BYTE_CUBE, REAL_ROWS),
+            BYTES,
+        ),
+    )
+)
+TO_START = (*TO_RIDE[:3], typeof(REAL_ROWS), TO_RIDE[3])
+TO_CONCLUDE = tuple(map(typeof, (SWARM, REAL_ROWS, REAL_ROWS, 1.0, WHOLES, REALS, REALS, WHOLES, REALS)))
