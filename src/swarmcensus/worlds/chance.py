@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.engine import block, compile_world, counter, not_compiled, unit
+from swarmcensus.engine import compile_world, not_compiled
 from swarmcensus.engine.constants import TILE_ZERO
 
 
@@ -28,6 +28,8 @@ class Chance(NamedTuple):
     def noise(self, tiles: NDArray[np.int32]) -> NDArray[np.float64]:
         """Return a uniform number in [0, 1) for each of tiles (tick, robot, 2), always the same one for a tile."""
         if not_compiled():  # a loop over tiles would take ten seconds
+            from swarmcensus.engine import block, counter, unit  # loads Numba
+
             place = counter(TILE_ZERO + tiles[..., 0], TILE_ZERO + tiles[..., 1])
             return np.asarray(unit(block(*self.key, counter(self.trial, 0), place)[0]))
         out = np.empty(tiles.shape[:2])

@@ -2,17 +2,19 @@
 
 import ctypes
 import gc
-import importlib.util
 import sys
 import threading
-from types import ModuleType
 
 import numpy as np
 import pytest
 
 from swarmcensus.engine import cache_root
 from swarmcensus.gpu import CardError, CardFull, CardLost, driver, examined, open_driver
+from swarmcensus.gpu.cards import features_of
+from swarmcensus.gpu.source import measures, source
+from swarmcensus.simulation import inputs_of
 from tests.support import fake_cuda
+from tests.support.small import study_of
 
 GOING = np.zeros(1, np.uint8)
 TWICE = 'struct Twice { double* values; }; extern "C" __global__ void twice(Twice given) { given.values[0] *= 2.0; }'
@@ -172,9 +174,24 @@ def test_the_first_error_of_the_compiler_is_said(card):
     assert not [*cache_root().glob("*")]
 
 
-@pytest.mark.skipif(importlib.util.find_spec("cuda") is None, reason="NVIDIA's compiler is not installed")
-def test_the_real_compiler_writes_code_and_says_errors():
-    nvrtc: ModuleType = importlib.import_module("cuda.bindings.nvrtc")
-    assert driver.compiled(nvrtc, TWICE, "sm_90").startswith(b"\x7fELF")
+@pytest.fixture
+def compile_for_a_card():
+    """NVIDIA's own compiler, which needs no card."""
+    nvrtc = pytest.importorskip("cuda.bindings.nvrtc", reason="NVIDIA's compiler is not installed")
+    return lambda text: driver.compiled(nvrtc, text, "sm_90")
+
+
+def test_the_real_compiler_writes_code_and_says_errors(compile_for_a_card):
+    assert compile_for_a_card(TWICE).startswith(b"\x7fELF")
     with pytest.raises(CardError, match=r"kernels.cu\(1\): error"):
-        driver.compiled(nvrtc, TWICE.replace("values[0]", "value[0]"), "sm_90")
+        compile_for_a_card(TWICE.replace("values[0]", "value[0]"))
+
+
+@pytest.mark.parametrize("kernels", ["trials.cu", "crowds.cu", "alone.cu"])
+@pytest.mark.parametrize("brain", ["commons", pytest.param("three-state", marks=pytest.mark.long)])
+def test_the_real_compiler_takes_the_kernels(compile_for_a_card, brain, kernels):
+    study = study_of(brain, link_success=0.8, message="ratio16", precision="single")
+    setting = study.settings()[0]
+    features = features_of(setting, inputs_of(setting, 0, 0))
+    assert compile_for_a_card(source(setting.brains, features, kernels, 128)).startswith(b"\x7fELF")
+    assert compile_for_a_card(measures()).startswith(b"\x7fELF")

@@ -72,7 +72,7 @@ def test_a_study_of_all_kinds_gives_the_same_file(card, here):
     assert "device" not in run(study).attrs
     assert {local for *_, local in card.batches} == {False, True}
     assert len(card.threads) == 1
-    assert threading.active_count() == before
+    assert threading.active_count() <= before
     assert sum(trials for _, _, trials, local in card.batches if not local) == on_card.attrs["trials_done"]
 
 
