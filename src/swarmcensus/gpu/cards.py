@@ -14,7 +14,7 @@ from swarmcensus.engine.constants import CLIPPED, COVERAGE, FULL, HEARD, LISTED,
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
 from swarmcensus.gpu.given import ARRAYS, Given
 from swarmcensus.gpu.source import Features, measures, parameters, source
-from swarmcensus.simulation import Batch, Metrics, bins_at, consensus_of, inputs_of, run_batch, schedule_of
+from swarmcensus.simulation import Batch, Metrics, bins_at, consensus_of, inputs_of, run_batch, schedule_of, seconds
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import BrainError
 from swarmcensus.translation import owed_numbers
@@ -28,7 +28,9 @@ ALIGNED = 256  # bytes
 FAILED = "brain_failed"  # a variable of programs: whether Python would have raised an error
 CHUNK = 64  # rounds that one block looks at for agreement
 SPARE = 0.9  # the share of the free memory that a batch may take
-MOST_WORK = 2e10  # robots times rounds of a batch: about a second
+MOST_WORK = 300.0  # seconds on one core that a batch would take: about one on a card
+LONGEST = 3.0  # seconds on one core of a trial that is not cut into launches
+MOST_BLOCKS = 1 << 30  # of a launch
 LAUNCHES = 64  # rounds of a large swarm between two looks at whether to stop
 
 MEASURES = ("tables", "settle", "agree", "check", "decide")  # kernels that know of no brain
@@ -55,6 +57,8 @@ class Sizes(NamedTuple):
     message: int  # bytes
     words: int  # of eight bytes that a robot's state may take
     features: Features
+    seconds: float  # that a trial takes on one core
+    most_shared: int  # bytes of shared memory that a block may have
 
     @property
     def shared(self) -> int:
@@ -66,8 +70,8 @@ class Sizes(NamedTuple):
 
     @property
     def is_small(self) -> bool:
-        """Whether one block can run a trial."""
-        return self.robots <= MOST_IN_A_BLOCK and self.shared <= SHARED
+        """Whether one block can run a trial, and not for long."""
+        return self.robots <= MOST_IN_A_BLOCK and self.shared <= self.most_shared and self.seconds < LONGEST
 
     @property
     def bytes(self) -> int:
@@ -88,6 +92,7 @@ class Card:
         self.name = driver.name
         self._room: Buffer | None = None  # kept for the next batch: making room takes longer than a small batch
         self._size = 0
+        self._held: _Held | None = None  # the last batch: if it was stopped, its kernels may still run
         self._lock = threading.Lock()  # one batch at a time
 
     def room(self, size: int) -> Buffer:
@@ -107,16 +112,32 @@ class Card:
             sound=True, jams=False, signalled=True, lucky=True, judged=_judged(setting, local),
             bounded=_bounded(setting, local), changes=True,
         )  # fmt: skip
-        sizes = _sizes(setting, 1, features, local)
-        room = self.driver.free() * SPARE
+        sizes = self._sizes(setting, 1, features, local)
+        room = (self.driver.free() + self._size) * SPARE
         kept = 8 * len(metrics.checkpoints) * setting.robots * (3 if features.bounded else 1)
         most = int(room // (sizes.bytes + kept))
         if most < 1:
             raise CardFull(
-                f"the card {self.name} has {room / 1e9:.1f} GB of free memory, and one trial of {setting} takes "
-                f"{(sizes.bytes + kept) / 1e9:.1f} GB: run it on the CPU, or with fewer rounds"
+                f"the card {self.name} has {room / 1e6:,.0f} MB of free memory, and one trial of {setting} takes "
+                f"{(sizes.bytes + kept) / 1e6:,.0f} MB: run it on the CPU, or with fewer rounds"
             )
-        return max(1, min(most, int(MOST_WORK / (setting.robots * sizes.rounds))))
+        return max(1, min(most, int(MOST_WORK / sizes.seconds), MOST_BLOCKS // sizes.rounds))
+
+    def _sizes(self, setting: Setting, trials: int, features: Features, local: bool) -> Sizes:
+        brains = setting.brains
+        number = 4 if setting.precision == "single" else 8
+        fields = max(len(slots(brain.lengths)) + len(slots(brain.message)) + 4 for brain in brains)
+        return Sizes(
+            trials=trials,
+            robots=setting.robots,
+            rounds=setting.rounds * (setting.observations_per_round if local else 1),
+            slots=(0 if local else setting.message_delay) + 2,
+            message=number * len(kept_of_message(brains[0], len(brains) > 1)),
+            words=fields + 8,
+            features=features,
+            seconds=seconds(setting, local),
+            most_shared=min(SHARED, self.driver.shared),
+        )
 
     def run_batch(
         self,
@@ -135,9 +156,16 @@ class Card:
         """
         given = inputs_of(setting, seed, first, trials, order=local)
         features = features_of(setting, given, local)
-        sizes = _sizes(setting, trials, features, local)
+        sizes = self._sizes(setting, trials, features, local)
         with self._lock:
-            held = _Held(self, given, sizes, setting, metrics, local)
+            try:
+                held = self._held = _Held(self, given, sizes, setting, metrics, local)
+            except CardFull:  # what earlier batches left may be in the way
+                if self._room is None:
+                    raise
+                self._held = self._room = None
+                self._size = 0
+                held = self._held = _Held(self, given, sizes, setting, metrics, local)
             found = held.run(stop)
         if found is None:
             return None
@@ -171,21 +199,6 @@ def _judged(setting: Setting, local: bool) -> bool:
 def _bounded(setting: Setting, local: bool) -> bool:
     """Whether robots are asked for intervals."""
     return not local and any(brain.has_interval for brain in setting.brains)
-
-
-def _sizes(setting: Setting, trials: int, features: Features, local: bool) -> Sizes:
-    brains = setting.brains
-    number = 4 if setting.precision == "single" else 8
-    fields = max(len(slots(brain.lengths)) + len(slots(brain.message)) + 4 for brain in brains)
-    return Sizes(
-        trials=trials,
-        robots=setting.robots,
-        rounds=setting.rounds * (setting.observations_per_round if local else 1),
-        slots=(0 if local else setting.message_delay) + 2,
-        message=number * len(kept_of_message(brains[0], len(brains) > 1)),
-        words=fields + 8,
-        features=features,
-    )
 
 
 class _Held:
@@ -318,7 +331,7 @@ class _Held:
         """How many trials a block runs."""
         if not self.sizes.is_small:
             return 1
-        return max(1, min(THREADS // self.sizes.robots, SHARED // self.sizes.shared))
+        return max(1, min(THREADS // self.sizes.robots, self.sizes.most_shared // self.sizes.shared))
 
     def run(self, stop: np.ndarray) -> Arrays | None:
         """Run the trials and measure them; None if `stop` was set meanwhile."""

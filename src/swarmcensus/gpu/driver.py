@@ -25,6 +25,7 @@ from swarmcensus.support.files import atomic_write
 EXTRA = "pip install 'swarmcensus[gpu]'"
 OPTIONS = ("--fmad=false", "-default-device", "-std=c++17")  # a * b + c is rounded twice, as on the host
 FREELY_SHARED = 48 * 1024  # bytes of shared memory that a kernel may have without asking
+OLDEST = (7, 0)  # the compute capability that kernels need
 FIRST_PAUSE, LONGEST_PAUSE = 2e-5, 1e-3  # seconds between two looks at whether a card is ready
 FULL, NO_DEVICE, NOT_READY = 2, 100, 600
 LOST = {  # after these no call of this process succeeds
@@ -140,7 +141,7 @@ class Cuda:
             )
         )  # fmt: skip
         self.target = "sm_{}{}".format(*capability)
-        self._check_target()
+        self._check_target(capability)
         self._mark = " ".join((self.target, *OPTIONS, f"NVRTC {major}.{minor}"))
         self._context = self.call("cuDevicePrimaryCtxRetain", device)
 
@@ -256,7 +257,9 @@ class Cuda:
     def _about(self, kind: Any, device: Any) -> int:
         return int(self.call("cuDeviceGetAttribute", kind, device))
 
-    def _check_target(self) -> None:
+    def _check_target(self, capability: tuple[int, ...]) -> None:
+        if capability < OLDEST:
+            raise CardError(f"{self.name} is too old: cards of 2017 (Volta) or later are right")
         known = [f"sm_{number}" for number in self._compile("nvrtcGetSupportedArchs")]
         if self.target not in known:
             raise CardError(

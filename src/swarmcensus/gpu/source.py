@@ -6,11 +6,13 @@ from importlib.resources import files
 from string import Template
 from typing import NamedTuple
 
-from swarmcensus.brains import MOST, READ, STEPS, Brain, Part, length
+from swarmcensus.brains import MOST, READ, STEPS, Brain, Part, length, slots
 from swarmcensus.engine import codegen
 from swarmcensus.engine.constants import FULL, LISTED, NOISE, PAIRS, SAID, SILENT
 from swarmcensus.gpu.given import STRUCT
-from swarmcensus.translation import OF_FIELDS, bare, codec_unit, in_c
+from swarmcensus.translation import OF_FIELDS, bare, codec_unit, in_c, parameter_in_c
+
+MOST_UNROLLED = 64  # numbers of a state that are copied one by one, and not in a loop: that takes long to compile
 
 
 class Features(NamedTuple):
@@ -43,6 +45,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     Raises InputError for what C does not know.
     """
     number = "float" if brains[0].numbers.precision == "single" else "double"
+    numbers = max(len(slots(brain.lengths)) for brain in brains)
     defined = {name: int(value) for name, value in features._asdict().items()} | {
         "listed": LISTED, "full": FULL, "pairs": PAIRS, "silent": SILENT, "said": SAID, "noise": NOISE,
         "groups": len(brains), "width": len(codegen.kept_of_message(brains[0], len(brains) > 1)),
@@ -53,7 +56,7 @@ def source(brains: tuple[Brain, ...], features: Features, kernels: str, threads:
     return "\n\n".join(
         [  # brains come before macros, which could have a name of theirs
             _text("types.h"),
-            f"typedef {number} number;",
+            f'typedef {number} number;\n#define BRAIN_UNROLLED _Pragma("unroll{" 1" * (numbers > MOST_UNROLLED)}")',
             *(_of_brain(group, brain, len(brains) > 1) for group, brain in enumerate(brains)),
             _text("machine.h"),
             "\n".join(f"#define {name.upper()} {value}" for name, value in defined.items()),
@@ -114,7 +117,7 @@ def _of_brain(group: int, brain: Brain, mixed: bool) -> str:
             "\n".join(_parameters(group, brain)),
             bare(brain, "\n".join(coded), codec),
             _fitted(brain, said, coded, mixed),
-            "\n".join(f"#undef parameter_{name}" for name in brain.parameters),
+            "\n".join(f"#undef {parameter_in_c(name)}" for name in brain.parameters),
             "}",
         ]
     )
@@ -125,7 +128,7 @@ def _parameters(group: int, brain: Brain) -> list[str]:
     for name, value in brain.parameters.items():
         long = length(value)
         place = f"(parameters_{group} + {at})" if long else f"(parameters_{group}[{at}])"
-        lines.append(f"#define parameter_{name} {place}")
+        lines.append(f"#define {parameter_in_c(name)} {place}")
         at += max(long, 1)
     return lines
 
@@ -221,9 +224,9 @@ CALLS = {
 
 def _dispatch(brains: tuple[Brain, ...]) -> str:
     """The brains of a swarm as one union, and functions that call that of a robot's group."""
-    fields = [f"    brain_{group}::brain of_{group};" for group, _ in enumerate(brains)]
+    fields = [f"    struct brain_{group}::brain of_{group};" for group, _ in enumerate(brains)]
     parts = ["\n".join(["union Brains {", *fields, "};"])]
-    starts = ["0", *(f"sizeof(brain_{group}::brain) / sizeof(number)" for group, _ in enumerate(brains))]
+    starts = ["0", *(f"sizeof(struct brain_{group}::brain) / sizeof(number)" for group, _ in enumerate(brains))]
     start = "const number *blanks, int64_t i, double b, double w"
     for name, (result, arguments) in ({"start": ("void", start)} | CALLS).items():
         lines = [f"PART {result} robot_{name}(Brains &me, int64_t group{arguments and f', {arguments}'}) {{"]

@@ -160,8 +160,11 @@ def recompute(
     jobs: int | None = None,
     progress: Report = lambda _: None,
     device: Device = "cpu",
-) -> Values:
-    """Run the trials of some settings that are `wanted`, (setting, trial); trials that fail stay missing."""
+) -> tuple[Values, NDArray[np.bool_]]:
+    """Run the trials of some settings that are `wanted`, (setting, trial); trials that fail stay missing.
+
+    Returns the values, and which settings a card ran, (setting,).
+    """
     jobs = pools.thread_count(jobs)
     values = Values(study, settings, wanted.shape[1], local)
     placing = placing_of(study, settings, wanted.sum(axis=1), device, local=local)
@@ -172,7 +175,7 @@ def recompute(
     with _pool(state, jobs, None, device) as pool:
         if run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt
-    return values
+    return values, placing.on_card
 
 
 def _report_failures(state: State, data: xr.Dataset) -> None:

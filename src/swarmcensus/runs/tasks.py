@@ -45,7 +45,6 @@ RIDE_BYTES = 256_000_000  # most memory for the curves of all states on one traj
 CROWDS = Lock()  # for trials that no other may run beside, as they take much memory: each uses all threads
 EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings
 EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one more task costs 0.1 ms
-UNLIMITED = 2**31
 CARD_SPEED = 300.0  # cores that a card is about as fast as
 
 
@@ -198,7 +197,7 @@ def _split(
     room: int,
 ) -> Iterator[Task]:
     cost = seconds(setting, kind == "local") / (CARD_SPEED if room else 1.0)
-    size = min(max(1, int(limit / cost)), room or UNLIMITED)
+    size = room or max(1, int(limit / cost))  # few trials would leave most of a card idle
     for begin, end in spans:
         some_early = not room and cost * (end - begin) >= EARLY_SECONDS
         early = -(-(end - begin) // EARLY_ONE_IN) if some_early else 0

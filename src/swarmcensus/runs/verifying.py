@@ -245,8 +245,8 @@ def _compare(
     trials = data.variables["trial"].values
     columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
     columns[:, trials] = wanted
-    again = recompute(study, settings, columns, local, jobs, progress, device)
-    close = _closeness(data, settings, device)
+    again, on_card = recompute(study, settings, columns, local, jobs, progress, device)
+    close = _closeness(data, settings, on_card)
     known = [
         study.checkpoints.index(c) if c in study.checkpoints else -1
         for c in data.variables["checkpoint"].values.tolist()
@@ -277,11 +277,18 @@ def _compare(
     return list(out.values())
 
 
-def _closeness(data: xr.Dataset, settings: Sequence[Setting], device: Device) -> NDArray[np.float64]:
+def _closeness(data: xr.Dataset, settings: Sequence[Setting], on_card: NDArray[np.bool_]) -> NDArray[np.float64]:
     """By how much numbers of each setting may differ, (setting,): 0 unless it computes otherwise on a card."""
-    if device == "cpu" and "device" not in data.attrs:
-        return np.zeros(len(settings))
-    return np.array([0.0 if all(map(selftest.is_exact, s.brains)) else CLOSE[s.precision] for s in settings])
+    before = "device" in data.attrs  # a card has run networks
+    return np.array(
+        [
+            CLOSE[s.precision]
+            if (now or (before and s.body is None)) and not all(map(selftest.is_exact, s.brains))
+            else 0
+            for s, now in zip(settings, on_card.tolist(), strict=True)
+        ],
+        np.float64,
+    )
 
 
 def _apart(name: str, stored: NDArray[Any], rerun: NDArray[Any], close: NDArray[np.float64]) -> NDArray[np.bool_]:

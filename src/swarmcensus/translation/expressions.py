@@ -19,7 +19,7 @@ from swarmcensus.translation.texts import (  # fmt: skip
     literal,
     signed,
 )
-from swarmcensus.translation.unit import Record, Unit, Untranslatable
+from swarmcensus.translation.unit import Record, Unit, Untranslatable, parameter_in_c
 
 COMPARES = {ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">="}
 PLAIN = {ast.Add: ("+", SUM), ast.Sub: ("-", SUM), ast.Mult: ("*", PRODUCT)}
@@ -60,10 +60,10 @@ class Expressions:
         if isinstance(value, int):
             return self._whole_literal(value, node)
         if self.kind(node) == REAL:
-            return Text(f"{self.unit.need('to_whole')}({self._result(self.real(node).text).text})")
+            return self._to_whole(self.real(node))
         if isinstance(node, ast.Call) and (rounding := self._rounding(node)):
             cut = self.real(node.args[0]) if WHOLES[_called(node)] == "trunc" else rounding
-            return Text(f"{self.unit.need('to_whole')}({self._result(cut.text).text})")
+            return self._to_whole(cut)
         return self._value(node, WHOLE)
 
     def truth(self, node: ast.expr) -> Text:
@@ -232,7 +232,7 @@ class Expressions:
             raise Untranslatable(f"{ast.unparse(node)} has no translation to C", node)
         if field in self.unit.parameters:
             self.unit.used_parameters.add(field)
-            return f"parameter_{field}"
+            return parameter_in_c(field)
         return f"{self.unit.local(node.value.id)}->{self.unit.field(field)}"
 
     def _is_message(self, node: ast.expr) -> bool:
@@ -262,6 +262,8 @@ class Expressions:
             inner = self.unit.constant(whole.id) if isinstance(whole, ast.Name) else self._subscript(whole).text  # type: ignore[arg-type]
             return Text(f"{inner}[{self._index(index, len(table))}]")
         items = self.length(whole) if not isinstance(whole, ast.Name) else 0
+        if self.unit.checked and isinstance(whole, ast.Name):
+            items = self.unit.vectors.get((self.function, whole.id), 0)
         return Text(f"{self.vector(whole).text}[{self._index(index, items)}]")
 
     def _table(self, node: ast.expr) -> object:
@@ -326,6 +328,10 @@ class Expressions:
         text = self.real(node)
         is_whole = self.unit.checked and self.kind(node) == WHOLE
         return f"(number){text.within(UNARY)}" if is_whole else text.text
+
+    def _to_whole(self, text: Text) -> Text:
+        """A real number without its fraction as a whole one, and looked at as it runs where the unit is checked."""
+        return Text(f"{'brain_whole' if self.unit.checked else self.unit.need('to_whole')}({text.text})")
 
     def _result(self, text: str) -> Text:
         """What a function of math.h gives, and looked at as it runs where the unit is checked."""
@@ -433,7 +439,8 @@ class Expressions:
             return None
         made = WHOLES[name]
         function = self.unit.need(made) if made == "nearest_even" else self.unit.math(made)
-        return Text(f"{function}({self._result(self.real(arguments[0]).text).text})")
+        text = self.real(arguments[0]).text
+        return Text(f"{function}({f'brain_countable({text})' if self.unit.checked else text})")
 
     def _call(self, node: ast.Call) -> Text:
         name, arguments = _called(node), node.args

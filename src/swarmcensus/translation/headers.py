@@ -1,6 +1,7 @@
 """A brain as one C header: its memory, its parameters and tables, its functions and its messages."""
 
 import ast
+import re
 import textwrap
 from typing import Any
 
@@ -13,7 +14,7 @@ from swarmcensus.translation.comments import Comments, plain, quoted
 from swarmcensus.translation.reserved import OF_FIELDS
 from swarmcensus.translation.signatures import signature
 from swarmcensus.translation.statements import Function
-from swarmcensus.translation.unit import Record, Unit, Untranslatable, called, in_c
+from swarmcensus.translation.unit import Record, Unit, Untranslatable, called, in_c, parameter_in_c
 
 ABOUT = """\
 // Written by swarmcensus {version}: the brain {label}, for numbers of type {number}, messages as {message}.
@@ -108,12 +109,12 @@ def _header(brain: Brain) -> str:
 def bare(brain: Brain, talk: str, codec: Unit) -> str:
     """A brain's C for a program that runs many: without includes, comments, bytes and parameters.
 
-    Whole numbers have 64 bits, as in the engine, and what raises an error in Python calls `brain_divisor`,
-    `brain_result` or `brain_place`. `talk` is text that calls functions of the `codec`. Raises InputError.
+    Whole numbers have 64 bits, as in the engine, and functions named `brain_...` notice what raises an error in Python.
+    `talk` is text that calls functions of the `codec`. Raises InputError.
     """
     try:
         unit = unit_of(brain)
-        unit.checked = True
+        unit.checked = codec.checked = True
         body = _functions(unit, Comments(""))
         codec_text = _needed_codec(codec, Comments(""), talk)
         parts = [
@@ -127,10 +128,7 @@ def bare(brain: Brain, talk: str, codec: Unit) -> str:
         ]
     except Untranslatable as error:
         raise BrainError.of(brain.path, error, where=f"brain file {brain.path}, line {error.line}") from None
-    text = "\n\n".join(part for part in parts if part)
-    for board, engine in {"int32_t": "int64_t", "INT32_": "INT64_", repr(2.0**31): "9223372036854775808.0"}.items():
-        text = text.replace(board, engine)
-    return text
+    return re.sub(r"\bint32_t\b", "int64_t", "\n\n".join(part for part in parts if part))
 
 
 def _notes(tree: ast.Module, comments: Comments) -> dict[str, str]:
@@ -195,7 +193,7 @@ def _parameters(brain: Brain, unit: Unit, notes: dict[str, str]) -> list[str]:
         if name in unit.used_parameters:
             items, text = _value(unit, value)
             remark = _remark(notes.get(f"PARAMETERS.{name}", ""))
-            lines.append(f"static const number parameter_{name}{items} = {text};{remark}")
+            lines.append(f"static const number {parameter_in_c(name)}{items} = {text};{remark}")
     return lines
 
 

@@ -13,7 +13,7 @@ restrict return short signed sizeof static struct switch typedef union unsigned 
 alignas alignof and and_eq asm bitand bitor bool catch class compl constexpr const_cast decltype delete dynamic_cast
 explicit export false friend mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected
 public reinterpret_cast static_assert static_cast template this thread_local throw true try typeid typename using
-virtual wchar_t xor xor_eq
+virtual char16_t char32_t wchar_t xor xor_eq
 """.split()  # noqa: SIM905 - read more easily than a list
 MATH = """
 acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin

@@ -63,9 +63,14 @@ def is_exact(brain: Brain) -> bool:
     called = {
         node.attr for node in nodes if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "math"
     }
-    powers = (node for node in nodes if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow))
-    exponents = {ast.unparse(node.right) for node in powers} - {"2", "(-20)", "-20", "BINS"}
-    return called <= EXACT and not exponents
+    called |= {"pow"} & {node.id for node in nodes if isinstance(node, ast.Name)}
+    powers = [node for node in nodes if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Pow)]
+    return called <= EXACT and all(_is_square(node) for node in powers)
+
+
+def _is_square(node: ast.BinOp | ast.AugAssign) -> bool:
+    exponent = node.right if isinstance(node, ast.BinOp) else node.value
+    return isinstance(exponent, ast.Constant) and exponent.value == 2
 
 
 def compare(wanted: str, found: str) -> BitDifference:

@@ -1,8 +1,9 @@
 """What a translation to C knows about a source: kinds, constants, names in C, and helper functions that it needs."""
 
 import ast
+import functools
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -78,6 +79,44 @@ class Unit:
         self.heard = self._heard()  # arguments, by function, that are the message of a neighbour
         self.speakers = self._speakers()
         self.results = {name: self._result(name) for name in self.functions}
+
+    @functools.cached_property
+    def vectors(self) -> dict[tuple[str, str], int]:
+        """The lengths of vectors that have a name, by function and name. Raises Untranslatable if one has several."""
+        found: dict[tuple[str, str], int] = {}
+        before = -1
+        while len(found) != before:
+            before = len(found)
+            for function, node in self.functions.items():
+                for part in ast.walk(node):
+                    for place, value in self._named(function, part):
+                        items = self._items(function, value, found)
+                        if items and found.setdefault(place, items) != items:
+                            what = f"{place[1]} is a vector of {items} and of {found[place]} items"
+                            raise Untranslatable(f"{what}: functions are given vectors of one length", value)
+        return found
+
+    def _named(self, function: str, node: ast.AST) -> Iterator[tuple[tuple[str, str], ast.expr]]:
+        """The names that a node gives a value: its function and name, and the value."""
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            yield (function, node.targets[0].id), node.value
+        if (other := called(node)) in self.functions:
+            for name, value in zip(arguments_of(self.functions[other]), node.args, strict=False):  # type: ignore[attr-defined]
+                yield (other, name), value
+
+    def _items(self, function: str, value: ast.expr, found: Mapping[tuple[str, str], int]) -> int:
+        """How many items a vector has; 0 if it is none, or if that is not known yet."""
+        match value:
+            case ast.Attribute(attr=field):
+                return self.kinds.record.get(field, 0)
+            case ast.Name(id=name):
+                table = self.constants.get(name)
+                return found.get((function, name)) or (len(table) if isinstance(table, tuple) else 0)
+            case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=int(place))) if (
+                self.message and (function, name) in self.heard
+            ):
+                return self.message.lengths[place]
+        return 0
 
     def _reached(self) -> dict[str, ast.FunctionDef]:
         """The functions that others call, and those that these call; all, if it is not known which others call."""
@@ -262,8 +301,18 @@ def called(node: ast.AST) -> str:
     return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
 
 
+def parameter_in_c(name: str) -> str:
+    """The name of a parameter in C."""
+    return f"parameter_{in_ascii(name)}"
+
+
+def in_ascii(name: str) -> str:
+    """A name without letters that C lacks."""
+    return "".join(c if c.isascii() else f"u{ord(c):04x}" for c in name)
+
+
 def in_c(name: str, taken: Collection[str]) -> str:
     """A name in C: without letters that C lacks, and with one more underscore if it is taken but for those it has."""
-    made = "".join(c if c.isascii() else f"u{ord(c):04x}" for c in name)
+    made = in_ascii(name)
     plain = made.rstrip("_") or made
     return f"{made}_" if plain in taken or OURS.match(plain) else made

@@ -14,7 +14,7 @@ from tests.support.random_studies import BRAINS, GO_ON, differences, random_stud
 pytestmark = needs_gxx
 FEW = (6, 29, 43, 50, 52)  # random studies that have all that a study may have between them
 BRAIN = """
-MEMORY = {"t": 0.0, "n": 0.0}
+MEMORY = {"t": 0.0, "n": 0.0, "v": (0.0, 0.0, 0.0)}
 MESSAGE = ("t",)
 
 
@@ -35,9 +35,17 @@ def fuse(me):
     pass
 
 
+def item(items, k):
+    return items[k]
+
+
 def estimate(me):
     return me.n / me.t if me.t > 0.0 else 0.5
 """
+
+
+def raised(error):
+    raise error
 
 
 @pytest.fixture
@@ -104,6 +112,8 @@ def test_same_bits_of_random_studies(card, number):
         (("pass", "me.t = me.t / (0.0 if me.n > 20.0 else 1.0)"), "ZeroDivisionError"),
         (("pass", "me.n = math.sqrt(20.0 - me.n) + me.n"), "ValueError"),
         (("pass", "me.t = 1.0 * int(me.t * 10.0 ** (me.n * 20.0))"), "OverflowError"),
+        (("pass", "me.t = 1.0 * int(me.t * 1e18)"), "OverflowError"),
+        (("pass", "me.t += item(me.v, int(me.n))"), "IndexError"),
         (("return me.n / me.t", "return 1.5 if me.n > 20.0 else me.n / me.t"), "estimate gives 1.5"),
     ],
 )
@@ -116,6 +126,27 @@ def test_brain_that_fails_is_blamed_as_on_the_cpu(card, tmp_path, broken, why):
         run(card, study)
     with pytest.raises(InputError, match=why):
         run(card, study, 1)
+
+
+@pytest.mark.interpreted
+def test_numbers_of_brains_are_theirs(card, tmp_path):
+    """A literal that a helper function has too, and names with a type of C in them."""
+    file = tmp_path / "odd.py"
+    text = BRAIN.replace("pass", "me.n += me.t / 2147483648.0", 1).replace('"v"', '"v_int32_t"')
+    file.write_text(
+        f"PARAMETERS = {{'größe': 1.0}}\nbrain = 3.0\n{text.replace('else 0.5', 'else brain / 6.0 * me.größe')}"
+    )
+    assert differences(card, networks(file)) == []
+
+
+@pytest.mark.interpreted
+def test_a_full_card_gives_up_what_earlier_batches_left(card, monkeypatch):
+    small, large = networks("minimalistic", 20), networks("minimalistic", 300)
+    run(card, large)
+    before, errors = card.driver.upload, [CardFull("full")]
+    monkeypatch.setattr(card.driver, "upload", lambda array: raised(errors.pop()) if errors else before(array))
+    assert run(card, small) is not None
+    assert not errors
 
 
 @pytest.mark.interpreted
@@ -136,7 +167,7 @@ def test_batches_fit_the_memory():
     setting, metrics = study.settings()[0], metrics_of(study)
     few, many = (Card(Emulator(memory)).most_trials(setting, metrics) for memory in (1 << 20, 1 << 24))
     assert 1 <= few < many / 10
-    with pytest.raises(CardFull, match=r"the card Emulator has 0\.0 GB of free memory, and one trial of .* takes"):
+    with pytest.raises(CardFull, match=r"the card Emulator has 0 MB of free memory, and one trial of .* takes"):
         Card(Emulator(1000)).most_trials(setting, metrics)
 
 

@@ -1,23 +1,19 @@
 // Large swarms: one launch a round, a thread a robot. States and messages lie in memory word by word, so that threads
 // next to each other read what lies next to each other.
 
-#define WORDS ((int64_t)(sizeof(Robot) / 8))
+#define WORDS ((int32_t)(sizeof(Robot) / 8))
 
 PART void load(const Given &given, const Place &at, Robot &me) {
-    uint64_t *words = (uint64_t *)&me;
     const uint64_t *kept = given.memory + at.trial * WORDS * given.robots + at.i;
-#pragma unroll
-    for (int64_t w = 0; w < WORDS; w++) {
-        words[w] = kept[w * given.robots];
+    BRAIN_UNROLLED for (int32_t w = 0; w < WORDS; w++) {
+        memcpy((char *)&me + 8 * w, kept + w * given.robots, 8);
     }
 }
 
 PART void store(const Given &given, const Place &at, const Robot &me) {
-    const uint64_t *words = (const uint64_t *)&me;
     uint64_t *kept = given.memory + at.trial * WORDS * given.robots + at.i;
-#pragma unroll
-    for (int64_t w = 0; w < WORDS; w++) {
-        kept[w * given.robots] = words[w];
+    BRAIN_UNROLLED for (int32_t w = 0; w < WORDS; w++) {
+        memcpy(kept + w * given.robots, (const char *)&me + 8 * w, 8);
     }
 }
 

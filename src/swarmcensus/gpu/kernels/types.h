@@ -23,6 +23,7 @@ typedef long long int64_t;
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+using std::isfinite, std::isinf, std::isnan;
 #define BRAIN_CONSTANT
 #define BRAIN_NOTED
 #define BRAIN_PART static inline
@@ -46,6 +47,16 @@ template <class T> BRAIN_PART T brain_result(T x) {
     return x;
 }
 
+template <class T> BRAIN_PART T brain_countable(T x) {
+    if (!(x > (T)-9223372036854775808.0 && x < (T)9223372036854775808.0)) {
+        brain_failed = 1;
+        return 0;
+    }
+    return x;
+}
+
+template <class T> BRAIN_PART int64_t brain_whole(T x) { return (int64_t)brain_countable(x); }
+
 BRAIN_PART int64_t brain_place(int64_t index, int64_t items) {
     const int64_t place = index < 0 ? index + items : index;
     if (0 <= place && place < items) {
@@ -57,4 +68,4 @@ BRAIN_PART int64_t brain_place(int64_t index, int64_t items) {
 
 #define BRAIN_TABLE
 #define BRAIN_EACH_NUMBER \
-    _Pragma("unroll") for (int32_t n = 0; n < (int32_t)(sizeof(struct brain) / sizeof(number)); n++)
+    BRAIN_UNROLLED for (int32_t n = 0; n < (int32_t)(sizeof(struct brain) / sizeof(number)); n++)
