@@ -107,6 +107,7 @@ def gpu(check=False, emulated=False, quick=False):
     devices.the_card = lambda: card
     table = harness.table(f"Seconds on {card.name}", "work", "CPU, all cores", "kernels", "whole run", "JAX")
     for name, study, in_jax in works(quick):
+        print(name, file=sys.stderr, flush=True)
         whole(study, "gpu"), whole(study, "cpu")  # compiles
         alone = min(kernels(timed, study) for _ in range(1 if quick else 3))
         cpu, run = (min(whole(study, device) for _ in range(1 if quick else 2)) for device in ("cpu", "gpu"))

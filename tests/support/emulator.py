@@ -8,14 +8,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from swarmcensus.engine import cache_root
 from swarmcensus.gpu.given import Given
 from swarmcensus.support.files import atomic_write
 
 FLAGS = ("-std=c++17", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "-w")
-needs_gxx = pytest.mark.skipif(shutil.which("g++") is None, reason="kernels are compiled by g++, which is not here")
 
 
 class Memory:

@@ -10,6 +10,7 @@ import ctypes
 import hashlib
 import importlib
 import re
+import sys
 import threading
 import time
 from pathlib import Path
@@ -25,6 +26,7 @@ from swarmcensus.support.files import atomic_write
 EXTRA = "pip install 'swarmcensus[gpu]'"
 OPTIONS = ("--fmad=false", "-default-device", "-std=c++17")  # a * b + c is rounded twice, as on the host
 FREELY_SHARED = 48 * 1024  # bytes of shared memory that a kernel may have without asking
+NO_DRIVER = "NVIDIA's driver is not installed: this machine has no card that can be used"
 OLDEST = (7, 0)  # the compute capability that kernels need
 FIRST_PAUSE, LONGEST_PAUSE = 2e-5, 1e-3  # seconds between two looks at whether a card is ready
 FULL, NO_DEVICE, NOT_READY = 2, 100, 600
@@ -273,6 +275,10 @@ def open_driver() -> Driver:
     try:
         driver, nvrtc = (importlib.import_module(f"cuda.bindings.{name}") for name in ("driver", "nvrtc"))
     except ImportError:
+        try:
+            ctypes.CDLL("nvcuda.dll" if sys.platform == "win32" else "libcuda.so.1")
+        except OSError:
+            raise CardError(NO_DRIVER) from None
         raise CardError(f"a card needs NVIDIA's cuda-bindings and NVRTC: {EXTRA}") from None
     return Cuda(driver, nvrtc)
 
@@ -315,7 +321,7 @@ def _unopened(error: Exception) -> CardError:
         return CardError(f"NVIDIA's compiler NVRTC cannot be loaded: {EXTRA}")
     if isinstance(error, CardError):
         return CardError("this machine has no NVIDIA card, or CUDA_VISIBLE_DEVICES hides it")
-    return CardError("NVIDIA's driver is not installed: this machine has no card that can be used")
+    return CardError(NO_DRIVER)
 
 
 def kept(digest: str) -> bytes | None:

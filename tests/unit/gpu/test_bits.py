@@ -1,5 +1,7 @@
 """Kernels give the bits of the CPU's engine; g++ compiles them here, with a loop over the threads of a block."""
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -8,10 +10,10 @@ from swarmcensus.brains.brain import shipped
 from swarmcensus.gpu import Card, CardFull, cards, why_not
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.support.errors import InputError
-from tests.support.emulator import Emulator, needs_gxx
+from tests.support.emulator import Emulator
 from tests.support.random_studies import BRAINS, GO_ON, differences, random_study
 
-pytestmark = needs_gxx
+pytestmark = pytest.mark.skipif(shutil.which("g++") is None, reason="g++, which compiles the kernels, is not here")
 FEW = (6, 29, 43, 50, 52)  # random studies that have all that a study may have between them
 BRAIN = """
 MEMORY = {"t": 0.0, "n": 0.0, "v": (0.0, 0.0, 0.0)}

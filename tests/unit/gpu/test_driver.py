@@ -112,9 +112,18 @@ def test_a_cache_that_cannot_be_written_is_done_without(card, monkeypatch, tmp_p
     assert open_driver().build("one").handle == b"code of one"
 
 
-def test_without_the_extra_its_name_is_said(monkeypatch):
+def no_library(name):
+    raise OSError(name)
+
+
+@pytest.mark.parametrize(
+    ("library", "why"),
+    [(str, r"NVRTC: pip install 'swarmcensus\[gpu\]'"), (no_library, "NVIDIA's driver is not installed")],
+)
+def test_without_the_extra_its_name_is_said_where_there_is_a_driver(monkeypatch, library, why):
     monkeypatch.setitem(sys.modules, "cuda.bindings", None)
-    with pytest.raises(CardError, match=r"NVRTC: pip install 'swarmcensus\[gpu\]'"):
+    monkeypatch.setattr(driver.ctypes, "CDLL", library)
+    with pytest.raises(CardError, match=why):
         open_driver()
 
 

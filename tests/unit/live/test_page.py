@@ -328,8 +328,7 @@ def test_the_old_picture_stays_dimmed_until_the_new_one_is_there(page, served, m
     old = page.evaluate(f"{PUT} put('robots', '9'); [state.run, state.drawn, state.scenes[0].robots]")
     playwright.expect(page.locator("main[data-waits='1']")).to_be_visible(timeout=20_000)
     assert page.evaluate("[state.run, state.drawn, state.scenes[0].robots]") == old
-    page.wait_for_timeout(400)
-    assert page.locator("#stages figure").evaluate("figure => getComputedStyle(figure).opacity") < "0.5"
+    page.wait_for_function("getComputedStyle(document.querySelector('#stages figure')).opacity < 0.5")
     goes_on.set()
     until(page, "[state.preparing, state.scenes[0].robots, state.drawn]", [False, 9, 30])
     playwright.expect(page.locator("main[data-waits]")).to_have_count(0)

@@ -79,7 +79,7 @@ def brains(options: argparse.Namespace) -> int:
             raise misplaced("json", None, "does not go with --show, which prints a program")
         sys.stdout.write(brain_to_check(options.show, options.wrapping).source)
         return 0
-    say(f"checking {options.check}, which is compiled for it: up to a minute")
+    say(f"checking {options.check}, which is compiled for it: some seconds")
     found = check(options.check, wrapping=options.wrapping, single=options.single)
     checks, conforms, said, lived = found.checks, found.conforms, [*found.notes], found.single
     if lived is not None:

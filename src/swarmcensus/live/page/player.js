@@ -131,7 +131,7 @@ function dimOld(waited) {
 
 function tellWhy() {
   const { lost, compiling } = state.source;
-  const working = compiling ? `Compiling ${compiling}, which takes up to a minute, once on this machine …` : "Loading …";
+  const working = compiling ? `Compiling ${compiling}, which takes some seconds, once on this machine …` : "Loading …";
   const why = lost ? "The connection is lost. Trying again …" : working;
   if ($("waiting").textContent !== why) $("waiting").textContent = why; // only on changes, because screen readers read it aloud
 }
