@@ -327,7 +327,7 @@ def test_the_old_picture_stays_dimmed_until_the_new_one_is_there(page, served, m
     monkeypatch.setattr(Session, "_begin", lambda *given: goes_on.wait(60) and begin(*given))
     old = page.evaluate(f"{PUT} put('robots', '9'); [state.run, state.drawn, state.scenes[0].robots]")
     playwright.expect(page.locator("main[data-waits='1']")).to_be_visible(timeout=20_000)
-    assert page.evaluate("[state.run, state.drawn, state.scenes[0].robots]") == old
+    until(page, "[state.run, state.drawn, state.scenes[0].robots]", old)  # after a change of size it is drawn again
     page.wait_for_function("getComputedStyle(document.querySelector('#stages figure')).opacity < 0.5")
     goes_on.set()
     until(page, "[state.preparing, state.scenes[0].robots, state.drawn]", [False, 9, 30])
