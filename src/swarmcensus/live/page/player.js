@@ -90,7 +90,11 @@ function tickOn(now) {
   if (late) tellWhy();
   if (!late) state.shownAt = now;
   dimOld(state.preparing && state.scenes.length > 0 && now - state.shownAt > DIM ? now - state.shownAt : null);
-  if (!state.scenes.length || state.preparing) return;
+  if (!state.scenes.length) return;
+  if (state.preparing) {
+    showHere(now); // the old picture, after a change of size
+    return;
+  }
   const by = strides();
   if (!state.frames.has(state.tick)) fetchAt(state.tick, state.run);
   else if (state.playing) {
@@ -105,8 +109,7 @@ function tickOn(now) {
     else if (end + by > rounds() && end < rounds() && !state.frames.has(rounds())) fetchAt(rounds(), state.run);
     if (state.tick >= rounds()) reachEnd();
   }
-  const frames = state.frames.get(state.tick);
-  if (frames && frames.filter(Boolean).length === state.scenes.length && state.drawn !== state.tick) show(frames, now);
+  showHere(now);
   if (isIdle(now)) {
     const run = state.run;
     [state.working, state.workAt] = [true, now + PAUSE];
@@ -117,6 +120,11 @@ function tickOn(now) {
     state.completed = here;
     settle(state.run, state.tick).catch(() => {});
   }
+}
+
+function showHere(now) {
+  const frames = state.frames.get(state.tick);
+  if (frames && frames.filter(Boolean).length === state.scenes.length && state.drawn !== state.tick) show(frames, now);
 }
 
 // dim the old picture, with a clock of the milliseconds for which another one has been prepared; null: show it
