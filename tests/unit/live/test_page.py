@@ -325,9 +325,11 @@ def test_the_old_picture_stays_dimmed_until_the_new_one_is_there(page, served, m
     goes_on, begin = threading.Event(), Session._begin
     come(page, served.address("setting=1"), 30)
     monkeypatch.setattr(Session, "_begin", lambda *given: goes_on.wait(60) and begin(*given))
-    old = page.evaluate(f"{PUT} put('robots', '9'); [state.run, state.drawn, state.scenes[0].robots]")
+    run, robots = page.evaluate(f"{PUT} put('robots', '9'); [state.run, state.scenes[0].robots]")
     playwright.expect(page.locator("main[data-waits='1']")).to_be_visible(timeout=20_000)
-    until(page, "[state.run, state.drawn, state.scenes[0].robots]", old)  # after a change of size it is drawn again
+    until(
+        page, "[state.run, state.drawn, state.scenes[0].robots]", [run, 30, robots]
+    )  # after a change of size it is drawn again
     page.wait_for_function("getComputedStyle(document.querySelector('#stages figure')).opacity < 0.5")
     goes_on.set()
     until(page, "[state.preparing, state.scenes[0].robots, state.drawn]", [False, 9, 30])
