@@ -155,7 +155,7 @@ def test_where_threads_share_each_trial(name, monkeypatch):
     """In machine code; every kind of world is tried in tests/unit/simulation/test_shared_trials.py."""
     monkeypatch.setattr(trials, "LARGE", 257)
     swarm, _, more = STUDIES[name]
-    length = {"rounds": 8, "observations_per_round": 3}
+    length = {"rounds": 24, "observations_per_round": 3}
     measure = {k: v for k, v in more.get("measure", {}).items() if k != "checkpoints"}
     large = study(name, 1, swarm={"accuracy": 0.8} | swarm | {"robots": 600}, schedule=length, measure=measure)
     alone = sc.run(large, jobs=1)
