@@ -5,13 +5,17 @@ that are only declared. All else is done as Numba does it: code that is optimise
 callers is up to a third slower.
 """
 
+import inspect
 import types
 from typing import Any
 
 import numba
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import CPUCodegen, JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
+
+# older versions of Numba optimise in another way: they compile as they do by themselves
+IS_KNOWN = "llvm_module" not in inspect.signature(CPUCodegen._function_pass_manager).parameters
 
 
 class _Library(JITCodeLibrary):
@@ -51,8 +55,9 @@ class Whole(Compiler):
 
     def define_pipelines(self) -> Any:
         """Numba's own steps, for another kind of library."""
-        self.state.library = self.kind(self.state.targetctx.codegen(), "engine")
-        self.state.library.enable_object_caching()
+        if IS_KNOWN:
+            self.state.library = self.kind(self.state.targetctx.codegen(), "engine")
+            self.state.library.enable_object_caching()
         return super().define_pipelines()
 
 
