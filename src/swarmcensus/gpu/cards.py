@@ -10,11 +10,12 @@ import numpy as np
 from swarmcensus.brains import slots
 from swarmcensus.engine import Inputs
 from swarmcensus.engine.codegen import kept_of_message
-from swarmcensus.engine.constants import CLIPPED, COVERAGE, FULL, HEARD, LISTED, PART, SENT, VERDICTS, WIDTH, WRONG
+from swarmcensus.engine.constants import FULL, LISTED, PART
+from swarmcensus.gpu.collecting import Arrays, are_wrong, batch_of, bounds_of
 from swarmcensus.gpu.driver import Buffer, CardFull, Driver
 from swarmcensus.gpu.given import ARRAYS, Given
 from swarmcensus.gpu.source import Features, measures, parameters, source
-from swarmcensus.simulation import Batch, Metrics, bins_at, consensus_of, inputs_of, run_batch, schedule_of, seconds
+from swarmcensus.simulation import Batch, Metrics, bins_at, inputs_of, run_batch, schedule_of, seconds
 from swarmcensus.studies import Setting
 from swarmcensus.support.errors import BrainError
 from swarmcensus.translation import owed_numbers
@@ -34,8 +35,6 @@ MOST_BLOCKS = 1 << 30  # of a launch
 LAUNCHES = 64  # rounds of a large swarm between two looks at whether to stop
 
 MEASURES = ("tables", "settle", "agree", "check", "decide")  # kernels that know of no brain
-
-Arrays = dict[str, np.ndarray]
 
 
 def why_not(setting: Setting, metrics: Metrics) -> str | None:
@@ -169,11 +168,11 @@ class Card:
             found = held.run(stop)
         if found is None:
             return None
-        if held.failed or found["amiss"].any() or _are_wrong(setting, given, found):
+        if held.failed or found["amiss"].any() or are_wrong(setting, given, found):
             if trials > 1:
                 raise BrainError(f"a brain fails in one of trials {first} to {first + trials - 1} of {setting}")
             return run_batch(setting, seed, first, trials, metrics, stop, local)
-        return _batch(setting, given, sizes, metrics, found, local)
+        return batch_of(setting, given, features, metrics, found, local)
 
 
 def features_of(setting: Setting, given: Inputs, local: bool = False) -> Features:
@@ -254,7 +253,7 @@ class _Held:
         arrays = {
             "b": sensors.b, "w": sensors.w, "drift": sensors.drift, "assumed_b": given.beliefs[0],
             "assumed_w": given.beliefs[1], "blanks": _blanks(setting, self.local), "stops": given.stops,
-            "bounds": _bounds(given, robots) if self.sizes.features.mode == LISTED else np.zeros(0, np.int64),
+            "bounds": bounds_of(given, robots) if self.sizes.features.mode == LISTED else np.zeros(0, np.int64),
             "senders": links.senders, "groups": given.group.astype(np.uint8), "honest": honest.astype(np.uint8),
             "counted": counted.astype(np.int64), "rounds_of": checkpoints, "bins": bins,
         }  # fmt: skip
@@ -408,94 +407,3 @@ def _blanks(setting: Setting, local: bool) -> np.ndarray:
             flat += value if isinstance(value, tuple) else [value]
         flat += [0.0] * (2 + brain.uses.luck + brain.uses.name + owed_numbers(brain))
     return np.array(flat, _number(setting))
-
-
-def _bounds(given: Inputs, robots: int) -> np.ndarray:
-    """Where the links of each robot begin, (graph, robot + 1)."""
-    links = given.links
-    graphs = np.repeat(np.arange(links.starts.size - 1), np.diff(links.starts))
-    heard = np.bincount(graphs * robots + links.receivers, minlength=(links.starts.size - 1) * robots)
-    ends = np.cumsum(heard).reshape(-1, robots)
-    return np.concatenate([links.starts[:-1, np.newaxis], ends + links.starts[0]], axis=1)
-
-
-def _are_wrong(setting: Setting, given: Inputs, found: Arrays) -> bool:
-    """Whether an interval is none."""
-    if "bounds_of" not in found:
-        return False
-    low, high = found["bounds_of"][:, :, 0], found["bounds_of"][:, :, 1]
-    return bool((_asked(setting, given) & ~((low >= 0.0) & (low <= high) & (high <= 1.0))).any())
-
-
-def _asked(setting: Setting, given: Inputs) -> np.ndarray:
-    """Which robots count and have an interval, (trial, robot)."""
-    honest = given.honest if given.honest.size else np.ones((len(given.stops), setting.robots), np.bool_)
-    groups = given.group if given.group.size else np.zeros(honest.shape, np.int64)
-    asked: np.ndarray = honest & np.array([brain.has_interval for brain in setting.brains])[groups]
-    return asked
-
-
-def _batch(setting: Setting, given: Inputs, sizes: Sizes, metrics: Metrics, found: Arrays, local: bool) -> Batch:
-    """The metrics of a batch, as `simulation.run_batch` gives them."""
-    trials, robots, rounds, features = sizes.trials, sizes.robots, sizes.rounds, sizes.features
-    checks = 0 if local else len(metrics.checkpoints)
-    honest = given.honest if given.honest.size else np.ones((trials, robots), np.bool_)
-
-    def counted(array: np.ndarray) -> np.ndarray:
-        """The honest robots of (trial, robot, ...)."""
-        return array if honest.all() else array[honest].reshape(trials, -1, *array.shape[2:])
-
-    counts = np.zeros((3, trials, robots), np.int64)
-    if "clipped" in found:
-        counts[CLIPPED] = found["clipped"]
-    if features.counted and not local:
-        counts[SENT], counts[HEARD] = found["sent"], found["heard"]
-    elif not local:
-        degrees = np.full((1, robots), robots - 1)
-        if features.mode == LISTED:
-            degrees = np.diff(_bounds(given, robots), axis=1)
-        counts[SENT], counts[HEARD] = rounds, max(rounds - given.radio.delay, 0) * degrees
-    agreed = np.full((trials, 2), (-1.0, np.inf))
-    verdicts = np.empty((trials, 0, VERDICTS))
-    if features.judged:
-        verdicts = np.full((trials, robots, VERDICTS), np.nan)
-        verdicts[..., :6] = found["verdicts"]
-        verdicts[..., WRONG] = -1.0
-        options = found["unanimous"]
-        when = np.argmax(options >= 0, axis=1)
-        option = options[np.arange(trials), when]
-        agreed[option >= 0] = np.column_stack([option, when + 1.0])[option >= 0]
-    agreement = np.zeros(trials)
-    if not local:
-        agreement = found["agreed"].max(axis=1).astype(np.float64)
-        agreement[agreement > rounds] = np.inf
-    kept = None
-    if metrics.estimates:
-        kept = np.stack([counted(row) for row in found["kept"]]) if checks else np.empty((0, trials, 0))
-    return Batch(
-        convergence=counted(found["where"]),
-        error=counted(np.abs(found["value"] - setting.fill_ratio)),
-        final=counted(found["final"]),
-        correct=found.get("right", np.empty((0, trials))),
-        disagreement=found.get("widths", np.empty((0, trials))),
-        agreement=agreement,
-        counts=counted(counts.transpose(1, 2, 0)).transpose(0, 2, 1),
-        verdicts=counted(verdicts) if features.judged else verdicts,
-        consensus=consensus_of(setting, agreed, setting.fill_ratio),
-        intervals=_intervals(setting, given, metrics, found, checks),
-        kept=kept,
-    )
-
-
-def _intervals(setting: Setting, given: Inputs, metrics: Metrics, found: Arrays, checks: int) -> np.ndarray:
-    """How robots' intervals do, (COVERAGE and WIDTH, checkpoint, trial); NaN where there are none."""
-    out = np.full((2, checks, len(given.stops)), np.nan)
-    if "bounds_of" in found:
-        low, high = found["bounds_of"][:, :, 0], found["bounds_of"][:, :, 1]
-        truths = setting.fill_ratios(np.array(metrics.checkpoints, np.int64))[:, np.newaxis, np.newaxis]
-        asked = _asked(setting, given)
-        counted = np.where(asked.any(axis=1), asked.sum(axis=1), np.nan)
-        out[COVERAGE] = (asked & (low <= truths) & (truths <= high)).sum(axis=2) / counted
-        # one after another, as the engine adds them up
-        out[WIDTH] = np.cumsum(np.where(asked, high - low, 0.0), axis=2)[..., -1] / counted
-    return out

@@ -2,7 +2,7 @@
 
 The library is NVIDIA's `cuda-bindings` with the wheel of its compiler NVRTC: 66 MB, and no toolkit. CuPy takes 70 MB
 and needs the toolkit's headers besides, for arrays that nothing here uses. `cuda.core` wraps the same bindings in
-classes whose names still change. The bindings have the same names for CUDA 12 and 13.
+classes that nothing here needs. The bindings have the same names for CUDA 12 and 13.
 """
 
 import contextlib

@@ -122,10 +122,10 @@ class Interpreted:
     def _ask(self, what: str, *given: int) -> Any:
         """The answer of whoever has it first. What fails in CPython fails here too, with a better message."""
         if not self.own.done():
-            told = INTERPRETER.ask(self._trial, what, given)
-            wait((told, self.own), return_when=FIRST_COMPLETED)
-            if told.done() and told.result() is not None:
-                return told.result()
+            answer = INTERPRETER.ask(self._trial, what, given)
+            wait((answer, self.own), return_when=FIRST_COMPLETED)
+            if answer.done() and answer.result() is not None:
+                return answer.result()
         return getattr(self.own.result(), what)(*given)
 
 

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from swarmcensus.gpu import Card
 
 RIDE_BYTES = 256_000_000  # most memory for the curves of all states on one trajectory
-CROWDS = Lock()  # for trials that no other may run beside, as they take much memory: each uses all threads
+CROWDS = Lock()  # for trials that run one at a time, as they take much memory: each uses all threads
 EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings
 EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one more task costs 0.1 ms
 CARD_SPEED = 300.0  # cores that a card is about as fast as

@@ -121,7 +121,8 @@ def no_library(name):
     [(str, r"NVRTC: pip install 'swarmcensus\[gpu\]'"), (no_library, "NVIDIA's driver is not installed")],
 )
 def test_without_the_extra_its_name_is_said_where_there_is_a_driver(monkeypatch, library, why):
-    monkeypatch.setitem(sys.modules, "cuda.bindings", None)
+    for name in ("cuda.bindings", "cuda.bindings.driver", "cuda.bindings.nvrtc"):  # another test may have loaded them
+        monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setattr(driver.ctypes, "CDLL", library)
     with pytest.raises(CardError, match=why):
         open_driver()
