@@ -25,6 +25,7 @@ from tests.support.boards import Air, Readings, needs_micropython, on_board
 from tests.support.places import ROOT
 
 NEEDED = ["--b", ".9", "--w", ".85"]
+KILOBOT_FILES = {"brain.h", "robot.h", "settings.h", "main.c", "Makefile", "README.md"}
 FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selftest.py", "README.md"}
 
 
@@ -381,7 +382,7 @@ def test_a_kilobots_program_compiles_without_a_warning(tmp_path, name, capsys):
     folder = deployed(tmp_path / "robot", name, "kilobot")
     printed = capsys.readouterr().out
     assert int(re.search(r"flash +([\d,]+)", printed)[1].replace(",", "")) < 20_000
-    assert {path.name for path in folder.iterdir()} == {"brain.h", "settings.h", "main.c", "Makefile", "README.md"}
+    assert {path.name for path in folder.iterdir()} == KILOBOT_FILES
     command = ["make", "main.o", f"KILOLIB={BOARDS}"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

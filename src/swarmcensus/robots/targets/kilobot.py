@@ -28,11 +28,12 @@ def kilobot_files(order: Order) -> dict[str, str]:
         "kilobot_settings.h", brain=quoted(brain.label), b=_literal(order.b), w=_literal(order.w),
         period=max(1, round(TICKS_A_SECOND / order.hz)), second=TICKS_A_SECOND, mark=f"{order.mark & 0xFF:02x}",
         luck=int(brain.uses.luck), named=int(brain.uses.name),
-        done="done(&me)" if brain.ends else "false",
+        ends=int(brain.ends), steers=int(brain.steers),
     )  # fmt: skip
     return {
         "brain.h": header(brain),
         "settings.h": settings,
+        "robot.h": piece("robot.h"),
         "main.c": piece("kilobot.c"),
         "Makefile": piece("kilobot.mk"),
         "README.md": filled("kilobot.md", brain=quoted(brain.label), body=order.brain.message_bytes),
