@@ -32,7 +32,6 @@ static void (*msg_rx_fn)(message_t *);
 static bool (*msg_tx_fn)(void);
 
 #ifdef REAL_ROBOT
-#define ROBOTS_HERE 1
 #define DECLARE_USERDATA(type) \
     static type userdata;      \
     static inline type *get_mydata(void) { return &userdata; }
@@ -40,10 +39,12 @@ static bool (*msg_tx_fn)(void);
 #define REGISTER_USERDATA(type)
 #else
 #define SIMULATOR
-#define ROBOTS_HERE ROBOTS
 #define DECLARE_USERDATA(type) static type *mydata
-#define REGISTER_USERDATA(type) static size_t userdata_bytes = sizeof(type)
-#define printf pogosim_printf
+#define REGISTER_USERDATA(type)                                   \
+    static size_t bytes_of_userdata(void) { return sizeof(type); } \
+    static void set_userdata(void *data) { mydata = (type *)data; }
+static size_t bytes_of_userdata(void);
+static void set_userdata(void *data);
 #endif
 
 static int robot_here;
@@ -84,13 +85,14 @@ static inline void pogobot_start(void (*init)(void), void (*step)(void)) {
 #else
     static void *data[ROBOTS];
     for (robot_here = 0; robot_here < ROBOTS; robot_here++) {
-        mydata = data[robot_here] = malloc(userdata_bytes);
-        memset(data[robot_here], 0xA5, userdata_bytes);
+        data[robot_here] = malloc(bytes_of_userdata());
+        memset(data[robot_here], 0xA5, bytes_of_userdata());
+        set_userdata(data[robot_here]);
         init();
     }
     for (int tick = 0; tick < TICKS; tick++, milliseconds += 1000 / main_loop_hz) {
         for (robot_here = 0; robot_here < ROBOTS; robot_here++) {
-            mydata = data[robot_here];
+            set_userdata(data[robot_here]);
             step();
             msg_tx_fn();
             for (int k = 0; k < queued[robot_here] && k < max_nb_processed_msg_per_tick; k++) {

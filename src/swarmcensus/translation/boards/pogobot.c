@@ -1,8 +1,7 @@
 // What this Pogobot runs, on the robot and in pogosim: its brain is in brain.h, made from the Python file that was
 // simulated. In pogosim each robot also writes a log, for `swarmcensus relive logs`.
 
-#include "brain.h"
-// brain.h comes first, so that no macro of the headers below changes it
+#include "brain.h"  // before the headers of others, none of which then changes it
 #ifndef REAL_ROBOT
 #include "logged.h"
 #endif
@@ -20,17 +19,16 @@ _Static_assert(ROBOT_DATAGRAM <= MAX_PAYLOAD_SIZE_BYTES, "a Pogobot's message ho
 
 typedef struct {
     struct robot robot;
-    uint32_t chance;  // of the random numbers
+    uint32_t key, drawn;  // of its random numbers
     uint16_t leg;  // ticks left of the walk's straight line or turn
     bool has_begun, is_turning;
-    uint16_t left, right;  // power of the motors
 #ifdef SIMULATOR
     struct robot_log log;
     uint32_t clock;
 #endif
 } USERDATA;
 DECLARE_USERDATA(USERDATA);
-REGISTER_USERDATA(USERDATA);
+REGISTER_USERDATA(USERDATA)
 
 // ============================== FILL IN: YOUR SENSOR AND MOTORS ==============================
 #define THRESHOLD 500  // light below it is black
@@ -47,19 +45,13 @@ static int8_t robot_read_sensor(void) {
 }
 // =============================================================================================
 
-// 32 random bits of the robot's own generator, xorshift.
-static uint32_t robot_chance(void) {
-    uint32_t x = mydata->chance;
-    x ^= x << 13;
-    x ^= x >> 17;
-    x ^= x << 5;
-    return mydata->chance = x;
-}
+// A random number in (0, 1) of the robot's own sequence.
+static number robot_chance(void) { return robot_random(mydata->key, mydata->drawn++); }
 
 #if LUCK
 static number robot_draw(struct robot *robot) {
     (void)robot;
-    const number x = ((number)(robot_chance() >> 9) + 0.5f) / 8388608.0f;
+    const number x = robot_chance();
 #ifdef SIMULATOR
     robot_log_drew(&mydata->log, x);
 #endif
@@ -85,9 +77,9 @@ static void robot_walk(void) {
 #endif
     if (mydata->leg-- == 0) {
         mydata->is_turning = !mydata->is_turning;
-        mydata->leg = (uint16_t)(robot_chance() % (HZ * (mydata->is_turning ? TURNING : STRAIGHT)));
+        mydata->leg = (uint16_t)(robot_chance() * HZ * (mydata->is_turning ? TURNING : STRAIGHT));
         const float ahead = mydata->is_turning ? 0.0f : 1.0f;
-        const bool turns_left = robot_chance() >> 31;
+        const bool turns_left = robot_chance() < 0.5f;
         robot_drive(turns_left ? ahead : 1.0f, turns_left ? 1.0f : ahead);
     }
 }
@@ -122,12 +114,11 @@ static void robot_finish(void) {
 void user_init(void) {
     memset(mydata, 0, sizeof *mydata);
     const uint16_t own_number = pogobot_helper_getid();
-    mydata->chance = 2166136261u ^ own_number;
+    mydata->key = robot_mixed(own_number);
     for (uint8_t k = 0; k < 16; k++) {  // the noise of several readings, which the board makes
-        mydata->chance = (mydata->chance ^ (uint16_t)pogobot_helper_getRandSeed()) * 16777619u;
+        mydata->key = robot_mixed(mydata->key ^ (uint16_t)pogobot_helper_getRandSeed());
     }
-    mydata->chance += mydata->chance == 0;
-    robot_start(&mydata->robot, B, W, own_number, (uint8_t)(robot_chance() >> 24));
+    robot_start(&mydata->robot, B, W, own_number, (uint8_t)(robot_chance() * 256));
     main_loop_hz = HZ;
     max_nb_processed_msg_per_tick = 100;
     percent_msgs_sent_per_ticks = 100;  // brains talk in each tick
