@@ -147,8 +147,8 @@ PROGRAMS = {
         "me.list[0] = float((me.x, me.y) == (7.0, 3.0)) + float(me.x in (7.0, 2.5))"
     ),
     "parts of a number": (
-        "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\nrest, whole = math.modf(me.x)\n"
-        "me.list[1] = rest\nme.list[2] = math.ldexp(whole, 3)"
+        "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\n"
+        "me.list[1] = math.fmod(me.x, 3.0)\nme.list[2] = math.ldexp(part, 3)"
     ),
     "bits": "n = int(abs(me.x)) & 5\nme.k = (n << 2) | 1\nme.list[0] = n ^ 3\nme.list[1] = ~n",
     "words of C": (
@@ -242,7 +242,6 @@ ODD = {
     "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
     "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
     "divmod": "a = me.x + 7.5\nb = 2.25\na, b = divmod(a, b)\nme.x = a + 0.5 * b",
-    "modf": "a = me.x + 7.7\na, w = math.modf(a)\nme.x = a + 0.5 * w",
     "two swaps": "a = me.x\nb = me.y\na, b = b, a\na, b = b + 1.0, a\nme.x = a - b",
     "two exponents": "m, e = math.frexp(me.x)\nme.x = m\nn, f = math.frexp(me.y + 3.0)\nme.x += n * f + e",
     "a tuple of itself": "t = (me.x, me.y)\nt = (t[1], t[0])\nme.x = t[0] - 3.0 * t[1]",
