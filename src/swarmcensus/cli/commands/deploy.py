@@ -119,7 +119,7 @@ def _show(result: "Comparison") -> None:
 
 COMMANDS = (
     Command(
-        "deploy", "Write a brain's files for a robot, or as C, or check that a robot computes what it should.",
-        Group.ROBOTS, deploy, add_deploy_options,
+        "deploy", "Write a brain's files for a robot, or check a robot.",
+        Group.ROBOTS, 1, deploy, add_deploy_options,
     ),
 )  # fmt: skip
