@@ -13,7 +13,7 @@ robot.elf: main.o
 		$(KILOLIB)/build/kilolib.a -lm
 	avr-size $@
 
-main.o: main.c brain.h settings.h
+main.o: main.c brain.h robot.h settings.h
 	$(CC) $(CFLAGS) -I$(KILOLIB) -c -o $@ main.c
 
 clean:

@@ -6,4 +6,7 @@
 #define MARK 0x${mark}  // of brain and format
 #define LUCK ${luck}  // whether the brain uses luck
 #define NAMED ${named}  // whether the brain uses the robot's name
-#define IS_DONE ${done}  // whether it makes no more readings
+#define ENDS ${ends}  // whether it is done at some time, and then makes no more readings
+#define STEERS ${steers}  // whether it sets the robot's course
+#define OWED ${owed}  // numbers of what rounding took of its messages
+#define ROBOT_SENDERS 16  // of whom the last message is known
