@@ -164,15 +164,15 @@ def show_brains(rows: list[Row]) -> None:
         sizes = [f"{row[name]:,}" if name in row else "-" for name in ("memory_bytes", "message_bytes")]
         lived = row.get("single_precision_readings", 0)
         single = "any" if lived is None else f"{lived / 1e6:.1f} M" if lived else "-"
-        what = row["fault"] or row["what"] + " Not anonymous." * (not row["anonymous"])
-        groups[GROUPS[row.get("estimates", "")]].append((row["name"], *sizes, single, what))
-    widest = max(len(row["name"]) for row in rows)
+        name = row["name"] + "*" * (not row.get("anonymous", True))
+        groups[GROUPS[row.get("estimates", "")]].append((name, *sizes, single, row["fault"] or row["what"]))
+    widest = max(len(row[0]) for cells in groups.values() for row in cells)
     for group, cells in groups.items():
         if cells:
             heads = {"brain".ljust(widest): False} | dict.fromkeys(COLUMNS, True) | {group: False}
             show(Table.of_rows(heads, cells, cuts=True))
             print()
-    print("memory and message: in bytes, 4 per number; not anonymous: uses the name of its robot")
+    print("*: not anonymous, since it uses the name of its robot; memory and message: in bytes, 4 per number")
     print("single: readings after which single precision differs from double by more than 0.01; any: none found\n")
 
 
