@@ -84,15 +84,15 @@ def brains(options: argparse.Namespace) -> int:
         return 0
     say(f"checking {options.check}, which is compiled for it: some seconds")
     found = check(options.check, wrapping=options.wrapping, single=options.single)
-    checks, conforms, said, lived = found.checks, found.conforms, [*found.notes], found.single
+    checks, verdict, said, lived = found.checks, found.verdict, [*found.notes], found.single
     if lived is not None:
         said.append(lived if isinstance(lived, str) else single_note(lived))
     if options.json:
         single = {"single": lived} if options.single else {}
-        answer("checks", {"file": options.check, "conforms": conforms, "checks": checks, "notes": said, **single})
+        answer("checks", {"file": options.check, "conforms": found.conforms, "checks": checks, "notes": said, **single})
     else:
-        show_checks(options.check, checks, conforms, said)
-    return 0 if conforms else 2
+        show_checks(options.check, checks, verdict, said)
+    return {"conforms": 0, "not decided": 1}.get(verdict, 2)
 
 
 def single_note(lived: dict[str, int | None]) -> str:
@@ -188,7 +188,7 @@ def show_adversaries(rows: list[Row]) -> None:
     show(Table.of_rows(dict.fromkeys(("adversary", "parameters", "what it does"), False), cells, cuts=True))
 
 
-def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collection[str] = ()) -> None:
+def show_checks(path: Any, checks: "list[Check]", verdict: str, notes: Collection[str] = ()) -> None:
     """Print the results of the conformance suite, and notes."""
     from rich.text import Text
 
@@ -199,12 +199,13 @@ def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collect
         if not result.used:
             out.print(f"-     {result.name}: not used", style="dim")
             continue
-        out.print(Text("pass", "green") if result.fault is None else Text("FAIL", "red bold"), f" {result.name}")
+        failed = Text("FAIL", "red bold") if result.decided else Text("?   ", "yellow bold")
+        out.print(Text("pass", "green") if result.fault is None else failed, f" {result.name}")
         if result.fault is not None:
             out.print(f"      {result.fault}", soft_wrap=True)
     for note in notes:
         out.print(f"note  {note}", soft_wrap=True)
-    out.print(f"{path}: {'conforms' if conforms else 'does not conform'}", soft_wrap=True)
+    out.print(f"{path}: {verdict}", soft_wrap=True)
 
 
 def measure_costs(options: argparse.Namespace) -> None:
