@@ -12,6 +12,7 @@ from swarmcensus.robots.folders import check_free, new_folder, write_texts
 from swarmcensus.robots.format_errors import caution
 from swarmcensus.robots.target import Order, order_of
 from swarmcensus.robots.targets import find
+from swarmcensus.studies import Study
 from swarmcensus.translation import owed_numbers
 
 
@@ -48,21 +49,23 @@ def deploy(
     brain: Brain | str | Path, folder: str | Path, target: str, *, b: float | None = None, w: float | None = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
+    study: Study | str | Path | None = None,
 ) -> Deployed:  # fmt: skip
     """Write a brain's files for a target into a new folder, whole or not at all.
 
-    `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", or "c". `b` and `w` are the shares
-    of the sensor's right readings on black and on white; "c" needs none. `message` is the format of messages,
+    `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", "argos", or "c". `b` and `w` are the
+    shares of the sensor's right readings on black and on white; "c" needs none. `message` is the format of messages,
     "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz` the ticks
     a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that it may
-    keep. A folder with C may be written again. Warns of a format that is wrong for the brain. Raises InputError.
+    keep; `study` one whose first setting ARGoS simulates, by default with the sensor's accuracies. A folder with C may
+    be written again. Warns of a format that is wrong for the brain. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     check_free(folder, kind.may_replace)
     loaded = brain if isinstance(brain, Brain) else load(brain)
     order = order_of(
         loaded, target, kind, b=b, w=w, message=message, precision=precision, hz=hz, parameters=parameters,
-        robot=robot, log=log,
+        robot=robot, log=log, study=study if study is None or isinstance(study, Study) else Study.load(study),
     )  # fmt: skip
     check_quickly([order.brain])
     texts = kind.files(order)

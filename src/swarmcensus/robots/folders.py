@@ -1,6 +1,7 @@
 """Folders that appear whole or not at all."""
 
 import contextlib
+import fnmatch
 import os
 import secrets
 import shutil
@@ -11,10 +12,11 @@ from swarmcensus.support.errors import InputError
 
 
 def check_free(folder: Path, may_replace: Collection[str] = ()) -> None:
-    """Raise InputError unless the folder is not there, or holds nothing but files that may be replaced."""
+    """Raise InputError unless the folder is not there, or holds only files that may be replaced, given as patterns."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file: name a new folder", file=folder)
-    others = sorted(path.name for path in folder.iterdir() if path.name not in may_replace) if folder.is_dir() else []
+    names = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
+    others = [name for name in names if not any(fnmatch.fnmatchcase(name, pattern) for pattern in may_replace)]
     if others:
         raise InputError(f"the folder {folder} is not empty, it holds {others[0]!r}: name a new folder", file=folder)
 

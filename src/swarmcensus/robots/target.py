@@ -8,6 +8,7 @@ from typing import Any
 
 from swarmcensus.brains import FORMATS, Brain, Numbers
 from swarmcensus.runtime.runtime import CHECKSUM, HEADER
+from swarmcensus.studies import Study
 from swarmcensus.support.errors import BrainError, OptionError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import misplaced, option, wrong_option
@@ -33,14 +34,15 @@ class Target:
     message: str = "float32"  # the format of messages, unless another one is asked for
     precisions: tuple[str, ...] = ()  # of numbers, the usual one first; none where the board decides
     refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
-    may_replace: tuple[str, ...] = ()  # files that the folder may hold already
+    may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
+    takes_study: bool = False  # whether the files have a study's arena
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
     # and RAM, in bytes. Raises InputError if there is too little
 
 
 @dataclass(frozen=True)
 class Order:
-    """A robot to be made. `b` and `w` are None where the target does not need them."""
+    """A robot to be made. `b` and `w` are None where the target does not need them, or the study says them."""
 
     brain: Brain  # with its number formats
     target: Target
@@ -51,6 +53,7 @@ class Order:
     robot: int | None  # its number; None takes the chip's
     log: int | None = None  # bytes of the robot's log at the most; None: it keeps none
     save_every: int = 600  # ticks
+    study: Study | None = None  # of the arena
 
     @property
     def period(self) -> int:
@@ -72,6 +75,7 @@ def order_of(
     brain: Brain, name: str, target: Target, *, b: float | None = None, w: float | None = None,
     message: str | None = None, precision: str | None = None, hz: float | None = None,
     parameters: Mapping[str, Any] | None = None, robot: int | None = None, log: int | None = None,
+    study: Study | None = None,
 ) -> Order:  # fmt: skip
     """Check what is asked of a target, and add what is usual. Raises InputError."""
     asked: dict[str, Any] = {"b": b, "w": w, "precision": precision, "hz": hz, "robot": robot, "log": log}
@@ -88,8 +92,10 @@ def order_of(
         raise wrong_option("message", message, f"{did_you_mean(str(message), SENT)}should be one of {', '.join(SENT)}")
     if precision is not None and precision not in target.precisions:
         raise wrong_option("precision", precision, f"{target.what} has {' or '.join(target.precisions)}")
+    if study is not None and not target.takes_study:
+        raise misplaced("study", study.name, f"does not go with {option('target', name)}: it has no arena")
     for key in ("b", "w"):
-        if key not in target.refuses:
+        if key not in target.refuses and (study is None or asked[key] is not None):
             _check_accuracy(key, asked[key])
     if b is not None and w is not None and abs(b + w - 1.0) < 1e-12:
         both = f"{option('b', b)} {option('w', w)}"
@@ -105,7 +111,7 @@ def order_of(
     except ValueError as error:
         raise OptionError(f"{option('parameters')}: {error}", key="parameters") from None
     _check_size(brain, target)
-    return Order(brain, target, name, b, w, hz, robot, log)
+    return Order(brain, target, name, b, w, hz, robot, log, study=study)
 
 
 def _check_accuracy(key: str, value: float | None) -> None:

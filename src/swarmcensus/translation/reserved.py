@@ -5,7 +5,7 @@ import re
 # the beginnings of macros of the C library, and of what brain.h defines besides the brain
 OURS = re.compile(
     r"(U?INT(8|16|32|64|MAX|PTR|_)|SIZE_|PTRDIFF_|SIG_|WCHAR_|WINT_|FLT_|DBL_|LDBL_|FP_|HUGE_|MATH_|M_|BRAIN_"
-    r"|brain_|parameter_|codec_|missing_|test_|cost_|robot_|kilo_)"
+    r"|brain_|parameter_|constant_|helper_|codec_|missing_|test_|cost_|robot_|kilo_)"
 )
 WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register
@@ -21,19 +21,10 @@ fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lri
 nexttoward pow remainder remquo rint round scalbln scalbn sin sinh sqrt tan tanh tgamma trunc gamma drem significand
 exp10 pow10 sincos j0 j1 jn y0 y1 yn
 """.split()  # noqa: SIM905 - read more easily than a list
-LIBRARY = """
-abs div labs ldiv rand srand malloc free calloc realloc exit abort atoi atof qsort bsearch system getenv index rindex
-bcmp bcopy bzero memcpy memset memmove memcmp memchr strlen strcpy strcat strcmp strchr puts putchar printf scanf
-getchar gets fopen signal raise main isnan isinf isfinite isnormal signbit fpclassify NAN INFINITY HUGE_VAL NULL EOF
-M_PI M_E random toupper tolower isalpha isdigit isspace ffs alloca time clock read write open close pause sleep link
-unlink pipe stdin stdout stderr errno assert offsetof
-""".split()  # noqa: SIM905 - read more easily than a list
 OWN = """
 number number_min number_max number_square whole_min whole_max number_modulo whole_modulo whole_product_modulo
 number_floor_divide whole_floor_divide whole_power whole_abs to_whole nearest_even item_at split_number
 """.split()  # noqa: SIM905 - read more easily than a list
-PUBLIC = ["brain_start", "brain_send", "brain_hear", "brain_luck"]
 OF_FIELDS = frozenset([*WORDS, "number", "owed", "NAN", "INFINITY", "NULL", "EOF", "errno", "assert", "M_PI", "M_E"])
 TYPES = [f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64)] + ["size_t"]
 OF_LOCALS = OF_FIELDS.union(TYPES, MATH, (f"{name}f" for name in MATH), OWN, ("isnan", "isinf", "isfinite"))
-OF_FUNCTIONS = OF_LOCALS.union((f"{name}l" for name in MATH), LIBRARY, PUBLIC)

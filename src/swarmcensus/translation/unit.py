@@ -23,7 +23,7 @@ from swarmcensus.brains import (
     may_be_none,
     rounded_to_single,
 )
-from swarmcensus.translation.reserved import OF_FIELDS, OF_FUNCTIONS, OF_LOCALS, OURS
+from swarmcensus.translation.reserved import OF_FIELDS, OF_LOCALS, OURS
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
 SPECIAL = {"interval": ("low", "high"), "steer": ("speed", "turn")}  # names for what these functions return
@@ -58,7 +58,7 @@ class Unit:
     number: str  # the type of real numbers in C, "float" or "double"
     message: Record | None = None  # what `broadcast` returns and `receive` takes
     parameters: frozenset[str] = frozenset()  # fields of the record that are constants in C
-    prefix: str = ""  # of functions and constants in C
+    prefix: str = ""  # of functions and constants in C; without one, those of a brain's contract have their names
     checked: bool = False  # whether what raises an error in Python is noticed, by functions that a program has
     needs: set[str] = field(default_factory=set)  # names of helper functions in C
     used: set[str] = field(default_factory=set)  # constants that functions read
@@ -136,13 +136,13 @@ class Unit:
         return in_c(name, OF_FIELDS)
 
     def function(self, name: str) -> str:
-        """The name of a function in C."""
-        return f"{self.prefix}{name}" if self.prefix else in_c(name, OF_FUNCTIONS)
+        """The name of a function in C; a prefix keeps it apart from all libraries."""
+        return name if self.message and name in self.kinds.first else f"{self.prefix or 'helper_'}{in_ascii(name)}"
 
     def constant(self, name: str) -> str:
         """The name of a constant in C."""
         self.used.add(name)
-        return f"{self.prefix}{name}" if self.prefix else in_c(name, OF_FUNCTIONS)
+        return f"{self.prefix or 'constant_'}{in_ascii(name)}"
 
     def math(self, name: str) -> str:
         """The name of a function of math.h for this type of numbers."""

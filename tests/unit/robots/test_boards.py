@@ -2,30 +2,26 @@
 
 import json
 import re
-import shutil
 import socket
 import struct
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import board_tests
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
-from swarmcensus.translation.messages import codec as codec_of
 from tests.support.board_modules import MODULES
-from tests.support.boards import Air, Readings, needs_micropython, on_board
-from tests.support.places import ROOT
+from tests.support.boards import needs_micropython, on_board
+from tests.support.places import DATA
 
 NEEDED = ["--b", ".9", "--w", ".85"]
-KILOBOT_FILES = {"brain.h", "robot.h", "settings.h", "main.c", "Makefile", "README.md"}
+WHOLE = str(DATA / "whole.py")
 FILES = {"brain.py", "codec.py", "runtime.py", "settings.py", "main.py", "selftest.py", "README.md"}
 
 
@@ -82,7 +78,7 @@ def test_parameters_are_the_robots_and_json_tells_the_sizes(tmp_path, capsys):
         ("commons --w -0.1", "--w -0.1"),
         ("commons --b .4 --w .6", "b + w = 1"),
         ("commons --hz 0", "--hz 0"),
-        ("commons --hz 50 --target kilobot", "at most 32 ticks a second"),
+        ("commons --hz 11 --target kilobot", "a Kilobot has at most 10 ticks a second, each with a message"),
         ("commons --robot 65536", "--robot 65536"),
         ("commons --robot 1 --target kilobot", "--robot 1"),
         ("commons --parameter keep", "--parameter keep"),
@@ -125,7 +121,7 @@ def expected(tmp_path_factory):
 @pytest.mark.long(but=["commons-ratio16"])
 @pytest.mark.parametrize(
     ("name", "format_"),
-    [("commons", "ratio16"), ("sure", "ratio8"), ("bayes-cpf", "float32"), ("leaver", "ratio16")],
+    [("commons", "ratio16"), (WHOLE, "ratio16"), ("sure", "ratio8"), ("bayes-cpf", "float32"), ("leaver", "ratio16")],
 )
 def test_a_board_proves_itself(tmp_path, capsys, name, format_):
     folder = deployed(tmp_path / "robot", name, "udp", "--message", format_)
@@ -331,107 +327,3 @@ def test_a_computer_without_a_number_says_so(tmp_path):
     done = subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr == "NUMBER in settings.py should be this robot's: a computer has no chip that tells one\n"
-
-
-KILOBOT = pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc, of Debian's package gcc-avr")
-HOST = pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
-BOARDS = ROOT / "src" / "swarmcensus" / "translation" / "boards"
-HARNESS = """
-#include <stdio.h>
-#include <string.h>
-#include "kilolib.h"
-volatile uint32_t kilo_ticks;
-uint16_t kilo_uid = 2;
-void (*kilo_message_rx)(message_t *, distance_measurement_t *);
-message_t *(*kilo_message_tx)(void);
-static int light;
-void kilo_init(void) {}
-int16_t get_ambientlight(void) { return light; }
-uint8_t rand_soft(void) { return 128; }
-void set_color(uint8_t color) {}
-uint16_t message_crc(const message_t *message) { return 0; }
-void kilo_start(void (*setup)(void), void (*loop)(void)) {
-    char word[64];
-    setup();
-    while (scanf("%d", &light) == 1) {  // of a tick: light, and the messages that have arrived before it, or -
-        while (scanf("%63s", word) == 1 && word[0] != '-') {
-            message_t message = {{0}, 0, 0};
-            for (int k = 0; k < 9; k++) {
-                unsigned byte;
-                sscanf(word + 2 * k, "%2x", &byte);
-                message.data[k] = (uint8_t)byte;
-            }
-            kilo_message_rx(&message, 0);
-        }
-        kilo_ticks += 100;
-        loop();
-        message_t *said = kilo_message_tx();
-        for (int k = 0; said && k < 9; k++) {
-            printf("%02x", said->data[k]);
-        }
-        printf("\\n");
-    }
-}
-"""
-
-
-@KILOBOT
-@pytest.mark.long(but=["commons"])
-@pytest.mark.parametrize("name", ["commons", "leaver"])
-def test_a_kilobots_program_compiles_without_a_warning(tmp_path, name, capsys):
-    folder = deployed(tmp_path / "robot", name, "kilobot")
-    printed = capsys.readouterr().out
-    assert int(re.search(r"flash +([\d,]+)", printed)[1].replace(",", "")) < 20_000
-    assert {path.name for path in folder.iterdir()} == KILOBOT_FILES
-    command = ["make", "main.o", f"KILOLIB={BOARDS}"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "main.c" not in done.stderr
-
-
-@HOST
-@KILOBOT
-def test_a_kilobot_says_what_a_robot_of_single_precision_says(tmp_path):
-    """Its program, compiled for this machine, and the runtime send the same bytes; some messages come twice."""
-    folder = deployed(tmp_path / "robot", "commons", "kilobot")
-    for name, text in {
-        "avr/eeprom.h": "static inline uint8_t eeprom_read_byte(const uint8_t *at) { (void)at; return 4; }\n"
-        "static inline void eeprom_write_byte(uint8_t *at, uint8_t x) { (void)at; (void)x; }\n",
-        "util/atomic.h": "#define ATOMIC_BLOCK(x)\n",
-        "host.c": HARNESS,
-    }.items():
-        (folder / name).parent.mkdir(exist_ok=True)
-        (folder / name).write_text("#include <stdint.h>\n" + text)
-    command = f"gcc -std=gnu11 -O1 -ffp-contract=off -I. -I{BOARDS} main.c host.c -lm -o robot"
-    subprocess.run(command.split(), cwd=folder, check=True, capture_output=True)
-    codec = codec_of(True)[3]
-    runtime = board_tests._module(Path(sys.modules["swarmcensus.runtime.runtime"].__file__), {"codec": codec})
-    brain = brains.load("commons").with_numbers(Numbers("single", "ratio16"))
-    mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)
-    plan = tuple(tuple(part) for part in brain.parts)
-    lights, air, robots = [(k * 37) % 600 for k in range(60)], Air(), []
-    accuracies = rounded_to_single(0.9), rounded_to_single(0.85)
-    for number, seen in ((1, lights), (2, lights[::-1])):
-        sensor, messages = Readings(light < 300 for light in seen), runtime.Messages((0, 0), plan, mark, False)
-        robots.append(runtime.Robot(brain.functions, messages, sensor, air.radio(), lambda: 0, *accuracies, number))
-    robots[1].boot = 5
-    lines, sent, first = [], [], None
-    for tick in range(60):
-        robots[0].tick()
-        first = first or air.boxes[1][0]
-        if tick % 7 == 3:  # an old message again, and one of another mark
-            air.boxes[1] += [first, b"\0" + air.boxes[1][0][1:]]
-        lines.append(" ".join([str(lights[::-1][tick]), *(data.hex() for data in air.boxes[1]), "-"]))
-        robots[1].tick()
-        sent.append(air.boxes[0][-1].hex())
-    done = subprocess.run(["./robot"], cwd=folder, input="\n".join(lines), capture_output=True, text=True, check=True)
-    assert done.stdout.split() == sent
-
-
-@KILOBOT
-def test_a_brain_too_large_for_a_kilobot(here, refused):
-    large = here / "large.py"
-    for length, says in ((400, "and a Kilobot has 1,300 for it"), (303, r"needs [\d,]+ bytes of flash and 1,\d+ of")):
-        source = brains.load("commons").source
-        large.write_text(source.replace("MEMORY = {", f'MEMORY = {{"belief": (0.0,) * {length}, ', 1))
-        assert re.search(says, refused("deploy", large, "k", "--target", "kilobot", *NEEDED))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from swarmcensus.robots import Comparison, Deployed
 
 SHOWN = 8  # differences that are listed
-MAKING = ("target", "b", "w", "message", "precision", "hz", "parameter", "robot", "log")
+MAKING = ("target", "b", "w", "message", "precision", "hz", "parameter", "robot", "log", "study")
 
 
 def add_deploy_options(sub: argparse.ArgumentParser) -> None:
@@ -23,7 +23,7 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
         "what", metavar="BRAIN", help="a brain's name or file; with --selftest, the folder whose files are on the board"
     )
     sub.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", help="the folder to write: a new one, or empty")
-    sub.add_argument("--target", metavar="udp|espnow|serial|kilobot|c", help="what robots talk by, or the language C")
+    sub.add_argument("--target", metavar="udp|espnow|serial|kilobot|argos|c", help="what robots talk by, ARGoS, or C")
     sub.add_argument("--b", type=share, metavar="SHARE", help="how often the sensor reads black right")
     sub.add_argument("--w", type=share, metavar="SHARE", help="how often the sensor reads white right")
     add_shared(sub, "parameter", message="default: float32, on a Kilobot ratio16", precision="of C; default: single")
@@ -32,6 +32,7 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument(
         "--log", type=positive, metavar="BYTES", help="let the robot keep a log in robot.log, up to so many bytes"
     )
+    sub.add_argument("--study", type=Path, metavar="FILE", help="whose first setting is the arena in ARGoS")
     sub.add_argument("--selftest", type=Path, metavar="OUTPUT", help="compare what a board's selftest.py printed")
 
 
@@ -52,7 +53,7 @@ def _deploy(options: argparse.Namespace) -> int:
     made = write(
         options.what, options.folder, options.target, b=options.b, w=options.w, message=options.message,
         precision=options.precision, hz=options.hz, parameters=once("parameter", options.parameter),
-        robot=options.robot, log=options.log,
+        robot=options.robot, log=options.log, study=options.study,
     )  # fmt: skip
     brain = made.order.brain
     if options.json:
@@ -69,7 +70,7 @@ def _deploy(options: argparse.Namespace) -> int:
 def _sizes(made: "Deployed") -> list[str]:
     brain, datagram = made.order.brain, made.order.datagram_bytes
     within = "" if datagram is None else f", in a datagram of {datagram:,}"
-    size = 8 if made.order.name == "c" and brain.numbers.precision == "double" else 4
+    size = 8 if made.order.target.precisions and brain.numbers.precision == "double" else 4
     lines = [
         f"message   {counted(brain.message_bytes, 'byte')}{within}",
         f"memory    {made.memory_bytes * size // 4:,} bytes of numbers, {size} a number",

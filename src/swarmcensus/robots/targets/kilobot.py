@@ -5,14 +5,15 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from swarmcensus.brains import rounded_to_single
-from swarmcensus.robots.chips import KILOBOT, avr_size, for_avr, missing
+from swarmcensus.robots.chips import CLOCK, KILOBOT, avr_size, for_avr, missing
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.target import Order, Target
 from swarmcensus.support.errors import BrainError
 from swarmcensus.support.options import wrong_option
-from swarmcensus.translation import filled, header, piece, quoted
+from swarmcensus.translation import filled, header, owed_numbers, piece, quoted
 
-TICKS_A_SECOND = 32  # of a Kilobot's clock
+TICKS_A_SECOND = CLOCK / 1024 / 256  # as Kilobot's own library counts: a timer of 8 bits, every 1024 cycles
+HIGHEST_HZ = 10.0  # a message takes 4.2 ms of the infrared, which neighbours share
 FLASH, RAM = 20_000, 1_300  # bytes left by Kilobot's own library, its boot loader and a stack
 FLAGS = ("-funsigned-char", "-funsigned-bitfields", "-fpack-struct", "-fshort-enums")  # those of Kilobot's library
 
@@ -22,13 +23,13 @@ def kilobot_files(order: Order) -> dict[str, str]:
     brain = order.brain
     assert order.b is not None
     assert order.w is not None
-    if order.hz > TICKS_A_SECOND:
-        raise wrong_option("hz", order.hz, f"a Kilobot has at most {TICKS_A_SECOND} ticks a second")
+    if order.hz > HIGHEST_HZ:
+        raise wrong_option("hz", order.hz, f"a Kilobot has at most {HIGHEST_HZ:g} ticks a second, each with a message")
     settings = filled(
         "kilobot_settings.h", brain=quoted(brain.label), b=_literal(order.b), w=_literal(order.w),
-        period=max(1, round(TICKS_A_SECOND / order.hz)), second=TICKS_A_SECOND, mark=f"{order.mark & 0xFF:02x}",
-        luck=int(brain.uses.luck), named=int(brain.uses.name),
-        ends=int(brain.ends), steers=int(brain.steers),
+        period=max(1, round(TICKS_A_SECOND / order.hz)), second=f"{TICKS_A_SECOND:.1f}",
+        mark=f"{order.mark & 0xFF:02x}", luck=int(brain.uses.luck), named=int(brain.uses.name),
+        ends=int(brain.ends), steers=int(brain.steers), owed=owed_numbers(brain),
     )  # fmt: skip
     return {
         "brain.h": header(brain),

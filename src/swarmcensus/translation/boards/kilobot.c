@@ -1,26 +1,28 @@
 // What this Kilobot runs: its brain is in brain.h, made from the Python file that was simulated.
 
-#include "brain.h"
-// brain.h comes first, so that no macro of the headers below changes it
+#include "brain.h"  // before the headers of others, none of which then changes it
 #include "settings.h"
 
 #include "robot.h"
 
-#include <avr/eeprom.h>
 #include <kilolib.h>
-#include <util/atomic.h>
+#ifdef __AVR__
+#include <avr/eeprom.h>
+#endif
 
-#define DATA 9       // bytes of a Kilobot's message
-#define WAITING 6    // messages that wait for the next tick
+#define DATA 9      // bytes of a Kilobot's message
+#define WAITING 16  // messages that wait for the next tick
 #define BOOTS ((uint8_t *)0x1f0)  // where the memory of power cuts holds the boot count
+#define IN_ORDER() __asm__ volatile("" ::: "memory")  // what is written before it is there before what is written after
 
 _Static_assert(ROBOT_DATAGRAM <= DATA, "a Kilobot's message holds 9 bytes");
 
 static struct robot robot_self;
 static volatile uint8_t robot_inbox[WAITING][DATA];  // written when a message arrives, at any time
-static volatile uint8_t robot_arrived;
+static volatile uint8_t robot_arrived, robot_taken;  // messages so far
 static message_t robot_outgoing;
-static bool robot_speaks;
+static volatile bool robot_speaks;   // whether it is still to be sent
+static volatile bool robot_is_sent;  // whether it was
 static uint32_t robot_due;
 
 // ============================== FILL IN: YOUR SENSOR ==============================
@@ -33,47 +35,68 @@ static int8_t robot_read_sensor(void) {
 
 static void robot_message_rx(message_t *message, distance_measurement_t *distance) {
     (void)distance;
-    if (message->type == NORMAL && message->data[0] == MARK && robot_arrived < WAITING) {
+    if (message->type == NORMAL && message->data[0] == MARK && (uint8_t)(robot_arrived - robot_taken) < WAITING) {
         for (uint8_t k = 0; k < DATA; k++) {
-            robot_inbox[robot_arrived][k] = message->data[k];
+            robot_inbox[robot_arrived % WAITING][k] = message->data[k];
         }
         robot_arrived++;
     }
 }
 
+// A message is sent once, as soon as nobody else speaks; one that was not is replaced by that of the next tick.
 static message_t *robot_message_tx(void) { return robot_speaks ? &robot_outgoing : 0; }
 
+static void robot_message_sent(void) {
+    robot_speaks = false;
+    robot_is_sent = true;
+}
+
+static uint32_t robot_now(void) {
+    uint32_t now;
+    do {  // an interrupt may change it while it is read
+        now = kilo_ticks;
+    } while (now != kilo_ticks);
+    return now;
+}
+
 #if LUCK
+static uint32_t robot_key, robot_drawn;
+
 static number robot_draw(struct robot *robot) {
     (void)robot;
-    return (number)(((uint16_t)(rand_soft() << 8 | rand_soft()) + 0.5f) / 65536.0f);
+    return robot_random(robot_key, robot_drawn++);
 }
 #endif
 
 static void robot_talk(void) {
-    message_t next = {.type = NORMAL};
-    const bool says = robot_say(&robot_self, next.data);
-    next.crc = message_crc(&next);
-    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        robot_outgoing = next;
-        robot_speaks = says;
+    robot_speaks = false;
+    IN_ORDER();
+#if OWED
+    static number owed[OWED];
+    for (uint8_t k = 0; k < OWED; k++) {
+        if (!robot_is_sent) {  // then the last message settled nothing
+            robot_self.me.owed[k] = owed[k];
+        }
+        owed[k] = robot_self.me.owed[k];
     }
+#endif
+    robot_is_sent = false;
+    robot_outgoing.type = NORMAL;
+    const bool says = robot_say(&robot_self, robot_outgoing.data);
+    robot_outgoing.crc = message_crc(&robot_outgoing);
+    IN_ORDER();
+    robot_speaks = says;
 }
 
 static void robot_listen(void) {
-    static uint8_t data[WAITING][DATA];
-    uint8_t count = 0;
-    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        count = robot_arrived;
-        for (uint8_t k = 0; k < count; k++) {
-            for (uint8_t at = 0; at < DATA; at++) {
-                data[k][at] = robot_inbox[k][at];
-            }
+    const uint8_t arrived = robot_arrived;
+    while (robot_taken != arrived) {
+        uint8_t data[DATA];
+        for (uint8_t k = 0; k < DATA; k++) {
+            data[k] = robot_inbox[robot_taken % WAITING][k];
         }
-        robot_arrived = 0;
-    }
-    for (uint8_t k = 0; k < count; k++) {
-        robot_hear(&robot_self, data[k]);
+        robot_taken++;
+        robot_hear(&robot_self, data);
     }
 }
 
@@ -82,17 +105,28 @@ static void robot_show(number x) {
 }
 
 static void robot_setup(void) {
-    const uint8_t boot = (uint8_t)(eeprom_read_byte(BOOTS) + 1);
+    uint8_t boot = 0;
+#ifdef __AVR__
+    boot = (uint8_t)(eeprom_read_byte(BOOTS) + 1);
     eeprom_write_byte(BOOTS, boot);
+#endif
+#if LUCK  // rand_hard measures the battery; in a simulator it may give all robots the same
+    robot_key = robot_mixed((uint32_t)kilo_uid << 8 | boot);
+    for (uint8_t k = 0; k < 4; k++) {
+        robot_key ^= (uint32_t)rand_hard() << 8 * k;
+    }
+#endif
+    kilo_tx_period = 1;  // a new message does not wait
     robot_start(&robot_self, B, W, kilo_uid, boot);
-    robot_due = kilo_ticks;
+    robot_due = robot_now();
 }
 
 static void robot_loop(void) {
-    if ((int32_t)(kilo_ticks - robot_due) < 0) {
+    const uint32_t now = robot_now();
+    if ((int32_t)(now - robot_due) < 0) {
         return;
     }
-    robot_due = kilo_ticks + PERIOD;
+    robot_due = now + PERIOD;
     const int8_t black = robot_self.is_done ? -1 : robot_read_sensor();
     if (black >= 0) {
         robot_observe(&robot_self, (number)black, (number)1);
@@ -106,6 +140,7 @@ int main(void) {
     kilo_init();
     kilo_message_rx = robot_message_rx;
     kilo_message_tx = robot_message_tx;
+    kilo_message_tx_success = robot_message_sent;
     kilo_start(robot_setup, robot_loop);
     return 0;
 }

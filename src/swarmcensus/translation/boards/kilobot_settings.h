@@ -8,4 +8,5 @@
 #define NAMED ${named}  // whether the brain uses the robot's name
 #define ENDS ${ends}  // whether it is done at some time, and then makes no more readings
 #define STEERS ${steers}  // whether it sets the robot's course
+#define OWED ${owed}  // numbers of what rounding took of its messages
 #define ROBOT_SENDERS 16  // of whom the last message is known

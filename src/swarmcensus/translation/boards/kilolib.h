@@ -6,7 +6,8 @@
 #include <stdint.h>
 
 #define RGB(r, g, b) ((r) & 3) | (((g) & 3) << 2) | (((b) & 3) << 4)
-#define NORMAL 0
+
+enum { NORMAL, GPS, BOOT = 128, BOOTPGM_PAGE, BOOTPGM_SIZE, RESET, SLEEP, WAKEUP, CHARGE, VOLTAGE, RUN, READUID, CALIB };
 
 typedef struct {
     uint8_t data[9];
@@ -19,13 +20,17 @@ typedef struct {
 } distance_measurement_t;
 
 extern volatile uint32_t kilo_ticks;
+extern volatile uint16_t kilo_tx_period;
 extern uint16_t kilo_uid;
 extern void (*kilo_message_rx)(message_t *, distance_measurement_t *);
 extern message_t *(*kilo_message_tx)(void);
+extern void (*kilo_message_tx_success)(void);
 
 void kilo_init(void);
 void kilo_start(void (*setup)(void), void (*loop)(void));
 int16_t get_ambientlight(void);
+uint8_t rand_hard(void);
 uint8_t rand_soft(void);
+void delay(uint16_t ms);
 void set_color(uint8_t color);
 uint16_t message_crc(const message_t *message);

@@ -33,6 +33,17 @@ struct robot {
 #endif
 };
 
+static inline uint32_t robot_mixed(uint32_t x) {
+    x = (x ^ x >> 16) * UINT32_C(0x7feb352d);
+    x = (x ^ x >> 15) * UINT32_C(0x846ca68b);
+    return x ^ x >> 16;
+}
+
+// The random number in (0, 1) at a place in the sequence of a key, which no other robot or boot should have.
+static inline number robot_random(uint32_t key, uint32_t place) {
+    return (number)(robot_mixed(robot_mixed(place) + key) >> 9) / 8388608 + (number)0.5 / 8388608;
+}
+
 #if LUCK
 static number robot_draw(struct robot *robot);  // a random number in (0, 1), which the program gives
 #endif

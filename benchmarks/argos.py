@@ -1,0 +1,135 @@
+"""ARGoS 3 against our moving robots: python benchmarks/argos.py [--argos PREFIX] [--quick].
+
+Deploys brains for ARGoS, builds them with cmake, and runs 25 robots at D = 1 and 10 with each seed, two runs at a time.
+The error of a trial is the median over robots of how far the final estimate is from the floor's black share.
+"""
+
+import json
+import re
+import subprocess
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import harness
+import numpy as np
+
+from swarmcensus import Study, deploy, run
+from swarmcensus.engine.addresses import address
+from swarmcensus.simulation.walking import Walk
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.bodies import Body
+
+BRAINS = ("minimalistic", "commons", "alone")
+DENSITIES = (1, 10)
+ROBOTS = 25
+OURS = 300  # trials; they cost little
+RESAMPLES = 10_000
+
+
+def study(density, ticks, trials=1, brains=BRAINS):
+    return Study(
+        trials=trials,
+        swarm={"robots": ROBOTS, "accuracy": 0.8, "brain": list(brains)},
+        world={"topology": "moving", "density": density, "fill_ratio": 0.55},
+        schedule={"ticks": ticks},
+    )
+
+
+def build(folder, prefix, ticks):
+    """The texts of experiments by brain and density; all brains are in one library."""
+    texts = {}
+    for brain in BRAINS:
+        for density in DENSITIES:
+            deploy(brain, folder, "argos", study=study(density, ticks))
+            texts[brain, density] = (folder / f"{brain}.argos").read_text()
+    for words in (["-B", "build", f"-DARGOS={prefix}"], ["--build", "build"]):
+        subprocess.run(["cmake", *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+    return texts
+
+
+def simulate(folder, prefix, text, name):
+    """What a run in ARGoS writes as its result; `name` is that of its files."""
+    result = folder / f"{name}.json"
+    text = text.replace('result=""', f'result="{result}"')
+    (folder / f"{name}.argos").write_text(text)
+    libraries = f"{prefix}/lib/argos3"
+    subprocess.run(
+        [f"{prefix}/bin/argos3", "-c", f"{name}.argos"], cwd=folder, check=True, stdout=subprocess.DEVNULL,
+        env={"LD_LIBRARY_PATH": libraries, "ARGOS_PLUGIN_PATH": libraries},
+    )  # fmt: skip
+    return json.loads(result.read_text())
+
+
+def in_argos(prefix, seeds, ticks):
+    """By brain and density: the results of all seeds."""
+    with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(2) as pool:
+        folder = Path(made) / "argos"
+        texts = build(folder, prefix, ticks)
+        runs = {
+            (*key, seed): pool.submit(
+                simulate, folder, prefix, re.sub('random_seed="[0-9]*"', f'random_seed="{seed}"', text),
+                f"{key[0]}-{key[1]}-{seed}",
+            )
+            for key, text in texts.items() for seed in range(1, seeds + 1)
+        }  # fmt: skip
+        return {key: [runs[*key, seed].result() for seed in range(1, seeds + 1)] for key in texts}
+
+
+def ours(density, ticks):
+    """The errors (brain, trial) of our moving robots."""
+    results = run(study(density, ticks, trials=min(OURS, harness.trials(OURS))), jobs=2)
+    floors = results["true_fill_ratio"].values[:, :, np.newaxis]
+    return np.median(np.abs(results["final_estimate"].values - floors), axis=2)
+
+
+def walked(density, ticks, trials=4):
+    """The share of ticks of avoiding, and the neighbours of a robot, of our moving robots."""
+    body, avoided, heard = Body(), [], []
+    for trial in range(trials):
+        walk = Walk(ROBOTS, arena.side(ROBOTS, density, body), body, address(1, "walk"), trial, harness.GO)
+        for chunk in walk.chunks(ticks):
+            avoided.append(1.0 - chunk.looked.mean())
+            heard.append(chunk.heard[chunk.looked.size] / chunk.looked.size)
+    return np.mean(avoided), np.mean(heard)
+
+
+def ratio(one, other):
+    """The ratio of two medians over trials, and its 95 % interval by bootstrap over trials of both."""
+    chance = np.random.default_rng(1)
+    drawn = [
+        np.median(errors[chance.integers(errors.size, size=(RESAMPLES, errors.size))], axis=1)
+        for errors in (one, other)
+    ]
+    return np.median(one) / np.median(other), *np.quantile(drawn[0] / drawn[1], [0.025, 0.975])
+
+
+@harness.question
+def errors(argos="/usr/local", seeds=30, ticks=10_000, quick=False):
+    """Errors in ARGoS as a multiple of ours, with the share of ticks of avoiding and the neighbours of both."""
+    seeds, ticks = (3, 1000) if quick else (seeds, ticks)
+    found = in_argos(argos, seeds, ticks)
+    table = harness.table(
+        f"25 robots, {ticks:,} ticks, {seeds} seeds in ARGoS", "brain", "D", "error in ARGoS", "error here",
+        "ratio, 95 % interval", "avoiding in ARGoS, here", "neighbours in ARGoS, here",
+    )  # fmt: skip
+    for density in DENSITIES:
+        here, (avoided, heard) = ours(density, ticks), walked(density, ticks)
+        for brain, mine in zip(BRAINS, here, strict=True):
+            runs = found[brain, density]
+            estimates = np.array([[robot["estimate"] for robot in one["robots"]] for one in runs])
+            theirs = np.median(np.abs(estimates - [[one["floor"]] for one in runs]), axis=1)
+            middle, low, high = ratio(theirs, mine)
+            looks, messages = (
+                np.mean([robot[key] for one in runs for robot in one["robots"]]) / ticks for key in ("read", "heard")
+            )
+            table.add_row(
+                brain, str(density), f"{np.median(theirs):.5f}", f"{np.median(mine):.5f}",
+                f"{middle:.2f} [{low:.2f}, {high:.2f}]", f"{1.0 - looks:.3f}, {avoided:.3f}",
+                f"{messages:.2f}, {heard:.2f}",
+            )  # fmt: skip
+    harness.show(table, width=130)
+
+
+if __name__ == "__main__":
+    harness.answer(globals())

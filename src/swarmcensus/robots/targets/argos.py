@@ -1,0 +1,132 @@
+"""The files of a simulation in ARGoS 3: a controller around the brain as C, a floor, and an experiment."""
+
+import json
+import re
+from pathlib import Path
+
+from swarmcensus.robots.target import Order, Target
+from swarmcensus.studies import Setting, Study
+from swarmcensus.support.errors import StudyError
+from swarmcensus.translation import filled, header, logged, piece, quoted
+from swarmcensus.worlds import Accuracy, Floor
+
+OF_ALL = {  # files that are the same for all brains of a folder
+    "swarmcensus_robot.h": "argos_robot.h",
+    "swarmcensus_robot.cpp": "argos_robot.cpp",
+    "swarmcensus_floor.cpp": "argos_floor.cpp",
+    "robot.h": "robot.h",
+    "robot_log.h": "robot_log.h",
+    "CMakeLists.txt": "argos_cmake.txt",
+}
+MADE = ("build", "README.md", "*.cpp", "*_brain.h", "*_logged.h", "*.py", "*.argos")  # of other brains, and by cmake
+WALL = 0.1  # metres
+RADIUS = 0.085036758  # of a foot-bot, in metres
+
+
+def argos_files(order: Order) -> dict[str, str]:
+    """The texts of all files by name. Raises InputError if ARGoS has no such arena, or C no such brain."""
+    study = order.study
+    if study is None:
+        sensor = {"black": order.b, "white": order.w}
+        study = Study(  # the paper's, Sec. IV-C
+            trials=1,
+            swarm={"robots": 25, "accuracy": sensor},
+            world={"topology": "moving", "density": 1, "fill_ratio": 0.55},
+            schedule={"ticks": 10_000},
+        )
+    brain, name = order.brain, name_of(order.brain.path)
+    values = {"brain": quoted(brain.label), "name": name, "datagram": order.datagram_bytes}
+    label = (brain.name, dict(brain.overrides), brain.numbers.message, brain.numbers.precision)
+    return {
+        f"{name}.cpp": filled(
+            "argos_brain.cpp", **values, mark=f"{order.mark & 0xFF:02x}", luck=int(brain.uses.luck),
+            named=int(brain.uses.name), ends=int(brain.ends), steers=int(brain.steers),
+            label=", ".join(json.dumps(json.dumps(value)) for value in label),
+        ),
+        f"{name}_brain.h": header(brain),
+        f"{name}_logged.h": logged(brain, order.mark),
+        f"{name}.py": brain.source,
+        f"{name}.argos": filled("argos_experiment.argos", **values, **_arena(order, study)),
+        **{file: piece(template) for file, template in OF_ALL.items()},
+        "README.md": filled("argos.md", **values),
+    }  # fmt: skip
+
+
+def name_of(path: Path) -> str:
+    """The name of a brain's controller, of its files, and of its robots: letters, digits and underscores."""
+    name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
+    return name if re.match("[a-zA-Z]", name) else f"brain_{name}"
+
+
+def _arena(order: Order, study: Study) -> dict[str, object]:
+    """What the experiment has of the study's first setting. Raises InputError if ARGoS has no such thing."""
+    setting = study.settings()[0]
+    _check(setting, study.name)
+    body, half = setting.body, setting.arena_side / 2.0
+    assert body is not None
+    sensor = _sides(setting.accuracy)
+    believed = _sides(setting.assumed_accuracy) if isinstance(setting.assumed_accuracy, Accuracy) else sensor
+    b, w = (given if given is not None else its for given, its in zip((order.b, order.w), believed, strict=True))
+    numbers = {
+        "b": b, "w": w, "true_b": sensor[0], "true_w": sensor[1],
+        "side": 2.0 * half, "inside": half - RADIUS, "beyond": half + WALL / 2.0, "wall": 2.0 * (half + WALL),
+        "outer": 2.0 * (half + WALL) + 1.0, "tile": body.tile, "pixels": round(1.0 / body.tile),
+        "fill_ratio": setting.fill_ratio,
+        "robots": setting.robots, "seconds": setting.rounds * body.tick, "ticks_per_second": round(1.0 / body.tick),
+        "seed": max(1, study.seed % 2**32), "radio_range": body.radio_range, "loss": 1.0 - setting.link_success,
+        "speed": 100.0 * body.speed, "turn_speed": 100.0 * body.turn_speed, "straight_mean": body.straight_mean,
+        "turn_most": body.turn_most, "avoid_above": body.avoid_above, "avoid_within": body.avoid_within,
+    }  # fmt: skip
+    texts = {key: f"{value:.12g}" for key, value in numbers.items()}
+    return {**texts, "line_of_sight": str(body.line_of_sight).lower()}
+
+
+def _sides(accuracy: Accuracy) -> tuple[float, float]:
+    """b and w that are the same for all robots."""
+    return accuracy.black.numbers[0], (accuracy.white or accuracy.black).numbers[0]
+
+
+def _check(setting: Setting, study: str) -> None:
+    """Raise InputError for what this experiment lacks."""
+    body = setting.body
+    if body is None:
+        raise StudyError.within(study, 'robots move in ARGoS: should be topology = "moving"', "topology")
+    assumed = setting.assumed_accuracy
+    lacks = {
+        "accuracy": not _is_plain(setting.accuracy) and "sensors that differ between robots, or drift",
+        "assumed_accuracy": assumed is not None and not _is_plain(assumed) and "beliefs that differ between robots",
+        "fill_ratio": setting.change and "floors that change",
+        "floor": setting.floor not in (None, Floor()) and f"floors of {setting.floor}",
+        "faults": setting.faults and "robots that fail",
+        "brain": setting.members and "robots that differ",
+        "message_delay": body.message_delay != 1 and "messages that take more or less than a tick",
+        "tick": abs(round(1.0 / body.tick) * body.tick - 1.0) > 1e-9 and "ticks of which a second has no whole number",
+    }  # fmt: skip
+    for key, what in lacks.items():
+        if what:
+            raise StudyError.within(study, f"the experiment for ARGoS has no {what}", key)
+
+
+def _is_plain(accuracy: object) -> bool:
+    """Whether all robots have the same accuracies, all the time."""
+    return (
+        isinstance(accuracy, Accuracy)
+        and accuracy.drift is None
+        and all(one.is_number for one in accuracy.distributions)
+    )
+
+
+TARGET = Target(
+    "ARGoS's range and bearing",
+    argos_files,
+    largest=1000,
+    checked=False,  # nothing damages a message there
+    precisions=("double", "single"),
+    refuses={
+        "hz": "the tick of the study decides that, 0.1 s by default",
+        "robot": "each robot gets a number of its own",
+        "log": 'logs="FOLDER" in the experiment writes them',
+    },
+    may_replace=(*OF_ALL, *MADE),
+    takes_study=True,
+)

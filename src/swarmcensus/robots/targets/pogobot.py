@@ -1,0 +1,44 @@
+"""The files of a Pogobot: its brain as C, and a main program for the robot's own library and for pogosim."""
+
+from swarmcensus.robots.target import Order, Target
+from swarmcensus.support.options import wrong_option
+from swarmcensus.translation import filled, header, logged, piece, quoted, unit_of
+
+FASTEST = 255  # ticks a second that its library can be set to
+TIME_STEP = 0.01  # seconds, of pogosim
+
+
+def pogobot_files(order: Order) -> dict[str, str]:
+    """The texts of all files by name. Raises InputError if the brain has no translation to C."""
+    brain, name = order.brain, quoted(order.brain.label)
+    assert order.b is not None
+    assert order.w is not None
+    if not (1 <= order.hz <= FASTEST and order.hz == int(order.hz)):
+        raise wrong_option("hz", order.hz, f"a Pogobot has a whole number of ticks a second, from 1 to {FASTEST}")
+    real = unit_of(brain).real
+    settings = filled(
+        "pogobot_settings.h", brain=name, b=real(order.b), w=real(order.w), hz=int(order.hz),
+        mark=f"{order.mark & 0xFF:02x}", luck=int(brain.uses.luck), named=int(brain.uses.name), ends=int(brain.ends),
+        steers=int(brain.steers),
+    )  # fmt: skip
+    return {
+        "brain.h": header(brain),
+        "logged.h": logged(brain, order.mark),
+        "settings.h": settings,
+        "robot.h": piece("robot.h"),
+        "robot_log.h": piece("robot_log.h"),
+        "main.c": piece("pogobot.c"),
+        "Makefile": piece("pogobot.mk"),
+        "simulation.yaml": filled("pogobot.yaml", brain=name, step=min(TIME_STEP, 1.0 / order.hz)),
+        "README.md": filled("pogobot.md", brain=name, body=brain.message_bytes),
+    }
+
+
+TARGET = Target(
+    "a Pogobot's infrared",
+    pogobot_files,
+    largest=382,
+    checked=False,  # its own library adds a checksum
+    precisions=("single",),
+    refuses={"robot": "a Pogobot has a number of its own", "log": "a Pogobot has no files; in pogosim it always logs"},
+)

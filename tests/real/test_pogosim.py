@@ -1,0 +1,50 @@
+"""Pogobots in the real pogosim live again to the bit, and their program builds for the robots."""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+
+from swarmcensus.cli.commands import main
+from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.robots.logs.lives import relive_all
+from tests.support.places import DATA
+
+SIMULATOR = pytest.mark.skipif(
+    "POGOSIM" not in os.environ,
+    reason="needs POGOSIM, where it is installed, and LIBRARIES if make cannot link",
+)
+BOARD = pytest.mark.skipif(
+    not {"SDK", "SOURCES"} <= set(os.environ), reason="needs SDK and SOURCES, where the Makefile says what they are"
+)
+
+
+def made(tmp_path, brain, goal):
+    robot = tmp_path / "robot"
+    asked = ["--target", "pogobot", "--b", ".9", "--w", ".9", "--message", "ratio16"]
+    assert main(["deploy", str(brain), str(robot), *asked]) == 0
+    subprocess.run(["make", goal], cwd=robot, check=True)
+    return robot
+
+
+@SIMULATOR
+@pytest.mark.parametrize("brain", ["commons", "sure", pytest.param(DATA / "whole.py", id="whole")])
+def test_twenty_robots_live_again_to_the_bit(tmp_path, brain):
+    robot = made(tmp_path, brain, "sim")
+    shown = os.environ | {"SDL_VIDEODRIVER": "dummy"}
+    subprocess.run(["./robot", "-c", "simulation.yaml", "-g"], cwd=robot, env=shown, check=True)
+    if not isinstance(brain, str):
+        shutil.copy(brain, robot / "logs" / "brain.py")
+    recording = read_recording(robot / "logs")
+    lives = relive_all(recording)
+    assert [(life.relived, life.breaks, life.lost) for life in lives] == [(1999, [], [])] * 20
+    if brain == "commons":
+        estimates = [member.log.ticks[-1].estimate for member in recording.members]
+        assert sum(estimates) / 20 == pytest.approx(0.56, abs=0.05)  # the floor of simulation.yaml
+
+
+@BOARD
+@pytest.mark.parametrize("brain", ["commons", pytest.param(DATA / "whole.py", id="whole")])
+def test_the_program_fits_the_robots(tmp_path, brain):
+    assert 0 < (made(tmp_path, brain, "bin") / "firmware.bin").stat().st_size < 64 * 1024

@@ -1,0 +1,178 @@
+"""`swarmcensus deploy --target kilobot`: a program that Kilobot's own library and simulators of Kilobots take."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.cli.commands import main
+from swarmcensus.robots import board_tests
+from swarmcensus.translation.messages import codec as codec_of
+from tests.support.boards import Air, Readings
+from tests.support.places import DATA, ROOT
+
+NEEDED = ["--b", ".9", "--w", ".85"]
+WHOLE = str(DATA / "whole.py")
+FILES = {"brain.h", "robot.h", "settings.h", "main.c", "Makefile", "README.md"}
+KILOBOT = pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc, of Debian's package gcc-avr")
+HOST = pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
+BOARDS = ROOT / "src" / "swarmcensus" / "translation" / "boards"
+BOOTS = """
+#include <stdint.h>
+static inline uint8_t eeprom_read_byte(const uint8_t *at) { (void)at; return 4; }
+static inline void eeprom_write_byte(uint8_t *at, uint8_t x) { (void)at; (void)x; }
+"""
+HARNESS = """
+#include <stdio.h>
+#include "kilolib.h"
+volatile uint32_t kilo_ticks;
+volatile uint16_t kilo_tx_period;
+uint16_t kilo_uid = 2;
+void (*kilo_message_rx)(message_t *, distance_measurement_t *);
+message_t *(*kilo_message_tx)(void);
+void (*kilo_message_tx_success)(void);
+static int light;
+void kilo_init(void) {}
+int16_t get_ambientlight(void) { return (int16_t)light; }
+uint8_t rand_hard(void) { return 7; }
+void set_color(uint8_t color) { (void)color; }
+uint16_t message_crc(const message_t *message) { (void)message; return 0; }
+void kilo_start(void (*setup)(void), void (*loop)(void)) {
+    char word[64];
+    setup();
+    while (scanf("%d", &light) == 1) {  // of a tick: light, the messages that have arrived before it, and one of + -
+        while (scanf("%63s", word) == 1 && word[0] != '-' && word[0] != '+') {
+            message_t message = {{0}, 0, 0};
+            for (int k = 0; k < 9; k++) {
+                unsigned byte;
+                sscanf(word + 2 * k, "%2x", &byte);
+                message.data[k] = (uint8_t)byte;
+            }
+            kilo_message_rx(&message, 0);
+        }
+        kilo_ticks += 100;
+        loop();
+        message_t *said = word[0] == '-' ? 0 : kilo_message_tx();  // - if others never stop talking
+        for (int k = 0; said && k < 9; k++) {
+            printf("%02x", said->data[k]);
+        }
+        printf("\\n");
+        if (said) {
+            kilo_message_tx_success();
+            if (kilo_message_tx()) {
+                printf("again ");
+            }
+        }
+    }
+}
+"""
+
+
+def deployed(folder, brain="commons", *more):
+    assert main(["deploy", brain, str(folder), "--target", "kilobot", *NEEDED, *more]) == 0
+    return folder
+
+
+@KILOBOT
+@pytest.mark.long(but=["voter", "whole"])
+@pytest.mark.parametrize("name", ["voter", "leaver", pytest.param(WHOLE, id="whole")])
+def test_program_compiles_without_a_warning(tmp_path, name, capsys):
+    """Also that of a brain that calls its own things what the headers call other things."""
+    folder = deployed(tmp_path / "robot", name)
+    printed = capsys.readouterr().out
+    assert int(re.search(r"flash +([\d,]+)", printed)[1].replace(",", "")) < 20_000
+    assert {path.name for path in folder.iterdir()} == FILES
+    command = ["make", "main.o", f"KILOLIB={BOARDS}"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "main.c" not in done.stderr
+
+
+@pytest.mark.parametrize(("hz", "period"), [(10, 3), (2, 15), (0.5, 61)])
+def test_kilobot_counts_thirty_and_a_half_ticks_a_second(tmp_path, hz, period):
+    settings = (deployed(tmp_path / "robot", "commons", "--hz", str(hz)) / "settings.h").read_text()
+    assert f"#define PERIOD {period}  // of a tick; a second has 30.5" in settings
+
+
+def mixed(x):
+    for shift, factor in ((16, 0x7FEB352D), (15, 0x846CA68B)):
+        x = (x ^ x >> shift) * factor % 2**32
+    return x ^ x >> 16
+
+
+def draws_of(number, boot):
+    """The random numbers of a robot, of which 23 binary digits are random."""
+    key = mixed(number << 8 | boot) ^ 0x07070707
+    return [((mixed((mixed(k) + key) % 2**32) >> 9) * 2 + 1) / 2**24 for k in range(1000)]
+
+
+def test_robots_and_boots_draw_different_numbers():
+    """Though all robots measure the same noise."""
+    draws = [draws_of(number, boot) for number in (1, 2, 256, 512) for boot in (0, 1, 2)]
+    assert len({tuple(each[:2]) for each in draws}) == len(draws)
+    assert all(0.0 < x < 1.0 for each in draws for x in each)
+    assert 0.48 < sum(map(sum, draws)) / 12_000 < 0.52
+
+
+@HOST
+@pytest.mark.parametrize("boot", [0, 5], ids=["simulator", "kilobot"])
+@pytest.mark.parametrize("name", ["commons", pytest.param(WHOLE, id="whole")])
+def test_kilobot_says_what_a_robot_of_single_precision_says(tmp_path, name, boot):
+    """Its program, compiled for this machine, and the runtime send the same bytes.
+
+    Some messages come twice, and some of its own are never sent. A simulator has no memory of boots.
+    """
+    folder = deployed(tmp_path / "robot", name)
+    (folder / "avr").mkdir()
+    (folder / "avr" / "eeprom.h").write_text(BOOTS)
+    (folder / "host.c").write_text(HARNESS)
+    options = "-std=gnu11 -O1 -Wall -Wextra -Werror -ffp-contract=off" + " -D__AVR__" * (boot > 0)
+    command = f"gcc {options} -I. -I{BOARDS} main.c host.c -lm -o robot"
+    subprocess.run(command.split(), cwd=folder, check=True)
+    codec = codec_of(True)[3]
+    runtime = board_tests._module(Path(sys.modules["swarmcensus.runtime.runtime"].__file__), {"codec": codec})
+    brain = brains.load(name).with_numbers(Numbers("single", "ratio16"))
+    mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)
+    plan = tuple(tuple(part) for part in brain.parts)
+    lights, air, robots = [(k * 37) % 600 for k in range(60)], Air(), []
+    accuracies = rounded_to_single(0.9), rounded_to_single(0.85)
+    for number, seen in ((1, lights), (2, lights[::-1])):
+        sensor, messages = Readings(light < 300 for light in seen), runtime.Messages((0, 0), plan, mark, False)
+        robot = runtime.Robot(brain.functions, messages, sensor, air.radio(), lambda: 0, *accuracies, number)
+        if brain.uses.luck:
+            robot.draws = iter(draws_of(number, boot)).__next__
+        robots.append(robot)
+    robots[1].boot = boot
+    lines, sent, first = [], [], None
+    for tick in range(60):
+        robots[0].tick()
+        first = first or air.boxes[1][0]
+        if tick % 7 == 3:  # an old message again, and one of another mark
+            air.boxes[1] += [first, bytes([mark ^ 1]) + first[1:]]
+        words = [data.hex() for data in air.boxes[1]]
+        is_sent, owed = tick % 5 != 2, robots[1].messages.owed[:]
+        said = len(air.boxes[0])
+        robots[1].tick()
+        sent += [*(data.hex() for data in air.boxes[0][said:] if is_sent)] or [""]
+        if not is_sent:
+            del air.boxes[0][said:]
+            robots[1].messages.owed[:] = owed
+        lines.append(" ".join([str(lights[::-1][tick]), *words, "-+"[is_sent]]))
+    done = subprocess.run(["./robot"], cwd=folder, input="\n".join(lines), capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == sent
+    assert sum(map(bool, sent)) > 30
+
+
+@KILOBOT
+def test_brain_too_large_for_a_kilobot(here, refused):
+    large = here / "large.py"
+    for length, says in ((400, "and a Kilobot has 1,300 for it"), (303, r"needs [\d,]+ bytes of flash and 1,\d+ of")):
+        source = brains.load("commons").source
+        large.write_text(source.replace("MEMORY = {", f'MEMORY = {{"belief": (0.0,) * {length}, ', 1))
+        assert re.search(says, refused("deploy", large, "k", "--target", "kilobot", *NEEDED))
