@@ -40,10 +40,13 @@ ticks = 1200
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Two brains in one folder, built into one program with the world."""
+    """Two brains in one folder, whose messages begin with the same byte, built into one program with the world."""
     folder = tmp_path_factory.mktemp("argos") / "robots"
     for brain in (str(DATA / "whole.py"), "minimalistic"):
         assert main(["deploy", brain, str(folder), *NEEDED]) == 0
+    file = folder / "minimalistic.cpp"
+    mark = re.search("define MARK 0x..", (folder / "whole.cpp").read_text())[0]
+    file.write_text(re.sub("define MARK 0x..", mark, file.read_text()))
     sources = [path for path in folder.iterdir() if path.suffix in (".cpp", ".h")]
     for include in {name for path in sources for name in re.findall("<(argos3/.*)>", path.read_text())}:
         (folder / "include" / include).parent.mkdir(parents=True, exist_ok=True)
@@ -56,7 +59,7 @@ def folder(tmp_path_factory):
     return folder
 
 
-def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=14, round_ticks=1):
+def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ticks=1):
     """Run robots in a new folder; returns what went wrong."""
     words = [folder / "world", ticks, reset, datagram, round_ticks, *controllers]
     return subprocess.run(list(map(str, words)), cwd=path, capture_output=True, text=True).stderr
@@ -117,14 +120,20 @@ def test_a_reset_begins_a_new_recording(folder, tmp_path):
 
 @HOST
 def test_messages_that_do_not_fit_are_refused(folder, tmp_path):
-    said = live(folder, tmp_path, "whole", datagram=13)
-    assert 'robot "whole0": rab_data_size is 13, and the brain' in said
-    assert "needs 14 bytes" in said
+    said = live(folder, tmp_path, "whole", datagram=17)
+    assert 'robot "whole0": rab_data_size is 17, and the brain' in said
+    assert "needs 18 bytes" in said
 
 
 def experiment(folder, name):
     """The experiment of a folder."""
     return ElementTree.parse(folder / f"{name}.argos").getroot()
+
+
+def test_a_folder_with_other_files_is_refused(tmp_path, refused):
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "notes.txt").touch()
+    assert "'notes.txt'" in refused("deploy", "commons", str(tmp_path / "robots"), *NEEDED)
 
 
 def test_an_experiment_has_the_papers_arena(tmp_path):

@@ -25,6 +25,8 @@ using namespace argos;
 
 namespace ${name} {
 
+static const uint8_t WHOLE_MARK[4] = {${whole_mark}};  // after each datagram: MARK is its first byte
+
 struct thinker : robot {
     robot_log log = {};
     CRandom::CRNG *chance = nullptr;
@@ -53,7 +55,7 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     }
 
   protected:
-    size_t DatagramBytes() const override { return ROBOT_DATAGRAM; }
+    size_t DatagramBytes() const override { return ROBOT_DATAGRAM + 4; }
 
     void Start() override {
         m_sRobot.chance = m_pcRNG;
@@ -78,13 +80,15 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     bool Say(UInt8* pun_datagram) override {
         const bool says = robot_say(&m_sRobot, pun_datagram);
         if (says) {
+            memcpy(pun_datagram + ROBOT_DATAGRAM, ${name}::WHOLE_MARK, 4);
             robot_log_said(&m_sRobot.log, pun_datagram);
         }
         return says;
     }
 
     bool Hear(const UInt8* pun_datagram) override {
-        const bool hears = robot_hear(&m_sRobot, pun_datagram);
+        const bool is_ours = memcmp(pun_datagram + ROBOT_DATAGRAM, ${name}::WHOLE_MARK, 4) == 0;
+        const bool hears = is_ours && robot_hear(&m_sRobot, pun_datagram);
         if (hears) {
             robot_log_heard(&m_sRobot.log, pun_datagram);
         }
