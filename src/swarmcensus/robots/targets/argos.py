@@ -56,7 +56,7 @@ def argos_files(order: Order) -> dict[str, str]:
 def name_of(path: Path) -> str:
     """The name of a brain's controller, of its files, and of its robots: letters, digits and underscores."""
     name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
-    return name if re.match("[a-zA-Z]", name) else f"brain_{name}"
+    return name if re.match("(?!swarmcensus)[a-zA-Z]", name) else f"brain_{name}"
 
 
 def _arena(order: Order, study: Study) -> dict[str, object]:
