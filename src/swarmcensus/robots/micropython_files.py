@@ -9,13 +9,14 @@ from swarmcensus.runtime import codec, log, runtime
 from swarmcensus.translation import filled, piece, quoted
 
 NUMBERS = {"precision": "MicroPython's numbers are as long as its build has them"}  # an option that it refuses
+HOLD = 2048  # bytes, so that a sector of flash is erased once in some forty ticks
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
 
 {imports}
 
 import brain
 import settings
-from runtime import WRAP, Messages, Robot
+from runtime import WRAP, Messages, Robot, since
 '''
 
 
@@ -36,7 +37,7 @@ def micropython_files(order: Order) -> dict[str, str]:
     readme = filled(
         "micropython.md", brain=quoted(order.brain.label), radio=order.target.what, body=order.brain.message_bytes,
         size=order.datagram_bytes, checked=checked, save=order.save_every,
-        logged="\n" + filled("logged.md", log=f"{order.log:,}").rstrip() if order.log else "",
+        logged="\n" + filled("logged.md", log=f"{order.log:,}", hold=f"{HOLD:,}").rstrip() if order.log else "",
     )  # fmt: skip
     logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if order.log else {}
     return {
@@ -72,6 +73,7 @@ def settings_text(order: Order) -> str:
     if order.log:
         values |= {
             "LOG": (order.log, "bytes of robot.log at the most"),
+            "HOLD": (HOLD, "of them that are written together: each time wears out flash memory"),
             "HASH": (bytes.fromhex(brain.sha256[:16]), "of the brain's file, how it begins"),
             "FORM": (FORMATS.index(brain.numbers.message), "of messages: 1 float32, 2 float16, 3 ratio16, 4 ratio8"),
         }

@@ -1,8 +1,8 @@
 """What a robot does, in a file, so that it can be replayed. Runs in CPython and in MicroPython.
 
 A log is a row of blocks. A block is its kind (1 byte), the length of its body (4), the body, and a checksum of all of
-them (2: the lower half of CRC-32). Numbers have their low byte first. A log is only ever appended to, one block at a
-time, so that a power cut costs the last block at most. There are two kinds:
+them (2: the lower half of CRC-32). Numbers have their low byte first. A log is only ever appended to, some blocks at a
+time, so that a power cut costs at most what was held back for the next time. There are two kinds:
 
 - STATE: what the robot is and what its state holds, written when it starts, and whenever it saves its memory.
 - TICK: what it read, said and heard in one tick, in the order in which it happened, and what it then believed.
@@ -44,11 +44,12 @@ class Log:
 
     brain: the first 8 bytes of the SHA-256 of its file. form: the number of the message format, from 1: float32,
     float16, ratio16, ratio8. now: milliseconds since 1970, 0 if unknown. most: bytes of the file after which no more is
-    written. single: whether the robot computes in single precision. Nothing here raises: what fails is counted in
-    `faults`.
+    written. single: whether the robot computes in single precision. hold: bytes of ticks that are collected before they
+    are written together, because a flash memory erases a whole sector for each time; a state is written at once, and
+    so is what was held before it. Nothing here raises: what fails is counted in `faults`.
     """
 
-    def __init__(self, file, brain=bytes(8), form=0, now=0, most=None, single=False):
+    def __init__(self, file, brain=bytes(8), form=0, now=0, most=None, single=False, hold=0):
         """Nothing is written yet."""
         self.path = file
         self.brain = brain
@@ -56,8 +57,11 @@ class Log:
         self.now = now
         self.most = most
         self.single = single
+        self.hold = hold
+        self.held = bytearray()  # blocks that are not written yet
+        self.count = 0  # of them
         self.file = None
-        self.size = 0
+        self.size = 0  # of the file, with what is held
         self.faults = 0
         self.clear()
 
@@ -106,24 +110,41 @@ class Log:
         self.write(TICK, body, False)
 
     def write(self, kind, body, synced):
-        """Append a block; `synced` also waits until it is on the disk."""
+        """Append a block; `synced` also waits until it is on the disk, and all before it."""
         if len(body) > LONGEST or (self.most is not None and self.size + len(body) > self.most):
             self.faults += 1
             return
         try:
+            more = block(kind, body)
+            self.held.extend(more)
+        except Exception:  # no memory
+            self.faults += 1
+            return
+        self.size += len(more)
+        self.count += 1
+        if synced or len(self.held) >= self.hold:
+            self.flush(synced)
+
+    def flush(self, synced=True):
+        """Write what is held. Raises nothing."""
+        held, count = self.held, self.count
+        self.held, self.count = bytearray(), 0
+        try:
             if self.file is None:
                 self.file = open(self.path, "ab")  # noqa: SIM115 - it stays open
-                self.size = self.file.tell()
-            self.size += self.file.write(block(kind, body))
+                self.size = self.file.tell() + len(held)
+            self.file.write(held)
             self.file.flush()
             if synced and hasattr(os, "fsync"):
                 os.fsync(self.file.fileno())
         except Exception:
-            self.faults += 1
+            self.faults += count
             self.file = None
 
     def close(self):
-        """Close the file; the next block opens it again."""
+        """Write what is held and close the file; the next block opens it again. Raises nothing."""
+        if self.held:
+            self.flush()
         if self.file is not None:
             self.file.close()
             self.file = None

@@ -16,6 +16,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.robots import board_tests
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
+from tests.support.board_modules import MODULES
 from tests.support.boards import needs_micropython, on_board
 from tests.support.places import DATA
 
@@ -211,92 +212,6 @@ def test_only_deployed_folders_have_a_selftest(tmp_path, capsys, expected):
     assert "--hz does not go with --selftest" in capsys.readouterr().err
 
 
-FAKE = """
-import sys
-
-class Line:
-    def __init__(self):
-        self.data = b""
-        self.other = self
-
-    def any(self):
-        return len(self.data)
-
-    def read(self, count):
-        out, self.data = self.data[:count], self.data[count:]
-        return out
-
-    def write(self, data):
-        self.other.data += bytes(data)
-
-
-class UART(Line):
-    made = []
-
-    def __init__(self, *_, **__):
-        Line.__init__(self)
-        UART.made.append(self)
-        if len(UART.made) == 2:
-            self.other, self.other.other = UART.made[0], self
-
-
-class Pin:
-    def __init__(self, number):
-        pass
-
-
-class ADC:
-    state = 5
-
-    def __init__(self, pin):
-        pass
-
-    def read_u16(self):
-        ADC.state = (ADC.state * 75 + 74) % 65537
-        return ADC.state % 65536
-
-
-def unique_id():
-    return b"board"
-"""
-FAKE_NOW = """
-class ESPNow:
-    made = []
-
-    def __init__(self):
-        self.box, self.peers, self.on = [], [], False
-        ESPNow.made.append(self)
-
-    def config(self, rxbuf):
-        assert not self.on
-
-    def active(self, on):
-        self.on = on
-
-    def add_peer(self, mac):
-        self.peers.append(mac)
-
-    def send(self, mac, data, sync):
-        if mac not in self.peers or len(data) > 250 or sync:
-            raise OSError("ESP_ERR_ESPNOW_NOT_FOUND")
-        for other in ESPNow.made:
-            if other is not self:
-                other.box.append((b"sender", data))
-
-    def recv(self, timeout):
-        return self.box.pop(0) if self.box and timeout == 0 else (None, None)
-"""
-FAKE_NETWORK = """
-STA_IF = 0
-
-
-class WLAN:
-    def __init__(self, kind):
-        pass
-
-    def active(self, on):
-        pass
-"""
 TWO = """
 import robot as program
 import settings
@@ -304,8 +219,7 @@ from binascii import hexlify
 
 robots = []
 for number in (1, 2):
-    settings.NUMBER = number
-    robots.append(program.made())
+    robots.append(program.made(program.Sensor(), program.Radio(), number, memory="memory%d" % number))
     if number == 1 and hasattr(settings, "LOG"):  # the other one keeps no log
         del settings.LOG
 for tick in range(100):
@@ -326,8 +240,8 @@ if robots[0].log:
 def two_on_boards(folder, noisy, *deployment):
     """What the program of two robots prints that hear each other on boards."""
     files = texts(deployed(folder / "robot", "commons", *deployment))
-    files["robot.py"] = files.pop("main.py").replace('"memory"', 'f"memory{own_number()}"')
-    files |= {"machine.py": FAKE, "espnow.py": FAKE_NOW, "network.py": FAKE_NETWORK}
+    files["robot.py"] = files.pop("main.py")
+    files |= MODULES
     (folder / "node").mkdir()
     return on_board(folder / "node", files | {"main.py": TWO.replace("NOISY", str(noisy))}).splitlines()
 

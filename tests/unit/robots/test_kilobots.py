@@ -80,8 +80,8 @@ def deployed(folder, brain="commons", *more):
 
 
 @KILOBOT
-@pytest.mark.long(but=["commons", "whole"])
-@pytest.mark.parametrize("name", ["commons", "leaver", pytest.param(WHOLE, id="whole")])
+@pytest.mark.long(but=["voter", "whole"])
+@pytest.mark.parametrize("name", ["voter", "leaver", pytest.param(WHOLE, id="whole")])
 def test_program_compiles_without_a_warning(tmp_path, name, capsys):
     """Also that of a brain that calls its own things what the headers call other things."""
     folder = deployed(tmp_path / "robot", name)

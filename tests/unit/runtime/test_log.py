@@ -28,11 +28,11 @@ def logs(monkeypatch):
         log.close()
 
 
-def robot(path, number=1, name="commons", **more):
+def robot(path, number=1, name="commons", hold=0, **more):
     brain = brains.load(name).with_numbers(Numbers(message="ratio16"))
     air = Air(1)
     made = Robot(brain.functions, messages_of(brain), air, air, lambda: 0, 0.9, 0.8, number, period=100, **more)
-    made.record(Log(path, bytes.fromhex(brain.sha256)[:8], form=3, now=5))
+    made.record(Log(path, bytes.fromhex(brain.sha256)[:8], form=3, now=5, hold=hold))
     return made, air
 
 
@@ -76,6 +76,45 @@ def test_a_log_cut_at_any_byte_keeps_all_whole_ticks(tmp_path):
         blocks = [block for block in kept if not isinstance(block, Gap)]
         assert tuple(blocks) == whole[: len(blocks)]
         assert sum(gap.length for gap in kept if isinstance(gap, Gap)) < 100
+
+
+def test_ticks_that_are_held_are_written_together(tmp_path, monkeypatch):
+    """The bytes are those of a log that is written in each tick; what a cut loses is shorter than `hold`."""
+    one, _ = robot(tmp_path / "log", hold=500)
+    each, _ = robot(tmp_path / "each")
+    flushed = []
+    flush = Log.flush
+    monkeypatch.setattr(Log, "flush", lambda log, synced=True: (flushed.append(log.path), flush(log, synced)))
+    for _ in range(400):
+        one.tick()
+        each.tick()
+        whole, kept = (tmp_path / "each").read_bytes(), (tmp_path / "log").read_bytes()
+        assert whole.startswith(kept)
+        assert len(whole) - len(kept) < 500
+    assert flushed.count(tmp_path / "each") == 400
+    assert flushed.count(tmp_path / "log") == len(kept) // 500 < 30
+    one.log.close()
+    assert (tmp_path / "log").read_bytes() == whole
+
+
+def test_a_saved_memory_finds_all_ticks_before_it_in_the_log(tmp_path):
+    one, _ = robot(tmp_path / "log", hold=100_000)
+    one.keep(str(tmp_path / "memory"), 50)
+    for _ in range(120):
+        one.tick()
+    log = read_log(tmp_path / "log")
+    assert [tick.tick for tick in log.ticks] == [*range(1, 101)]
+    assert [state.tick for state in log.states] == [0, 50, 100]
+
+
+def test_ticks_that_cannot_be_written_are_counted(tmp_path):
+    one, _ = robot(tmp_path / "log", hold=100_000)
+    one.log.close()
+    one.log.path = tmp_path / "away" / "log"
+    for _ in range(7):
+        one.tick()
+    one.log.close()
+    assert one.log.faults == 7
 
 
 @pytest.mark.parametrize("damage", ["flip", "cut"])

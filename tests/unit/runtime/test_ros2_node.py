@@ -7,7 +7,7 @@ import types
 
 import pytest
 
-from swarmcensus.cli.commands import main
+from swarmcensus.cli.commands import main as cli
 from tests.support.places import EXAMPLE
 
 NODE = EXAMPLE / "ros2_node.py"
@@ -18,7 +18,8 @@ class Middleware:
     """Topics of one process: what is published comes to all who subscribe; timers run when told."""
 
     def __init__(self):
-        self.subscribers, self.timers, self.published, self.stopped = {}, [], {}, None
+        self.subscribers, self.timers, self.published, self.stopped, self.depths = {}, [], {}, None, {}
+        self.nodes = []
 
     def publish(self, topic, message):
         self.published.setdefault(topic, []).append(message)
@@ -46,6 +47,8 @@ def modules(middleware):
     class Node:
         def __init__(self, name, parameter_overrides=()):
             self.name, self.parameters = name, dict(parameter_overrides)
+            self.topics, self.timers = [], []
+            middleware.nodes.append(self)
 
         def declare_parameter(self, name, default):
             self.parameters.setdefault(name, default)
@@ -54,6 +57,8 @@ def modules(middleware):
             return types.SimpleNamespace(value=self.parameters[name])
 
         def create_publisher(self, kind, topic, qos):
+            middleware.depths[topic] = qos if isinstance(qos, int) else qos.depth
+
             def publish(message):
                 assert isinstance(message, kind)
                 middleware.publish(topic, message)
@@ -62,12 +67,18 @@ def modules(middleware):
 
         def create_subscription(self, kind, topic, callback, qos):
             middleware.subscribers.setdefault(topic, []).append(callback)
+            self.topics.append((topic, callback))
 
         def create_timer(self, seconds, callback):
             middleware.timers.append((seconds, callback))
+            self.timers.append((seconds, callback))
 
         def destroy_node(self):
             middleware.destroyed = True
+            for topic, callback in self.topics:
+                middleware.subscribers[topic].remove(callback)
+            for timer in self.timers:
+                middleware.timers.remove(timer)
 
     class Stopped(Exception):
         pass
@@ -82,7 +93,11 @@ def modules(middleware):
         "rclpy": rclpy,
         "rclpy.executors": types.SimpleNamespace(ExternalShutdownException=Stopped),
         "rclpy.node": types.SimpleNamespace(Node=Node),
-        "rclpy.qos": types.SimpleNamespace(qos_profile_sensor_data=object()),
+        "rclpy.qos": types.SimpleNamespace(
+            qos_profile_sensor_data=types.SimpleNamespace(depth=5),
+            QoSProfile=types.SimpleNamespace,
+            ReliabilityPolicy=types.SimpleNamespace(BEST_EFFORT=2),
+        ),
         "std_msgs": types.ModuleType("std_msgs"),
         "std_msgs.msg": types.SimpleNamespace(**std),
     }
@@ -92,54 +107,124 @@ def modules(middleware):
 def ros(tmp_path, monkeypatch):
     """The example in a deployed folder, and what carries its messages."""
     folder = tmp_path / "robot"
-    words = f"deploy commons {folder} --target udp --b 0.9 --w 0.8 --message ratio16 --robot 0"
-    assert main(words.split()) == 0
+    words = f"deploy commons {folder} --target udp --b 0.9 --w 0.8 --message ratio16 --log 10000000"
+    assert cli(words.split()) == 0
     middleware = Middleware()
     for name, module in modules(middleware).items():
         monkeypatch.setitem(sys.modules, name, module)
-    for name in ("brain", "codec", "runtime", "settings"):
+    deployed = ("brain", "codec", "runtime", "settings", "main", "log")
+    for name in deployed:
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.syspath_prepend(folder)
+    monkeypatch.chdir(folder)
     monkeypatch.setattr(sys, "dont_write_bytecode", True)  # the folder of examples is one that users see
     spec = importlib.util.spec_from_file_location("ros2_node", NODE)
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
     yield example, middleware
-    for name in ("brain", "codec", "runtime", "settings"):
+    for node in middleware.nodes:
+        if hasattr(node, "robot"):
+            node.robot.log.close()
+    for name in deployed:
         sys.modules.pop(name, None)
 
 
+class World:
+    """Nodes, their floor and their time."""
+
+    def __init__(self, ros):
+        self.example, self.middleware = ros
+        self.ms, self.chance = 0, random.Random(1)
+
+    def node(self, number, **parameters):
+        given = {"number": number, **parameters}
+        return self.example.RobotNode(clock=lambda: self.ms, parameter_overrides=list(given.items()))
+
+    def run(self, ticks):
+        for _ in range(4 * ticks):
+            self.ms += 25
+            for number in range(ROBOTS) if self.ms % 100 == 0 else ():
+                black = self.chance.random() < FILL_RATIO
+                right = self.chance.random() < (0.9 if black else 0.8)
+                self.see(number, black == right)
+            for _, callback in list(self.middleware.timers):
+                callback()
+
+    def see(self, number, black):
+        self.middleware.publish(f"/robot_{number}/floor", sys.modules["std_msgs.msg"].Bool(data=black))
+
+
 def test_nodes_that_talk_agree_on_the_fill_ratio(ros):
-    example, middleware = ros
-    now = types.SimpleNamespace(ms=0)
-    nodes = [
-        example.RobotNode(clock=lambda: now.ms, parameter_overrides=[("number", number)]) for number in range(ROBOTS)
-    ]
-    assert {seconds for seconds, _ in middleware.timers} == {0.025}
-    chance = random.Random(1)
-    for _ in range(1200):  # of 25 ms
-        now.ms += 25
-        for number in range(ROBOTS) if now.ms % 100 == 0 else ():
-            black = chance.random() < FILL_RATIO
-            right = chance.random() < (0.9 if black else 0.8)
-            floor = sys.modules["std_msgs.msg"].Bool(data=black == right)
-            middleware.publish(f"/robot_{number}/floor", floor)
-        for _, callback in middleware.timers:
-            callback()
-    ticks = {node.robot.ticks for node in nodes}
-    assert ticks <= {300, 301}
+    world = World(ros)
+    nodes = [world.node(number) for number in range(ROBOTS)]
+    assert {seconds for seconds, _ in world.middleware.timers} == {0.025}
+    world.run(300)
+    assert {node.robot.ticks for node in nodes} <= {300, 301}
     assert all(node.robot.heard > 1000 for node in nodes)
     assert all(node.robot.refused == node.robot.undone == node.robot.radio_faults == 0 for node in nodes)
-    believed = [middleware.published[f"/robot_{number}/estimate"][-1].data for number in range(ROBOTS)]
+    published = world.middleware.published
+    believed = [published[f"/robot_{number}/estimate"][-1].data for number in range(ROBOTS)]
     assert believed == [node.robot.estimate for node in nodes]
     assert max(believed) - min(believed) < 0.01
     assert abs(sum(believed) / ROBOTS - FILL_RATIO) < 0.04
-    assert len(middleware.published["/robot_0/estimate"]) == nodes[0].robot.ticks
+    assert len(published["/robot_0/estimate"]) == nodes[0].robot.ticks
+
+
+def test_a_node_that_starts_again_is_heard_at_once_and_its_run_is_lived_again(ros, tmp_path, capsys):
+    """Robot 1 is killed without a word, robot 2 is stopped; both go on from their memory with another boot count."""
+    world = World(ros)
+    sys.modules["settings"].SAVE_EVERY = 20
+    nodes = [world.node(number) for number in range(ROBOTS)]
+    world.run(110)
+    for number in (1, 2):
+        killed = number == 1
+        if killed:
+            nodes[number].robot.log.held.clear()
+        nodes[number].destroy_node()
+        nodes[number] = world.node(number)
+    before = nodes[0].robot.heard
+    world.run(10)
+    assert nodes[0].robot.heard - before >= 4 * 9
+    assert [node.robot.boot for node in nodes] == [0, 1, 1, 0, 0]
+    assert nodes[1].robot.ticks >= 110
+    for node in nodes:
+        node.destroy_node()
+    capsys.readouterr()
+    assert cli(["relive", str(tmp_path / "robot")]) == 0
+    said = capsys.readouterr().out
+    assert "5 of 5 robots lived again to the bit" in said
+    assert "robot 1, boot 1: resumed the memory of boot 0, tick 100" in said
+
+
+def test_a_node_reads_the_newest_reading(ros):
+    world = World(ros)
+    node = world.node(0)
+    for black in [True] * 50 + [False]:
+        world.see(0, black)
+    assert (node.sensor.read(), node.sensor.read()) == (False, None)
+
+
+def test_datagrams_of_all_robots_wait_for_a_tick(ros):
+    world = World(ros)
+    node = world.node(0, depth=40, folder="kept")
+    assert world.middleware.depths["/swarm/messages"] == 40
+    for number in range(1, 61):
+        node.hear(sys.modules["std_msgs.msg"].UInt8MultiArray(data=[number]))
+    world.run(1)
+    assert node.robot.refused == 39  # and its own
+
+
+@pytest.mark.parametrize("number", [None, -1, 65536])
+def test_a_node_without_a_number_is_refused(ros, number):
+    example, _ = ros
+    with pytest.raises(SystemExit, match="number should be this robot's"):
+        example.RobotNode(parameter_overrides=[] if number is None else [("number", number)])
 
 
 @pytest.mark.parametrize("stopped", [KeyboardInterrupt, None])
-def test_ctrl_c_ends_a_node(ros, stopped):
+def test_ctrl_c_ends_a_node(ros, monkeypatch, stopped):
     example, middleware = ros
     middleware.stopped = stopped
+    monkeypatch.setattr(example.RobotNode, "number", lambda _: 3)
     example.main()
     assert middleware.destroyed

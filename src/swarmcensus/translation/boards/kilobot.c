@@ -21,7 +21,8 @@ static struct robot robot_self;
 static volatile uint8_t robot_inbox[WAITING][DATA];  // written when a message arrives, at any time
 static volatile uint8_t robot_arrived, robot_taken;  // messages so far
 static message_t robot_outgoing;
-static volatile bool robot_speaks;  // whether it is still to be sent
+static volatile bool robot_speaks;   // whether it is still to be sent
+static volatile bool robot_is_sent;  // whether it was
 static uint32_t robot_due;
 
 // ============================== FILL IN: YOUR SENSOR ==============================
@@ -45,7 +46,10 @@ static void robot_message_rx(message_t *message, distance_measurement_t *distanc
 // A message is sent once, as soon as nobody else speaks; one that was not is replaced by that of the next tick.
 static message_t *robot_message_tx(void) { return robot_speaks ? &robot_outgoing : 0; }
 
-static void robot_message_sent(void) { robot_speaks = false; }
+static void robot_message_sent(void) {
+    robot_speaks = false;
+    robot_is_sent = true;
+}
 
 static uint32_t robot_now(void) {
     uint32_t now;
@@ -65,18 +69,18 @@ static number robot_draw(struct robot *robot) {
 #endif
 
 static void robot_talk(void) {
-    const bool unsent = robot_speaks;
     robot_speaks = false;
     IN_ORDER();
 #if OWED
     static number owed[OWED];
     for (uint8_t k = 0; k < OWED; k++) {
-        if (unsent) {  // then the last message settled nothing
+        if (!robot_is_sent) {  // then the last message settled nothing
             robot_self.me.owed[k] = owed[k];
         }
         owed[k] = robot_self.me.owed[k];
     }
 #endif
+    robot_is_sent = false;
     robot_outgoing.type = NORMAL;
     const bool says = robot_say(&robot_self, robot_outgoing.data);
     robot_outgoing.crc = message_crc(&robot_outgoing);

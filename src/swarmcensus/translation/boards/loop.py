@@ -19,34 +19,50 @@ def own_number():
     return crc32(machine.unique_id()) & 0xFFFF
 
 
-def made():
-    """The robot, with the memory that it saved."""
+def quietly(call):
+    """Call what some boards cannot do."""
+    try:  # noqa: SIM105 - boards have no contextlib
+        call()
+    except Exception:
+        pass
+
+
+def made(sensor, radio, number, clock=clock, memory="memory", log="robot.log"):
+    """The robot, with the memory that it saved; `memory` and `log` are files."""
     s = settings
     messages = Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED)
     robot = Robot(
-        brain, messages, Sensor(), Radio(), clock, s.B, s.W, own_number(), s.PERIOD, s.READINGS, s.PARAMETERS,
+        brain, messages, sensor, radio, clock, s.B, s.W, number, s.PERIOD, s.READINGS, s.PARAMETERS,
         random.random if s.LUCK else None,
     )  # fmt: skip
-    robot.keep("memory", s.SAVE_EVERY)
+    robot.keep(memory, s.SAVE_EVERY)
     if hasattr(s, "LOG"):
         from log import Log
 
         now = 0 if hasattr(time, "ticks_ms") else int(time.time() * 1000)  # a board seldom knows the date
-        robot.record(Log("robot.log", s.HASH, s.FORM, now, s.LOG, single=1.0 + 2.0**-30 == 1.0))
+        is_single = 1.0 + 2.0**-30 == 1.0
+        robot.record(Log(log, s.HASH, s.FORM, now, s.LOG, is_single, s.HOLD))
     return robot
 
 
 def main():
     """Run for ever; a line every hundred ticks tells how the robot is."""
-    robot = made()
+    robot = made(Sensor(), Radio, own_number())  # the class, so that the robot tries again if it cannot be made
     # dog = machine.WDT(timeout=8000)  # restarts the board if a sensor or a radio never returns
     reported = robot.ticks
-    while True:
-        time.sleep(robot.poll() / 1000)
-        # dog.feed()
-        if robot.ticks >= reported + 100:
-            reported = robot.ticks
-            print(robot.status() + (f" log_faults {robot.log.faults}" if robot.log else ""))
+    try:
+        while True:
+            time.sleep(robot.poll() / 1000)
+            # dog.feed()
+            if robot.ticks >= reported + 100:
+                reported = robot.ticks
+                print(robot.status() + (f" log_faults {robot.log.faults}" if robot.log else ""))
+                if robot.trouble:
+                    print(f"last trouble: {robot.trouble}")
+                    robot.trouble = None
+    finally:
+        if robot.log:
+            robot.log.close()
 
 
 if __name__ == "__main__":

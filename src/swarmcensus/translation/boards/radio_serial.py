@@ -1,6 +1,7 @@
 import machine
 
-UART = 1  # FILL IN, with pins where your board needs them
+UART = 1  # FILL IN
+PINS = {}  # FILL IN such as {"tx": 17, "rx": 16}; without them the board takes its own
 BAUD = 9600
 END, ESCAPE, END_INSIDE, ESCAPE_INSIDE = 0xC0, 0xDB, 0xDC, 0xDD  # as in SLIP, RFC 1055
 LONGEST = 300
@@ -11,7 +12,7 @@ class Radio:
 
     def __init__(self):
         """Open the line."""
-        self.line = machine.UART(UART, BAUD, timeout=0)
+        self.line = machine.UART(UART, BAUD, timeout=0, **PINS)
         self.got = bytearray()
         self.frame = bytearray()
         self.escaped = False

@@ -3,46 +3,73 @@ import socket
 
 WIFI = ("name of the network", "password")  # FILL IN; boards without the module `network` need none
 EVERYBODY = ("255.255.255.255", 47230)  # address and port
+JOINING = 20000  # milliseconds from one try to join the network to the next
+FULL = (errno.EAGAIN, errno.ENOMEM, errno.ETIMEDOUT)  # nothing waits, or there is no room
 
 
 class Radio:
     """Datagrams over UDP, to all robots of the network. While the network is away, the robot goes on alone."""
 
     def __init__(self):
-        """Join the network, without waiting for it."""
-        self.socket = None
+        """Switch Wi-Fi on; the first call joins the network, and nobody waits for it."""
+        self.socket = self.wifi = None
+        self.tried = None  # when it last asked for the network, while that is away
+        self.has_asked = False
         try:
             import network
         except ImportError:
-            self.wifi = None
-        else:
-            self.wifi = network.WLAN(network.STA_IF)
-            self.wifi.active(True)
+            return
+        self.wifi = network.WLAN(network.STA_IF)
+        self.wifi.active(True)
+
+    def _join(self):
+        """Raise OSError unless the network is there; ask for it from time to time."""
+        if self.has_asked and self.wifi.isconnected():
+            self.tried = None
+            return
+        if self.socket:
+            self._close()
+        if self.tried is None or not 0 <= since(clock(), self.tried) < JOINING:
+            self.tried, self.has_asked = clock(), True
+            quietly(self.wifi.disconnect)  # from another network, or from a try that would refuse this one
             self.wifi.connect(*WIFI)
+        raise OSError("no network")
 
     def _ready(self):
-        if self.wifi and not self.wifi.isconnected():
-            raise OSError("no network")
+        if self.wifi:
+            self._join()
         if not self.socket:
             made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            for option in ("SO_REUSEADDR", "SO_BROADCAST"):
-                if hasattr(socket, option):
-                    made.setsockopt(socket.SOL_SOCKET, getattr(socket, option), 1)
-            made.bind(socket.getaddrinfo("0.0.0.0", EVERYBODY[1])[0][-1])
-            made.setblocking(False)
-            self.address = socket.getaddrinfo(*EVERYBODY)[0][-1]
+            try:
+                self._set_up(made)
+            except Exception:
+                made.close()
+                raise
             self.socket = made
         return self.socket
+
+    def _set_up(self, made):
+        if self.wifi:
+            quietly(lambda: self.wifi.config(pm=self.wifi.PM_NONE))  # sleep would delay what others send
+        for option in ("SO_REUSEADDR", "SO_BROADCAST"):
+            if hasattr(socket, option):
+                made.setsockopt(socket.SOL_SOCKET, getattr(socket, option), 1)
+        made.bind(socket.getaddrinfo("0.0.0.0", EVERYBODY[1])[0][-1])
+        made.setblocking(False)
+        self.address = socket.getaddrinfo(*EVERYBODY)[0][-1]
+
+    def _close(self):
+        closed, self.socket = self.socket, None
+        closed.close()
 
     def _try(self, method, *given):
         """Call a method of the socket; after an error the next call makes a new one."""
         try:
             return method(*given)
         except OSError as error:
-            if error.args and error.args[0] == errno.EAGAIN:  # nothing waits, or there is no room
+            if error.args and error.args[0] in FULL:
                 return None
-            self.socket.close()
-            self.socket = None
+            self._close()
             raise
 
     def send(self, datagram):

@@ -13,6 +13,8 @@ class Sensor:
         import machine
 
         self.adc = machine.ADC(machine.Pin(PIN))
+        if hasattr(machine.ADC, "ATTN_11DB"):  # an ESP32 measures up to 1 V otherwise
+            self.adc.atten(machine.ADC.ATTN_11DB)
 
     def read(self):
         """One reading."""
