@@ -40,7 +40,8 @@ def test_twenty_robots_live_again_to_the_bit(tmp_path, brain):
         shutil.copy(brain, robot / "logs" / "brain.py")
     recording = read_recording(robot / "logs")
     lives = relive_all(recording)
-    assert [(life.relived, life.breaks, life.lost) for life in lives] == [(1999, [], [])] * 20
+    assert len(lives) == 20
+    assert all(life.relived == life.ticks > 1990 and not (life.breaks or life.lost) for life in lives)
     if brain == "commons":
         estimates = [member.log.ticks[-1].estimate for member in recording.members]
         assert sum(estimates) / 20 == pytest.approx(0.56, abs=0.05)  # the floor of simulation.yaml
