@@ -8,7 +8,7 @@
 
 #define MAX_PAYLOAD_SIZE_BYTES 382
 #define ROBOTS 4
-#define TURNS 360
+#define TURNS 300
 #define EMITTERS 2  // so many copies of a message arrive
 #define QUEUE 64
 

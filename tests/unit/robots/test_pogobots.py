@@ -43,7 +43,7 @@ def test_the_settings_are_what_was_asked(tmp_path):
     robot = tmp_path / "robot"
     assert main(["deploy", "sure", str(robot), *NEEDED, "--hz", "20"]) == 0
     settings = (robot / "settings.h").read_text()
-    assert all(f"#define {line}  //" in settings for line in ("B 0.9f", "W 0.85f", "HZ 20", "LOOPS 3", "ENDS 1"))
+    assert all(f"#define {line}  //" in settings for line in ("B 0.9f", "W 0.85f", "HZ 20", "LOOPS 2", "ENDS 1"))
     assert "time_step: 0.01 " in (robot / "simulation.yaml").read_text()
 
 

@@ -4,8 +4,8 @@ from swarmcensus.robots.target import Order, Target
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, header, logged, piece, quoted, unit_of
 
-LOOPS = 60  # of its library, a second, as far as ticks divide them: messages wait in small buffers for a loop
-FASTEST = 255  # loops a second
+LOOPS = 50  # of its library, a second, at most: small buffers hold messages for a loop of whole milliseconds
+FASTEST = 255  # what a rate is, at most
 TIME_STEP = 0.01  # seconds, of pogosim
 
 
