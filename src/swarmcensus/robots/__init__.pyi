@@ -22,6 +22,7 @@ from .logs.mcap_files import logs_in as logs_in, write_mcap as write_mcap
 from .logs.others import TOLD as TOLD, UNKNOWN as UNKNOWN, Relived as Relived, under as under
 from .logs.reasons import ANOTHER as ANOTHER
 from .logs.replicas import format_of as format_of
+from .logs.strangers import Stranger as Stranger, strangers_of as strangers_of
 from .logs.traces import (
     MOST_VALUES as MOST_VALUES,
     as_logged as as_logged,

@@ -13,9 +13,9 @@ from swarmcensus.support.options import misplaced, wrong_option
 
 if TYPE_CHECKING:
     from swarmcensus.brains import Brain
-    from swarmcensus.robots import Recording, Relived, RobotReplay
+    from swarmcensus.robots import Recording, Relived, RobotReplay, Stranger
 
-DIFFER = 1  # exit code if a state differs in any bit, as of `verify`
+DIFFER = 1  # exit code if a state differs in any bit, as of `verify`, or if a log is of another recording
 SHOWN = 8  # lines of a list
 
 
@@ -44,7 +44,7 @@ def add_relive_options(sub: argparse.ArgumentParser) -> None:
 
 def relive(options: argparse.Namespace) -> int:
     """Compute the states of a folder again."""
-    from swarmcensus.robots import Clock, read_recording, relive_all, traces, under
+    from swarmcensus.robots import Clock, read_recording, relive_all, strangers_of, traces, under
 
     _check(options)
     recording = read_recording(options.folder, options.brain_file, options.fill_ratio)
@@ -53,6 +53,7 @@ def relive(options: argparse.Namespace) -> int:
         say(f"left out: {what}")
     clock = Clock(recording.members)
     lives = relive_all(recording, keep=bool(options.trace) and not others)
+    strangers = strangers_of(recording)
     lived = [traces.as_logged(recording, lives)]
     lived += [under(recording, brain, options.message, clock, bool(options.trace)) for brain in others]
     if options.out:
@@ -62,12 +63,12 @@ def relive(options: argparse.Namespace) -> int:
     if options.trace or options.plot:
         _write_trace(options, traces.as_trace(recording, lived[-1], clock))
     if options.json:
-        answer("relived", _as_dict(recording, lives, lived))
+        answer("relived", _as_dict(recording, lives, lived, strangers))
     else:
-        _show(recording, lives, lived)
+        _show(recording, lives, lived, strangers)
     if options.out:
         wrote(options.out)
-    return 0 if all(life.to_the_bit for life in lives) else DIFFER
+    return 0 if all(life.to_the_bit for life in lives) and not strangers else DIFFER
 
 
 def _check(options: argparse.Namespace) -> None:
@@ -124,7 +125,9 @@ def _write_trace(options: argparse.Namespace, trace: Any) -> None:
         save_figure(plot.curves(trace), options.plot, ("png",))
 
 
-def _as_dict(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"]) -> dict[str, Any]:
+def _as_dict(
+    recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"], strangers: Sequence["Stranger"]
+) -> dict[str, Any]:
     robots = [
         {
             "number": life.number, "ticks": life.ticks, "relived": life.relived, "to_the_bit": life.to_the_bit,
@@ -141,7 +144,10 @@ def _as_dict(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequ
         {"brain": one.brain.label, **_ends(recording, one), "unknown": one.unknown, "counts": dict(one.counts)}
         for one in lived
     ]
-    return {"title": recording.title, "fill_ratio": recording.fill_ratio, "robots": robots, "brains": brains}
+    return {
+        "title": recording.title, "fill_ratio": recording.fill_ratio, "robots": robots, "brains": brains,
+        "strangers": [one._asdict() for one in strangers],
+    }  # fmt: skip
 
 
 def _ends(recording: "Recording", lived: "Relived") -> dict[str, float | None]:
@@ -164,7 +170,9 @@ def _ends(recording: "Recording", lived: "Relived") -> dict[str, float | None]:
     }
 
 
-def _show(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"]) -> None:
+def _show(
+    recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequence["Relived"], strangers: Sequence["Stranger"]
+) -> None:
     from swarmcensus.robots import TOLD, UNKNOWN, summary_of
     from swarmcensus.support.formatting import counted
     from swarmcensus.support.printed_tables import Table
@@ -178,6 +186,7 @@ def _show(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequenc
     print(
         f"{exact:,} of {counted(len(lives), 'robot')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}"
     )
+    _list([f"  {_not_of_it(one.robots)}: {one.reason}" for one in strangers])
     _list(_break_lines(lives))
     _list([_lost_line(life.number, lost) for life in lives for lost in life.lost])
     _list([
@@ -203,6 +212,12 @@ def _show(recording: "Recording", lives: Sequence["RobotReplay"], lived: Sequenc
             lines = [f"  {one.counts[name]:,} {what}" for name, what in kinds.items() if one.counts[name]]
             if lines:
                 print(title.format(one.brain.label), *lines, sep="\n")
+
+
+def _not_of_it(robots: Sequence[int]) -> str:
+    if len(robots) == 1:
+        return f"robot {robots[0]} is not of this recording"
+    return f"robots {' and '.join(map(str, robots))} are not of one recording"
 
 
 def _break_lines(lives: Sequence["RobotReplay"]) -> list[str]:
@@ -249,7 +264,7 @@ def _number(value: float | None) -> str:
 
 COMMANDS = (
     Command(
-        "relive", "Live robots' states again from their logs, to the bit, or the same recording under another brain.",
-        Group.ROBOTS, relive, add_relive_options,
+        "relive", "Run robots' brains again from their logs, to the bit.",
+        Group.ROBOTS, 3, relive, add_relive_options,
     ),
 )  # fmt: skip

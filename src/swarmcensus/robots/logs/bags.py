@@ -16,11 +16,15 @@ from swarmcensus.support.formatting import counted
 from swarmcensus.support.options import option, wrong_option
 
 STORAGES = (".mcap", ".db3")
+COMPRESSED = tuple(f"{suffix}.zstd" for suffix in STORAGES)
+ZSTD = bytes.fromhex("28b52ffd")  # how compressed data begins, and no message of ROS 2
+CDR = "cdr"  # how ROS 2 encodes messages
 ROBOT = "{robot}"
 NUMBERS = (*(f"{sign}nt{bits}" for sign in ("I", "UI") for bits in (8, 16, 32, 64)),)
 READINGS = ("Bool", *NUMBERS, "Float32", "Float64")
 MESSAGES = (*NUMBERS, *(f"{name}MultiArray" for name in NUMBERS), "String")
 MOST_STEPS = 10_000_000
+PAUSE = 10  # steps: events at time 0 that are further from the next one were recorded before the time was known
 MOST_LACKING = 2**32  # bytes of a cut file that are made up; more is a damaged number
 NANO = 10**9
 # of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length stands
@@ -45,18 +49,28 @@ class Recorded(NamedTuple):
     notes: list[str]
 
 
+class _Found:
+    """What is in a bag's files."""
+
+    def __init__(self) -> None:
+        self.raw: list[Raw] = []
+        self.topics: dict[str, str] = {}  # all of them, and their types
+        self.encodings: dict[str, str] = {}  # of their messages
+        self.whole = True  # whether all that the files should hold was read
+
+
 class _Events:
-    """What was read so far: of each event its time, its robots and its value."""
+    """What was decoded so far: of each event its time, its robots and its value."""
 
     def __init__(self) -> None:
         self.seen: list[tuple[int, str, float]] = []
         self.heard: list[tuple[int, str, str, str]] = []  # time, sender, receiver, topic
-        self.undecoded = 0
+        self.undecoded = self.compressed = 0
 
 
 def is_bag(path: Path) -> bool:
     """Whether a path is a folder with a bag, or a file of one."""
-    return path.is_dir() or path.suffix in STORAGES
+    return path.is_dir() or path.name.endswith((*STORAGES, *COMPRESSED))
 
 
 def read_bag(path: str | Path, readings: str, messages: str | None, period: float) -> Recorded:
@@ -75,105 +89,137 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
             raise wrong_option(name, template, f"should name a robot once as {ROBOT}, as /robot_{ROBOT}/floor")
     if not 1e-9 <= period < 1e9:
         raise wrong_option("period", period, "should be the seconds of a step, above 0")
-    raw, topics, notes = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
+    found, notes = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
     wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]] = {}
-    _choose(path, topics, readings, "readings", READINGS, _reading, wanted)
+    _choose(path, found, readings, "readings", READINGS, _reading, wanted, notes)
     if messages is not None:
-        _choose(path, topics, messages, "messages", MESSAGES, _heard, wanted)
-    events = _decoded(raw, wanted)
+        _choose(path, found, messages, "messages", MESSAGES, _heard, wanted, notes)
+    events = _decoded(found.raw, wanted)
+    if events.compressed:
+        why = "they are compressed one by one, and metadata.yaml, which says so, is missing"
+        notes.append(f"{path}: {counted(events.compressed, 'message')} could not be decoded: {why}")
     if events.undecoded:
         notes.append(f"{path}: {counted(events.undecoded, 'message')} could not be decoded")
     if not events.seen:
-        raise ResultsError.of(path, f"no readings on the topics of {option('readings', readings)}")
+        known = "".join(f"; {note.removeprefix(f'{path}: ')}" for note in notes)
+        raise ResultsError.of(path, f"no readings on the topics of {option('readings', readings)}{known}")
     return _steps(path, events, messages is not None, round(period * NANO), notes)
 
 
-def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[list[Raw], dict[str, str], list[str]]:
-    """The messages of topics of these patterns, the types of all topics, and what is damaged. Raises InputError."""
+def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[_Found, list[str]]:
+    """What files hold on topics of these patterns, and what there is to tell of them. Raises InputError."""
     try:
-        from rosbags.rosbag2 import Reader
+        from rosbags.rosbag2 import Reader, ReaderError
     except ImportError:
         raise InputError("bags need the package rosbags: pip install 'swarmcensus[ros]'") from None
 
     if not path.exists():
         raise ResultsError.of(path, "there is no such bag")
-    raw: list[Raw] = []
-    topics: dict[str, str] = {}
+    found = _Found()
     try:
-        raw += _read(Reader(path), topics, patterns)
-    except Exception:  # a damaged bag raises anything
-        files = sorted(p for p in path.iterdir() if p.suffix in STORAGES) if path.is_dir() else [path]
-        if not files:
-            raise ResultsError.of(path, "no bag of rosbag2, which has files that end in .mcap or .db3") from None
-        raw.clear()
-        for file in files:
-            _salvage(file, raw, topics, patterns)
-        if not topics:
-            raise ResultsError.of(path, "no message of it could be read") from None
-        return raw, topics, [f"{path}: the bag is cut or damaged: {counted(len(raw), 'message')} could be read"]
-    return raw, topics, []
+        _read(Reader(path), found, patterns)
+    except Exception as error:  # a damaged bag raises anything
+        why = str(error) if isinstance(error, ReaderError) else ""
+    else:
+        return found, []
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    packed = [file.name for file in files if file.name.endswith(COMPRESSED)]
+    notes = [f"{path}: {name} is compressed and cannot be unpacked here: zstd -d {name} does it" for name in packed]
+    files = [file for file in files if file.suffix in STORAGES]
+    if not files and packed:
+        raise ResultsError.of(path, notes[0].removeprefix(f"{path}: "))
+    if not files:
+        raise ResultsError.of(path, "no bag of rosbag2, which has files that end in .mcap or .db3")
+    found = _Found()
+    for file in files:
+        _salvage(file, found, patterns)
+    if not found.topics:
+        raise ResultsError.of(path, "no message of it could be read")
+    read = f"{counted(len(found.raw), 'message')} could be read"
+    if not found.whole:
+        notes.append(f"{path}: the bag is cut or damaged: {read}")
+    elif path.is_dir() and not (path / "metadata.yaml").exists():
+        notes.append(f"{path}: metadata.yaml is missing, and its files are whole: {read}")
+    elif path.is_dir() and why:
+        notes.append(f"{path}: its files are whole: {read}. But rosbags says: {why}")
+    return found, notes
 
 
-def _read(reader: Any, topics: dict[str, str], patterns: list[re.Pattern[str]]) -> Iterator[Raw]:
-    """The messages that a reader of rosbags reads. Raises anything."""
+def _read(reader: Any, found: _Found, patterns: list[re.Pattern[str]]) -> None:
+    """Add the messages that a reader of rosbags reads. Raises anything."""
     with reader:
-        topics.update({c.topic: c.msgtype for c in reader.connections})
+        found.topics.update({c.topic: c.msgtype for c in reader.connections})
+        found.encodings.update({c.topic: c.ext.serialization_format for c in reader.connections})
         wanted = [c for c in reader.connections if any(p.fullmatch(c.topic) for p in patterns)]
         for connection, time, data in reader.messages(wanted) if wanted else ():
-            yield Raw(connection.topic, connection.msgtype, time, data)
+            found.raw.append(Raw(connection.topic, connection.msgtype, time, data))
 
 
-def _salvage(file: Path, raw: list[Raw], topics: dict[str, str], patterns: list[re.Pattern[str]]) -> None:
+def _salvage(file: Path, found: _Found, patterns: list[re.Pattern[str]]) -> None:
     """Add what is readable of one file."""
-    with contextlib.suppress(Exception):  # here the damage begins
-        for one in _records(file, topics) if file.suffix == ".mcap" else _rows(file, topics):
+    try:
+        for one in _records(file, found) if file.suffix == ".mcap" else _rows(file, found):
             if any(pattern.fullmatch(one.topic) for pattern in patterns):
-                raw.append(one)
+                found.raw.append(one)
+    except Exception:  # here the damage begins
+        found.whole = False
 
 
-def _rows(file: Path, topics: dict[str, str]) -> Iterator[Raw]:
+def _rows(file: Path, found: _Found) -> Iterator[Raw]:
     """The messages of an SQLite file, from both ends up to the damage. Raises anything."""
     content = bytearray(file.read_bytes())
     page, pages = int.from_bytes(content[16:18], "big"), int.from_bytes(content[28:32], "big")
     content[18:20] = 1, 1  # no second file is asked for newer rows
     lacking = max(0, page * pages - len(content))
     content += bytes(lacking if lacking < MOST_LACKING else 0)  # SQLite opens no file that is shorter than it should be
+    found.whole = found.whole and not lacking
     with contextlib.closing(sqlite3.connect(":memory:")) as base:
         base.deserialize(bytes(content))
-        kinds = {key: (topic, kind) for key, topic, kind in base.execute("SELECT id, name, type FROM topics")}
-        kinds = {key: names for key, names in kinds.items() if all(isinstance(name, str) for name in names)}
-        topics.update(kinds.values())
+        kinds = {}
+        for key, topic, kind, encoding in base.execute("SELECT id, name, type, serialization_format FROM topics"):
+            if isinstance(topic, str) and isinstance(kind, str):
+                kinds[key] = topic, kind
+                found.topics[topic], found.encodings[topic] = kind, str(encoding)
+            else:
+                found.whole = False
         last = 0
         for order in ("ASC", "DESC"):
             limit = "id > ?" if order == "DESC" else "id >= ?"
             rows = base.execute(
                 f"SELECT id, topic_id, timestamp, data FROM messages WHERE {limit} ORDER BY id {order}", [last]
             )
-            with contextlib.suppress(sqlite3.DatabaseError):
+            try:
                 for key, topic, time, data in rows:
                     last = key if order == "ASC" else last
                     if topic in kinds:
                         yield Raw(*kinds[topic], time, data)
+            except sqlite3.DatabaseError:
+                found.whole = False
 
 
-def _records(file: Path, topics: dict[str, str]) -> Iterator[Raw]:
+def _records(file: Path, found: _Found) -> Iterator[Raw]:
     """The messages of an MCAP file in their order, without its index, which a cut file lacks. Raises anything."""
-    from mcap.records import Channel, Message, Schema
+    from mcap.records import Channel, Message, Schema, Statistics
 
     schemas: dict[int, str] = {}
     channels: dict[int, str] = {}
-    for record in _whole_records(file):
+    count = 0
+    for record in _whole_records(file, found):
         if isinstance(record, Schema):
             schemas[record.id] = record.name
         elif isinstance(record, Channel):
             channels[record.id] = record.topic
-            topics[record.topic] = schemas.get(record.schema_id, "")
+            found.topics[record.topic] = schemas.get(record.schema_id, "")
+            found.encodings[record.topic] = record.message_encoding
+        elif isinstance(record, Statistics):  # chunks need not have checksums
+            found.whole = found.whole and count == record.message_count
         elif isinstance(record, Message) and record.channel_id in channels:
+            count += 1
             topic = channels[record.channel_id]
-            yield Raw(topic, topics[topic], record.log_time, record.data)
+            yield Raw(topic, found.topics[topic], record.log_time, record.data)
 
 
-def _whole_records(file: Path) -> Iterator[Any]:
+def _whole_records(file: Path, found: _Found) -> Iterator[Any]:
     """All whole records, also of a chunk that is cut, unless it is compressed. Raises anything."""
     from mcap.opcode import Opcode
     from mcap.records import Chunk
@@ -188,9 +234,12 @@ def _whole_records(file: Path) -> Iterator[Any]:
                 if not isinstance(record, Chunk):
                     yield record
                     continue
-                with contextlib.suppress(Exception):  # a damaged chunk; the next ones may be whole
+                try:
                     yield from breakup_chunk(record, validate_crc=True)
+                except Exception:  # a damaged chunk; the next ones may be whole
+                    found.whole = False
         except Exception:
+            found.whole = False
             stream.seek(at)
             head = stream.read(CHUNK_HEAD)
             if head[:1] == bytes([Opcode.CHUNK]) and not any(head[COMPRESSION:COMPRESSION_END]):
@@ -199,20 +248,26 @@ def _whole_records(file: Path) -> Iterator[Any]:
 
 def _choose(
     path: Path,
-    topics: dict[str, str],
+    found: _Found,
     template: str,
     name: str,
     kinds: Iterable[str],
     add: Callable[[_Events, Raw, str, Any], None],
     wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]],
+    notes: list[str],
 ) -> None:
-    """Add the topics that a template means to those that are wanted."""
-    pattern = _pattern(template)
-    found = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}
-    if not found:
+    """Add the topics that a template means to those that are wanted, and note those that cannot be decoded."""
+    pattern, topics = _pattern(template), found.topics
+    meant = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}
+    if not meant:
         there = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(topics.items())[:20]) or "none"
         raise ResultsError.of(path, f"no topic matches {option(name, template)}: there are {there}")
-    for topic, robot in found.items():
+    for topic, robot in meant.items():
+        if (encoding := found.encodings[topic]) != CDR:
+            notes.append(
+                f"{path}: {topic} is encoded as {encoding or 'something unknown'}, not as {CDR}: it is left out"
+            )
+            continue
         package, _, kind = topics[topic].rpartition("/")
         if package != "std_msgs/msg" or kind not in kinds:
             raise ResultsError.of(
@@ -238,6 +293,9 @@ def _decoded(raw: list[Raw], wanted: dict[str, tuple[Callable[[_Events, Raw, str
         try:
             if not isinstance(one.time, int) or not isinstance(one.data, bytes):  # of a damaged row
                 raise TypeError
+            if one.data.startswith(ZSTD):
+                events.compressed += 1
+                continue
             value: Any = store.deserialize_cdr(one.data, one.kind)
         except Exception:  # rosbags raises anything for bytes that do not fit
             events.undecoded += 1
@@ -264,6 +322,7 @@ def _heard(events: _Events, raw: Raw, robot: str, value: Any) -> None:
 
 def _steps(path: Path, events: _Events, talks: bool, period: int, notes: list[str]) -> Recorded:
     """Events put into steps."""
+    _leave_out_early(path, events, period, notes)
     names = sorted({robot for _, robot, _ in events.seen}, key=_by_number)
     index = {name: k for k, name in enumerate(names)}
     times = [time for time, *_ in events.seen] + [time for time, *_ in events.heard]
@@ -292,23 +351,59 @@ def _steps(path: Path, events: _Events, talks: bool, period: int, notes: list[st
     return Recorded(readings, _messages(path, events, index, first, period, notes) if talks else None, names, notes)
 
 
+def _leave_out_early(path: Path, events: _Events, period: int, notes: list[str]) -> None:
+    """Leave out events at time 0 if the time is another one soon: a recorder has no time before its first clock."""
+    times = [time for time, *_ in events.seen] + [time for time, *_ in events.heard]
+    later = min((time for time in times if time > 0), default=0)
+    if later > PAUSE * period and (early := sum(time <= 0 for time in times)):
+        events.seen = [event for event in events.seen if event[0] > 0]
+        events.heard = [event for event in events.heard if event[0] > 0]
+        notes.append(f"{path}: {counted(early, 'event')} at time 0 left out, {later / NANO:,.0f} s before the others")
+
+
 def _messages(
     path: Path, events: _Events, index: dict[str, int], first: int, period: int, notes: list[str]
 ) -> np.ndarray:
-    rows, own = [], 0
-    for time, sender, receiver, topic in events.heard:
-        for name in (sender, receiver):
-            if name not in index:
-                raise ResultsError.of(
-                    path, f"{topic} names {name}, of which there are no readings: robots are {', '.join(index)}"
-                )
-        if sender == receiver:  # some radios hear themselves
+    """Rows of step, sender and receiver; messages of and to robots without readings are left out."""
+    rows, own, others = [], 0, Counter[str]()
+    known = {name: _known(name, index) for _, sender, receiver, _ in events.heard for name in (sender, receiver)}
+    for time, sender, receiver, _ in events.heard:
+        here, there = known[sender], known[receiver]
+        if here is None or there is None:
+            others[sender if here is None else receiver] += 1
+        elif here == there:  # some radios hear themselves
             own += 1
-            continue
-        rows.append((_step(time, first, period), index[sender], index[receiver]))
+        else:
+            rows.append((_step(time, first, period), here, there))
+    if others and not rows and not own:
+        topic, name = next((topic, n) for _, *pair, topic in events.heard for n in pair if known[n] is None)
+        said = f"{topic} names {name}, of which there are no readings, as of all that are heard: robots are"
+        raise ResultsError.of(path, f"{said} {', '.join(index)}")
+    if others:
+        left_out = f"{counted(sum(others.values()), 'message')} of or to robots without readings"
+        notes.append(f"{path}: {left_out} are left out: {', '.join(sorted(others, key=_by_number))}")
     if own:
         notes.append(f"{path}: {counted(own, 'message')} that a robot heard from itself are left out")
     return np.array(rows, np.int64).reshape(-1, 3)
+
+
+def _known(name: str, index: dict[str, int]) -> int | None:
+    """The robot that a message names: by its name, the same with other zeros, or its number; None if not just one."""
+    words, number = _parts(name)
+    for fits in (
+        [one for one in index if one == name],
+        [one for one in index if _parts(one) == (words, number)],
+        [one for one in index if _parts(one)[1] == number and not words],
+    ):
+        if len(fits) == 1:
+            return index[fits[0]]
+    return None
+
+
+def _parts(name: str) -> tuple[str, int | None]:
+    """A name in two parts: what is before its number, and the number at its end."""
+    match = re.fullmatch(r"(.*?)([0-9]+)", name)
+    return (match[1], int(match[2])) if match else (name, None)
 
 
 def _step(time: int, first: int, period: int) -> int:

@@ -229,6 +229,9 @@ def _check(path: Path, content: dict[str, Any]) -> None:
     for robot in robots:
         for key in ("log", "brain"):
             _check_name(path, key, robot.get(key, OWN))
+        if not isinstance(robot.get("number", 0), int):
+            said = f"number = {robot['number']!r}: should be a whole number"
+            raise ResultsError.of(path, said, key="number", value=robot["number"])
     ratio = content.get("fill_ratio")
     if ratio is not None and not (isinstance(ratio, int | float) and 0.0 <= ratio <= 1.0):
         raise ResultsError.of(

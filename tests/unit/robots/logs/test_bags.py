@@ -1,6 +1,7 @@
 """Bags of ROS 2: `infer` of a bag is, to the bit, `infer` of the same data as CSV files."""
 
 import contextlib
+import shutil
 import sqlite3
 import sys
 
@@ -10,7 +11,7 @@ import xarray as xr
 
 from swarmcensus.cli.commands import main
 from swarmcensus.results.recordings import write_rows
-from swarmcensus.robots.logs.bags import read_bag
+from swarmcensus.robots.logs.bags import is_bag, read_bag
 from swarmcensus.support.errors import InputError
 
 pytest.importorskip("rosbags", reason="pip install 'swarmcensus[ros]'")
@@ -160,7 +161,125 @@ def test_of_a_damaged_bag_is_read_what_is_readable(tmp_path, storage, damage):
     assert known.sum() > (8999 if damage == "metadata" else 1000)
     wrong = first[known] != np.array(seen[: len(first)])[known]
     assert wrong.sum() <= (8 if (storage, damage) == ("SQLITE3", "flip") else 0)  # SQLite has no checksums
-    assert "messages could be read" in recorded.notes[0]
+    if damage == "metadata":
+        assert recorded.notes == [
+            f"{bag}: metadata.yaml is missing, and its files are whole: 18,000 messages could be read"
+        ]
+    else:
+        assert f"{bag}: the bag is cut or damaged" in recorded.notes[0]
+        assert "messages could be read" in recorded.notes[0]
+
+
+@pytest.mark.parametrize("early", [1, 3])
+def test_events_before_the_recorder_knew_the_time_are_left_out(tmp_path, early):
+    events = [(k, f"/robot_{k % 2}/floor", "Bool", True) for k in [0] * early]
+    events += [(START + k * PERIOD, f"/robot_{k % 2}/floor", "Bool", False) for k in range(4)]
+    events += [(0, "/robot_0/heard", "Int32", 1), (START, "/robot_1/heard", "Int32", 0)]
+    write(tmp_path / "bag", events)
+    recorded = read_bag(tmp_path / "bag", FLOOR, "/robot_{robot}/heard", 0.1)
+    assert recorded.readings.shape == (4, 2)
+    assert np.nansum(recorded.readings) == 0
+    assert recorded.messages.tolist() == [[0, 0, 1]]
+    assert f"{early + 1} events at time 0 left out" in recorded.notes[0]
+
+
+def test_a_simulated_time_may_begin_at_0(tmp_path):
+    write(tmp_path / "bag", [(k * PERIOD, "/robot_0/floor", "Bool", True) for k in (0, 10, 11)])
+    recorded = read_bag(tmp_path / "bag", FLOOR, None, 0.1)
+    assert (len(recorded.readings), recorded.notes) == (12, [])
+
+
+def test_a_robot_that_is_only_heard_costs_its_messages_alone(tmp_path):
+    events = [(START, f"/robot_{k}/floor", "Bool", True) for k in range(2)]
+    events += [(START, "/robot_0/heard", "String", "1 7 base"), (START, "/robot_9/heard", "String", "0")]
+    write(tmp_path / "bag", events)
+    recorded = read_bag(tmp_path / "bag", FLOOR, "/robot_{robot}/heard", 0.1)
+    assert recorded.messages.tolist() == [[0, 1, 0]]
+    assert recorded.notes[-1].endswith("3 messages of or to robots without readings are left out: 7, 9, base")
+
+
+@pytest.mark.parametrize("topic", ["/robot_{robot}/", "/{robot}/"])
+def test_a_number_names_a_robot_whatever_its_zeros(tmp_path, topic):
+    names = ["robot_01", "robot_02", "robot_10"]
+    events = [(START, f"/{name}/floor", "Bool", True) for name in names]
+    events += [
+        (START, "/robot_01/heard", "Int32MultiArray", [2, 10]),
+        (START, "/robot_10/heard", "Int32MultiArray", [1]),
+    ]
+    write(tmp_path / "bag", events)
+    recorded = read_bag(tmp_path / "bag", f"{topic}floor", f"{topic}heard", 0.1)
+    assert recorded.messages.tolist() == [[0, 1, 0], [0, 2, 0], [0, 0, 2]]
+
+
+def test_a_number_that_two_robots_have_names_neither(tmp_path):
+    events = [(START, f"/{name}/floor", "Bool", True) for name in ("a1", "b1", "b2")]
+    events += [(START, "/b2/heard", "String", "1 b01")]
+    write(tmp_path / "bag", events)
+    recorded = read_bag(tmp_path / "bag", "/{robot}/floor", "/{robot}/heard", 0.1)
+    assert recorded.messages.tolist() == [[0, 1, 2]]
+    assert recorded.notes[-1].endswith("1 message of or to robots without readings are left out: 1")
+
+
+@pytest.mark.parametrize("storage", ["MCAP", "SQLITE3"])
+def test_messages_compressed_one_by_one_need_the_metadata(tmp_path, storage):
+    bag = tmp_path / "bag"
+    write(bag, [(START, "/robot_0/floor", "Bool", True)], storage, "MESSAGE" if storage == "SQLITE3" else None)
+    if storage == "MCAP":  # its chunks say themselves that they are compressed
+        shutil.rmtree(bag)
+        write(bag, [(START, "/robot_0/floor", "Bool", True)], storage, "STORAGE")
+    (bag / "metadata.yaml").unlink()
+    if storage == "MCAP":
+        assert read_bag(bag, FLOOR, None, 0.1).readings.tolist() == [[1]]
+        return
+    with pytest.raises(
+        InputError, match="1 message could not be decoded: they are compressed one by one, and metadata"
+    ):
+        read_bag(bag, FLOOR, None, 0.1)
+
+
+@pytest.mark.parametrize("folder", [True, False])
+def test_a_file_compressed_as_a_whole_is_named(tmp_path, folder):
+    write(tmp_path / "bag", [(START, "/robot_0/floor", "Bool", True)], "SQLITE3", "FILE")
+    (tmp_path / "bag" / "metadata.yaml").unlink()
+    [file] = (tmp_path / "bag").iterdir()
+    assert file.name.endswith(".db3.zstd")
+    with pytest.raises(InputError, match=r"zstd is compressed and cannot be unpacked here: zstd -d bag.*zstd does it"):
+        read_bag(tmp_path / "bag" if folder else file, FLOOR, None, 0.1)
+    assert is_bag(file)
+
+
+def test_a_topic_that_is_not_cdr_is_named(tmp_path):
+    """The file is whole, although rosbags cannot read it."""
+    from mcap.writer import Writer
+
+    with (tmp_path / "bag.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        schema = writer.register_schema("std_msgs/msg/Bool", "jsonschema", b"{}")
+        plain = writer.register_schema("std_msgs/msg/Bool", "ros2msg", b"bool data")
+        for k, (encoding, kind, data) in enumerate(
+            [("json", schema, b'{"data": true}'), ("cdr", plain, b"\0\1\0\0\1")]
+        ):
+            channel = writer.register_channel(f"/robot_{k}/floor", encoding, kind)
+            writer.add_message(channel, START, data, START)
+        writer.finish()
+    recorded = read_bag(tmp_path / "bag.mcap", FLOOR, None, 0.1)
+    assert recorded.readings.tolist() == [[1]]
+    assert recorded.notes[0] == (
+        f"{tmp_path / 'bag.mcap'}: /robot_0/floor is encoded as json, not as cdr: it is left out"
+    )
+    assert not any("damaged" in note for note in recorded.notes)
+    with pytest.raises(InputError, match=r"no readings on the topics of .*; /robot_0/floor is encoded as json"):
+        read_bag(tmp_path / "bag.mcap", "/{robot}_0/floor", None, 0.1)
+
+
+def test_a_missing_file_of_a_whole_bag_is_named(tmp_path):
+    file, _ = long_bag(tmp_path / "bag", "MCAP")
+    text = (tmp_path / "bag" / "metadata.yaml").read_text()
+    (tmp_path / "bag" / "metadata.yaml").write_text(text.replace(f"- {file.name}", f"- {file.name}\n  - bag_1.mcap", 1))
+    [note] = read_bag(tmp_path / "bag", FLOOR, None, 0.1).notes
+    assert "its files are whole: 18,000 messages could be read" in note
+    assert "bag_1.mcap" in note
 
 
 def test_what_cannot_be_decoded_is_left_out(tmp_path):
