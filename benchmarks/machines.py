@@ -20,7 +20,7 @@ from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.checks.machine import blank_state, exchange, machine_code
 from swarmcensus.robots import chips, on_node
-from swarmcensus.robots.costs import COLUMNS, DRAWS, NUMBERS, TICKS, cost
+from swarmcensus.robots.costs import COLUMNS, DRAWS, NUMBERS, cost
 from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.micropython_files import micropython_files
 from swarmcensus.robots.target import order_of
@@ -36,6 +36,7 @@ COSTS = (
     "memory, bytes", "message, bytes", "flash, bytes", "RAM, bytes", "MicroPython, bytes", "CPython, µs",
     "machine code, µs", "C, µs", "ATmega328P, cycles",
 )  # fmt: skip
+TICKS = 200  # on computers
 ON_AVR = 17  # rounds in an ATmega, which is slow to simulate
 LIVES = 5  # of which the fastest counts
 NOT_TRIED = "not tried"

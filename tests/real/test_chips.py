@@ -2,11 +2,12 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
 from swarmcensus.brains import load
-from swarmcensus.brains.brain import shipped
+from swarmcensus.brains.brain import parse, shipped
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import chips
 from swarmcensus.robots.costs import COLUMNS, cost
@@ -76,6 +77,21 @@ def test_costs():
     assert (one.too_large, one.kilobot) == ((), "yes")
     assert one._replace(ram=1800).too_large == ("RAM",)
     assert one._replace(message=4, coded_flash=30_000).kilobot == "no: flash, message"
+
+
+@AVR
+def test_longest_tick_is_that_of_a_phase_with_twenty_senders():
+    """No overflow of the chip's timer is lost: twice as many rounds of a loop take twice as long."""
+    assert cost(load("w-msr")).longest > 200_000
+    own = (EXAMPLE / "my_brain.py").read_text(encoding="utf-8").replace("MEMORY = {", 'MEMORY = {"past": 0.0, ', 1)
+    rare = "me.past += 1.0\n    if me.past % 500.0 == 0.0:\n        "
+    loop = "for _ in range(TURNS):\n            me.x = 0.5 * me.x + 0.25\n"
+    slow = own.replace("def fuse(me):\n", f"def fuse(me):\n    {rare}{loop}")
+    short, long = (
+        cost(parse(slow.replace("TURNS", turns), "slow", Path("slow.py"))).longest for turns in ("6000", "12000")
+    )
+    assert short > 2**20
+    assert long == pytest.approx(2 * short, rel=0.02)
 
 
 @AVR

@@ -10,11 +10,11 @@ from swarmcensus.robots.folders import write_texts
 from swarmcensus.robots.targets.c import translated
 from swarmcensus.runtime.history import ROBOTS
 from swarmcensus.translation.selftest import compare, first_rounds
-from tests.support.places import EXAMPLE
+from tests.support.places import DATA, EXAMPLE
 
 EXAMPLES = EXAMPLE
 OWN = ("forgetful", "histogram", "leader", "liar", "my_brain", "pairwise", "prior", "quiet", "shy", "sprt")
-BRAINS = [*shipped(), *(str(EXAMPLES / f"{name}.py") for name in OWN)]
+BRAINS = [*shipped(), *(str(EXAMPLES / f"{name}.py") for name in OWN), str(DATA / "whole.py")]
 BUSY = {
     "every": 7.0, "phase": 12.0, "explore": 20.0, "disseminate": 15.0, "uncommitted": 9.0, "listen": 5.0,
     "debiased": 1.0, "tell": 10.0, "detect": 1.0, "feedback": 2.0, "faulty": 1.0, "window": 30.0, "past": 9.0,

@@ -1,7 +1,8 @@
 """What a brain takes of an ATmega328P, which Kilobots and many Arduinos have: flash, RAM, stack and cycles.
 
 Each figure is that of a program that lives many ticks, less that of the same program around an empty brain. A tick is a
-reading, `broadcast`, two messages received, `fuse` and `estimate`. The chip's own timer counts cycles.
+reading, `broadcast`, two messages received, `fuse` and `estimate`. The messages are those of another robot, which sees
+the other colour, under one of many names. The chip's own timer counts cycles.
 """
 
 import tempfile
@@ -15,7 +16,9 @@ from swarmcensus.support.errors import BrainError, OptionError
 from swarmcensus.translation import filled, header, piece
 
 NUMBERS = Numbers(precision="single", message="ratio16")
-TICKS = 200
+TICKS = 2400  # that count: more than five phases of 45 s, in three of which some brains are silent
+MORE_TICKS = 1000  # for the longest one: in every 50th of them, when most phases end, a crowd is heard
+CROWD = 20
 LEAST_STACK = 256  # bytes of RAM besides a program's memory; no shipped brain needs more
 DRAWS = 16  # a random numbers of a tick, in sixteenths
 KILOBOT_FLASH = 32768 - 4096 - 7168  # less its bootloader, and its library with rules for its radio
@@ -31,7 +34,7 @@ class Cost(NamedTuple):
     cycles: int  # a tick, on average
     coded_flash: int  # with messages as bytes
     coded_cycles: int
-    longest: int  # cycles of the longest tick, with messages as bytes
+    longest: int  # cycles of the longest tick, with messages as bytes, also of a crowd
     ram: int  # bytes of memory, and what the compiler adds
     stack: int  # bytes, at most
     message: int  # bytes
@@ -136,9 +139,12 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
         filled(
             "cost.c",
             ticks=TICKS,
+            more=MORE_TICKS,
+            crowd=CROWD,
             start=", 1" if brain.uses.name and not empty else "",
-            draws=f"cost_me.luck = ((number)(tick % {DRAWS}) + 0.5f) / {DRAWS}.0f;" if is_random else "",
-            talk=CODED if coded else PLAIN,
+            draws=f"me->luck = ((number)(tick % {DRAWS}) + 0.5f) / {DRAWS}.0f;" if is_random else "",
+            name=f"cost_other.name = tick * 2 % {CROWD} + k + 2;" if brain.uses.name and not empty else "",
+            **(CODED if coded else PLAIN),
         )
     )
     program = chips.for_avr(source, chip)
@@ -146,20 +152,14 @@ def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empt
     if size.ram + LEAST_STACK > chips.RAM[chip]:  # where the stack overwrites memory, a program may never end
         raise chips.NoRoom(f"brain {brain.name}: its memory has no room on an {chip}")
     printed = chips.in_simavr(program, chip).split()
-    if len(printed) != 3:  # the stack has overwritten the program's memory
+    if len(printed) != 4:  # the stack has overwritten the program's memory
         raise chips.NoRoom(f"brain {brain.name}: its stack has no room on an {chip}")
-    total, stack, longest = map(int, printed)
-    return _Figures(size.flash, size.ram, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
+    total, stack, longest, of_others = map(int, printed)
+    return _Figures(size.flash, size.ram - of_others, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
 
 
 PRESCALER = 8  # the timer counts every so many cycles
-PLAIN = """\
-        if (broadcast(&cost_me, &cost_said)) {
-            receive(&cost_me, &cost_said);
-            receive(&cost_me, &cost_said);
-        }"""
-CODED = """\
-        if (brain_send(&cost_me, cost_bytes)) {
-            brain_hear(&cost_me, cost_bytes);
-            brain_hear(&cost_me, cost_bytes);
-        }"""
+PLAIN = {"message": "struct message", "send": "broadcast", "of_message": "message", "hear": "receive"}
+CODED = {
+    "message": "struct cost_message", "send": "brain_send", "of_message": "message->code", "hear": "brain_hear",
+}  # fmt: skip

@@ -24,7 +24,8 @@ def micropython_files(order: Order) -> dict[str, str]:
     """The texts of all files by name."""
     radio = piece(f"radio_{order.name}.py")
     needed, _, rest = radio.partition("\n\n")
-    imports = "\n".join(sorted([*needed.splitlines(), "from binascii import crc32", "import random", "import time"]))
+    every = ["from binascii import crc32", "import os", "import random", "import time"]
+    imports = "\n".join(sorted({*needed.splitlines(), *every}))
     parts = [
         HEAD.format(brain=quoted(order.brain.label), radio=order.target.what, imports=imports),
         piece("sensor.py"),

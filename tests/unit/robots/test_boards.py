@@ -135,6 +135,16 @@ def test_a_board_proves_itself(tmp_path, capsys, name, format_):
     assert "27 datagrams compared, 27 equal" in said
 
 
+@pytest.mark.parametrize("radio", ["udp", "espnow", "serial"])
+def test_whole_contract_runs_on_boards(tmp_path, capsys, radio):
+    """In CPython: the board's files compute what the reference does, with each function that a brain may have."""
+    folder = deployed(tmp_path / "robot", WHOLE, radio, "--message", "ratio16")
+    done = subprocess.run([sys.executable, "selftest.py"], cwd=folder, capture_output=True, text=True, check=True)
+    code, said = checked(capsys, folder, done.stdout)
+    assert code == 0
+    assert "27 datagrams compared, 27 equal" in said
+
+
 def test_a_board_of_single_precision_is_compared_in_it(tmp_path, capsys):
     folder = deployed(tmp_path / "robot", "commons", "udp", "--message", "ratio16")
     single, double = output_of(folder, single=True), output_of(folder)
@@ -320,6 +330,24 @@ def test_programs_over_udp_hear_each_other(tmp_path):
     assert int(re.search(r"heard (\d+)", last)[1]) > heard
     assert "boot 1" in again
     assert float(re.search(r"estimate (\S+)", again)[1]) > 0.9
+
+
+def test_robots_and_boots_draw_different_numbers(tmp_path):
+    """Also on a board without noise, whose random numbers begin with the same at every start."""
+    folder = deployed(tmp_path / "robot", WHOLE)
+    program = """
+import os, random
+del os.urandom
+import main
+for number in (1, 1, 2, 2):
+    random.seed(7)
+    robot = main.made(None, None, number, memory=f"memory-{number}")
+    print(robot.boot, random.random())
+"""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True).stdout.split()
+    assert done[::2] == ["0", "1", "0", "1"]
+    assert len(set(done[1::2])) == 4
 
 
 def test_a_computer_without_a_number_says_so(tmp_path):

@@ -177,7 +177,7 @@ def test_python_in_c(name, tmp_path):
 
 
 @GCC
-@pytest.mark.long(but=["commons-True", "swift-False", "belief-sharing-False"])
+@pytest.mark.long(but=["commons-True", "swift-False", "belief-sharing-False", "whole-True"])
 @pytest.mark.parametrize("busy", [False, True])
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_same_bits(name, busy, tmp_path):
@@ -187,7 +187,7 @@ def test_same_bits(name, busy, tmp_path):
 
 
 @GCC
-@pytest.mark.long(but=["commons-True", "minimalistic-False"])
+@pytest.mark.long(but=["commons-True", "minimalistic-False", "whole-True"])
 @pytest.mark.parametrize("busy", [False, True])
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_same_bits_in_single(name, busy, tmp_path):
@@ -328,7 +328,7 @@ def test_a_brain_that_fails():
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
-@pytest.mark.parametrize("name", ["bayes-bots", "swift", "sure"])
+@pytest.mark.parametrize("name", ["bayes-bots", "swift", BRAINS[-1]], ids=named)
 def test_headers_are_c_plus_plus_too(name, tmp_path):
     (tmp_path / "brain.h").write_text(header(load_busy(name, "single", "ratio16")))
     (tmp_path / "program.cpp").write_text('#include "brain.h"\n')

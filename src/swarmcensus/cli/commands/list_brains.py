@@ -215,7 +215,7 @@ def measure_costs(options: argparse.Namespace) -> None:
 
     brains = [load(name) for name in options.cost or shipped()]
     check_tools()
-    say(f"measuring {counted(len(brains), 'brain')}, each for about half a second")
+    say(f"measuring {counted(len(brains), 'brain')}, each for some seconds")
     costs = [cost(brain) for brain in brains]
     rows = [_cost_as_dict(one) for one in costs]
     present(options, "costs", lambda: {"costs": rows}, lambda: rows, lambda: _show_costs(costs))
@@ -239,10 +239,10 @@ def _show_costs(costs: "Sequence[Cost]") -> None:
     show(Table.of_rows(heads, rows))
     print()
     print("flash, RAM, stack and message: bytes of an ATmega328P, in single precision, with messages in ratio16")
-    print(f"cycles: of a tick, on average; longest: of the longest tick; ms: of a tick, at {CLOCK / 1e6:g} MHz")
+    print(f"cycles: of a tick with 2 messages, on average; ms: at {CLOCK / 1e6:g} MHz; longest: also with 20 messages")
     print("Kilobot: whether a Kilobot has room, and if not, what is too large")
     if any(one.chip != KILOBOT for one in costs):
-        print("*: its memory has no room on an ATmega328P, and its cycles are those of an ATmega1284P")
+        print("*: its memory has no room on an ATmega328P beside another robot's; its cycles are an ATmega1284P's")
 
 
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study

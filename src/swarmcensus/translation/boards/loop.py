@@ -27,6 +27,12 @@ def quietly(call):
         pass
 
 
+def seed(number, boot):
+    """Have random numbers of its own for each robot and boot; some boards begin with the same at every start."""
+    noise = os.urandom(8) if hasattr(os, "urandom") else b""
+    random.seed(crc32(noise + b"%d %d" % (number, boot)))
+
+
 def made(sensor, radio, number, clock=clock, memory="memory", log="robot.log"):
     """The robot, with the memory that it saved; `memory` and `log` are files."""
     s = settings
@@ -36,6 +42,8 @@ def made(sensor, radio, number, clock=clock, memory="memory", log="robot.log"):
         random.random if s.LUCK else None,
     )  # fmt: skip
     robot.keep(memory, s.SAVE_EVERY)
+    if s.LUCK:
+        seed(robot.number, robot.boot)
     if hasattr(s, "LOG"):
         from log import Log
 

@@ -8,36 +8,10 @@
 #define ROUNDS ${rounds}
 #endif
 
-#ifdef __AVR__
-#include <avr/interrupt.h>
-#include <avr/io.h>
-#include <avr/sleep.h>
-
-static void test_put(char c) {
-    while (!(UCSR0A & _BV(UDRE0))) {
-    }
-    UDR0 = (uint8_t)c;
-}
-
-static void test_begin(void) {
-    UBRR0 = 0;  // a sixteenth of the processor's clock
-    UCSR0B = _BV(TXEN0);
-}
-
-static void test_end(void) {
-    while (!(UCSR0A & _BV(UDRE0))) {
-    }
-    cli();  // a simulator ends here
-    sleep_enable();
-    sleep_cpu();
-}
-#else
-#include <stdio.h>
-
-static void test_put(char c) { putchar(c); }
-static void test_begin(void) {}
-static void test_end(void) { fflush(stdout); }
-#endif
+// what a machine prints with, whose headers come last: none of them then changes the brain
+static void test_put(char c);
+static void test_begin(void);
+static void test_end(void);
 
 static struct brain test_swarm[ROBOTS];
 static uint8_t test_messages[ROBOTS][BRAIN_MESSAGE_BYTES];
@@ -184,3 +158,34 @@ int main(void) {
     test_end();
     return 0;
 }
+
+#ifdef __AVR__
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/sleep.h>
+
+static void test_put(char c) {
+    while (!(UCSR0A & _BV(UDRE0))) {
+    }
+    UDR0 = (uint8_t)c;
+}
+
+static void test_begin(void) {
+    UBRR0 = 0;  // a sixteenth of the processor's clock
+    UCSR0B = _BV(TXEN0);
+}
+
+static void test_end(void) {
+    while (!(UCSR0A & _BV(UDRE0))) {
+    }
+    cli();  // a simulator ends here
+    sleep_enable();
+    sleep_cpu();
+}
+#else
+#include <stdio.h>
+
+static void test_put(char c) { putchar(c); }
+static void test_begin(void) {}
+static void test_end(void) { fflush(stdout); }
+#endif
