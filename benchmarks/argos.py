@@ -1,7 +1,8 @@
 """ARGoS 3 against our moving robots: python benchmarks/argos.py [--argos PREFIX] [--quick].
 
-Deploys brains for ARGoS, builds them with cmake, and runs 25 robots at D = 1 and 10 with each seed, two runs at a time.
-The error of a trial is the median over robots of how far the final estimate is from the floor's black share.
+Deploys brains for ARGoS and builds them with cmake. `errors` runs 25 robots at D = 1 and 10 with each seed, two runs at
+a time; the error of a trial is the median over robots of how far the final estimate is from the floor's black share.
+`logs` runs 20 robots for 2,000 ticks, and then their brains again from the logs.
 """
 
 import json
@@ -16,6 +17,8 @@ import numpy as np
 
 from swarmcensus import Study, deploy, run
 from swarmcensus.engine.addresses import address
+from swarmcensus.robots import read_recording, relive_all
+from swarmcensus.robots.targets.argos import name_of
 from swarmcensus.simulation.walking import Walk
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
@@ -24,25 +27,26 @@ BRAINS = ("minimalistic", "commons", "alone")
 DENSITIES = (1, 10)
 ROBOTS = 25
 OURS = 300  # trials; they cost little
+LOGGED = ("commons", "direct-switching", "sure", "leaver")  # with luck, names, silence, done, steer
 RESAMPLES = 10_000
 
 
-def study(density, ticks, trials=1, brains=BRAINS):
+def study(density, ticks, trials=1, brains=BRAINS, robots=ROBOTS):
     return Study(
         trials=trials,
-        swarm={"robots": ROBOTS, "accuracy": 0.8, "brain": list(brains)},
+        swarm={"robots": robots, "accuracy": 0.8, "brain": list(brains)},
         world={"topology": "moving", "density": density, "fill_ratio": 0.55},
         schedule={"ticks": ticks},
     )
 
 
-def build(folder, prefix, ticks):
-    """The texts of experiments by brain and density; all brains are in one library."""
+def build(folder, prefix, brains, studies, precision=None):
+    """The texts of experiments by brain and place in `studies`; all brains are in one library."""
     texts = {}
-    for brain in BRAINS:
-        for density in DENSITIES:
-            deploy(brain, folder, "argos", study=study(density, ticks))
-            texts[brain, density] = (folder / f"{brain}.argos").read_text()
+    for brain in brains:
+        for k, one in enumerate(studies):
+            deploy(brain, folder, "argos", study=one, precision=precision)
+            texts[brain, k] = (folder / f"{name_of(Path(brain))}.argos").read_text()
     for words in (["-B", "build", f"-DARGOS={prefix}"], ["--build", "build"]):
         subprocess.run(["cmake", *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
     return texts
@@ -65,7 +69,7 @@ def in_argos(prefix, seeds, ticks):
     """By brain and density: the results of all seeds."""
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(2) as pool:
         folder = Path(made) / "argos"
-        texts = build(folder, prefix, ticks)
+        texts = build(folder, prefix, BRAINS, [study(density, ticks) for density in DENSITIES])
         runs = {
             (*key, seed): pool.submit(
                 simulate, folder, prefix, re.sub('random_seed="[0-9]*"', f'random_seed="{seed}"', text),
@@ -113,10 +117,10 @@ def errors(argos="/usr/local", seeds=30, ticks=10_000, quick=False):
         f"25 robots, {ticks:,} ticks, {seeds} seeds in ARGoS", "brain", "D", "error in ARGoS", "error here",
         "ratio, 95 % interval", "avoiding in ARGoS, here", "neighbours in ARGoS, here",
     )  # fmt: skip
-    for density in DENSITIES:
+    for k, density in enumerate(DENSITIES):
         here, (avoided, heard) = ours(density, ticks), walked(density, ticks)
         for brain, mine in zip(BRAINS, here, strict=True):
-            runs = found[brain, density]
+            runs = found[brain, k]
             estimates = np.array([[robot["estimate"] for robot in one["robots"]] for one in runs])
             theirs = np.median(np.abs(estimates - [[one["floor"]] for one in runs]), axis=1)
             middle, low, high = ratio(theirs, mine)
@@ -129,6 +133,29 @@ def errors(argos="/usr/local", seeds=30, ticks=10_000, quick=False):
                 f"{messages:.2f}, {heard:.2f}",
             )  # fmt: skip
     harness.show(table, width=130)
+
+
+@harness.question
+def logs(argos="/usr/local", ticks=2000, quick=False):
+    """Whether robots' brains are run again to the bit from what ARGoS logged."""
+    brains, ticks = harness.few(LOGGED), 200 if quick else ticks
+    for precision in ("double", "single"):
+        with tempfile.TemporaryDirectory() as made:
+            folder = Path(made) / "argos"
+            texts = build(folder, argos, brains, [study(1, ticks, robots=20)], precision)
+            for brain in brains:
+                day = folder / f"day-{brain}"
+                simulate(
+                    folder, argos, texts[brain, 0].replace('logs=""', f'logs="{day}"'), f"{name_of(Path(brain))}-day"
+                )
+                recording = read_recording(day)
+                lives = relive_all(recording)
+                messages = sum(len(tick.heard) for member in recording.members for tick in member.log.ticks)
+                relived, whole = sum(life.relived for life in lives), sum(life.ticks for life in lives)
+                harness.show(
+                    f"{brain}, {precision}: {len(lives)} robots, {messages:,} messages heard, {relived:,} of {whole:,} "
+                    "ticks run again to the bit"
+                )
 
 
 if __name__ == "__main__":

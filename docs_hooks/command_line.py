@@ -35,8 +35,8 @@ def _opening(top: argparse.ArgumentParser, commands: Commands) -> list[str]:
     return [
         str(top.description),
         "",
-        "`swarmcensus COMMAND --help` shows the same in a terminal, and `swarmcensus completion bash` prints a script "
-        "that makes a shell complete it. The exit code is 0, 2 for wrong input, and 130 after Ctrl-C.",
+        "`swarmcensus COMMAND --help` shows the same in a terminal, and `swarmcensus doctor --completion bash` prints "
+        "a script that makes a shell complete it. The exit code is 0, 2 for wrong input, and 130 after Ctrl-C.",
         "",
         "| command | what it does |",
         "|---|---|",

@@ -20,7 +20,7 @@ MANY = 12  # names that a cell lists at the most
 OPENING = """# Study file, as a schema
 
 Made from the [JSON schema of study files](study.schema.json), which is that of this version without additions of other
-packages; `swarmcensus studies --schema` prints that of an installation. The [study file's page](../study-file.md)
+packages; `swarmcensus new study --schema` prints that of an installation. The [study file's page](../study-file.md)
 explains each key, and [how an editor uses the schema](../study-file.md#in-an-editor). Where a *list* is named, one
 value will do, and several span a grid.
 """

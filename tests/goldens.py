@@ -138,8 +138,8 @@ def of_the_rest() -> dict[str, str]:
     shutil.copy(example / "my_brain.py", "my_brain.py")
     plan = ("plan", "--side", 3, "--accuracy", 0.8, "--fill-ratio", "0.3", "--half-width", 0.1, "--trials", 40)
     found = {
-        "schemas": printed("studies", "--schema") + printed("plan", "--schema"),
-        "lists": printed("list") + printed("brains") + printed("studies") + printed("list", "--json"),
+        "schemas": printed("new", "study", "--schema") + printed("plan", "--schema"),
+        "lists": printed("list") + printed("brains") + printed("list", "--json"),
         "help": "".join(printed(*command, "--help") for command in _commands()),
         "plan": printed(*plan, "--robots", "5:40", "--minutes", 8, "--out", "plan.json")
         + printed(*plan, "--robots", 20, "--minutes", "1:20", "--out", "plan.toml", "--plot", "plan.png"),

@@ -167,7 +167,7 @@ def test_bad_commands(command, said, here, refused, small_file):
         ("run -- x.toml --trials 2", "run: --trials stands after --, where only names of files do"),
         ("run x.toml y.toml", "run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is"),
         ("merge --ouu x a.nc", "merge: --out is missing: did you mean '--out'?"),
-        ("new foo", "new: foo: should be study or brain"),
+        ("new study --schme", "new: --schme is no option of this command: did you mean '--schema'?"),
         ("show x.nc --quiet=3", "show: --quiet takes no value, but has '3'"),
         ("swarm sure --robot 2", "swarm: --robot is no option of this command: did you mean '--robots'?"),
         ("swarm --rob=2", "swarm: BRAIN|STUDY.toml is missing: did you mean '--robots'?"),

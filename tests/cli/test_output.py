@@ -131,7 +131,7 @@ def test_a_comparison(both):
 
 
 @pytest.mark.long(only=["list brains"])
-@pytest.mark.parametrize("command", ["list", "list brains", "studies", "brains"])
+@pytest.mark.parametrize("command", ["list", "list brains", "list studies", "brains"])
 def test_lists(command, both):
     found, table = both(command)
     rows = [row for some in found.values() if isinstance(some, list) for row in some]
@@ -222,14 +222,14 @@ def test_a_reader_that_goes_away_is_no_error(results):
     """As `| head -1` does."""
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run([*SHELL, "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+    done = subprocess.run([*SHELL, "list", "studies"], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
     os.close(write)
     assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
 def test_closed_streams_change_no_exit_code(results):
-    for words, code in (("studies >&-", 0), ("show none.nc 2>&-", 2), ("studies >&- 2>&-", 0)):
+    for words, code in (("list studies >&-", 0), ("show none.nc 2>&-", 2), ("list studies >&- 2>&-", 0)):
         line = f"{' '.join(SHELL)} {words}"
         done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=results)
         assert (done.returncode, done.stdout + done.stderr) == (code, ""), words
@@ -238,7 +238,7 @@ def test_closed_streams_change_no_exit_code(results):
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
 def test_a_full_disk_is_reported_in_a_sentence(results):
     with open("/dev/full", "w") as full:
-        done = subprocess.run([*SHELL, "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
+        done = subprocess.run([*SHELL, "list", "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
     assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")
 
 

@@ -1,4 +1,4 @@
-"""What one begins with: `new`, `studies` and `doctor`."""
+"""What users begin with: `new`, `list studies` and `doctor`."""
 
 import json
 import shlex
@@ -11,7 +11,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.checks.suite import examine
-from swarmcensus.cli.commands import main, start
+from swarmcensus.cli.commands import doctor, main
 from swarmcensus.studies.study import Study
 from swarmcensus.support.files import shipped_studies
 
@@ -52,9 +52,14 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
         ("new study x.py", "x.py: a study is a .toml file"),
         ("new brain x.toml", "x.toml: a brain is a .py file"),
         ("new brain there.toml/x.py", "cannot write there.toml/x.py"),
-        ("studies rng", "rng: no such study comes with swarmcensus: did you mean 'ring'? `swarmcensus studies`"),
-        ("studies ring --out there.toml", "there.toml already exists"),
-        ("studies ring --out x.nc", "--out x.nc: what this writes ends in .toml"),
+        (
+            "new rng",
+            "rng: no such study comes with swarmcensus: did you mean 'ring'? should be study, brain, or a name of",
+        ),
+        ("new ring there.toml", "there.toml already exists"),
+        ("new ring x.nc", "x.nc: a study is a .toml file"),
+        ("new brain --schema", "--schema goes with study alone: swarmcensus new study --schema > study.schema.json"),
+        ("new study x.toml --schema", "--schema goes with study alone"),
     ],
 )
 def test_refusals_write_nothing(arguments, said, here, refused):
@@ -63,7 +68,7 @@ def test_refusals_write_nothing(arguments, said, here, refused):
 
 
 def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
-    assert main(["studies"]) == 0
+    assert main(["list", "studies"]) == 0
     _, *lines = capsys.readouterr().out.splitlines()
     printed = dict(line.split(maxsplit=1) for line in lines)
     assert list(printed) == list(shipped_studies())
@@ -75,7 +80,7 @@ def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
 @pytest.mark.long(only=["leaderboard", "beyond/changing", "rivals/opinions", "formats"])
 @pytest.mark.parametrize("name", shipped_studies())
 def test_each_is_copied_with_what_it_names(name, here, capsys):
-    assert main(["studies", name, "--out", "copied/mine.toml"]) == 0
+    assert main(["new", name, "copied/mine.toml"]) == 0
     files = capsys.readouterr().out.split()
     assert sorted(files) == sorted(str(path.relative_to(here)) for path in here.rglob("*") if path.is_file())
     copied, known = Study.load(here / "copied" / "mine.toml"), Study.load(shipped_studies()[name])
@@ -86,16 +91,16 @@ def test_each_is_copied_with_what_it_names(name, here, capsys):
 @pytest.mark.parametrize(
     ("words", "offered"),
     [
-        (["pl"], ["plan", "plot"]),
+        (["pl"], ["plot", "plan"]),
         (["plot", "--th"], ["--theory"]),
-        (["new", ""], ["study", "brain"]),
+        (["doctor", "--completion", ""], ["bash", "zsh", "tcsh"]),
         (["list", "ad"], ["adversaries"]),
         (["run", "ri"], ["ring.toml"]),
     ],
 )
 def test_bash_completes(words, offered, here, capsys):
     (here / "ring.toml").write_text("")
-    assert main(["completion", "bash"]) == 0
+    assert main(["doctor", "--completion", "bash"]) == 0
     typed = ["swarmcensus", *words]
     asked = (
         f"COMP_WORDS=({' '.join(map(shlex.quote, typed))}); COMP_CWORD={len(words)}; "
@@ -117,14 +122,14 @@ def test_a_doctor_names_what_there_is(capsys):
     assert found["faults"] == []
     assert {"usable"} < found["card"].keys()
     assert "graphics card" in printed
-    assert found["extras"] == dict.fromkeys(start.EXTRAS, True)  # as the tests' own extra has them all
+    assert found["extras"] == dict.fromkeys(doctor.EXTRAS, True)  # as the tests' own extra has them all
 
 
 def test_it_says_what_is_missing(here, monkeypatch, capsys):
     (here / "file").write_text("")
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(here / "file" / "cache"))
-    monkeypatch.setattr(start, "LIBRARIES", ("numpy", "swarmcensus-of-bees"))
-    monkeypatch.setitem(start.EXTRAS, "film", ("no_such_thing",))
+    monkeypatch.setattr(doctor, "LIBRARIES", ("numpy", "swarmcensus-of-bees"))
+    monkeypatch.setitem(doctor.EXTRAS, "film", ("no_such_thing",))
     assert main(["doctor"]) == 2
     printed = capsys.readouterr().out
     assert "not installed: pip install 'swarmcensus[film]'" in printed
@@ -133,7 +138,7 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
 
 
 def test_new_files_overwrite_nothing(here, capsys):
-    for words in ("new brain", "studies example/compare", "studies example/ranking", "new brain", "studies ring"):
+    for words in ("new brain", "new example/compare", "new example/ranking", "new brain", "new ring"):
         assert main(words.split()) == 0
     assert "my_brain-2.py: a different my_brain.py exists, and is kept\n" in capsys.readouterr().out
     assert sorted(path.name for path in here.iterdir()) == [

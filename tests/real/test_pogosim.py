@@ -1,4 +1,7 @@
-"""Pogobots in the real pogosim live again to the bit, and their program builds for the robots."""
+"""Pogobots in the real pogosim live again to the bit, and their program builds for the robots.
+
+Where no package has Apache Arrow, pogosim builds with the headers and the library inside the wheel of pyarrow.
+"""
 
 import os
 import shutil
@@ -21,6 +24,7 @@ BOARD = pytest.mark.skipif(
 
 
 def made(tmp_path, brain, goal):
+    """The folder of a brain after `make`."""
     robot = tmp_path / "robot"
     asked = ["--target", "pogobot", "--b", ".9", "--w", ".9", "--message", "ratio16"]
     assert main(["deploy", str(brain), str(robot), *asked]) == 0
@@ -31,14 +35,13 @@ def made(tmp_path, brain, goal):
 @SIMULATOR
 @pytest.mark.parametrize("brain", ["commons", "sure", pytest.param(DATA / "whole.py", id="whole")])
 def test_twenty_robots_live_again_to_the_bit(tmp_path, brain):
-    robot = made(tmp_path, brain, "sim")
-    shown = os.environ | {"SDL_VIDEODRIVER": "dummy"}
-    subprocess.run(["./robot", "-c", "simulation.yaml", "-g"], cwd=robot, env=shown, check=True)
+    robot = made(tmp_path, brain, "run")
     if not isinstance(brain, str):
         shutil.copy(brain, robot / "logs" / "brain.py")
     recording = read_recording(robot / "logs")
     lives = relive_all(recording)
-    assert [(life.relived, life.breaks, life.lost) for life in lives] == [(1999, [], [])] * 20
+    assert len(lives) == 20
+    assert all(life.relived == life.ticks > 1990 and not (life.breaks or life.lost) for life in lives)
     if brain == "commons":
         estimates = [member.log.ticks[-1].estimate for member in recording.members]
         assert sum(estimates) / 20 == pytest.approx(0.56, abs=0.05)  # the floor of simulation.yaml

@@ -112,7 +112,7 @@ class Kinds:
             return (REAL, WHOLE)
         if name == "divmod" and joined(*(_number(self.of(argument, function)) for argument in arguments)) == WHOLE:
             return (WHOLE, WHOLE)
-        if name in ("divmod", "modf"):
+        if name == "divmod":
             return (REAL, REAL)
         return REAL
 

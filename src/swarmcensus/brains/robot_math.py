@@ -12,7 +12,7 @@ CONSTANTS = ("e", "inf", "nan", "pi", "tau")
 FUNCTIONS = (  # of MicroPython 1.27, without those of NOT_IN_C
     "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "ceil", "copysign", "cos", "cosh", "degrees", "erf",
     "erfc", "exp", "expm1", "fabs", "floor", "fmod", "frexp", "gamma", "isfinite", "isinf",
-    "isnan", "ldexp", "lgamma", "log", "log10", "log2", "modf", "pow", "radians", "sin", "sinh", "sqrt", "tan", "tanh",
+    "isnan", "ldexp", "lgamma", "log", "log10", "log2", "pow", "radians", "sin", "sinh", "sqrt", "tan", "tanh",
     "trunc",
 )  # fmt: skip
 INSTEAD = {  # of functions that CPython has and a robot lacks
@@ -26,11 +26,12 @@ INSTEAD = {  # of functions that CPython has and a robot lacks
     "isclose": "abs(x - y) <= 1e-9 * max(abs(x), abs(y))",
     "isqrt": "math.floor(math.sqrt(x))",
     "log1p": "math.log(1.0 + x), or for a small x math.log(y) * (x / (y - 1.0)) with y = 1.0 + x, and x where y is 1.0",
+    "modf": "math.trunc(x) for the whole part, and x - math.trunc(x) for the rest,",
     "prod": "a loop that multiplies",
     "remainder": "x % y or math.fmod(x, y)",
     "sumprod": "a loop that adds",
 }
-NOT_IN_C = ("factorial", "isclose")  # which MicroPython has, and the library of C lacks
+NOT_IN_C = ("factorial", "isclose", "modf")  # which MicroPython has, and C lacks, or cannot return two numbers
 NOT_ON_AVR = ("acosh", "asinh", "atanh", "erf", "erfc", "expm1", "gamma", "lgamma", "log2")  # which avr-libc lacks
 
 

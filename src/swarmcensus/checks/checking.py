@@ -26,10 +26,23 @@ class Conformance:
         """Whether it keeps the contract."""
         return all(check.fault is None for check in self.checks)
 
+    @property
+    def verdict(self) -> str:
+        """Whether it conforms, in words: also that a check was given up, and no other found a fault."""
+        faults = [check for check in self.checks if check.fault is not None]
+        if not faults:
+            return "conforms"
+        return "does not conform" if any(check.decided for check in faults) else "not decided"
+
     def __str__(self) -> str:
         """One line for each fault and note."""
-        faults = [f"FAIL  {check.name}: {check.fault}" for check in self.checks if check.fault is not None]
-        head = f"{self.name} {'keeps' if self.conforms else 'does not keep'} the contract"
+        faults = [
+            f"{'FAIL' if check.decided else '?   '}  {check.name}: {check.fault}"
+            for check in self.checks
+            if check.fault is not None
+        ]
+        heads = {"conforms": "keeps the contract", "does not conform": "does not keep the contract"}
+        head = f"{self.name} {heads.get(self.verdict, f'is {self.verdict}')}"
         return "\n".join([head, *faults, *(f"note: {note}" for note in self.notes)])
 
     def __repr__(self) -> str:

@@ -8,13 +8,16 @@ import numba
 import numpy as np
 
 from swarmcensus.brains import ROUND, Brain
-from swarmcensus.engine import record_fields, spoken
+from swarmcensus.engine import make_strict, record_fields, spoken
 
 
 def machine_code(module: types.ModuleType) -> dict[str, Any]:
     """What a brain's or the codec's module holds, by name, with functions that Numba compiles when they are called."""
-    space = dict(vars(module))
-    for name, function in space.items():
+    own = types.ModuleType(module.__name__)
+    vars(own).update(vars(module))
+    make_strict(own)  # which also has functions of math that Numba lacks
+    space = vars(own)
+    for name, function in list(space.items()):
         if isinstance(function, types.FunctionType):
             plain = types.FunctionType(function.__code__, space, name)
             space[name] = numba.njit(_rounded if name == ROUND else plain)

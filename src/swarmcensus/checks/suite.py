@@ -1,6 +1,7 @@
 """Runs a brain file through all checks, in a process of its own, as a brain may hang or crash it."""
 
 import ast
+import contextlib
 import faulthandler
 import json
 import os
@@ -19,7 +20,8 @@ from swarmcensus.support.errors import BrainError, InputError
 from swarmcensus.support.hints import did_you_mean
 from swarmcensus.support.options import wrong_option
 
-PATIENCE = 30.0  # seconds for a check, about a hundred times what it takes
+PATIENCE = 30.0  # seconds of the processor for a check, about a hundred times what it takes
+LONGER = 10.0  # times as many seconds by the clock, after which a busy machine has left a check undecided
 MANY_NUMBERS = 250  # numbers in a state from which on a check gets more time
 COMPILE_PATIENCE = 300.0  # seconds; shipped brains take 8 s and 0.6 GiB, including Numba itself
 MEMORY_BYTES = 2 << 30  # that a check may use, beyond what the process has
@@ -34,11 +36,15 @@ Test = Callable[[brains.Brain], None]
 
 @dataclass(frozen=True)
 class Check:
-    """One check: its name, what is wrong (None if nothing is), and whether the brain has the part it checks."""
+    """One check: its name, what is wrong (None if nothing is), and whether the brain has the part it checks.
+
+    A check that is not `decided` was given up: its `fault` says why, and the brain may have none.
+    """
 
     name: str
     fault: str | None
     used: bool = True
+    decided: bool = True
 
 
 def checks() -> dict[str, Test]:
@@ -97,7 +103,8 @@ def _is_adversary(path: str | Path) -> bool:
 def check(path: str | Path, patience: float = PATIENCE, wrapping: str = "") -> list[Check]:
     """Run all checks on a brain file, or on an adversary `wrapping` one; the brain's faults are returned, not raised.
 
-    A check that does not end within `patience` seconds, or ends its process, is the last. Raises Mismatch.
+    A check that does not end within `patience` seconds of the processor, or ends its process, is the last. Raises
+    Mismatch.
     """
     try:
         brain = brain_to_check(path, wrapping)
@@ -113,7 +120,8 @@ def check(path: str | Path, patience: float = PATIENCE, wrapping: str = "") -> l
     results = [Check(*line) for line in lines if len(line) > 1]
     if done.returncode or len(lines[-1]) == 1:
         begun = lines[-1][0] if lines else KEEPS
-        results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wrapping))))
+        fault, decided = _why_it_ended(done, brain, begun, (path, patience, wrapping))
+        results.append(Check(begun, fault, decided=decided))
     return results
 
 
@@ -185,11 +193,8 @@ def report(path: str, patience: float, wrapping: str = "") -> None:
         def run(brain: brains.Brain) -> None:
             print(json.dumps([name]), flush=True)
             _bound_memory(COMPILE_MEMORY_BYTES if name == COMPILES else MEMORY_BYTES)
-            faulthandler.dump_traceback_later(COMPILE_PATIENCE if name == COMPILES else patience, exit=True)
-            try:
+            with _bounded_time(COMPILE_PATIENCE if name == COMPILES else patience):
                 test(brain)
-            finally:
-                faulthandler.cancel_dump_traceback_later()
 
         return run
 
@@ -202,7 +207,7 @@ def single_life(path: str | Path, wrapping: str = "") -> str | dict[str, int | N
     brain = brain_to_check(path, wrapping)
     done = _child("live", path, COMPILE_PATIENCE, wrapping)
     if done.returncode:
-        return _why_it_ended(done, brain, "", (path, COMPILE_PATIENCE, wrapping))
+        return _why_it_ended(done, brain, "", (path, COMPILE_PATIENCE, wrapping))[0]
     lived: dict[str, int | None] = json.loads(done.stdout)
     return lived
 
@@ -211,9 +216,8 @@ def live(path: str, patience: float, wrapping: str = "") -> None:
     """In a child process: print a brain's life in single precision, as JSON."""
     from swarmcensus.checks.single_life import life
 
-    faulthandler.dump_traceback_later(patience, exit=True)
-    print(json.dumps(life(brain_to_check(path, wrapping))._asdict()))
-    faulthandler.cancel_dump_traceback_later()
+    with _bounded_time(patience):
+        print(json.dumps(life(brain_to_check(path, wrapping))._asdict()))
 
 
 def call_by_call(path: str, patience: float, wrapping: str = "") -> None:
@@ -221,8 +225,27 @@ def call_by_call(path: str, patience: float, wrapping: str = "") -> None:
     from swarmcensus.checks.machine_code import step_by_step
 
     run = step_by_step(brain_to_check(path, wrapping))
-    faulthandler.dump_traceback_later(patience, exit=True)
-    run()
+    with _bounded_time(patience):
+        run()
+
+
+@contextlib.contextmanager
+def _bounded_time(patience: float) -> Iterator[None]:
+    """End this process, with a traceback, after so many seconds of the processor; much later by the clock.
+
+    Where the system does not tell the time of the processor, the clock alone counts.
+    """
+    timed = hasattr(signal, "setitimer")
+    if timed:
+        faulthandler.register(signal.SIGPROF, chain=True)  # works while machine code runs, too
+        signal.setitimer(signal.ITIMER_PROF, patience)
+    faulthandler.dump_traceback_later(patience * (LONGER if timed else 1.0), exit=True)
+    try:
+        yield
+    finally:
+        faulthandler.cancel_dump_traceback_later()
+        if timed:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
 def _child(what: str, path: str | Path, patience: float, wrapping: str) -> subprocess.CompletedProcess[str]:
@@ -239,28 +262,33 @@ def _child(what: str, path: str | Path, patience: float, wrapping: str) -> subpr
 
 def _why_it_ended(
     done: subprocess.CompletedProcess[str], brain: brains.Brain, name: str, arguments: tuple[str | Path, float, str]
-) -> str:
-    patience = arguments[1]
-    if done.returncode < 0:
-        name = signal.Signals(-done.returncode).name
-        return f"it ends its process by {name}{DEATHS.get(name, '')}"
-    if "Timeout (" not in done.stderr:
-        return f"it ends its process: {(done.stderr.strip().splitlines() or ['no more is said'])[-1]}"
-    frames = re.findall(r'File "(.*)", line (\d+) in (\w+)', done.stderr[done.stderr.rindex("Timeout (") :])
+) -> tuple[str, bool]:
+    """What is wrong, and whether that is decided."""
+    patience = COMPILE_PATIENCE if name == COMPILES else arguments[1]
+    timed = hasattr(signal, "setitimer")
+    if "Timeout (" in done.stderr and timed:
+        waited = f"the machine gave it less than {patience:g} s of a processor in {patience * LONGER:g} s"
+        return f"{waited}: try again when less runs", False
+    if done.returncode < 0 and not (timed and done.returncode == -signal.SIGPROF):
+        died = signal.Signals(-done.returncode).name
+        return f"it ends its process by {died}{DEATHS.get(died, '')}", True
+    if done.returncode > 0 and "Timeout (" not in done.stderr:
+        return f"it ends its process: {(done.stderr.strip().splitlines() or ['no more is said'])[-1]}", True
+    frames = re.findall(r'File "(.*)", line (\d+) in (\w+)', done.stderr)
     file = str(brain.path).encode("ascii", "backslashreplace").decode()  # as faulthandler writes it
     own = [(line, function) for where, line, function in frames if where == file]
     if own:
         called = next(function for _, function in reversed(own))
         helper = f" (in {own[0][1]})" if own[0][1] != called else ""
-        return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}"
+        return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}", True
     if name == COMPILES:
-        return f"Numba did not compile it within {COMPILE_PATIENCE:g} s"
+        return f"Numba did not compile it within {patience:g} s", True
     again = _child("call_by_call", *arguments) if name == AGREES else None
     hangs = again is not None and again.returncode and again.stdout
     if again is None or not (hangs or brain.steers):
-        return f"the check itself took longer than {patience:g} s: the brain is slow, or this machine busy"
+        return f"the check itself took longer than {patience:g} s: the brain is slow", False
     last = again.stdout.splitlines()[-1] if hangs else "steer"
-    return f"compiled, {last} did not return within {patience:g} s, though in CPython it does"
+    return f"compiled, {last} did not return within {patience:g} s, though in CPython it does", True
 
 
 def _bound_memory(room: int) -> None:

@@ -33,7 +33,7 @@ def no_options(_: argparse.ArgumentParser) -> None:
 
 
 class Command(NamedTuple):
-    """A command: its name, a line of help, its group, the function that runs it, and the one that adds its options.
+    """A command: its name, a line of help, its group and place there, what runs it, and what adds its options.
 
     `json` is whether it has --json, and `table` whether its answer is a table, which a pipe gets tab-separated.
     """
@@ -41,6 +41,7 @@ class Command(NamedTuple):
     name: str
     text: str
     group: Group
+    place: int
     run: Callable[[argparse.Namespace], int]
     add_options: Callable[[argparse.ArgumentParser], None] = no_options
     json: bool = True

@@ -10,7 +10,9 @@ import argparse
 import codecs
 import contextlib
 import logging
+import shutil
 import sys
+import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -42,8 +44,17 @@ class _Voice(logging.Handler):
             if line in self.seen:
                 return
             self.seen.add(line)
+        stream = sys.stdout if to_files else sys.stderr
+        if not to_files and stream.isatty():
+            line = _between_words(line, shutil.get_terminal_size().columns)
         # a progress bar would interpret escape sequences as its own
-        print(printable(line), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
+        print(printable(line), file=stream, flush=not to_files)
+
+
+def _between_words(text: str, columns: int) -> str:
+    """Text in lines that end between words; what has no spaces, such as a path, stays whole."""
+    lines = (textwrap.wrap(line, columns, break_long_words=False, break_on_hyphens=False) for line in text.split("\n"))
+    return "\n".join("\n".join(line) for line in lines)
 
 
 @contextlib.contextmanager

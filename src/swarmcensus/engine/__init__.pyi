@@ -45,6 +45,7 @@ from .random import (
 from .records import record_type as record_type
 from .return_values import spoken as spoken
 from .states import heard_by as heard_by
+from .strict import make_strict as make_strict
 from .threads import (
     WHILE_WAITING as WHILE_WAITING,
     LeavableThreads as LeavableThreads,

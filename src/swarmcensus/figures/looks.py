@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
+from zlib import crc32
 
 import matplotlib as mpl
 import numpy as np
@@ -21,6 +22,7 @@ from swarmcensus.support.formatting import distinct_texts
 LIES = "#cc79a7"  # colour of robots that are not honest
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
 MARKERS = "s^vPXph"  # of spread accuracies after the first
+SHAPES = f"o{MARKERS}"  # of names
 MOST_KEYED = 20  # numbers in a key
 OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
@@ -60,8 +62,9 @@ def looks_of(
 
     Numbers share `marker` and have colours by rank, the lowest darkest. The first accuracy that is not a number (spread
     over the swarm, or different for black and white) is black, as in the paper; further ones differ in colour and
-    shape. Names of brains, topologies and the like differ in colour and shape too, in the order in which they come.
-    `titles` are names of brains, with or without parameters behind them.
+    shape. Names of topologies and the like differ in colour and shape too, in the order in which they come. A brain has
+    the same colour and marker whichever others there are. `titles` are names of brains, with or without parameters
+    behind them.
     """
     distinct = list(dict.fromkeys(values))
     numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=number_of)
@@ -76,6 +79,12 @@ def looks_of(
         text: Look(names[text], names[text].removeprefix(OFF).removeprefix("0") or "0", colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
     }
+    if of == "brain":
+        places = places_of_brains(others)
+        return looks | {
+            text: Look(names[text], shorter[text], NAMED[k % len(NAMED)], SHAPES[k % len(SHAPES)])
+            for text, k in places.items()
+        }
     for i, text in enumerate(others):
         shape = f"{marker}{MARKERS}"[i % 8]
         if not of.endswith("accuracy"):
@@ -86,6 +95,25 @@ def looks_of(
         name = re.sub(r" drift=(\S+) (least|most)=", r", \1 a round to ", name)
         looks[text] = Look(name, short, SPREAD[i % 3], shape, spread=True)
     return looks
+
+
+def places_of_brains(contenders: Sequence[str]) -> dict[str, int]:
+    """The place of each brain among all pairs of a colour and a marker, in the order of `contenders`.
+
+    A shipped brain has its own. Brains with parameters have the colour of their brain if a marker is free, and other
+    brains a place that follows from their name; of two that would have the same, the second has the next one.
+    """
+    known, pairs = [*TITLES], len(NAMED) * len(SHAPES)
+    places = {name: known.index(name) for name in contenders if name in known}
+    for name in contenders:
+        if name in places:
+            continue
+        base = name.partition(" ")[0]
+        start = known.index(base) if base in known else crc32(base.encode()) % pairs
+        same_colour = range(start, start + pairs, len(NAMED)) if base != name else ()
+        free = (k % pairs for k in (*same_colour, *range(start, start + pairs)) if k % pairs not in places.values())
+        places[name] = next(free, start)
+    return {name: places[name] for name in contenders}
 
 
 def number_of(text: str) -> float:

@@ -16,7 +16,7 @@ from swarmcensus.results.values import metrics_in, parameters_in, robots_in
 from swarmcensus.studies import COORDINATES, NUMERIC
 from swarmcensus.support.formatting import ONE_SIDED, counted, decimals_for, grouped, rounded
 from swarmcensus.support.intervals import FEWEST
-from swarmcensus.support.printed_tables import INTERVALS, NUMBER, Column, Table
+from swarmcensus.support.printed_tables import INTERVALS, LEAST, NUMBER, Column, Table
 from swarmcensus.support.quantities import QUANTITIES
 from swarmcensus.worlds import MOVING
 
@@ -24,7 +24,7 @@ SHOWN = tuple(name for name, quantity in QUANTITIES.items() if quantity.shown)
 MOST_NAMED = 8  # settings in a note
 MOST_CHECKPOINTS = 8  # named in the legend
 MOST_DECIMALS = 6
-SPARE = {"convergence_round": 0, "correct": 0, "convergence_error": NUMBER + 2, "final_error": NUMBER + 1}  # see Column
+SPARE = {"convergence_round": 0, "correct": 0, "convergence_error": LEAST, "final_error": NUMBER + 1}  # see Column
 DIGITS = {"convergence_round": 1}  # significant digits of an interval's width; 2 for other columns
 
 

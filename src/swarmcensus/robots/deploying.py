@@ -53,12 +53,12 @@ def deploy(
 ) -> Deployed:  # fmt: skip
     """Write a brain's files for a target into a new folder, whole or not at all.
 
-    `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", "argos", or "c". `b` and `w` are the
-    shares of the sensor's right readings on black and on white; "c" needs none. `message` is the format of messages,
-    "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz` the ticks
-    a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that it may
-    keep; `study` one whose first setting ARGoS simulates, by default with the sensor's accuracies. A folder with C may
-    be written again. Warns of a format that is wrong for the brain. Raises InputError.
+    `target` is "udp", "espnow" or "serial" for boards with MicroPython, "kilobot", "pogobot", "argos", or "c". `b` and
+    `w` are the shares of the sensor's right readings on black and on white; "c" needs none. `message` is the format of
+    messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
+    the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
+    it may keep; `study` one whose first setting ARGoS simulates, by default with the sensor's accuracies. A folder with
+    C may be written again. Warns of a format that is wrong for the brain. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     check_free(folder, kind.may_replace)

@@ -14,7 +14,9 @@ from swarmcensus.support.templates import render
 INTERVAL = "[95 %]"  # the head of a column of intervals
 INTERVALS = "intervals"  # the name of such columns among what is left out
 ENDLESS = "[>="  # how an interval begins that has a lower end only
+NOTHING, NEVER = "-", "never"  # cells without a value, and of a time that is not reached
 FIRST_OUT, NUMBER = 2000, 1000  # `spare` of intervals, which are left out before anything else, and of numbers
+LEAST = 1500  # `spare` of numbers that make room for intervals, if that is enough
 ESCAPED = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
     ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},
@@ -39,6 +41,11 @@ class Column:
     strong: Sequence[bool] = ()
     interval_head: str = INTERVAL
 
+    @property
+    def is_empty(self) -> bool:
+        """Whether it is a column of numbers in which no row has one, or of times that are never reached."""
+        return self.number and len(self.cells) > 0 and set(self.cells) in ({NOTHING}, {NEVER})
+
     def plain(self) -> Iterator["Column"]:
         """This column with marks before its cells, and a column of its intervals if it has any."""
         cells = self.cells
@@ -56,7 +63,7 @@ class Table:
 
     `above` are lines between title and table. `notes` gives the lines below it, from the names of columns that were
     left out. `more` says where the rows are that are left out. A new block of rows begins at each row of `blocks`.
-    With `folds`, lines that are too long are folded, and no column is left out.
+    With `folds`, lines that are too long are folded, and no column is left out; with `cuts` they are cut instead.
     """
 
     columns: Sequence[Column]
@@ -67,6 +74,7 @@ class Table:
     more: str = ""
     blocks: Collection[int] = ()
     folds: bool = False
+    cuts: bool = False
 
     @classmethod
     def of_rows(cls, heads: Mapping[str, bool], rows: Iterable[Sequence[str]], **more: Any) -> "Table":
@@ -87,8 +95,14 @@ class Table:
         return any(text.startswith(ENDLESS) for column in self.every for text in column.intervals)
 
     def plain(self) -> "Table":
-        """The table with marks in their cells, and intervals in columns of their own."""
-        columns, *groups = ([part for one in each for part in one.plain()] for each in (self.columns, *self.groups))
+        """The table with marks in their cells, intervals in columns of their own, and no columns that say nothing."""
+        empty = {column.head for column in self.every if column.is_empty}
+        if all(column.is_empty for column in self.every if column.number):  # nothing else would be left
+            empty = set()
+        columns, *groups = (
+            [part for one in each if one.head not in empty for part in one.plain()]
+            for each in (self.columns, *self.groups)
+        )
         return replace(self, columns=columns, groups=groups)
 
 

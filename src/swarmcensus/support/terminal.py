@@ -1,8 +1,9 @@
 """Tables on standard output: as wide as the terminal, and in a file or pipe as wide as their content."""
 
 import io
+import os
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
 from typing import Any
 
@@ -12,7 +13,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from swarmcensus.support.printable import printable
-from swarmcensus.support.printed_tables import INTERVALS, Column, Table
+from swarmcensus.support.printed_tables import FIRST_OUT, INTERVALS, LEAST, Column, Table
 from swarmcensus.support.readers import MOST, asked_columns
 
 UNFOLDED = MOST  # columns: a file or a pipe has no width
@@ -35,6 +36,8 @@ def console(**options: Any) -> Console:
     stream = sys.stderr if options.get("stderr") else sys.stdout
     width = asked_columns() or (None if stream.isatty() else UNFOLDED)
     usual: dict[str, Any] = {"file": getattr(stream, "unescaped", stream), "width": width}
+    if os.environ.get("NO_COLOR"):
+        usual["color_system"] = None  # which leaves nothing bold either
     return _Console(**usual | {"highlight": False, "markup": False, "emoji": False} | options)
 
 
@@ -68,19 +71,27 @@ def fitted(columns: Sequence[Column], out: Console) -> tuple[RichTable, list[str
 
     Heads are put into two lines before anything is left out.
     """
-    for most, narrow in product(sorted({column.spare for column in columns} | {0}, reverse=True), (False, True)):
-        kept = [column for column in columns if column.spare <= most]
+    for kept, narrow in product(_choices(columns), (False, True)):
         rows = _grid(kept, [_in_lines(column.head) if narrow else column.head for column in kept])
         if _fits(rows, out):
             break
-    heads = [column.head for column in columns if column.spare > most]
+    heads = [column.head for column in columns if column not in kept]
     return rows, [INTERVALS] * any(map(_of_interval, heads)) + [head for head in heads if not _of_interval(head)]
+
+
+def _choices(columns: Sequence[Column]) -> Iterator[list[Column]]:
+    """Columns that may be shown: first all of them, and last only those that are never left out."""
+    yield [*columns]
+    yield [column for column in columns if column.spare != LEAST]
+    for most in sorted({column.spare for column in columns} - {FIRST_OUT}, reverse=True):
+        yield [column for column in columns if column.spare <= most]
+    yield [column for column in columns if column.spare == 0]
 
 
 def _pages(table: Table, out: Console) -> tuple[list[RichTable], list[str]]:
     """All columns together, or a table for each group if they do not fit; and the names of what is left out."""
     if table.folds:
-        return [_grid(table.every, [column.head for column in table.every])], []
+        return [_grid(table.every, [column.head for column in table.every], table.cuts)], []
     together, lacking = fitted(table.every, out)
     if not table.groups or (_fits(together, out) and {*lacking} <= {INTERVALS}):
         return [together], lacking
@@ -88,14 +99,17 @@ def _pages(table: Table, out: Console) -> tuple[list[RichTable], list[str]]:
     return [page for page, _ in pages], list(dict.fromkeys(name for _, names in pages for name in names))
 
 
-def _grid(columns: Sequence[Column], heads: Sequence[str]) -> RichTable:
-    """A table without borders."""
+def _grid(columns: Sequence[Column], heads: Sequence[str], cuts: bool = False) -> RichTable:
+    """A table without borders, in which long texts are folded; with `cuts`, the last column's are cut."""
     out = RichTable(box=None, pad_edge=False, header_style="bold")
     for column, head in zip(columns, heads, strict=True):
         justify = "right" if column.number else "left"
-        out.add_column(head, justify=justify, no_wrap=column.number, overflow="fold")  # type: ignore[arg-type]
+        whole = column.number or (cuts and column is not columns[-1])
+        out.add_column(head, justify=justify, no_wrap=whole, overflow="fold")  # type: ignore[arg-type]
     for row in zip(*(column.cells for column in columns), strict=True):
-        out.add_row(*(Text(printable(cell)) for cell in row))
+        out.add_row(
+            *(Text(printable(cell), no_wrap=cuts or None, overflow=(cuts and "ellipsis") or None) for cell in row)
+        )
     return out
 
 

@@ -13,7 +13,9 @@ from swarmcensus.translation.messages import messages_of, owing
 from swarmcensus.translation.pieces import filled
 from swarmcensus.translation.unit import Unit
 
-EXACT = {"sqrt", "floor", "ceil", "frexp", "ldexp", "pi"}  # of math: all machines give the same bits
+EXACT = {  # of math: all machines give the same bits
+    "sqrt", "floor", "ceil", "trunc", "fabs", "fmod", "copysign", "frexp", "ldexp", "isnan", "isinf", "isfinite", "pi",
+}  # fmt: skip
 
 
 def expected(brain: Brain) -> str:
@@ -58,14 +60,17 @@ def first_rounds(text: str, rounds: int) -> str:
 
 
 def is_exact(brain: Brain) -> bool:
-    """Whether a brain uses only what IEEE 754 defines to the last bit: no functions such as exp, no other powers."""
+    """Whether a brain uses only what IEEE 754 defines to the last bit: no functions such as exp, and no powers.
+
+    Rounded to single precision, a square of CPython's has the bits of a product.
+    """
     nodes = list(ast.walk(ast.parse(brain.source)))
     called = {
         node.attr for node in nodes if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "math"
     }
     called |= {"pow"} & {node.id for node in nodes if isinstance(node, ast.Name)}
     powers = [node for node in nodes if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Pow)]
-    return called <= EXACT and all(_is_square(node) for node in powers)
+    return called <= EXACT and all(_is_square(node) and brain.numbers.precision == "single" for node in powers)
 
 
 def _is_square(node: ast.BinOp | ast.AugAssign) -> bool:

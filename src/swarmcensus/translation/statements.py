@@ -342,7 +342,7 @@ class Function:
                     for k, item in enumerate(items)
                 ]
             case ast.Call(func=ast.Attribute(attr=name)) | ast.Call(func=ast.Name(id=name)) if (
-                name in ("frexp", "divmod", "modf") and name not in self.unit.functions
+                name in ("frexp", "divmod") and name not in self.unit.functions
             ):
                 return self._split(name, value, depth)
             case ast.IfExp(test=test):
@@ -365,10 +365,6 @@ class Function:
             power = self._new("exponent", stays=True)
             self._write(f"int {power};", depth)
             return [f"{self.unit.math('frexp')}({self.say.real(arguments[0]).text}, &{power})", power]
-        if function == "modf":
-            whole = self._new("whole", stays=True)
-            self._write(f"number {whole};", depth)
-            return [f"{self.unit.math('modf')}({self.say.real(arguments[0]).text}, &{whole})", whole]
         if not all(map(self.unit.is_pure, arguments)):
             raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
         if self.say.kind(value) == (WHOLE, WHOLE):

@@ -8,7 +8,7 @@
 
 #define MAX_PAYLOAD_SIZE_BYTES 382
 #define ROBOTS 4
-#define TICKS 60
+#define TURNS 300
 #define EMITTERS 2  // so many copies of a message arrive
 #define QUEUE 64
 
@@ -90,7 +90,7 @@ static inline void pogobot_start(void (*init)(void), void (*step)(void)) {
         set_userdata(data[robot_here]);
         init();
     }
-    for (int tick = 0; tick < TICKS; tick++, milliseconds += 1000 / main_loop_hz) {
+    for (int loop = 0; loop < TURNS; loop++, milliseconds += 1000 / main_loop_hz) {
         for (robot_here = 0; robot_here < ROBOTS; robot_here++) {
             set_userdata(data[robot_here]);
             step();

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,7 @@ from swarmcensus import brains
 from swarmcensus.checks import machine_code, quick, suite as conformance
 from swarmcensus.checks.contract_checks import PROMISES
 from swarmcensus.checks.suite import check, checks
-from swarmcensus.cli.commands import list_brains
+from swarmcensus.cli.commands import list_brains, main
 from tests.support.places import DOCS, EXAMPLE
 from tests.support.small import study_of
 
@@ -86,7 +87,7 @@ def test_unused_optional_parts_are_reported(capsys):
     assert unused("leaver") == optional[1:]
     checked = list(conformance.examine("alone", PROMISES))
     assert all(one.fault is None for one in checked)
-    list_brains.show_checks("alone", checked, conforms=True)
+    list_brains.show_checks("alone", checked, "conforms")
     assert f"-     {optional[0]}: not used\n" in capsys.readouterr().out
 
 
@@ -322,6 +323,25 @@ def test_a_function_that_does_not_return_is_named(lines, said, tmp_path, monkeyp
     found = {one.name: one.fault for one in check(path, patience=0.5)}
     assert found["keeps the contract"] is None
     assert re.search(said, found["remembers numbers in MEMORY's fields, nothing else"])
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system does not tell the time of the processor")
+def test_check_that_a_busy_machine_does_not_finish_is_not_decided(tmp_path, monkeypatch, capsys):
+    """A check that sleeps has as little of the processor as one that is not let run."""
+    path = changed(tmp_path / "idle.py")
+    sleeps = "import time; suite.LONGER = 1.0; suite.brains.Brain.robot = lambda *_, **__: time.sleep(60)"
+    monkeypatch.setattr(conformance, "CHILD", conformance.CHILD.replace("suite.{}", f"{sleeps}; suite.{{}}"))
+    monkeypatch.setattr(conformance, "LONGER", 1.0)
+    found = check(path, patience=0.5)[-1]
+    assert not found.decided
+    said = "the machine gave it less than 0.5 s of a processor in 0.5 s: try again when less runs"
+    assert found.fault == said
+    monkeypatch.setattr(conformance, "check", lambda *_, **__: [found])
+    assert main(["brains", "--check", str(path)]) == 1
+    out = capsys.readouterr().out
+    assert f"?     {found.name}\n      {said}\n" in out
+    assert out.endswith("idle.py: not decided\n")
+    assert "is not decided" in str(sc.check(path))
 
 
 @pytest.mark.long

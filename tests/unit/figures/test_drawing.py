@@ -1,13 +1,16 @@
 """The figures show the data, all of it, and nothing else; and their files are whole."""
 
+import itertools
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from hypothesis import given, settings, strategies as st
 from matplotlib.colors import to_rgb
 
+from swarmcensus.brains.library import TITLES
 from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.kinds.decisions import decisions_grid
@@ -40,6 +43,35 @@ def test_looks_of_accuracies():
     assert spread[0].colour == "#000000"  # as in the paper
     many = looks_of([f"U(0.5,0.{i})" for i in range(6, 10)], "d").values()
     assert len({(look.colour, look.marker) for look in many}) == 4
+
+
+def seen_without_green(colour: str) -> np.ndarray:
+    """A colour as somebody with deuteranopia sees it, in CIELAB (Machado, Oliveira & Fernandes, 2009)."""
+    cones = [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+    xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]
+    x, y, z = (np.array(xyz) @ np.clip(np.array(cones) @ linear, 0, 1)) / [0.9505, 1.0, 1.089]
+    x, y, z = (np.cbrt(c) if c > 0.008856 else 7.787 * c + 16 / 116 for c in (x, y, z))
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+def test_brains_can_be_told_apart_without_green():
+    looks = looks_of(TITLES, "o", "brain").values()
+    seen = {look.colour: seen_without_green(look.colour) for look in looks}
+    for one, other in itertools.combinations(looks, 2):
+        assert one.marker != other.marker or np.linalg.norm(seen[one.colour] - seen[other.colour]) > 15
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.sampled_from([*TITLES, "mine.py", "swift gain=0.1", "swift gain=0.2"]), unique=True, min_size=1))
+def test_a_brain_has_one_look(names):
+    alone = {name: looks_of([name], "d", "brain")[name][2:] for name in names}
+    together = {name: look[2:] for name, look in looks_of(names, "o", "brain").items()}
+    assert all(together[name] == alone[name] for name in names if name in TITLES)
+    assert len({look[:2] for look in together.values()}) == len(names)
+    if "mine.py" in names[:1]:
+        assert together["mine.py"] == alone["mine.py"]
+    assert all(together[name][0] == looks_of(["swift"], "o", "brain")["swift"].colour for name in names if "=" in name)
 
 
 # ---- scatter

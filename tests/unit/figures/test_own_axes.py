@@ -87,10 +87,10 @@ def test_pooled_differences():
     figure = sc.plot.compare(results, metric=["final_error", "convergence_round"], by=[])
     error, late = figure.axes
     assert error.get_title("left") == "(a) final error, all 3 worlds"
-    ((x, _),) = drawn(error, "apart ")
+    ((x, _),) = drawn(error, "apart Bayes Bots")
     each = np.abs(results["final_estimate"] - 0.55).median("robot").values
     assert x == pytest.approx(np.median(np.median(each[1::2] - each[::2], axis=0)))
-    np.testing.assert_allclose(drawn(late, "level "), [[0.0, 0.0]])
+    np.testing.assert_allclose(drawn(late, "level Bayes Bots"), [[0.0, 0.0]])
     (ax,) = sc.plot.compare(results, metric="final_error", by="topology").axes
     assert [t.get_text() for t in ax.get_yticklabels()] == ["ring", "full", "line"]
 

@@ -93,7 +93,7 @@ def test_bad_input_is_one_sentence(refused, options, says):
     assert says in refused("deploy", brain, "robot", "--target", "udp", *NEEDED, *options)
 
 
-@pytest.mark.parametrize("radio", ["udp", "kilobot"])
+@pytest.mark.parametrize("radio", ["udp", "kilobot", "argos", "pogobot"])
 def test_the_name_of_a_brain_file_is_no_code(tmp_path, radio):
     """Neither docstrings nor comments end where the name says so."""
     file = tmp_path / 'a"""\nimport evil\n"""\n#include evil\\.py'

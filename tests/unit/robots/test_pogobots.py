@@ -29,20 +29,22 @@ def test_a_run_in_a_simulator_is_lived_again_to_the_bit(tmp_path):
     assert [member.number for member in members] == [1000, 1001, 1002, 1003]
     for member in members:
         life, ticks = relive(member), member.log.ticks
-        assert (life.relived, life.breaks, life.lost) == (59, [], [])
+        assert life.relived == life.ticks >= 58
+        assert (life.breaks, life.lost) == ([], [])
         assert sum(tick.looks for tick in ticks) == 12  # until it is done
-        assert max(len(tick.heard) for tick in ticks) == (1 if member.number in (1000, 1003) else 2)
-        assert 0 < sum(tick.said is None for tick in ticks) < 59
+        heard = [(message.sender, message.tick) for tick in ticks for message in tick.heard]
+        assert len(set(heard)) == len(heard) > 30
+        assert 0 < sum(tick.said is None for tick in ticks) < 58
     assert len({member.log.ticks[0].draws for member in members}) == 4
     assert len({member.log.states[0].boot for member in members}) > 1
 
 
 def test_the_settings_are_what_was_asked(tmp_path):
     robot = tmp_path / "robot"
-    assert main(["deploy", "sure", str(robot), *NEEDED, "--hz", "200"]) == 0
+    assert main(["deploy", "sure", str(robot), *NEEDED, "--hz", "20"]) == 0
     settings = (robot / "settings.h").read_text()
-    assert all(f"#define {line}  //" in settings for line in ("B 0.9f", "W 0.85f", "HZ 200", "ENDS 1", "STEERS 0"))
-    assert "time_step: 0.005 " in (robot / "simulation.yaml").read_text()
+    assert all(f"#define {line}  //" in settings for line in ("B 0.9f", "W 0.85f", "HZ 20", "LOOPS 2", "ENDS 1"))
+    assert "time_step: 0.01 " in (robot / "simulation.yaml").read_text()
 
 
 @pytest.mark.parametrize("hz", ["0.5", "2.5", "256"])

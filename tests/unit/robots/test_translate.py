@@ -1,5 +1,6 @@
 """Brains as C: the same bits as CPython, Python's meaning of every operation, and one sentence for what cannot be."""
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -8,7 +9,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.brains import load
-from swarmcensus.brains.brain import parse
+from swarmcensus.brains.brain import parse, shipped
 from swarmcensus.brains.kinds import RECORD, WHOLE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
@@ -18,7 +19,7 @@ from swarmcensus.support.errors import InputError
 from swarmcensus.translation.headers import header
 from swarmcensus.translation.messages import messages_of
 from swarmcensus.translation.selftest import compare, is_exact
-from tests.support.places import DOCS
+from tests.support.places import DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, compiled, differs, load_busy, named
 
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
@@ -147,8 +148,8 @@ PROGRAMS = {
         "me.list[0] = float((me.x, me.y) == (7.0, 3.0)) + float(me.x in (7.0, 2.5))"
     ),
     "parts of a number": (
-        "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\nrest, whole = math.modf(me.x)\n"
-        "me.list[1] = rest\nme.list[2] = math.ldexp(whole, 3)"
+        "part, power = math.frexp(me.x)\nme.k = part\nme.list[0] = power\n"
+        "me.list[1] = math.fmod(me.x, 3.0)\nme.list[2] = math.ldexp(part, 3)"
     ),
     "bits": "n = int(abs(me.x)) & 5\nme.k = (n << 2) | 1\nme.list[0] = n ^ 3\nme.list[1] = ~n",
     "words of C": (
@@ -242,7 +243,6 @@ ODD = {
     "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
     "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
     "divmod": "a = me.x + 7.5\nb = 2.25\na, b = divmod(a, b)\nme.x = a + 0.5 * b",
-    "modf": "a = me.x + 7.7\na, w = math.modf(a)\nme.x = a + 0.5 * w",
     "two swaps": "a = me.x\nb = me.y\na, b = b, a\na, b = b + 1.0, a\nme.x = a - b",
     "two exponents": "m, e = math.frexp(me.x)\nme.x = m\nn, f = math.frexp(me.y + 3.0)\nme.x += n * f + e",
     "a tuple of itself": "t = (me.x, me.y)\nt = (t[1], t[0])\nme.x = t[0] - 3.0 * t[1]",
@@ -405,6 +405,33 @@ def test_the_makefile_compiles_as_the_page_says(tmp_path):
     done = subprocess.run(["make", "-C", tmp_path, "check"], capture_output=True, text=True, check=True)
     assert "-ffp-contract=off" in done.stdout
     assert "same bits as in Python" in done.stdout
+
+
+@GCC
+def test_check_bears_what_a_library_rounds_otherwise(tmp_path):
+    """In a brain with exp and log; a wrong number, a missing line and another silence fail it."""
+    sc.deploy(EXAMPLE / "sprt.py", tmp_path, "c", precision="double")
+    wanted = tmp_path / "expected.txt"
+    text = wanted.read_text()
+    number = text.splitlines()[1].split()[2]
+    cases = [
+        (number, 0, "\nsame bits as in Python"),
+        (f"{int(number, 16) + 1:016x}", 0, "numbers differ by 2.2e-16 at most"),
+        (f"{int(number, 16) + 2**20:016x}", 2, "not what Python has"),
+        ("7ff8000000000000", 2, "numbers differ by inf at most"),
+    ]
+    for other, code, said in cases:
+        wanted.write_text(text.replace(number, other, 1))
+        done = subprocess.run(["make", "-C", tmp_path, "check"], capture_output=True, text=True, check=False)
+        assert (done.returncode, said in done.stdout) == (code, True)
+    for other in (text.partition("\n")[2], f"{text}1 ", text.replace(text.splitlines()[0].split()[-1], "silent", 1)):
+        wanted.write_text(other)
+        assert subprocess.run(["make", "-C", tmp_path, "check"], capture_output=True, check=False).returncode == 2
+
+
+def test_shipped_brains_multiply_instead_of_squaring():
+    """CPython's power may differ from a product in the last bit, and C and machine code have products."""
+    assert [name for name in shipped() if re.search(r"\*\* *2(\.0)?\b", load(name).source)] == []
 
 
 @pytest.mark.parametrize("is_new", [True, False])

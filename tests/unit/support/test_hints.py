@@ -90,13 +90,13 @@ def test_numbers_of_options_are_plain(number, capsys):
     [
         ("shwo x.nc", "show"), ("summary x.nc", "show"), ("run x.toml --rng 3", "--seed"),
         ("run x.toml --threads=3", "--jobs"), ("replay small.nc --setting 1 --trail 0", "--trial"),
-        ("studies comare", "example/compare"), ("reproduce rivls", "rivals"), ("reproduce --only fig22", "fig2"),
+        ("new example/comare", "example/compare"), ("reproduce rivls", "rivals"), ("reproduce --only fig22", "fig2"),
         ("show small.nc --sort finl", "final error"), ("show smal.nc", "small.nc"), ("run smll.toml", "small.toml"),
         ("plot small.nc --kind lnes", "lines"), ("plot small.nc --kind lines --x robots --y eror", "convergence_error"),
         ("plot small.nc --set scle=linear", "scale"), ("explain small.nc --where robot==5", "robots"),
         ("brains --show shoter", "shouter"), ("leaderboard comons", "commons"),
         ("plan --robots 9 --topology ring --accuracy 0.8 --right majorty", "majority"),
-        ("list topology", "topologies"), ("completion bsh", "bash"), ("show rest.nc", None),
+        ("list topology", "topologies"), ("doctor --completion bsh", "bash"), ("show rest.nc", None),
     ],
 )  # fmt: skip
 def test_commands_suggest_what_was_meant(command, meant, small_file, here):

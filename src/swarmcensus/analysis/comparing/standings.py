@@ -45,6 +45,11 @@ class Standings:
         """The names of contenders, in the order of all arrays."""
         return self.grid.contenders
 
+    @property
+    def kind(self) -> str:
+        """The coordinate whose values contenders are: "brain" if brains are among them."""
+        return "brain" if "brain" in self.grid.factor or not self.grid.factor else self.grid.factor[0]
+
     def standing(self, contest: Contest) -> NDArray[np.str_]:
         """The standing of each contender in each world (world, contender), empty if it is missing, or alone there.
 

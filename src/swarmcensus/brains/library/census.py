@@ -121,8 +121,13 @@ def said(me):
         chance += me.sign * off - part * chance
     return (
         (me.s + me.fresh_s) / gain(me), v, v * short, v * chance, v * me.noise, me.own_s + me.fresh_s,
-        me.own_v + me.fresh, me.marks if me.rounds > 0.0 else (me.name + 1.0) ** 2,
+        me.own_v + me.fresh, me.marks if me.rounds > 0.0 else mark(me),
     )  # fmt: skip
+
+
+def mark(me):
+    """The square of a name, because sums of squares are rarely equal."""
+    return (me.name + 1.0) * (me.name + 1.0)
 
 
 def receive(me, message):
@@ -158,7 +163,8 @@ def fuse(me):
         me.short = (own * short + me.heard_short) / total
         me.chance = (own * chance + me.heard_chance) / total
         me.noise = (own * noise + me.heard_noise) / total
-    me.squares = (me.squares + me.fresh) * (own / (own + voices)) ** 2
+    share = own / (own + voices)
+    me.squares = (me.squares + me.fresh) * (share * share)
     mean_s = (own * s + others_s) / (own + voices)
     mean_v = (own * v + others_v) / (own + voices)
     step(me, mean_s, mean_v, s, v)
@@ -178,7 +184,7 @@ def look_around(me):
     """Give up momentum, for good, if the network changes or one round mixes all of it."""
     if me.rounds == 0.0:
         me.first = me.heard
-        me.marks = me.heard_marks + (me.name + 1.0) ** 2 if me.alarms == 0.0 else STILL
+        me.marks = me.heard_marks + mark(me) if me.alarms == 0.0 else STILL
     elif me.rounds == 1.0 and me.marks > 0.0 and me.heard_marks == me.heard * me.marks:
         me.marks = MIXED
     if me.marks != BEGUN and (me.heard == 0.0 or me.heard != me.first or me.alarms > 0.0):

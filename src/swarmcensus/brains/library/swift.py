@@ -56,7 +56,7 @@ SUMS = ("heard", "heard_s", "heard_v", "heard_company", "alarms")
 
 def mark(me):
     """The mark of a robot, the square of a name, because sums of squares are rarely equal."""
-    return (me.name + 1.0) ** 2
+    return (me.name + 1.0) * (me.name + 1.0)
 
 
 def observe(me, blacks, looks):
@@ -123,7 +123,8 @@ def fuse(me):
     unit = me.unit + 1.0
     g = 0.0
     if me.company > 0.0 and me.rounds > 1.0:
-        g = me.momentum * min(1.0, me.crowd / voices) ** 2
+        share = min(1.0, me.crowd / voices)
+        g = me.momentum * (share * share)
         if v + g * (v - me.said_v) <= 0.5 * v:
             g = 0.0
     step_s = g * (s - me.said_s)

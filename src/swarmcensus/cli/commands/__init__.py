@@ -26,10 +26,11 @@ from swarmcensus.support.version import __version__
 
 @functools.cache
 def commands() -> dict[str, Command]:
-    """All commands by name, group by group and alphabetically."""
+    """All commands by name, group by group."""
     modules = (importlib.import_module(f"{__name__}.{module.name}") for module in pkgutil.iter_modules(__path__))
-    found = sorted(command for module in modules for command in module.COMMANDS)
-    return {command.name: command for group in Group for command in found if command.group is group}
+    found = [command for module in modules for command in module.COMMANDS]
+    found.sort(key=lambda command: ([*Group].index(command.group), command.place, command.name))
+    return {command.name: command for command in found}
 
 
 @escaping()

@@ -172,7 +172,7 @@ def _draw(comparison: "Comparison", stored: "xr.Dataset", figures: dict[str, Pat
 
 COMMANDS = (
     Command(
-        "compare", "Rank brains, or levels of another factor, within each world, and test their differences.",
-        Group.LOOK, compare, add_compare_options, table=True,
+        "compare", "Rank brains in each world, and test their differences.",
+        Group.STUDIES, 5, compare, add_compare_options, table=True,
     ),
 )  # fmt: skip

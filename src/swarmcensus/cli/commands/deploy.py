@@ -23,7 +23,8 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
         "what", metavar="BRAIN", help="a brain's name or file; with --selftest, the folder whose files are on the board"
     )
     sub.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", help="the folder to write: a new one, or empty")
-    sub.add_argument("--target", metavar="udp|espnow|serial|kilobot|argos|c", help="what robots talk by, ARGoS, or C")
+    targets = "udp|espnow|serial|kilobot|pogobot|argos|c"
+    sub.add_argument("--target", metavar=targets, help="what robots talk by, a kind of robot, a simulator, or C")
     sub.add_argument("--b", type=share, metavar="SHARE", help="how often the sensor reads black right")
     sub.add_argument("--w", type=share, metavar="SHARE", help="how often the sensor reads white right")
     add_shared(sub, "parameter", message="default: float32, on a Kilobot ratio16", precision="of C; default: single")
@@ -120,7 +121,7 @@ def _show(result: "Comparison") -> None:
 
 COMMANDS = (
     Command(
-        "deploy", "Write a brain's files for a robot, or as C, or check that a robot computes what it should.",
-        Group.ROBOTS, deploy, add_deploy_options,
+        "deploy", "Write a brain's files for a robot, or check a robot.",
+        Group.ROBOTS, 1, deploy, add_deploy_options,
     ),
 )  # fmt: skip

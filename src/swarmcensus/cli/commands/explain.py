@@ -175,7 +175,7 @@ def _ends(interval: "Interval", form: Callable[[float], str]) -> str:
 
 COMMANDS = (
     Command(
-        "explain", "Compare all settings with theory, or show one in detail and what limits its error.",
-        Group.LOOK, explain, add_explain_options, table=True,
+        "explain", "Compare results with theory, and show what limits the error.",
+        Group.STUDIES, 6, explain, add_explain_options, table=True,
     ),
 )  # fmt: skip

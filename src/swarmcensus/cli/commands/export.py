@@ -80,7 +80,7 @@ def _export_results(options: argparse.Namespace, out: Path, kind: str) -> int:
 
 COMMANDS = (
     Command(
-        "export", "Write results as a table with one row per robot and trial, or robots' logs as MCAP.",
-        Group.LOOK, export, add_export_options, json=False,
+        "export", "Write results as a table, or robots' logs as MCAP.",
+        Group.STUDIES, 8, export, add_export_options, json=False,
     ),
 )  # fmt: skip

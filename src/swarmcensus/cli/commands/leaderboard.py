@@ -66,7 +66,7 @@ def _as_dict(board: "Board") -> dict[str, Any]:
 
 COMMANDS = (
     Command(
-        "leaderboard", "Run the shipped brains, and your own with them, in one fixed set of worlds.",
-        Group.BRAINS, leaderboard, add_leaderboard_options, table=True,
+        "leaderboard", "Run all brains, and yours, in one fixed set of worlds.",
+        Group.BRAINS, 3, leaderboard, add_leaderboard_options, table=True,
     ),
 )  # fmt: skip

@@ -3,8 +3,10 @@
 import argparse
 import ast
 import importlib
+import re
 import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.cli.options import Command, Group
@@ -22,6 +24,7 @@ MODULES = {
     "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.distributions",
     "figures": "figures.kinds", "targets": "robots.targets",
 }  # fmt: skip  # kinds of plugins, and the module that finds each
+KINDS = ("studies", *MODULES)
 COLUMNS = ("memory", "message", "single")
 LIVES = {"alone": "alone", "hearing": "next to a neighbour in the same state"}
 GROUPS = {"number": "estimates a number", "opinion": "has an opinion, black or white", "": "what is wrong"}
@@ -81,15 +84,15 @@ def brains(options: argparse.Namespace) -> int:
         return 0
     say(f"checking {options.check}, which is compiled for it: some seconds")
     found = check(options.check, wrapping=options.wrapping, single=options.single)
-    checks, conforms, said, lived = found.checks, found.conforms, [*found.notes], found.single
+    checks, verdict, said, lived = found.checks, found.verdict, [*found.notes], found.single
     if lived is not None:
         said.append(lived if isinstance(lived, str) else single_note(lived))
     if options.json:
         single = {"single": lived} if options.single else {}
-        answer("checks", {"file": options.check, "conforms": conforms, "checks": checks, "notes": said, **single})
+        answer("checks", {"file": options.check, "conforms": found.conforms, "checks": checks, "notes": said, **single})
     else:
-        show_checks(options.check, checks, conforms, said)
-    return 0 if conforms else 2
+        show_checks(options.check, checks, verdict, said)
+    return {"conforms": 0, "not decided": 1}.get(verdict, 2)
 
 
 def single_note(lived: dict[str, int | None]) -> str:
@@ -161,15 +164,15 @@ def show_brains(rows: list[Row]) -> None:
         sizes = [f"{row[name]:,}" if name in row else "-" for name in ("memory_bytes", "message_bytes")]
         lived = row.get("single_precision_readings", 0)
         single = "any" if lived is None else f"{lived / 1e6:.1f} M" if lived else "-"
-        what = row["fault"] or row["what"] + " Not anonymous." * (not row["anonymous"])
-        groups[GROUPS[row.get("estimates", "")]].append((row["name"], *sizes, single, what))
-    widest = max(len(row["name"]) for row in rows)
+        name = row["name"] + "*" * (not row.get("anonymous", True))
+        groups[GROUPS[row.get("estimates", "")]].append((name, *sizes, single, row["fault"] or row["what"]))
+    widest = max(len(row[0]) for cells in groups.values() for row in cells)
     for group, cells in groups.items():
         if cells:
             heads = {"brain".ljust(widest): False} | dict.fromkeys(COLUMNS, True) | {group: False}
-            show(Table.of_rows(heads, cells))
+            show(Table.of_rows(heads, cells, cuts=True))
             print()
-    print("memory and message: in bytes, 4 per number; not anonymous: uses the name of its robot")
+    print("*: not anonymous, since it uses the name of its robot; memory and message: in bytes, 4 per number")
     print("single: readings after which single precision differs from double by more than 0.01; any: none found\n")
 
 
@@ -181,11 +184,11 @@ def show_adversaries(rows: list[Row]) -> None:
     cells = []
     for row in rows:
         texts = [f"{k} {v:,.10g}" if isinstance(v, float) else k for k, v in row.get("parameters", {}).items()]
-        cells.append((row["name"], "-" if row["fault"] else ", ".join(texts), row["fault"] or row["what"]))
-    show(Table.of_rows(dict.fromkeys(("adversary", "parameters", "what it does"), False), cells))
+        cells.append((row["name"], ", ".join(texts), row["fault"] or row["what"]))
+    show(Table.of_rows(dict.fromkeys(("adversary", "parameters", "what it does"), False), cells, cuts=True))
 
 
-def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collection[str] = ()) -> None:
+def show_checks(path: Any, checks: "list[Check]", verdict: str, notes: Collection[str] = ()) -> None:
     """Print the results of the conformance suite, and notes."""
     from rich.text import Text
 
@@ -196,12 +199,13 @@ def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collect
         if not result.used:
             out.print(f"-     {result.name}: not used", style="dim")
             continue
-        out.print(Text("pass", "green") if result.fault is None else Text("FAIL", "red bold"), f" {result.name}")
+        failed = Text("FAIL", "red bold") if result.decided else Text("?   ", "yellow bold")
+        out.print(Text("pass", "green") if result.fault is None else failed, f" {result.name}")
         if result.fault is not None:
             out.print(f"      {result.fault}", soft_wrap=True)
     for note in notes:
         out.print(f"note  {note}", soft_wrap=True)
-    out.print(f"{path}: {'conforms' if conforms else 'does not conform'}", soft_wrap=True)
+    out.print(f"{path}: {verdict}", soft_wrap=True)
 
 
 def measure_costs(options: argparse.Namespace) -> None:
@@ -246,12 +250,12 @@ MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arg
 
 def add_list_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `list`."""
-    sub.add_argument("kind", nargs="?", metavar="KIND", choices=[*MODULES], help=f"one of {', '.join(MODULES)}")
+    sub.add_argument("kind", nargs="?", metavar="KIND", choices=KINDS, help=f"one of {', '.join(KINDS)}")
 
 
 def choices(options: argparse.Namespace) -> int:
     """List what can be used by name, kind by kind."""
-    kinds = [options.kind] if options.kind else list(MODULES)
+    kinds = [options.kind] if options.kind else KINDS
     present(
         options,
         "choices",
@@ -273,9 +277,13 @@ def _show_choices(kinds: Collection[str]) -> None:
             "swarmcensus"
         }  # otherwise the last column would be the same in every row
         heads = dict.fromkeys((kind, "keys", "what it is", *["from"] * plugins), False)
+        cells = [row[: len(heads)] for row in rows]
+        if kind == "studies":
+            del heads["keys"]
+            cells = [(name, what) for name, _, what in cells]
         if k:
             print()
-        show(Table.of_rows(heads, [row[: len(heads)] for row in rows]))
+        show(Table.of_rows(heads, cells, cuts=kind == "studies"))
 
 
 def _as_dict(row: tuple[str, str, str, str]) -> dict[str, object]:
@@ -288,6 +296,11 @@ def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
 
     Files are parsed, and not run.
     """
+    if kind == "studies":
+        from swarmcensus.support.files import shipped_studies
+
+        yield from ((name, "", _first_words(path), "swarmcensus") for name, path in shipped_studies().items())
+        return
     from swarmcensus import brains
     from swarmcensus.brains import adversary
 
@@ -318,14 +331,24 @@ def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
                 yield from (argument.arg for argument in node.args.args[1:])
 
 
+def _first_words(study: Path) -> str:
+    """The first sentence of the comment that a study begins with."""
+    lines = []
+    for line in study.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.lstrip("# "))
+    words = re.split(r"(?<!Sec)[.?] (?=[A-Z`])|: (?=`)", " ".join(lines))[0]
+    return words.rstrip(".:")
+
+
 COMMANDS = (
     Command(
-        "brains",
-        "List brains and adversaries, print the source of one, check a file, or measure what brains take of a chip.",
-        Group.BRAINS, brains, add_brains_options, table=True,
+        "brains", "List brains and adversaries; print, check or measure one.",
+        Group.BRAINS, 1, brains, add_brains_options, table=True,
     ),
     Command(
-        "list", "List what studies and figures can use by name, including plugins from other packages.",
-        Group.BRAINS, choices, add_list_options, table=True,
+        "list", "List what can be used by name: studies, floors, figures ...",
+        Group.SETUP, 1, choices, add_list_options, table=True,
     ),
 )  # fmt: skip

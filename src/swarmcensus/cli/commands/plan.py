@@ -7,8 +7,9 @@ from typing import Any
 
 from swarmcensus.cli.options import Command, Group, add_shared, assignment, once, positive
 from swarmcensus.cli.output import present, print_schema, reporting, say
-from swarmcensus.support.errors import OptionError
+from swarmcensus.support.errors import OptionError, StudyError
 from swarmcensus.support.formatting import elapsed
+from swarmcensus.support.options import option
 
 KEYS = {
     "side": ("area", "METRES", "side of the square in which robots move"),
@@ -58,6 +59,12 @@ INSTEAD = {  # keys of the file that an option replaces in addition to its own
 }
 
 
+NEEDED = {  # keys of messages about what a mission lacks, and the options of which one gives it
+    "known.accuracy": ("accuracy",), "wanted": ("half_width", "right"), "area": ("side", "area", "density"),
+    "free": ("robots", "minutes"),
+}  # fmt: skip
+
+
 def add_plan_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `plan`: one for every key of a mission file, which replaces the value in the file."""
     sub.add_argument(
@@ -103,6 +110,8 @@ def plan(options: argparse.Namespace) -> int:
     where = f"mission file {options.mission}" if options.mission else "mission"
     base = options.mission.parent if options.mission else Path()
     tables = tables_of(options, load_mission(options.mission) if options.mission else {})
+    if not options.mission:
+        _check_options(options, tables)
     if options.out:
         check_out(options.out, *inputs)
     if options.plot:
@@ -121,6 +130,20 @@ def plan(options: argparse.Namespace) -> int:
     written = ", ".join(str(path) for path in (options.out, options.plot) if path)
     say(f"{written}{': ' * bool(written)}{elapsed(time.monotonic() - begun)}")
     return 0
+
+
+def _check_options(options: argparse.Namespace, tables: dict[str, Any]) -> None:
+    """Raise OptionError that names the option which is missing, where no file has the mission."""
+    from swarmcensus.search import mission_of
+
+    try:
+        mission_of(tables, "mission", Path())
+    except StudyError as error:
+        keys = NEEDED.get(str(error.key), ())
+        if not keys or any(getattr(options, key) is not None for key in keys):
+            raise
+        names = " or ".join(map(option, keys))
+        raise OptionError(f"{names} is missing: {KEYS[keys[0]][2]}", key=keys[0]) from None
 
 
 def _schema(options: argparse.Namespace) -> int:
@@ -166,16 +189,16 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
     return merged
 
 
-def _value(key: str, text: str, option: str = "") -> Any:
+def _value(key: str, text: str, name: str = "") -> Any:
     """The value that an option means: a range has a colon, plain words need no quotation marks. Raises InputError."""
     import tomllib
 
-    option = option or f"--{key.replace('_', '-')} {text}"
+    name = name or f"--{key.replace('_', '-')} {text}"
     wanted = "a number" + (f"; to give several, repeat --{key}" if key in SEVERAL else ", or a range such as 10:100")
     try:
         ends = [_number(part) for part in text.split(":", 1)]
         if key == "density" and len(ends) > 1:
-            raise OptionError(f"{option}: should be {wanted}", key=key, value=text)
+            raise OptionError(f"{name}: should be {wanted}", key=key, value=text)
         return ends if len(ends) > 1 else ends[0]
     except ValueError:
         pass
@@ -184,7 +207,7 @@ def _value(key: str, text: str, option: str = "") -> Any:
     except tomllib.TOMLDecodeError:
         if key in TEXTS:
             return text
-        raise OptionError(f"{option}: should be {wanted}", key=key, value=text) from None
+        raise OptionError(f"{name}: should be {wanted}", key=key, value=text) from None
 
 
 def _number(text: str) -> float:
@@ -196,7 +219,7 @@ def _number(text: str) -> float:
 
 COMMANDS = (
     Command(
-        "plan", "Find how many robots, or how many minutes, a mission needs.",
-        Group.MISSIONS, plan, add_plan_options, table=True,
+        "plan", "Find how many robots, or minutes, a mission needs.",
+        Group.MISSIONS, 1, plan, add_plan_options, table=True,
     ),
 )  # fmt: skip

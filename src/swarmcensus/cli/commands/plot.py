@@ -269,7 +269,7 @@ def figure_files(
 
 COMMANDS = (
     Command(
-        "plot", "Draw a figure of a results file.",
-        Group.LOOK, plot, add_plot_options, json=False,
+        "plot", "Draw a figure of results.",
+        Group.STUDIES, 7, plot, add_plot_options, json=False,
     ),
 )  # fmt: skip

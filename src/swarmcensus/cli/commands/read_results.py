@@ -150,15 +150,15 @@ def _code(verification: "Verification") -> int:
 
 COMMANDS = (
     Command(
-        "show", "Print a summary of a results file: medians and right decisions, one row per setting.",
-        Group.LOOK, show, add_show_options, table=True,
+        "show", "Print a summary of results, one row per setting.",
+        Group.STUDIES, 4, show, add_show_options, table=True,
     ),
     Command(
-        "merge", "Merge results files with different settings or trials into one.",
-        Group.STUDIES, merge, add_merge_options, json=False,
+        "merge", "Merge results with different settings or trials.",
+        Group.STUDIES, 9, merge, add_merge_options, json=False,
     ),
     Command(
-        "verify", "Run trials of a results file again and compare them bit for bit.",
-        Group.STUDIES, verify, add_verify_options,
+        "verify", "Run trials again, and compare them bit for bit.",
+        Group.STUDIES, 10, verify, add_verify_options,
     ),
 )  # fmt: skip

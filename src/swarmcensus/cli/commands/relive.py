@@ -264,7 +264,7 @@ def _number(value: float | None) -> str:
 
 COMMANDS = (
     Command(
-        "relive", "Live robots' states again from their logs, to the bit, or the same recording under another brain.",
-        Group.ROBOTS, relive, add_relive_options,
+        "relive", "Run robots' brains again from their logs, to the bit.",
+        Group.ROBOTS, 3, relive, add_relive_options,
     ),
 )  # fmt: skip

@@ -176,11 +176,11 @@ def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | No
 
 COMMANDS = (
     Command(
-        "replay", "Run one trial of a results file again and show every round.",
-        Group.LOOK, replay, add_replay_options, table=True,
+        "replay", "Run one trial again, and show every round.",
+        Group.STUDIES, 11, replay, add_replay_options, table=True,
     ),
     Command(
-        "infer", "Run a brain on recorded observations and links instead of a simulated world.",
-        Group.ROBOTS, infer, add_infer_options, table=True,
+        "infer", "Run a brain on recorded readings and links.",
+        Group.ROBOTS, 4, infer, add_infer_options, table=True,
     ),
 )  # fmt: skip

@@ -8,7 +8,7 @@ from swarmcensus.cli.options import OF_RUNS, Command, Group, add_shared, part_of
 from swarmcensus.cli.output import answer, present, reporting, say, wrote
 from swarmcensus.support.errors import Interrupted
 from swarmcensus.support.formatting import counted, elapsed
-from swarmcensus.support.options import misplaced, wrong_option
+from swarmcensus.support.options import command, misplaced, wrong_option
 
 
 def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
@@ -111,6 +111,9 @@ def run(options: argparse.Namespace) -> int:
     trials = "up to " * bool(study.until) + counted(study.trials, "trial")
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
     wrote(f"{out}: {part}{counted(data.sizes['setting'], 'setting')} of {trials}, {elapsed(time.monotonic() - begun)}")
+    if data.attrs["trials_done"]:
+        several = len({*data["brain"].values.tolist()}) > 1
+        say(f"next: {command('swarmcensus', 'compare' if several else 'plot', out)}")
     return failures(data)
 
 
@@ -140,20 +143,22 @@ def status(options: argparse.Namespace) -> int:
         answer("status", progress.as_dict)
     else:
         print("\n".join(progress.lines))
+        if progress.done == progress.total:
+            say(f"next: {command('swarmcensus', 'show', options.results)}")
     return 0
 
 
 COMMANDS = (
     Command(
-        "reproduce", "Run the paper's evaluation, draw its figures and check its claims.",
-        Group.STUDIES, reproduce, add_reproduce_options,
+        "reproduce", "Run the paper's evaluation: its figures and its claims.",
+        Group.LOOK, 2, reproduce, add_reproduce_options,
     ),
     Command(
-        "run", "Run a study file and write its results as netCDF.",
-        Group.STUDIES, run, add_study_options, table=True,
+        "run", "Run a study and write its results.",
+        Group.STUDIES, 2, run, add_study_options, table=True,
     ),
     Command(
-        "status", "Show how far a running or interrupted study is, and when it will end.",
-        Group.STUDIES, status, add_status_options,
+        "status", "Show how far a study is, and when it will end.",
+        Group.STUDIES, 3, status, add_status_options,
     ),
 )  # fmt: skip

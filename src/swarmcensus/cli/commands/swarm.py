@@ -223,7 +223,7 @@ class Page:
 
 COMMANDS = (
     Command(
-        "swarm", "Run a swarm of processes on this machine that talk over sockets, as robots do.",
-        Group.ROBOTS, swarm, add_swarm_options,
+        "swarm", "Run robots as processes that talk over sockets.",
+        Group.ROBOTS, 2, swarm, add_swarm_options,
     ),
 )  # fmt: skip

@@ -96,8 +96,7 @@ def tune(options: argparse.Namespace) -> int:
 
 COMMANDS = (
     Command(
-        "tune",
-        "Search for good values of a brain's parameters, or an adversary's worst, and evaluate them in new trials.",
-        Group.BRAINS, tune, add_tune_options,
+        "tune", "Search for good values of a brain's parameters.",
+        Group.BRAINS, 2, tune, add_tune_options,
     ),
 )  # fmt: skip

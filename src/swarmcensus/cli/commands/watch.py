@@ -173,7 +173,7 @@ def _query(options: argparse.Namespace) -> dict[str, str]:
 
 COMMANDS = (
     Command(
-        "watch", "Watch one trial live in a browser, or write it as an HTML page to share.",
-        Group.LOOK, watch, add_watch_options, json=False,
+        "watch", "Watch a trial in a browser, or write it as a page.",
+        Group.LOOK, 1, watch, add_watch_options, json=False,
     ),
 )  # fmt: skip

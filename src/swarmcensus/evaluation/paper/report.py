@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -20,12 +21,13 @@ from swarmcensus.evaluation.paper.evidence import (
     PARTLY,
     UNDECIDED,
     UNMEASURED,
+    VERDICTS,
     YES,
     Detail,
     Outcome,
 )
 from swarmcensus.support import intervals
-from swarmcensus.support.formatting import decimals_for, rounded
+from swarmcensus.support.formatting import counted, decimals_for, rounded
 from swarmcensus.support.version import __version__
 
 if TYPE_CHECKING:
@@ -139,3 +141,7 @@ def show(claims: Sequence[Outcome], console: Console | None = None) -> None:
             about.append(f"\n{detail.setting}: {detail.made_of}", "dim")
         table.add_row(Text(verdict, COLOURS[outcome.verdict]), about, value)
     console.print(table)
+    counts = Counter(outcome.verdict for outcome in claims)
+    console.print(
+        f"{counted(len(claims), 'claim')}: {', '.join(f'{counts[v]} {v}' for v in VERDICTS[::-1] if counts[v])}"
+    )

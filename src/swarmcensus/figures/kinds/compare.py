@@ -18,7 +18,7 @@ from swarmcensus.analysis import Effect, Standings, comparison, effects, in_worl
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import SPACING, width_of, wrapped
-from swarmcensus.figures.looks import Look, looks_of, palette, solid_dot
+from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.notes import say_few, say_lacking, say_left_out, with_numbers
 from swarmcensus.figures.page import PageOptions, letters, on_page, page, scale
 from swarmcensus.figures.panels import Names
@@ -105,17 +105,19 @@ def draw_effects(
     others = [k for k in range(len(standings.contenders)) if k != reference]
     names = [standings.contenders[k] for k in others]
     titles = titles_of_contenders(*results)
-    looks = list(looks_of(names, "o", "brain", titles).values())
+    looks = list(looks_of(names, "o", standings.kind, titles).values())
     texts = [_row_name(world, count, len(standings.grid.worlds)) for world, count in rows]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
-    if single:  # contenders are the rows, and all have one look
-        texts, looks = [renamed(name, titles) for name in names], [Look("", "", palette(11)[3], "o")]
+    if single:  # contenders are the rows
+        texts = [renamed(name, titles) for name in names]
     width = page().width
     room = NAME * scale() if width is None else min(NAME * scale(), 72 * NAME_SHARE * width)
     labels = ["\n".join(wrapped(text, room, letters(), 2)) for text in texts]
     longest = max(width_of(line, letters()) for text in labels for line in text.split("\n"))
-    row = scale() * max(LINE * len(looks) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2)
+    row = scale() * max(
+        LINE * (1 if single else len(looks)) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2
+    )
     has = [not np.isnan(effect.value[:, others]).all() for effect in effects]
     kept = with_numbers(ax, [effect.measure.label for effect in effects], has)
     every, effects = [effect.measure.label for effect in effects], [effects[k] for k in kept]
@@ -132,14 +134,13 @@ def draw_effects(
         times = 100.0 if effect.measure.share else 1.0
         value, low, high = (times * part[:, others] for part in (effect.value, effect.low, effect.high))
         apart = effect.apart[:, others]
-        if single:
-            value, low, high, apart = value.T, low.T, high.T, apart.T
         if np.isnan(value).all():
             say_empty(place, NUMBERLESS)
             continue
         _difference_axis(place, value, low, high)
         for k, look in enumerate(looks):
-            y: Floats = np.arange(len(labels), dtype=np.float64) + (k - (len(looks) - 1) / 2) * 0.72 / len(looks)
+            aside = float(k) if single else (k - (len(looks) - 1) / 2) * 0.72 / len(looks)
+            y: Floats = np.arange(1.0 if single else len(labels)) + aside
             _draw(place, y, value[:, k], low[:, k], high[:, k], apart[:, k], look)
         for edge in np.arange(1, len(labels)) - 0.5:
             place.axhline(edge, color="0.9", linewidth=0.6, zorder=0)
@@ -151,7 +152,7 @@ def draw_effects(
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
     against = renamed(standings.contenders[reference], titles).replace("$", r"\$")
-    add_key(axes, f"difference from {against}", _entries(looks, effects, others))
+    add_key(axes, f"difference from {against}", _entries([] if single else looks, effects, others))
     say_left_out(axes, every, kept, NUMBERLESS)
     say_lacking(axes, results)
     say_few(axes, few)

@@ -109,7 +109,7 @@ def draw_pareto(
     costs = _rounded(known[cost])
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}", key="cost")
-    looks = looks_of(standings.contenders, "o", "brain", titles_of_contenders(*results))
+    looks = looks_of(standings.contenders, "o", standings.kind, titles_of_contenders(*results))
     captions = [caption_of(world) for world in worlds]
     has = [bool(there.any()) for there in ~np.isnan(values) & np.isfinite(costs)]
     kept = with_numbers(ax, captions, has)

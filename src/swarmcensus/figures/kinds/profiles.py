@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from swarmcensus.analysis import Comparison, compare, is_time
 from swarmcensus.figures.coordinates import caption_of
-from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.looks import Look, looks_of
 from swarmcensus.figures.notes import say_at_foot, say_lacking
 from swarmcensus.figures.page import PageOptions, on_page
 from swarmcensus.figures.panels import MOST_PANELS, Names
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 BAND = 0.15  # opacity of intervals
 FIRST = ("agreement_round", "right_consensus_round")
-STYLES: tuple[Any, ...] = ("-", "--", "-.", ":")
+APART, SIZE = 0.25, 4.5  # between markers of a line, as a share of the axes' diagonal; points of a marker
 
 
 @on_page
@@ -79,7 +79,7 @@ def draw_profiles(
         raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
     table = standings.profiles
     table = table[table["measure"] == name]
-    looks = looks_of(standings.contenders, "o", "brain", titles_of_contenders(*results))
+    looks = looks_of(standings.contenders, "o", standings.kind, titles_of_contenders(*results))
     axes = sheet(ax, [caption_of(world) for world in worlds], title)
     lines: dict[str, Artist] = {}
     label = standings.measures[names.index(name)].label
@@ -89,9 +89,10 @@ def draw_profiles(
         for k, contender in enumerate(standings.contenders):
             rows = here[here["contender"] == contender]
             if len(rows):
-                style, colour = STYLES[k % len(STYLES)], looks[contender].colour
-                _draw(place, rows, colour, style)
-                lines[looks[contender].name] = Line2D([], [], color=colour, linestyle=style, linewidth=1.6)
+                look = looks[contender]
+                start = k / len(standings.contenders) * APART  # so that no marker hides another
+                _draw(place, rows, look, start)
+                lines[look.name] = Line2D([], [], color=look.colour, marker=look.marker, linewidth=1.6, markersize=SIZE)
         count_axis(place, 0.0, float(np.nanmax(standings.rounds[world])), "linear")
         show_range(place, "y", -3, 103)
         name_axes(place, label if label.endswith(unit) else f"{label} ({unit})", "share of trials (%)")
@@ -103,9 +104,12 @@ def draw_profiles(
     return figure_of(axes)
 
 
-def _draw(axes: Axes, rows: pd.DataFrame, colour: str, style: Any) -> None:
-    """One contender's steps and band."""
+def _draw(axes: Axes, rows: pd.DataFrame, look: Look, start: float) -> None:
+    """One contender's steps and band; its first marker is at the share `start` of the line."""
     x, share, low, high = (rows[name].to_numpy() for name in ("round", "share", "share_low", "share_high"))
-    axes.step(x, 100 * share, where="post", color=colour, linestyle=style, linewidth=1.6)
+    axes.step(
+        x, 100 * share, where="post", color=look.colour, linewidth=1.6, marker=look.marker, markersize=SIZE,
+        markevery=(start, APART),
+    )  # fmt: skip
     if np.isfinite(low).all():
-        axes.fill_between(x, 100 * low, 100 * high, step="post", color=colour, alpha=BAND, linewidth=0)
+        axes.fill_between(x, 100 * low, 100 * high, step="post", color=look.colour, alpha=BAND, linewidth=0)

@@ -1,25 +1,27 @@
 """The files of a brain in C: its header, a self-test, what the test should print, and a Makefile."""
 
 from swarmcensus.brains import Brain
+from swarmcensus.robots.board_tests import CLOSE, DOUBLE, SINGLE
 from swarmcensus.robots.target import Order, Target
-from swarmcensus.translation import header, selftest, unit_of
+from swarmcensus.translation import header, piece, selftest, unit_of
 
-FILES = ("brain.h", "selftest.c", "expected.txt", "Makefile")
-MADE = ("selftest", "found.txt")  # by make in the same folder
+FILES = ("brain.h", "selftest.c", "expected.txt", "Makefile", "close.c")
+MADE = ("selftest", "found.txt", "close")  # by make in the same folder
 FLAGS = "-O2 -std=c99 -Wall -Wextra -ffp-contract=off"
-MAKEFILE = f"""\
-# make check: whether the brain computes on this machine what it does in Python, bit for bit
-CFLAGS = {FLAGS}
+MAKEFILE = """\
+# make check: whether the brain computes on this machine what it does in Python
+CFLAGS = {flags}
+LDLIBS = -lm
 
-check: selftest
+check: selftest{close}
 \t./selftest > found.txt
-\tcmp expected.txt found.txt && echo "same bits as in Python"
+\tcmp expected.txt found.txt && echo "same bits as in Python"{otherwise}
 
 selftest: selftest.c brain.h
-\t$(CC) $(CFLAGS) -o selftest selftest.c -lm
+\t$(CC) $(CFLAGS) -o selftest selftest.c $(LDLIBS)
 
 clean:
-\trm -f selftest found.txt
+\trm -f selftest found.txt{close}
 
 .PHONY: check clean
 """
@@ -32,12 +34,18 @@ def c_files(order: Order) -> dict[str, str]:
 
 def translated(brain: Brain) -> dict[str, str]:
     """The files of a brain in C, by name, in its number formats. Raises InputError if C has no such thing."""
-    return {
+    files = {
         "brain.h": header(brain),
         "selftest.c": selftest.in_c(brain, unit_of(brain)),
         "expected.txt": selftest.expected(brain),
-        "Makefile": MAKEFILE,
+        "Makefile": MAKEFILE.format(flags=FLAGS, close="", otherwise=""),
     }
+    if not selftest.is_exact(brain):
+        most = CLOSE[SINGLE if brain.numbers.precision == "single" else DOUBLE]
+        otherwise = f" || ./close expected.txt found.txt {most:g}"
+        files["Makefile"] = MAKEFILE.format(flags=FLAGS, close=" close", otherwise=otherwise)
+        files["close.c"] = piece("close.c")
+    return files
 
 
 OF_PROGRAMS = "the program around brain.h decides that"

@@ -4,7 +4,8 @@ from swarmcensus.robots.target import Order, Target
 from swarmcensus.support.options import wrong_option
 from swarmcensus.translation import filled, header, logged, piece, quoted, unit_of
 
-FASTEST = 255  # ticks a second that its library can be set to
+LOOPS = 50  # of its library, a second, at most: small buffers hold messages for a loop of whole milliseconds
+FASTEST = 255  # what a rate is, at most
 TIME_STEP = 0.01  # seconds, of pogosim
 
 
@@ -15,9 +16,10 @@ def pogobot_files(order: Order) -> dict[str, str]:
     assert order.w is not None
     if not (1 <= order.hz <= FASTEST and order.hz == int(order.hz)):
         raise wrong_option("hz", order.hz, f"a Pogobot has a whole number of ticks a second, from 1 to {FASTEST}")
-    real = unit_of(brain).real
+    hz, real = int(order.hz), unit_of(brain).real
+    loops = max(1, LOOPS // hz)
     settings = filled(
-        "pogobot_settings.h", brain=name, b=real(order.b), w=real(order.w), hz=int(order.hz),
+        "pogobot_settings.h", brain=name, b=real(order.b), w=real(order.w), hz=hz, loops=loops,
         mark=f"{order.mark & 0xFF:02x}", luck=int(brain.uses.luck), named=int(brain.uses.name), ends=int(brain.ends),
         steers=int(brain.steers),
     )  # fmt: skip
@@ -29,7 +31,7 @@ def pogobot_files(order: Order) -> dict[str, str]:
         "robot_log.h": piece("robot_log.h"),
         "main.c": piece("pogobot.c"),
         "Makefile": piece("pogobot.mk"),
-        "simulation.yaml": filled("pogobot.yaml", brain=name, step=min(TIME_STEP, 1.0 / order.hz)),
+        "simulation.yaml": filled("pogobot.yaml", brain=name, step=min(TIME_STEP, 1.0 / (hz * loops))),
         "README.md": filled("pogobot.md", brain=name, body=brain.message_bytes),
     }
 

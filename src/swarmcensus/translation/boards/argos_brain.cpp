@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-namespace ${name} {  // before ARGoS, so that its macros do not meet the names of the brain
+namespace brain_${name} {  // before ARGoS, so that its macros do not meet the names of the brain
 #include "${name}_brain.h"
 #include "${name}_logged.h"
 #define MARK 0x${mark}  // of brain and format
@@ -17,13 +17,15 @@ namespace ${name} {  // before ARGoS, so that its macros do not meet the names o
 #define ROBOT_SENDERS 200  // of whom the last message is known
 #include "robot.h"
 #include "robot_log.h"
-}  // namespace ${name}
+}  // namespace brain_${name}
 
 #include "swarmcensus_robot.h"
 
 using namespace argos;
 
-namespace ${name} {
+namespace brain_${name} {
+
+static const uint8_t WHOLE_MARK[4] = {${whole_mark}};  // after each datagram: MARK is its first byte
 
 struct thinker : robot {
     robot_log log = {};
@@ -41,7 +43,7 @@ static number robot_draw(robot *robot) {
 }
 #endif
 
-}  // namespace ${name}
+}  // namespace brain_${name}
 
 class CSwarmcensus_${name} : public CSwarmcensusRobot {
   public:
@@ -53,11 +55,11 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     }
 
   protected:
-    size_t DatagramBytes() const override { return ROBOT_DATAGRAM; }
+    size_t DatagramBytes() const override { return ROBOT_DATAGRAM + 4; }
 
     void Start() override {
         m_sRobot.chance = m_pcRNG;
-        robot_start(&m_sRobot, ${name}::number(B()), ${name}::number(W()), Number(), 1);
+        robot_start(&m_sRobot, brain_${name}::number(B()), brain_${name}::number(W()), Number(), 1);
     }
 
     void OpenLog(const std::string& str_file, UInt32 un_period) override {
@@ -78,13 +80,15 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     bool Say(UInt8* pun_datagram) override {
         const bool says = robot_say(&m_sRobot, pun_datagram);
         if (says) {
+            memcpy(pun_datagram + ROBOT_DATAGRAM, brain_${name}::WHOLE_MARK, 4);
             robot_log_said(&m_sRobot.log, pun_datagram);
         }
         return says;
     }
 
     bool Hear(const UInt8* pun_datagram) override {
-        const bool hears = robot_hear(&m_sRobot, pun_datagram);
+        const bool is_ours = memcmp(pun_datagram + ROBOT_DATAGRAM, brain_${name}::WHOLE_MARK, 4) == 0;
+        const bool hears = is_ours && robot_hear(&m_sRobot, pun_datagram);
         if (hears) {
             robot_log_heard(&m_sRobot.log, pun_datagram);
         }
@@ -92,7 +96,7 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
     }
 
     Real End(UInt32 un_milliseconds) override {
-        const ${name}::number x = robot_end(&m_sRobot);
+        const brain_${name}::number x = robot_end(&m_sRobot);
         robot_log_tick(&m_sRobot.log, &m_sRobot, un_milliseconds, x);
         return x;
     }
@@ -114,7 +118,7 @@ class CSwarmcensus_${name} : public CSwarmcensusRobot {
         }
     }
 
-    ${name}::thinker m_sRobot;
+    brain_${name}::thinker m_sRobot;
 };
 
 REGISTER_CONTROLLER(CSwarmcensus_${name}, "${name}")

@@ -126,10 +126,7 @@ void CSwarmcensusRobot::Round() {
         m_pcSay->ClearData();
     }
     for (const auto& sPacket : m_pcHear->GetReadings()) {
-        const UInt8* punDatagram = sPacket.Data.ToCArray();
-        if (punDatagram[1] != 0 && Hear(punDatagram)) {  // zeros are silence: a boot count is 1
-            ++m_unHeard;
-        }
+        m_unHeard += Hear(sPacket.Data.ToCArray());  // zeros are silence
     }
     m_fEstimate = End(UInt32(1000.0 * m_unStep / m_fTicksPerSecond));
 }

@@ -21,7 +21,8 @@ typedef struct {
     struct robot robot;
     uint32_t key, drawn;  // of its random numbers
     uint16_t leg;  // ticks left of the walk's straight line or turn
-    bool has_begun, is_turning;
+    uint8_t wait, delay;  // loops until the next tick, and by how many the last one was delayed
+    bool has_begun, is_to_speak, is_turning;
 #ifdef SIMULATOR
     struct robot_log log;
     uint32_t clock;
@@ -94,6 +95,10 @@ static void robot_message_rx(message_t *message) {
 
 static bool robot_message_tx(void) {
     uint8_t datagram[ROBOT_DATAGRAM];
+    if (!mydata->is_to_speak) {
+        return false;
+    }
+    mydata->is_to_speak = false;
     if (!robot_say(&mydata->robot, datagram)) {
         return false;
     }
@@ -119,9 +124,9 @@ void user_init(void) {
         mydata->key = robot_mixed(mydata->key ^ (uint16_t)pogobot_helper_getRandSeed());
     }
     robot_start(&mydata->robot, B, W, own_number, (uint8_t)(robot_chance() * 256));
-    main_loop_hz = HZ;
+    main_loop_hz = HZ * LOOPS;  // each loop takes 80 bytes from each receiver
     max_nb_processed_msg_per_tick = 100;
-    percent_msgs_sent_per_ticks = 100;  // brains talk in each tick
+    percent_msgs_sent_per_ticks = 100;  // robot_message_tx decides
     msg_rx_fn = robot_message_rx;
     msg_tx_fn = robot_message_tx;
     uint8_t directions[3];
@@ -132,15 +137,26 @@ void user_init(void) {
     char name[32];
     snprintf(name, sizeof name, "logs/robot-%u.log", own_number);
     robot_log_open(&mydata->log, name, &mydata->robot, 1000 / HZ, current_time_milliseconds());
+    if (!mydata->log.file) {
+        printf("%s cannot be written: this run has no such log\n", name);
+    }
 #endif
 }
 
-// Ends the tick before, whose messages have arrived by now, and begins the next one.
+// Ends the tick before, whose messages have arrived by now, and begins the next one, delayed by chance, so that
+// neighbours that were switched on together do not always talk at once.
 void user_step(void) {
+    if (mydata->wait > 0) {
+        mydata->wait--;
+        return;
+    }
     if (mydata->has_begun) {
         robot_finish();
     }
-    mydata->has_begun = true;
+    const uint8_t delay = (uint8_t)(robot_chance() * LOOPS);
+    mydata->wait = (uint8_t)(LOOPS + delay - mydata->delay - 1);
+    mydata->delay = delay;
+    mydata->has_begun = mydata->is_to_speak = true;
 #ifdef SIMULATOR
     mydata->clock = current_time_milliseconds();
 #endif

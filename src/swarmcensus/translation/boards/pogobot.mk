@@ -1,5 +1,6 @@
 # make sim POGOSIM=/usr/local   builds `robot` with pogosim as it was installed there:
 #                               https://github.com/Adacoma/pogosim
+# make run   runs it without a window; each robot writes a log into `logs`
 # make bin SDK=../pogobot-sdk SOURCES=../pogosim/src   builds firmware.bin for the robots:
 #                               https://github.com/nekonaute/pogobot-sdk
 POGOSIM ?= /usr/local
@@ -16,6 +17,9 @@ endif
 sim: robot
 	mkdir -p logs
 
+run: sim
+	./robot -c simulation.yaml -g
+
 robot: main.c $(HEADERS)
 	cc -std=gnu11 -O2 -Wall -Wextra -ffp-contract=off -I$(POGOSIM)/include -c -o sim.o main.c
 	c++ -o $@ sim.o -L$(POGOSIM)/lib -Wl,--whole-archive -lpogosim -Wl,--no-whole-archive $(LIBRARIES)
@@ -31,6 +35,6 @@ firmware.bin: main.c $(HEADERS)
 	$(OBJCOPY_normal) -O binary firmware.elf $@
 
 clean:
-	rm -f robot *.o *.d firmware.elf firmware.bin
+	rm -rf robot logs *.o *.d firmware.elf firmware.bin
 
-.PHONY: sim bin clean
+.PHONY: sim run bin clean

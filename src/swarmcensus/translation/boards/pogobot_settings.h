@@ -3,6 +3,7 @@
 #define B ${b}  // share of right readings on black
 #define W ${w}  // and on white
 #define HZ ${hz}  // ticks a second
+#define LOOPS ${loops}  // of the library, a tick
 #define MARK 0x${mark}  // of brain and format
 #define LUCK ${luck}  // whether the brain uses luck
 #define NAMED ${named}  // whether the brain uses the robot's name

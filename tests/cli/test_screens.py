@@ -1,0 +1,84 @@
+"""What a terminal of 80 columns shows."""
+
+import io
+
+import pytest
+
+from swarmcensus.cli import output
+from swarmcensus.cli.commands import commands, main, parser
+from swarmcensus.support import terminal
+from swarmcensus.support.printed_tables import LEAST, Column, Table
+
+
+def test_help_has_a_line_for_each_command(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    lines = parser().format_help().splitlines()
+    for name, command in commands().items():
+        assert f"  {name:11}  {command.text}" in lines
+    assert max(map(len, lines)) <= 80
+
+
+@pytest.mark.parametrize("words", ["brains", "list studies"])
+def test_lists_have_a_line_for_each_name(words, monkeypatch, capsys):
+    monkeypatch.setenv("SWARMCENSUS_TERMINAL", "80")
+    assert main(words.split()) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    names = [line[0].rstrip("*") for line in lines if line]
+    for name in ["alone", "belief-sharing-indexed", "voter"] if words == "brains" else ["beyond", "paper/moving"]:
+        assert names.count(name) == 1
+    assert all(names.count(name) == 1 for name in names if name.islower() and "-" in name)
+
+
+@pytest.mark.parametrize("set_", [True, False])
+def test_no_color_leaves_nothing_bold(set_, monkeypatch):
+    if set_:
+        monkeypatch.setenv("NO_COLOR", "1")
+    out = io.StringIO()
+    monkeypatch.setenv("TERM", "xterm-256color")
+    console = terminal.console(file=out, force_terminal=True, width=40)
+    terminal.show(Table.of_rows({"head": False}, [["cell"]]), console)
+    assert ("\x1b" in out.getvalue()) is not set_
+
+
+def test_lines_of_messages_end_between_words():
+    text = "warning: a path/that/is/long stays whole"
+    assert output._between_words(text, 16).split("\n") == ["warning: a", "path/that/is/long", "stays whole"]
+    assert output._between_words(text, 80) == text
+
+
+def printed(columns, width):
+    out = io.StringIO()
+    terminal.show(Table(columns), terminal.console(file=out, width=width))
+    return out.getvalue().splitlines()[0].split()
+
+
+def test_columns_that_say_nothing_are_left_out():
+    columns = [Column("name", ["a", "b"], number=False), Column("K", ["-", "-"]), Column("error", ["1", "-"])]
+    assert printed(columns, 80) == ["name", "error"]
+    never = Column("time", ["never", "never"], intervals=["always", "always"])
+    assert printed([*columns, never], 80) == ["name", "error"]
+    assert printed([columns[0], never], 80) == ["name", "time", "[95", "%]"]
+
+
+def test_errors_make_room_for_intervals():
+    columns = [
+        Column("K", ["1"]),
+        Column("error at K", ["2"], spare=LEAST),
+        Column("error", ["3"], intervals=["[1, 4]"]),
+    ]
+    assert printed(columns, 40) == ["K", "error", "at", "K", "error", "[95", "%]"]
+    assert printed(columns, 20) == ["K", "error", "[95", "%]"]
+    assert printed(columns, 15) == ["error"]  # above "at K": intervals do not fit, but the error at K does
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--side 5 --robots 20", "--accuracy is missing: accuracy of the sensors, such as 0.7"),
+        ("--side 5 --robots 20 --accuracy 0.7", "--half-width or --right is missing: largest error"),
+        ("--accuracy 0.7 --half-width 0.02 --robots 20", "--side or --area or --density is missing: side"),
+        ("--accuracy 0.7 --half-width 0.02 --side 5", "--robots or --minutes is missing: number of robots"),
+    ],
+)
+def test_plan_names_the_missing_option(options, said, refused):
+    assert said in refused("plan", *options.split())

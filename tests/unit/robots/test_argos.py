@@ -1,0 +1,200 @@
+"""`swarmcensus deploy --target argos`: its C++ runs in a small world that stands in for ARGoS 3."""
+
+import json
+import re
+import shutil
+import subprocess
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from swarmcensus.cli.commands import main
+from swarmcensus.robots.logs.folders import read_recording
+from swarmcensus.robots.logs.lives import relive
+from tests.support.places import DATA, ROOT
+
+STANDIN = ROOT / "tests" / "support" / "argos"
+TICKS = 60
+NEEDED = ["--target", "argos", "--b", ".9", "--w", ".8"]
+HOST = pytest.mark.skipif(not shutil.which("g++"), reason="needs g++")
+STUDY = """
+trials = 3
+seed = 11
+[swarm]
+robots = 30
+accuracy = {black = 0.9, white = 0.7}
+[world]
+topology = "moving"
+density = [10, 1]
+fill_ratio = 0.4
+link_success = 0.75
+[world.body]
+speed = 0.1
+radio_range = 0.5
+tile = 0.02
+[schedule]
+ticks = 1200
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Two brains in one folder, whose messages begin with the same byte, built into one program with the world."""
+    folder = tmp_path_factory.mktemp("argos") / "robots"
+    for brain in (str(DATA / "whole.py"), "minimalistic"):
+        assert main(["deploy", brain, str(folder), *NEEDED]) == 0
+    file = folder / "minimalistic.cpp"
+    mark = re.search("define MARK 0x..", (folder / "whole.cpp").read_text())[0]
+    file.write_text(re.sub("define MARK 0x..", mark, file.read_text()))
+    sources = [path for path in folder.iterdir() if path.suffix in (".cpp", ".h")]
+    for include in {name for path in sources for name in re.findall("<(argos3/.*)>", path.read_text())}:
+        (folder / "include" / include).parent.mkdir(parents=True, exist_ok=True)
+        (folder / "include" / include).write_text('#include "argos.h"\n')
+    flags = f"-std=c++17 -Wall -Wextra -Werror -ffp-contract=off -Iinclude -I{STANDIN}".split()
+    flags.append(f'-DSWARMCENSUS_BRAINS="{folder}"')
+    parts = ["swarmcensus_robot.cpp", "swarmcensus_floor.cpp", STANDIN / "world.cpp"]
+    (folder / "all.cc").write_text("".join(f'#include "{part}"\n' for part in parts))
+    subprocess.run(["g++", *flags, "all.cc", "whole.cpp", "minimalistic.cpp", "-o", "world"], cwd=folder, check=True)
+    return folder
+
+
+def live(folder, path, *controllers, ticks=TICKS, reset=0, datagram=18, round_ticks=1):
+    """Run robots in a new folder; returns what went wrong."""
+    words = [folder / "world", ticks, reset, datagram, round_ticks, *controllers]
+    return subprocess.run(list(map(str, words)), cwd=path, capture_output=True, text=True).stderr
+
+
+def lives(path):
+    """The robots of a folder of logs, and what came of running their brains again."""
+    members = read_recording(path / "day").members
+    return [(member, relive(member)) for member in members]
+
+
+@HOST
+def test_two_brains_in_one_simulation_are_run_again_to_the_bit(folder, tmp_path):
+    assert live(folder, tmp_path, "whole", "whole", "minimalistic", "minimalistic", "whole") == ""
+    found = lives(tmp_path)
+    assert [member.number for member, _ in found] == [0, 1, 2, 3, 4]  # of both kinds of robot
+    for member, life in found:
+        ticks, kin = member.log.ticks, {0, 1, 4} if member.number in (0, 1, 4) else {2, 3}
+        assert (life.relived, life.ticks, life.breaks, life.lost) == (TICKS, TICKS, [], [])
+        assert {heard.sender for tick in ticks for heard in tick.heard} == kin - {member.number}
+    whole = [member.log.ticks for member, _ in found if member.number in (0, 1, 4)]
+    assert [sum(tick.looks for tick in ticks) for ticks in whole] == [12, 12, 12]  # until they are done
+    assert all(0 < sum(tick.said is None for tick in ticks) < TICKS for ticks in whole)
+    assert all(tick.draws for ticks in whole for tick in ticks)
+
+
+@HOST
+def test_the_result_is_that_of_the_logs(folder, tmp_path):
+    live(folder, tmp_path, "minimalistic", "minimalistic", "minimalistic")
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert result == json.loads((tmp_path / "day" / "swarm.json").read_text())
+    assert abs(result["floor"] - 0.55) < 4 * (0.55 * 0.45 / 100**2) ** 0.5
+    assert result["ticks"] == result["rounds"] == TICKS
+    for robot, (member, _) in zip(result["robots"], lives(tmp_path), strict=True):
+        ticks = member.log.ticks
+        assert (robot["number"], robot["id"]) == (member.number, f"minimalistic{member.number}")
+        assert robot["estimate"] == ticks[-1].estimate
+        assert robot["read"] == sum(tick.looks for tick in ticks) < TICKS  # none while it avoids the walls
+        assert robot["heard"] == sum(len(tick.heard) for tick in ticks) > 0
+
+
+@HOST
+def test_a_round_of_several_ticks_sums_up_their_readings(folder, tmp_path):
+    live(folder, tmp_path, "whole", "whole", round_ticks=5)
+    for member, life in lives(tmp_path):
+        assert (life.relived, life.ticks) == (TICKS // 5, TICKS // 5)
+        assert max(tick.looks for tick in member.log.ticks) > 1
+        assert member.log.states[0].period == 500
+
+
+@HOST
+def test_a_reset_begins_a_new_recording(folder, tmp_path):
+    live(folder, tmp_path, "whole", "whole", reset=20)
+    for member, life in lives(tmp_path):
+        assert [tick.tick for tick in member.log.ticks] == list(range(1, TICKS - 19))
+        assert life.relived == TICKS - 20
+
+
+@HOST
+def test_messages_that_do_not_fit_are_refused(folder, tmp_path):
+    said = live(folder, tmp_path, "whole", datagram=17)
+    assert 'robot "whole0": rab_data_size is 17, and the brain' in said
+    assert "needs 18 bytes" in said
+
+
+def experiment(folder, name):
+    """The experiment of a folder."""
+    return ElementTree.parse(folder / f"{name}.argos").getroot()
+
+
+def test_a_folder_with_other_files_is_refused(tmp_path, refused):
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "robots" / "notes.txt").touch()
+    assert "'notes.txt'" in refused("deploy", "commons", str(tmp_path / "robots"), *NEEDED)
+
+
+def test_an_experiment_has_the_papers_arena(tmp_path):
+    assert main(["deploy", "covariance-intersection", str(tmp_path / "robots"), *NEEDED]) == 0
+    made = experiment(tmp_path / "robots", "covariance_intersection")
+    controller = made.find("controllers/covariance_intersection")
+    params = {key: controller.find("params").get(key) for key in ("b", "w", "true_b", "true_w", "speed", "round_ticks")}
+    assert params == {"b": "0.9", "w": "0.8", "true_b": "0.9", "true_w": "0.8", "speed": "14", "round_ticks": "1"}
+    floor, entity = made.find("loop_functions"), made.find(".//distribute/entity")
+    assert (entity.get("quantity"), floor.get("fill_ratio"), floor.get("tile")) == ("25", "0.55", "0.01")
+    assert float(floor.get("side")) == pytest.approx(6.2036, abs=1e-4)
+    assert made.find("framework/experiment").get("length") == "1000"
+    north = [float(x) for x in made.find(".//box[@id='north']/body").get("position").split(",")]
+    assert north[1] - 0.05 == pytest.approx(float(floor.get("side")) / 2.0)
+
+
+def test_an_experiment_has_a_studys_first_setting(tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY)
+    words = ["--target", "argos", "--study", str(tmp_path / "study.toml"), "--w", ".75"]
+    assert main(["deploy", "commons", str(tmp_path / "robots"), *words]) == 0
+    made = experiment(tmp_path / "robots", "commons")
+    controller, floor, entity = (made.find(f".//{name}") for name in ("commons", "loop_functions", "entity"))
+    params = controller.find("params")
+    assert [params.get(key) for key in ("b", "w", "true_b", "true_w", "speed")] == ["0.9", "0.75", "0.9", "0.7", "10"]
+    assert controller.find("sensors/range_and_bearing").get("packet_drop_prob") == "0.25"
+    assert (entity.get("quantity"), entity.find("foot-bot").get("rab_range")) == ("30", "0.5")
+    assert (floor.get("fill_ratio"), floor.get("tile")) == ("0.4", "0.02")
+    assert float(floor.get("side")) == pytest.approx(np.sqrt(30 * np.pi * 0.25 / 10))
+    assert made.find("framework/experiment").attrib == {
+        "length": "120", "ticks_per_second": "10", "random_seed": "11"
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('topology = "moving"\ndensity = [10, 1]', 'topology = "ring"', "should be topology"),
+        ("accuracy = {black = 0.9, white = 0.7}", 'accuracy = "U(0.6, 0.9)"', "sensors that differ between robots"),
+        ("fill_ratio = 0.4", "fill_ratio = 0.4\nfloor = {clusters = 0.2}", "floors of clusters(0.2)"),
+        ("speed = 0.1", "message_delay = 2", "messages that take more or less than a tick"),
+        ("speed = 0.1", "tick = 0.3", "ticks of which a second has no whole number"),
+    ],
+)
+def test_what_the_experiment_lacks_is_named(tmp_path, refused, old, new, says):
+    assert old in STUDY
+    text = STUDY.replace(old, new)
+    if "ring" in new:
+        text = text.partition("[world.body]")[0] + "[schedule]\nrounds = 10\nobservations_per_round = 1\n"
+    (tmp_path / "study.toml").write_text(text)
+    assert says in refused("deploy", "commons", "robots", "--target", "argos", "--study", str(tmp_path / "study.toml"))
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ("--target udp --b .9 --w .8 --study study.toml", "--target udp: it has no arena"),
+        ("--target argos --b .9 --w .8 --hz 5", "the tick of the study decides that"),
+        ("--target argos --b .9", "--w is missing"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(tmp_path, refused, options, says):
+    (tmp_path / "study.toml").write_text(STUDY)
+    words = [str(tmp_path / word) if word == "study.toml" else word for word in options.split()]
+    assert says in refused("deploy", "commons", "robots", *words)
