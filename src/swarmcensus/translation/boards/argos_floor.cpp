@@ -106,7 +106,8 @@ class CSwarmcensusFloor : public CLoopFunctions {
             cOut << pchBefore << "  {\"number\": " << pcRobot->Number() << ", \"log\": \"robot-" << pcRobot->Number()
                  << ".log\", \"id\": \"" << pcRobot->GetId() << "\", \"brain\": \"" << pcRobot->Label().File
                  << "\", \"b\": " << pcRobot->B() << ", \"w\": " << pcRobot->W() << ", \"estimate\": "
-                 << pcRobot->Estimate() << ", \"read\": " << pcRobot->Read() << ", \"heard\": " << pcRobot->Heard() << "}";
+                 << pcRobot->Estimate() << ", \"read\": " << pcRobot->Read() << ", \"heard\": " << pcRobot->Heard()
+                 << "}";
             pchBefore = ",\n";
         }
         cOut << "\n ]\n}\n";

@@ -35,14 +35,16 @@ void CSwarmcensusRobot::Init(TConfigurationNode& t_tree) {
     m_pcSay = GetActuator<CCI_RangeAndBearingActuator>("range_and_bearing");
     m_pcHear = GetSensor<CCI_RangeAndBearingSensor>("range_and_bearing");
     if (HasSensor("footbot_motor_ground")) {
-        Use<CCI_FootBotMotorGroundSensor, CCI_FootBotProximitySensor>("footbot_motor_ground", "footbot_proximity", 0.14);
+        Use<CCI_FootBotMotorGroundSensor, CCI_FootBotProximitySensor>(
+            "footbot_motor_ground", "footbot_proximity", 0.14);
 #ifdef HAS_KHEPERAIV
     } else if (HasSensor("kheperaiv_ground")) {
-        Use<CCI_KheperaIVGroundSensor, CCI_KheperaIVProximitySensor>("kheperaiv_ground", "kheperaiv_proximity", 0.1054);
+        Use<CCI_KheperaIVGroundSensor, CCI_KheperaIVProximitySensor>(
+            "kheperaiv_ground", "kheperaiv_proximity", 0.1054);
 #endif
     } else {
-        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\" needs the sensors footbot_motor_ground and footbot_proximity"
-                             ", or kheperaiv_ground and kheperaiv_proximity and the plugin of the Khepera IV");
+        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\" needs the sensors footbot_motor_ground and footbot_proximity, "
+                             "or kheperaiv_ground and kheperaiv_proximity and the plugin of the Khepera IV");
     }
     GetNodeAttribute(t_tree, "b", m_fB);
     GetNodeAttribute(t_tree, "w", m_fW);
@@ -61,12 +63,15 @@ void CSwarmcensusRobot::Init(TConfigurationNode& t_tree) {
             THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": b, w, true_b and true_w should be from 0 to 1");
         }
     }
-    if (m_unRoundTicks == 0) {
-        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": round_ticks should be 1 or more");
+    if (!(m_fSpeed > 0.0 && m_fTurnSpeed > 0.0 && m_fStraightMean > 0.0)) {
+        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": speed, turn_speed and straight_mean should be above 0");
+    }
+    if (m_unRoundTicks < 1 || m_unRoundTicks > 0xFFFF) {
+        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": round_ticks should be from 1 to 65535");
     }
     if (m_pcSay->GetSize() < DatagramBytes()) {
-        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": rab_data_size is " << m_pcSay->GetSize() << ", and the brain "
-                             << Label().Name << " needs " << DatagramBytes() << " bytes");
+        THROW_ARGOSEXCEPTION("robot \"" << GetId() << "\": rab_data_size is " << m_pcSay->GetSize()
+                             << ", and the brain " << Label().Name << " needs " << DatagramBytes() << " bytes");
     }
     if (SWARMCENSUS_ROBOTS > 0xFFFF) {
         THROW_ARGOSEXCEPTION("there are more than 65,536 robots");
@@ -143,8 +148,8 @@ void CSwarmcensusRobot::Walk() {
     m_unAvoiding = 0;
     Real fSpeed = 0.0, fTurn = 0.0;
     if (Steer(fSpeed, fTurn)) {
-        fSpeed *= 100.0;                            // in cm a second
-        fTurn *= 50.0 * m_fWheelDistance;           // of each wheel
+        fSpeed *= 100.0;                   // in cm a second
+        fTurn *= 50.0 * m_fWheelDistance;  // of each wheel
         const Real fMost = std::abs(fSpeed) / m_fSpeed + std::abs(fTurn) / m_fTurnSpeed;
         m_unLeft = 0;
         Drive(fSpeed / std::max(fMost, 1.0), fTurn / std::max(fMost, 1.0));

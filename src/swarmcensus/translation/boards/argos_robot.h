@@ -32,7 +32,6 @@ class CSwarmcensusRobot : public argos::CCI_Controller {
     argos::Real B() const { return m_fB; }
     argos::Real W() const { return m_fW; }
     argos::Real Estimate() const { return m_fEstimate; }
-    argos::UInt32 Steps() const { return m_unStep; }
     argos::UInt32 Read() const { return m_unRead; }    // readings so far
     argos::UInt32 Heard() const { return m_unHeard; }  // messages so far
     virtual const SBrainLabel& Label() const = 0;
