@@ -21,6 +21,24 @@ def check_free(folder: Path, may_replace: Collection[str] = ()) -> None:
         raise InputError(f"the folder {folder} is not empty, it holds {others[0]!r}: name a new folder", file=folder)
 
 
+def check_same(folder: Path, texts: Mapping[str, str]) -> None:
+    """Raise InputError if the folder has one of these files, and with another text."""
+    for name in _changed(folder, texts):
+        raise InputError(f"the folder {folder} holds another {name!r}: name a new folder", file=folder / name)
+
+
+def kept(folder: Path, texts: Mapping[str, str], patterns: Collection[str]) -> tuple[str, ...]:
+    """Which of these files the folder has with other texts, and should keep, given as patterns."""
+    return tuple(n for n in _changed(folder, texts) if any(fnmatch.fnmatchcase(n, pattern) for pattern in patterns))
+
+
+def _changed(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:
+    for name, text in texts.items():
+        path = folder / name
+        if path.exists() and not (path.is_file() and path.read_bytes() == text.encode()):
+            yield name
+
+
 @contextlib.contextmanager
 def new_folder(folder: Path, may_replace: Collection[str] = ()) -> Iterator[Path]:
     """A temporary folder next to `folder`, which is moved there when the block succeeds. Raises InputError."""
