@@ -60,7 +60,8 @@ def deploy(
     the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
     it may keep; `study` one whose first setting with this brain ARGoS simulates, with its parameters and formats if no
     others are given. A folder with C may be written again, and one for ARGoS: it may hold other files, and experiments
-    that were changed are kept. Warns of a format that is wrong for the brain. Raises InputError.
+    that were changed are kept. Warns of a format that is wrong for the brain, and of a program that does not steer as
+    the brain asks. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     check_free(folder, kind.may_replace)
@@ -79,6 +80,11 @@ def deploy(
     texts = {name: text for name, text in texts.items() if name not in own}
     with new_folder(folder, kind.may_replace) as made:
         write_texts(made, texts)
+    if order.brain.steers and not kind.moves:
+        warnings.warn(
+            f"{order.brain.name} steers, and the program has nothing that moves the robot: fill that in, from the "
+            "robot's course", stacklevel=2
+        )  # fmt: skip
     if said := caution(order):
         warnings.warn(said, stacklevel=2)
     return Deployed(order, folder, tuple(texts), flash, ram, own)

@@ -7,8 +7,11 @@ import secrets
 import shutil
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
+from zlib import crc32
 
 from swarmcensus.support.errors import InputError
+
+STAMP = "<!-- checksum of the lines above: "
 
 
 def check_free(folder: Path, may_replace: Collection[str] = ()) -> None:
@@ -28,8 +31,20 @@ def check_same(folder: Path, texts: Mapping[str, str]) -> None:
 
 
 def kept(folder: Path, texts: Mapping[str, str], patterns: Collection[str]) -> tuple[str, ...]:
-    """Which of these files the folder has with other texts, and should keep, given as patterns."""
-    return tuple(n for n in _changed(folder, texts) if any(fnmatch.fnmatchcase(n, pattern) for pattern in patterns))
+    """Which of these files the folder should keep, given as patterns: they have other texts, not those of a deploy."""
+    names = (name for name in _changed(folder, texts) if any(fnmatch.fnmatchcase(name, p) for p in patterns))
+    return tuple(name for name in names if not _is_stamped((folder / name).read_bytes()))
+
+
+def stamped(text: str) -> str:
+    """A text of XML with its checksum, which shows that nobody has changed it."""
+    stamp = f"{STAMP}{crc32(text.encode()):08x}. deploy keeps this file if that is no longer so -->"
+    return f"{text}{stamp}\n"
+
+
+def _is_stamped(content: bytes) -> bool:
+    text = content.decode(errors="replace")
+    return text == stamped(text.partition(STAMP)[0])
 
 
 def _changed(folder: Path, texts: Mapping[str, str]) -> Iterator[str]:

@@ -39,6 +39,7 @@ class Target:
     known_by: str = ""  # a file by which a folder is known as one of this target: it may then hold any other files
     keeps: tuple[str, ...] = ()  # patterns of names of files that people change: they are not replaced
     takes_study: bool = False  # whether the files have a study's arena
+    moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
     # and RAM, in bytes. Raises InputError if there is too little
 

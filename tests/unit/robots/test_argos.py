@@ -165,14 +165,19 @@ def test_only_files_of_the_same_names_are_in_the_way(tmp_path, refused):
 def test_an_experiment_that_was_changed_is_kept(tmp_path, capsys):
     robots = tmp_path / "robots"
     assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
-    for name in ("commons.argos", "commons.cpp"):
-        (robots / name).write_text("mine")
+    file, program = robots / "commons.argos", robots / "commons.cpp"
+    assert main(["deploy", "commons", str(robots), *NEEDED, "--b", ".7"]) == 0
+    assert 'b="0.7"' in file.read_text()  # which nobody had changed
+    mine = file.read_text().replace('logs=""', 'logs="day"')
+    file.write_text(mine)
+    program.write_text("mine")
     capsys.readouterr()
     assert main(["deploy", "commons", str(robots), *NEEDED]) == 0
     said = capsys.readouterr()
-    assert f"{robots / 'commons.argos'}: yours is kept" in said.err
+    assert f"{file}: yours is kept" in said.err
     assert "commons.argos" not in said.out
-    assert (robots / "commons.argos").read_text() == "mine" != (robots / "commons.cpp").read_text()
+    assert file.read_text() == mine
+    assert program.read_text() != "mine"
 
 
 @pytest.mark.skipif(not shutil.which("cmake"), reason="needs cmake")

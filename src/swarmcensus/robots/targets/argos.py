@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+from swarmcensus.robots.folders import stamped
 from swarmcensus.robots.target import Order, Target
 from swarmcensus.studies import Setting, Study
 from swarmcensus.support.errors import StudyError
@@ -48,7 +49,7 @@ def argos_files(order: Order) -> dict[str, str]:
         f"{name}_brain.h": header(brain),
         f"{name}_logged.h": logged(brain, order.mark),
         f"{name}.py": brain.source,
-        f"{name}.argos": filled("argos_experiment.argos", **values, **_arena(order, setting)),
+        f"{name}.argos": stamped(filled("argos_experiment.argos", **values, **_arena(order, setting))),
         **{file: piece(template) for file, template in OF_ALL.items()},
     }  # fmt: skip
 
