@@ -301,6 +301,7 @@ def test_two_fingers_zoom(browser, served):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     phone = context.new_page()
     come(phone, served.address(), 0)
+    until(phone, "state.drawn", 0)
     phone.locator("#stages .stage").scroll_into_view_if_needed()
     box = phone.locator("#stages .stage").bounding_box()
     x, y = box["x"] + box["width"] / 4, box["y"] + box["height"] / 2
@@ -352,7 +353,7 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):
         save(mine, text.replace("def fuse(me):", "def fuse(me:"), 200)
         playwright.expect(page.locator("#broken")).to_contain_text("The page shows the brain as it was before.")
         save(mine, text.replace('"memory": 100.0', '"memory": 110.0'), 300)
-        until(page, "[state.drawn, state.scenes[0].title.includes('memory = 110.0')]", [33, True])
+        until(page, "[state.drawn, $('control-memory').value]", [33, "110.0"])
         assert page.locator("#broken").is_hidden()
         assert page.input_value("#control-momentum") == "0.5"
         page.fill("#control-momentum", "much")
