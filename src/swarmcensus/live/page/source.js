@@ -159,6 +159,12 @@ class Live {
   }
 }
 
+function quantile(sorted, part) {
+  const at = part * (sorted.length - 1);
+  const [low, high] = [sorted[Math.floor(at)], sorted[Math.ceil(at)]];
+  return sorted.length ? low + (at % 1) * (high - low) : NaN;
+}
+
 class Recorded {
   constructor(recording) {
     this.recording = recording;
@@ -209,7 +215,7 @@ class Recorded {
     const honest = Array.from({ length: robots }, (_, one) => one).filter((one) => !dishonest.includes(one));
     return Array.from({ length: count }, (_, k) => from + k * by).filter((tick) => tick <= rounds).map((tick) => {
       const sorted = honest.map((one) => of(one, tick)).filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
-      return [tick, of(robot, tick), ...[0, 0.25, 0.5, 0.75, 1].map((part) => sorted[Math.round(part * (sorted.length - 1))] ?? NaN)];
+      return [tick, of(robot, tick), ...[0, 0.25, 0.5, 0.75, 1].map((part) => quantile(sorted, part))];
     });
   }
 
