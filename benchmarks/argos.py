@@ -8,6 +8,7 @@ a time; the error of a trial is the median over robots of how far the final esti
 import json
 import re
 import subprocess
+import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -29,13 +30,15 @@ ROBOTS = 25
 OURS = 300  # trials; they cost little
 LOGGED = ("commons", "direct-switching", "sure", "leaver")  # with luck, names, silence, done, steer
 RESAMPLES = 10_000
+FOOT_BOT = {"radius": 0.085, "wheel_distance": 0.14, "sensor": [0.063, 0.0116], "proximity_range": 0.083}
+# the range from which on its ring's mean reading of a wall is an obstacle
 
 
 def study(density, ticks, trials=1, brains=BRAINS, robots=ROBOTS):
     return Study(
         trials=trials,
         swarm={"robots": robots, "accuracy": 0.8, "brain": list(brains)},
-        world={"topology": "moving", "density": density, "fill_ratio": 0.55},
+        world={"topology": "moving", "density": density, "fill_ratio": 0.55, "body": FOOT_BOT},
         schedule={"ticks": ticks},
     )
 
@@ -58,10 +61,12 @@ def simulate(folder, prefix, text, name):
     text = text.replace('result=""', f'result="{result}"')
     (folder / f"{name}.argos").write_text(text)
     libraries = f"{prefix}/lib/argos3"
-    subprocess.run(
-        [f"{prefix}/bin/argos3", "-c", f"{name}.argos"], cwd=folder, check=True, stdout=subprocess.DEVNULL,
+    ended = subprocess.run(
+        [f"{prefix}/bin/argos3", "-c", f"{name}.argos"], cwd=folder, capture_output=True, text=True,
         env={"LD_LIBRARY_PATH": libraries, "ARGOS_PLUGIN_PATH": libraries},
     )  # fmt: skip
+    if ended.returncode:
+        sys.exit(ended.stderr)
     return json.loads(result.read_text())
 
 
@@ -89,7 +94,7 @@ def ours(density, ticks):
 
 def walked(density, ticks, trials=4):
     """The share of ticks of avoiding, and the neighbours of a robot, of our moving robots."""
-    body, avoided, heard = Body(), [], []
+    body, avoided, heard = Body(**FOOT_BOT), [], []
     for trial in range(trials):
         walk = Walk(ROBOTS, arena.side(ROBOTS, density, body), body, address(1, "walk"), trial, harness.GO)
         for chunk in walk.chunks(ticks):

@@ -71,10 +71,17 @@ def test_errors_make_room_for_intervals():
     assert printed(columns, 15) == ["error"]  # above "at K": intervals do not fit, but the error at K does
 
 
+def test_an_optional_argument_may_stand_behind_options(here, refused):
+    assert main(["new", "study", "--quiet", "mine.toml"]) == 0
+    assert (here / "mine.toml").exists()
+    assert "b.toml is an argument too many" in refused("run", "a.toml", "--quiet", "b.toml")
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ("--side 5 --robots 20", "--accuracy is missing: accuracy of the sensors, such as 0.7"),
+        ("--side 5 --robots 20 --half-width 0.02", "--accuracy is missing: accuracy of the sensors, such as 0.7"),
+        ("--side 5", "--accuracy; --half-width or --right; --robots or --minutes are missing: such as in swarmcensus"),
         ("--side 5 --robots 20 --accuracy 0.7", "--half-width or --right is missing: largest error"),
         ("--accuracy 0.7 --half-width 0.02 --robots 20", "--side or --area or --density is missing: side"),
         ("--accuracy 0.7 --half-width 0.02 --side 5", "--robots or --minutes is missing: number of robots"),

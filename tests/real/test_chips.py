@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -11,8 +12,10 @@ from swarmcensus.brains.brain import parse, shipped
 from swarmcensus.cli.commands import main
 from swarmcensus.robots import chips
 from swarmcensus.robots.costs import COLUMNS, cost
+from swarmcensus.robots.targets.kilobot import FLAGS
+from swarmcensus.translation.pieces import piece
 from swarmcensus.translation.selftest import is_exact
-from tests.support.places import DOCS, EXAMPLE
+from tests.support.places import DATA, DOCS, EXAMPLE
 from tests.support.translated import BRAINS, CLOSE, differs, load_busy, named
 
 
@@ -42,6 +45,69 @@ def test_brains_on_chips(name, chip, rounds, tmp_path):
     brain = load_busy(name, "single", "ratio8" if is_exact(load_busy(name, "single")) else "float32")
     difference = differs(brain, tmp_path, chip, rounds)
     assert difference.line == 0 if is_exact(brain) else difference.largest < CLOSE
+
+
+KILOBOT = """
+#include "kilolib.h"
+#ifdef __AVR__
+#include <avr/interrupt.h>
+#include <avr/sleep.h>
+static void put(char c) { while (!(UCSR0A & _BV(UDRE0))) {} UDR0 = (uint8_t)c; }
+static void end(void) { while (!(UCSR0A & _BV(UDRE0))) {} cli(); sleep_enable(); sleep_cpu(); }
+void kilo_init(void) { UBRR0 = 0; UCSR0B = _BV(TXEN0); }
+#else
+#include <stdio.h>
+static void put(char c) { putchar(c); }
+static void end(void) {}
+void kilo_init(void) {}
+#endif
+volatile uint32_t kilo_ticks;
+volatile uint16_t kilo_tx_period;
+uint16_t kilo_uid = 50000;
+void (*kilo_message_rx)(message_t *, distance_measurement_t *);
+message_t *(*kilo_message_tx)(void);
+void (*kilo_message_tx_success)(void);
+int16_t get_ambientlight(void) { return (int16_t)(kilo_ticks * 37 % 600); }
+uint8_t rand_hard(void) { return 200; }
+void set_color(uint8_t color) { (void)color; }
+uint16_t message_crc(const message_t *message) { (void)message; return 0; }
+void kilo_start(void (*setup)(void), void (*loop)(void)) {
+    setup();
+    for (uint16_t tick = 1; tick <= 40; tick++) {
+        kilo_ticks += 100;
+        loop();
+        message_t *said = kilo_message_tx();
+        for (uint8_t k = 0; said && k < 9; k++) {
+            put((char)('a' + (said->data[k] >> 4)));
+            put((char)('a' + (said->data[k] & 15)));
+        }
+        put('\\n');
+        if (said) {  // it is heard in two other names
+            message_t heard = *said;
+            kilo_message_tx_success();
+            for (uint8_t k = 1; k < 3; k++) {
+                heard.data[3] = (uint8_t)(heard.data[3] + k);
+                kilo_message_rx(&heard, 0);
+            }
+        }
+    }
+    end();
+}
+"""
+
+
+@AVR
+def test_kilobot_program_sends_on_its_chip_what_it_sends_on_a_computer(tmp_path):
+    options = ["--target", "kilobot", "--b", "0.9", "--w", "0.8"]
+    assert main(["deploy", str(DATA / "whole.py"), str(tmp_path / "robot"), *options]) == 0
+    robot = tmp_path / "robot"
+    (robot / "kilolib.h").write_text(piece("kilolib.h"))
+    (robot / "all.c").write_text(f'#include "main.c"\n{KILOBOT}')
+    sent = chips.on_avr(robot / "all.c", chips.KILOBOT, *FLAGS, f"-I{robot}")
+    command = ["gcc", "-std=gnu99", "-ffp-contract=off", f"-I{robot}", "-o", robot / "all", robot / "all.c", "-lm"]
+    subprocess.run(command, check=True)
+    assert sent.split() == subprocess.run([robot / "all"], capture_output=True, text=True, check=True).stdout.split()
+    assert len(set(sent.split())) == 32
 
 
 def page_of_costs():

@@ -97,7 +97,7 @@ def fields_of(given: Any, what: str, taken: tuple[str, ...]) -> dict[str, Value]
         if (plain := unicodedata.normalize("NFKC", key)) != key:
             raise ValueError(f"{what} key {key!r} is written {plain!r} in Python's names")
         if key in taken:
-            raise ValueError(f"{what} key {key!r} is reserved by the engine")
+            raise ValueError(f"{what} key {key!r} is reserved: choose another name than {', '.join(taken)}")
         try:
             fields[key] = value_of(value)
         except ValueError as error:

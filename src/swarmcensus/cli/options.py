@@ -68,6 +68,13 @@ class Parser(argparse.ArgumentParser):
         """Refuse unknown arguments here, because this command's options are known and one can be suggested."""
         self.given = [argument for argument in args or [] if argument.startswith("--")]
         parsed, rest = super().parse_known_args(args, namespace)
+        if len(rest) == 1 and not rest[0].startswith("-"):  # an optional argument that stands behind options
+            late = [
+                a for a in self._positionals._group_actions if a.nargs == "?" and getattr(parsed, a.dest) is a.default
+            ]
+            if late:
+                setattr(parsed, late[0].dest, self._get_values(late[0], rest))
+                rest = []
         if rest:
             unknown = next((argument for argument in rest if argument.startswith("-")), rest[0])
             name = unknown.partition("=")[0]

@@ -58,7 +58,8 @@ def deploy(
     messages, "float32", "float16", "ratio16" or "ratio8"; `precision` that of numbers in C, "single" or "double"; `hz`
     the ticks a second, 10 by default; `robot` its number, by default made of the chip's; `log` the bytes of a log that
     it may keep; `study` one whose first setting ARGoS simulates, by default with the sensor's accuracies. A folder with
-    C may be written again. Warns of a format that is wrong for the brain. Raises InputError.
+    C may be written again. Warns of a format that is wrong for the brain, and of a program that does not
+    steer as the brain asks. Raises InputError.
     """
     folder, kind = Path(folder), find(target)
     check_free(folder, kind.may_replace)
@@ -72,6 +73,11 @@ def deploy(
     flash, ram = kind.measure(order, texts)
     with new_folder(folder, kind.may_replace) as made:
         write_texts(made, texts)
+    if order.brain.steers and not kind.moves:
+        warnings.warn(
+            f"{order.brain.name} steers, and the program has nothing that moves the robot: fill that in, from the "
+            "robot's course", stacklevel=2
+        )  # fmt: skip
     if said := caution(order):
         warnings.warn(said, stacklevel=2)
     return Deployed(order, folder, tuple(texts), flash, ram)

@@ -36,6 +36,7 @@ class Target:
     refuses: Mapping[str, str] = field(default_factory=dict)  # options that mean nothing here, and why
     may_replace: tuple[str, ...] = ()  # patterns of names of files that the folder may hold already
     takes_study: bool = False  # whether the files have a study's arena
+    moves: bool = True  # whether the program moves the robot, as a brain that steers asks
     measure: "Callable[[Order, Mapping[str, str]], tuple[int | None, int | None]]" = lambda *_: (None, None)  # of flash
     # and RAM, in bytes. Raises InputError if there is too little
 

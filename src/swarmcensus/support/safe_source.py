@@ -183,6 +183,8 @@ def _wrong_attribute(node: ast.Attribute, local: set[str], others: set[str]) -> 
         return "names that begin with __ belong to Python"
     if of in local or (of in others and isinstance(node.ctx, ast.Load)):
         return ""
+    if of == "math" and isinstance(node.ctx, ast.Load):
+        return "write import math at the top of the file"
     return "only the record's fields may be set, and only these and what math has may be read"
 
 

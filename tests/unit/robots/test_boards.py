@@ -13,7 +13,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.cli.commands import main
-from swarmcensus.robots import board_tests
+from swarmcensus.robots import board_tests, deploy
 from swarmcensus.robots.logs.folders import read_recording
 from swarmcensus.robots.logs.lives import relive
 from tests.support.board_modules import MODULES
@@ -355,3 +355,8 @@ def test_a_computer_without_a_number_says_so(tmp_path):
     done = subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr == "NUMBER in settings.py should be this robot's: a computer has no chip that tells one\n"
+
+
+def test_a_board_without_motors_says_so(tmp_path):
+    with pytest.warns(UserWarning, match="^leaver steers, and the program has nothing that moves the robot"):
+        deploy("leaver", tmp_path / "robot", "udp", b=0.9, w=0.9)

@@ -24,10 +24,15 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument("folder", nargs="?", type=Path, metavar="FOLDER", help="the folder to write: a new one, or empty")
     targets = "udp|espnow|serial|kilobot|pogobot|argos|c"
-    sub.add_argument("--target", metavar=targets, help="what robots talk by, a kind of robot, a simulator, or C")
+    sub.add_argument("--target", metavar=targets, help="what the files are for; 'list targets' explains each")
     sub.add_argument("--b", type=share, metavar="SHARE", help="how often the sensor reads black right")
     sub.add_argument("--w", type=share, metavar="SHARE", help="how often the sensor reads white right")
-    add_shared(sub, "parameter", message="default: float32, on a Kilobot ratio16", precision="of C; default: single")
+    add_shared(
+        sub,
+        "parameter",
+        message="default: float32, on a Kilobot ratio16",
+        precision="of C; default: single, in ARGoS double",
+    )
     add_shared(sub, hz="default: 10")
     sub.add_argument("--robot", type=from_zero, metavar="N", help="this robot's number (default: made of the chip's)")
     sub.add_argument(

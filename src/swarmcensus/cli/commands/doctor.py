@@ -4,6 +4,7 @@ import argparse
 import importlib.util
 import os
 import platform
+import shutil
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -63,6 +64,13 @@ EXTRAS = {
 }  # the modules of each extra in pyproject.toml
 
 
+TOOLS = {  # programs that some commands call or name, and what for
+    "cc": "make check, in what deploy --target c writes",
+    "avr-gcc": "brains --cost, and the flash of Kilobots",
+    "simavr": "brains --cost",
+}
+
+
 @dataclass(frozen=True)
 class Health:
     """What an installation consists of, as data for JSON, and its faults, a sentence each."""
@@ -81,6 +89,8 @@ class Health:
         yield "cache", f"{cache['folder']}: {state if cache['usable'] else 'cannot be used'}"
         for name, installed in self.as_dict["extras"].items():
             yield f"extra {name}", "installed" if installed else f"not installed: pip install 'swarmcensus[{name}]'"
+        for name, found in self.as_dict["tools"].items():
+            yield f"tool {name}", found or f"not found: it is for {TOOLS[name]}"
         card = self.as_dict["card"]
         usable = "{name}, driver for CUDA {cuda}, {gigabytes:.0f} GB free: a small program runs on it"
         yield "graphics card", usable.format(**card) if card["usable"] else f"not usable: {card['why']}"
@@ -115,6 +125,7 @@ def health() -> Health:
         "libraries": libraries,
         "cache": {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)},
         "extras": {name: all(map(importlib.util.find_spec, parts)) for name, parts in EXTRAS.items()},
+        "tools": {name: shutil.which(name) for name in TOOLS},
         "card": _card(),
     }
     return Health(as_dict, faults)

@@ -172,8 +172,9 @@ def show_brains(rows: list[Row]) -> None:
             heads = {"brain".ljust(widest): False} | dict.fromkeys(COLUMNS, True) | {group: False}
             show(Table.of_rows(heads, cells, cuts=True))
             print()
-    print("*: not anonymous, since it uses the name of its robot; memory and message: in bytes, 4 per number")
-    print("single: readings after which single precision differs from double by more than 0.01; any: none found\n")
+    print("*: not anonymous, since it uses the name of its robot")
+    print("memory, message: in bytes, 4 per number; brains --show NAME prints the whole file")
+    print("single: readings after which single precision is more than 0.01 off; any: none\n")
 
 
 def show_adversaries(rows: list[Row]) -> None:

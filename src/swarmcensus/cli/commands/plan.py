@@ -63,6 +63,7 @@ NEEDED = {  # keys of messages about what a mission lacks, and the options of wh
     "known.accuracy": ("accuracy",), "wanted": ("half_width", "right"), "area": ("side", "area", "density"),
     "free": ("robots", "minutes"),
 }  # fmt: skip
+EXAMPLE = "such as in swarmcensus plan --side 5 --robots 20 --accuracy 0.7 --half-width 0.02"
 
 
 def add_plan_options(sub: argparse.ArgumentParser) -> None:
@@ -139,11 +140,13 @@ def _check_options(options: argparse.Namespace, tables: dict[str, Any]) -> None:
     try:
         mission_of(tables, "mission", Path())
     except StudyError as error:
-        keys = NEEDED.get(str(error.key), ())
-        if not keys or any(getattr(options, key) is not None for key in keys):
+        groups = {of: keys for of, keys in NEEDED.items() if of != "area" or not options.topology}
+        lacks = [keys for keys in groups.values() if all(getattr(options, key) is None for key in keys)]
+        if error.key not in NEEDED or not lacks:
             raise
-        names = " or ".join(map(option, keys))
-        raise OptionError(f"{names} is missing: {KEYS[keys[0]][2]}", key=keys[0]) from None
+        names = "; ".join(" or ".join(map(option, keys)) for keys in lacks)
+        right = KEYS[lacks[0][0]][2] if len(lacks) == 1 else EXAMPLE
+        raise OptionError(f"{names} {'is' if len(lacks) == 1 else 'are'} missing: {right}", key=lacks[0][0]) from None
 
 
 def _schema(options: argparse.Namespace) -> int:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from swarmcensus.robots.logs.folders import LoggedRobot
 from swarmcensus.robots.logs.logs import State, Tick
 from swarmcensus.robots.logs.replicas import Replica, Unfit, replica_of
+from swarmcensus.translation import selftest
 
 ROUNDING = 1e-4  # relative: what another precision, or another library's exp and log, may do to an estimate
 MOST_READINGS = 64  # of one tick that are tried
@@ -44,11 +45,11 @@ def reason_of(member: LoggedRobot, first: int, at: int, replica: Replica, lives:
     replica.estimate, replica.stuck = estimate, stuck
     lives(replica, tick)
     apart = abs(replica.estimate - tick.estimate)
-    if 0.0 < apart <= ROUNDING:
-        return (
-            f"its numbers have another precision, or another exp or log: the estimate is {apart:.1e} from that of the "
-            "robot"
+    if 0.0 < apart <= ROUNDING or (apart == 0.0 and not selftest.is_exact(member.brain)):
+        where = (
+            f"the estimate is {apart:.1e} from that of the robot" if apart else "its memory, or what it said, differs"
         )
+        return f"its numbers have another precision, or another exp or log: {where}"
     if replica.said != tick.said:
         what = f"it said {_hex(tick.said)}, and its readings and messages lead to {_hex(replica.said)}"
     else:

@@ -3,4 +3,4 @@
 from swarmcensus.robots.micropython_files import NUMBERS, micropython_files
 from swarmcensus.robots.target import Target
 
-TARGET = Target("ESP-NOW", micropython_files, largest=250, refuses=NUMBERS)
+TARGET = Target("ESP-NOW", micropython_files, largest=250, refuses=NUMBERS, moves=False)

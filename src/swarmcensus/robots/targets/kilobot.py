@@ -79,4 +79,5 @@ TARGET = Target(
     precisions=("single",),
     refuses={"robot": "a Kilobot has a number of its own", "log": "a Kilobot has no files"},
     measure=check_fits,
+    moves=False,
 )

@@ -128,8 +128,8 @@ static inline bool robot_is_new(struct robot *robot, uint8_t boot, uint16_t send
 
 // Takes in a datagram; returns whether it did. It does not if it is foreign, the robot's own, old, or came before.
 static inline bool robot_hear(struct robot *robot, const uint8_t *datagram) {
-    const uint16_t sender = (uint16_t)(datagram[2] | datagram[3] << 8);
-    const uint16_t tick = (uint16_t)(datagram[4] | datagram[5] << 8);
+    const uint16_t sender = (uint16_t)(datagram[2] | (uint16_t)datagram[3] << 8);
+    const uint16_t tick = (uint16_t)(datagram[4] | (uint16_t)datagram[5] << 8);
     if (datagram[0] != MARK || sender == robot->number || !robot_is_new(robot, datagram[1], sender, tick)) {
         return false;
     }
