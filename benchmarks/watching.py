@@ -23,6 +23,7 @@ SWARMS = {
     "1,000 robots that move": "robots=1000",
     "1,000 robots, scale-free": "robots=1000&topology=scale-free",
     "10,000 robots, ring": "robots=10000&topology=ring",
+    "10,000 robots, scale-free": "robots=10000&topology=scale-free",
 }
 SECONDS = 10
 

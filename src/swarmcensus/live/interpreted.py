@@ -119,7 +119,11 @@ class Interpreted:
         """As in `Shown`."""
         return self._ask("robot", side, tick, robot)  # type: ignore[no-any-return]
 
-    def _ask(self, what: str, *given: int) -> Any:
+    def memory(self, side: int, robot: int, name: str, ticks: range) -> "list[Answer]":
+        """As in `Shown`."""
+        return self._ask("memory", side, robot, name, ticks)  # type: ignore[no-any-return]
+
+    def _ask(self, what: str, *given: Any) -> Any:
         """The answer of whoever has it first. What fails in CPython fails here too, with a better message."""
         if not self.own.done():
             answer = INTERPRETER.ask(self._trial, what, given)

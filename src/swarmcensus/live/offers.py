@@ -16,6 +16,7 @@ from swarmcensus import brains
 from swarmcensus.brains import Adversary, adversary
 from swarmcensus.checks import caution
 from swarmcensus.live.brain_files import BrainFiles
+from swarmcensus.live.robots import memory_names
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.studies import KEYS as DECLARED, Member, Members, Setting, Study, addresses, check, warn_of_needs
 from swarmcensus.support.errors import InputError
@@ -48,17 +49,8 @@ KEYS = (
 ON_A_RECORDING = ("beside", "of")  # keys that may be chosen for a recording in logs
 BESIDE = "beside."  # before the name of a parameter of the second brain
 PLAYED = (
-    "tick",
-    "robot",
-    "side",
-    "colour",
-    "zoom",
-    "centre",
-    "follow",
-    "log",
-    "full",
-    "speed",
-)  # what concerns the view
+    "tick", "robot", "side", "plot", "colour", "zoom", "centre", "follow", "log", "full", "speed",
+)  # fmt: skip  # what concerns the view
 COLOURINGS = ("off", "belief", "error")  # the signed error, the estimate, the absolute error
 MOST_ZOOM = 40
 AS_FAST_AS_POSSIBLE = "Infinity"  # a speed
@@ -225,6 +217,8 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     _whole(played, "tick", 0, 0, found.rounds)
     _whole(played, "robot", 0, 0, setting.robots - 1)
     _whole(played, "side", 0, 0, len(found.settings) - 1)
+    if "plot" in played:
+        check_field(found.settings[int(played.get("side", 0))], "plot", played["plot"])
     if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
         raise InputError.at("colour", played["colour"][:40], f"should be one of {', '.join(COLOURINGS)}")
     if "zoom" in played:
@@ -237,6 +231,13 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
         r"(0(\.\d+)?|1(\.0+)?),(0(\.\d+)?|1(\.0+)?)", played["centre"], re.ASCII
     ):
         raise InputError.at("centre", played["centre"][:40], "should be two numbers from 0 to 1, such as 0.25,0.5")
+
+
+def check_field(setting: Setting, key: str, name: str) -> None:
+    """Raise InputError unless the setting's robots have a number of this name in their memory."""
+    if name not in (known := memory_names(setting)):
+        meant = did_you_mean(name[:40], known)
+        raise InputError.at(key, name[:40], f"{meant}should be one of {', '.join(known)[:400]}")
 
 
 def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Setting:

@@ -1,11 +1,15 @@
 """One robot in full: its memory after a round, the messages that it heard, its reading and its tile."""
 
+import itertools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from swarmcensus.live.shows import Show
+from swarmcensus.brains import slots
+from swarmcensus.live.shows import Show, quarters_of
 from swarmcensus.simulation import Stretch
+from swarmcensus.studies import Setting
 from swarmcensus.support.documents import json_value
 
 LOOK_BACK = 200  # rounds that are searched for the latest messages
@@ -46,6 +50,26 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
     elif (read := show.life.read(tick, robot)) is not None:
         robot_data |= {"looks": read[1], "blacks": 0.0 if ended else read[0]}
     return robot_data
+
+
+def memory_names(setting: Setting) -> list[str]:
+    """The numbers in the memory of a setting's robots, such as "t" or "beliefs[3]"."""
+    return [*dict.fromkeys(name for brain in setting.brains for name in slots(brain.lengths))]
+
+
+def memory_of(show: Show, ticks: Sequence[int], name: str, robot: int) -> list[list[float | None]]:
+    """A field of memories after some rounds: the round, the robot's value, and QUARTERS of the honest robots."""
+    field, _, at = name.removesuffix("]").partition("[")
+    found = []
+    for _, group in itertools.groupby(ticks, show.stretch_of):
+        some = list(group)
+        stretch, first = show.find(some[0])
+        rows = np.array(some) - stretch.first
+        values = show.fields(stretch, slice(first, int(rows[-1]) + 1))[field][rows - first]
+        values = (values[..., int(at)] if at else values).astype(np.float64)
+        honest = values[:, show.honest]
+        found.append(np.column_stack([some, values[:, robot], *quarters_of(honest, ~np.isnan(honest))]))
+    return [json_value(row) for row in np.concatenate(found)]
 
 
 def last_heard(show: Show, stretch: Stretch, row: int, robot: int) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.engine.constants import LISTED
+from swarmcensus.live.robots import memory_names
 from swarmcensus.live.shows import COLUMNS, Show
 from swarmcensus.simulation import sampling
 from swarmcensus.worlds import tiles_across
@@ -18,7 +19,11 @@ def scene_of(show: Show) -> dict[str, Any]:
     """The scene for JSON; arrays of numbers are base64."""
     setting = show.setting
     scene: dict[str, Any] = {
-        "title": str(setting),
+        "title": setting.brief,
+        "bins": show.bins,
+        "on_edges": show.on_edges,
+        "opinions": show.opinions,
+        "fields": memory_names(setting),
         "brain": setting.brain.label,
         "robots": setting.robots,
         "rounds": show.rounds,

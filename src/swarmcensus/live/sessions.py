@@ -10,7 +10,18 @@ from typing import Any
 
 from swarmcensus.brains import Brain, Value, adversary, length
 from swarmcensus.live.interpreted import Interpreted, needs_compiling
-from swarmcensus.live.offers import BESIDE, KEYS, MOST_ROUNDS, ON_A_RECORDING, PLAYED, Offer, Wanted, names_of, wanted
+from swarmcensus.live.offers import (
+    BESIDE,
+    KEYS,
+    MOST_ROUNDS,
+    ON_A_RECORDING,
+    PLAYED,
+    Offer,
+    Wanted,
+    check_field,
+    names_of,
+    wanted,
+)
 from swarmcensus.live.settling import Settling
 from swarmcensus.live.shown import Answer, Shown
 from swarmcensus.studies import to_toml_value
@@ -43,6 +54,7 @@ class Session:
             number = request.get("id")
             does = {
                 "begin": self._begin, "frames": self._frames, "robot": self._robot, "news": self._news,
+                "memory": self._memory,
                 "settled": self._settled, "saved": self._saved,
             }  # fmt: skip
             do = request.get("do")
@@ -50,7 +62,7 @@ class Session:
                 raise InputError.at("do", repr(str(do)[:40]), f"should be one of {', '.join(does)}")
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
         except InputError as error:
-            return [{"id": number, "error": str(error)}]
+            return [{"id": number, "error": str(error), "key": error.key}]
         except Exception as error:  # report it to the page, which can continue
             return [_internal_error(number, error)]
 
@@ -86,11 +98,24 @@ class Session:
 
     def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
         shown, last = self._last()
+        side, robot = self._whose(request)
+        return shown.robot(side, _whole(request, "tick", 0, last), robot)
+
+    def _memory(self, request: Mapping[str, Any]) -> list[Answer]:
+        shown, last = self._last()
+        side, robot = self._whose(request)
         assert self.trial is not None
-        tick = _whole(request, "tick", 0, last)
+        name = str(request.get("name"))
+        check_field(self.trial.settings[side], "name", name)
+        first, step = _whole(request, "from", 0, last), _whole(request, "step", 1, last or 1)
+        count = _whole(request, "count", 1, MOST_FRAMES)
+        return shown.memory(side, robot, name, range(first, min(last, first + (count - 1) * step) + 1, step))
+
+    def _whose(self, request: Mapping[str, Any]) -> tuple[int, int]:
+        """The side and the robot of a request."""
+        assert self.trial is not None
         side = _whole(request, "side", 0, len(self.trial.settings) - 1)
-        robot = _whole(request, "robot", 0, self.trial.settings[side].robots - 1)
-        return shown.robot(side, tick, robot)
+        return side, _whole(request, "robot", 0, self.trial.settings[side].robots - 1)
 
     def _news(self, request: Mapping[str, Any]) -> list[Answer]:
         """What is new in growing logs since the version that the page knows."""
@@ -218,7 +243,7 @@ def _read(text: str | bytes) -> dict[str, Any]:
     number = request.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number", key="id")
-    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since"}:
+    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side", "since", "name"}:
         meant = did_you_mean(key[:40], ("ask", "count", "from", "robot", "tick"))
         raise InputError(f"{key[:40]}: {meant}not known here", key=key[:40])
     return request

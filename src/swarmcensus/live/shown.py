@@ -1,11 +1,11 @@
 """The trials that a page shows: their scenes, frames and robots, computed a piece at a time."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.live.compilations import COMPILATIONS
-from swarmcensus.live.robots import robot_of
+from swarmcensus.live.robots import memory_of, robot_of
 from swarmcensus.live.scenes import scene_of
 from swarmcensus.live.shows import Show
 from swarmcensus.studies import Measure, Setting
@@ -58,21 +58,8 @@ class Shown:
         """Frames of all sides, or a note that they take longer. Raises InputError if a brain fails."""
         most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
         ticks = range(first, min(self.rounds, first + (min(count, most) - 1) * step) + 1, step)
-        began = time.monotonic()
-        done: list[int] = []
-        for tick in ticks:
-            try:
-                there = all(_reached(show, tick, began) for show in self.shows)
-            except InputError:
-                if done:  # show what came before a brain failed
-                    break
-                raise
-            if not there:
-                return self._encoded(done) if done else [{"going": True, "to": tick}]
-            done.append(tick)
-            if time.monotonic() - began > PATIENCE:
-                break
-        return self._encoded(done)
+        done = _some(self.shows, ticks)
+        return self._encoded(done) if done else [{"going": True}]
 
     def _encoded(self, ticks: list[int]) -> list[Answer]:
         frames: list[Answer] = []
@@ -88,6 +75,32 @@ class Shown:
             if not _reached(show, tick, time.monotonic()):
                 return [{"going": True, "to": tick}]
             return [{"told": robot_of(show, tick, robot), "side": side}]
+
+    def memory(self, side: int, robot: int, name: str, ticks: range) -> list[Answer]:
+        """A field of a robot's memory over time, and of the swarm's. Raises InputError if a brain fails."""
+        show = self.shows[side]
+        with COMPILATIONS.of(show.setting):
+            done = _some([show], ticks)
+            return [{"memory": memory_of(show, done, name, robot)} if done else {"going": True}]
+
+
+def _some(shows: Sequence[Show], ticks: Iterable[int]) -> list[int]:
+    """Compute towards some rounds; returns those that were reached soon. Raises InputError if a brain fails."""
+    began = time.monotonic()
+    done: list[int] = []
+    for tick in ticks:
+        try:
+            there = all(_reached(show, tick, began) for show in shows)
+        except InputError:
+            if done:  # show what came before a brain failed
+                break
+            raise
+        if not there:
+            break
+        done.append(tick)
+        if time.monotonic() - began > PATIENCE:
+            break
+    return done
 
 
 def _reached(show: Show, tick: int, began: float) -> bool:

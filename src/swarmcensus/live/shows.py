@@ -15,7 +15,7 @@ from swarmcensus.engine.constants import LISTED, SLACK
 from swarmcensus.live.simulated import Simulated
 from swarmcensus.simulation import DECIDED, ENDS, IS_DONE, Stretch, blaming, fields_of, free, right_option, sampling
 from swarmcensus.studies import Measure, Setting
-from swarmcensus.support.bins import right_bins
+from swarmcensus.support.bins import on_edges, right_bins
 
 if TYPE_CHECKING:  # imported late, as in offers.py
     from swarmcensus.live.logged import Logged
@@ -23,7 +23,7 @@ if TYPE_CHECKING:  # imported late, as in offers.py
 KIND = 0x53574152
 COLUMNS = (
     "truth", "mean", "deviation", "lowest", "low", "median", "high", "highest", "right", "sent", "heard", "bytes",
-    "interval_low", "interval_high", "decided", "decided_right", "done",
+    "interval_low", "interval_high", "decided", "decided_right", "done", "black", "white",
 )  # fmt: skip  # of the honest robots that have an estimate; only the numbers of messages are of all robots
 QUARTERS = ("lowest", "low", "median", "high", "highest")
 COUNTS = ("sent", "heard", "bytes")
@@ -50,6 +50,7 @@ class Show:
         self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
+        self.opinions = setting.brain.is_opinion  # estimates are 0 or 1, and in no bin
         self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
         self._encoded: OrderedDict[int, tuple[Stretch, Encoded]] = OrderedDict()  # by their first rounds
         self._ground = sampling.ground(setting, self.seed, self.trial) if self.moves else None
@@ -139,12 +140,13 @@ class Show:
         read = rounds > 0  # before any reading no robot is right: its estimate is only the brain's first value
         own, there = x[:, honest], ~np.isnan(x[:, honest])
         option = self.options_right(truths)[:, np.newaxis]
+        nothing = np.full(truths.shape, np.nan)
         values = {
             "truth": truths,
             "mean": (mean := mean_of(own, there)),
             "deviation": np.sqrt(mean_of((own - mean[:, np.newaxis]) ** 2, there)),
             **dict(zip(QUARTERS, quarters_of(own, there), strict=True)),
-            "right": np.where(read, right(own, there, truths, self.bins), np.nan),
+            "right": nothing if self.opinions else np.where(read, right(own, there, truths, self.bins), np.nan),
             "sent": stretch.messages[:, 0],
             "heard": stretch.messages[:, 1],
             "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
@@ -153,6 +155,8 @@ class Show:
             "decided": share(decided[:, honest], there, decided[:, honest] >= 0.0),
             "decided_right": np.where(read, share(decided[:, honest], there, decided[:, honest] == option), np.nan),
             "done": share(done[:, honest], there, done[:, honest] == 1.0),
+            "black": mean_of(own == 1.0, there) if self.opinions else nothing,
+            "white": mean_of(own == 0.0, there) if self.opinions else nothing,
         }
         # single precision suffices for a picture, and compresses better; counts stay exact
         exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
@@ -171,6 +175,15 @@ class Show:
         """The right option for these fill ratios; NaN if no brain decides."""
         options = [brain.options for brain in self.setting.brains if brain.decides]
         return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
+
+    @property
+    def on_edges(self) -> list[float]:
+        """The fill ratios of this trial, at its start and as the setting has it, that are on the edge of two bins."""
+        if self._on_floor:
+            return []
+        change = self.setting.change
+        values = np.array([self.setting.fill_ratio, *([change.first] if change else [])])
+        return list(map(float, np.unique(values[on_edges(values, self.bins)])))
 
     def truths(self, rounds: np.ndarray) -> np.ndarray:
         """The true fill ratio of these rounds, which robots are judged by."""

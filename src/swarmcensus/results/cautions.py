@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.results import measures
+from swarmcensus.support.bins import on_edges
 from swarmcensus.support.bootstrap import centres
 from swarmcensus.worlds import read_change
 
@@ -104,7 +105,7 @@ def cautions_of_edges(data: xr.Dataset) -> list[str]:
     bins = int(data.attrs["bins"])
     changes = map(read_change, np.unique(data["fill_ratio_change"].values)) if "fill_ratio_change" in data else ()
     values = np.unique([*data["fill_ratio"].values, *(one.first for one in changes if one)])
-    found = [f"{value:g}" for value in values[np.isin(values, np.arange(1, bins) / bins)]]
+    found = [f"{value:g}" for value in values[on_edges(values, bins)]]
     if not found:
         return []
     named = ", ".join(found[:MOST_NAMED]) + (", ..." if len(found) > MOST_NAMED else "")

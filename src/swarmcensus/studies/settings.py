@@ -6,6 +6,7 @@ grid, cases, checks, coordinates, captions, addresses of random numbers, tables 
 """
 
 import functools
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -285,7 +286,12 @@ class Setting:
 
     def __str__(self) -> str:
         """The setting in one line, for messages."""
-        return _line(self)
+        return _line(self, _parameters(self))
+
+    @property
+    def brief(self) -> str:
+        """The same with those parameters of the brain only that were given."""
+        return _line(self, self.brain.overrides)
 
     # the swarm
 
@@ -392,8 +398,8 @@ class Setting:
         return np.uint64(max(1, int(self.link_success * 2.0**64)))
 
 
-def _line(setting: Setting) -> str:
-    """The setting in one line. Newer keys appear where they are not at their default."""
+def _line(setting: Setting, parameters: Iterable[tuple[str, Value]]) -> str:
+    """The setting in one line, with these parameters. Newer keys appear where they are not at their default."""
     moves = setting.body is not None
     said = [str(setting.topology), f"N = {setting.robots:,}", *([_arena(setting)] if moves else [])]
     said += [f"accuracy {setting.accuracy}"]
@@ -401,7 +407,7 @@ def _line(setting: Setting) -> str:
     said += [f"f = {setting.change or setting.fill_ratio}"]
     said += [f"link success {setting.link_success}"] if setting.link_success < 1.0 else []
     said += [key.coordinate.caption.format(getattr(setting, key.field)) for key in set_apart(setting) if key.coordinate]
-    said += [f"{name} = {shown(value)}" for name, value in _parameters(setting)]
+    said += [f"{name} = {shown(value)}" for name, value in parameters]
     said += [f"of them {member}" for member in setting.members]
     if not moves:
         return ", ".join([*said, f"C = {setting.rounds:,}", f"R = {setting.observations_per_round:,}"])

@@ -20,6 +20,11 @@ def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
     )
 
 
+def on_edges(fill_ratios: np.ndarray, bins: int) -> np.ndarray:
+    """Which fill ratios lie on the edge between two bins: about half of good estimates are in the wrong one."""
+    return np.isin(fill_ratios, np.arange(1, bins) / bins)
+
+
 def right_bins(fill_ratios: np.ndarray, bins: int) -> np.ndarray:
     """`right_bin` of several fill ratios, (fill ratio, 2)."""
     return np.array([right_bin(float(f), bins) for f in fill_ratios]).reshape(-1, 2)

@@ -131,6 +131,8 @@ def test_a_brain_that_fails_is_asked_once(page, folder):
         playwright.expect(page.locator("#error")).to_contain_text("fails in trial 0", timeout=30_000)
         page.wait_for_timeout(1000)
         assert page.evaluate("window.asked") < 10
+        page.keyboard.press("Home")
+        playwright.expect(page.locator("#error")).to_be_hidden()
 
 
 @pytest.mark.long
@@ -230,6 +232,11 @@ def test_an_export_opens_from_disk(page, folder, setting):
     shown = told(page, 5, 120)
     for name in ("t", "n", "x_hat", "x"):
         assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
+    page.select_option("#plot", "x_hat")
+    until(page, "state.charts.memory?.history.missing(121)", None)
+    row = page.evaluate("['value', 'median', 'highest'].map(name => state.charts.memory.history.of(name)[120])")
+    values = trace["x_hat"].values[120]
+    assert row == pytest.approx([values[5], np.median(values), values.max()], rel=1e-6)
     page.click("#play")
     at(page, 300)
 
@@ -301,6 +308,7 @@ def test_two_fingers_zoom(browser, served):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     phone = context.new_page()
     come(phone, served.address(), 0)
+    until(phone, "state.drawn", 0)
     phone.locator("#stages .stage").scroll_into_view_if_needed()
     box = phone.locator("#stages .stage").bounding_box()
     x, y = box["x"] + box["width"] / 4, box["y"] + box["height"] / 2
@@ -352,7 +360,7 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):
         save(mine, text.replace("def fuse(me):", "def fuse(me:"), 200)
         playwright.expect(page.locator("#broken")).to_contain_text("The page shows the brain as it was before.")
         save(mine, text.replace('"memory": 100.0', '"memory": 110.0'), 300)
-        until(page, "[state.drawn, state.scenes[0].title.includes('memory = 110.0')]", [33, True])
+        until(page, "[state.drawn, $('control-memory').value]", [33, "110.0"])
         assert page.locator("#broken").is_hidden()
         assert page.input_value("#control-momentum") == "0.5"
         page.fill("#control-momentum", "much")
@@ -365,14 +373,15 @@ def test_a_brain_is_edited_while_it_is_watched(page, tmp_path):
 @pytest.mark.long
 def test_pictures_films_and_the_page_are_saved(page, served, tmp_path):
     come(page, served.address("setting=1&beside=commons&liars=0.3"), 0)
-    page.click("#save summary")
-    page.fill("#seconds", "1")
     found = {}
     for button in ("picture", "film", "page"):
+        page.click("#save summary")
+        page.fill("#seconds", "1")
         with page.expect_download(timeout=60_000) as saved:
             page.click(f"#{button}")
         saved.value.save_as(tmp_path / saved.value.suggested_filename)
         found[button] = tmp_path / saved.value.suggested_filename
+        until(page, "$('save').open", False)
     assert re.fullmatch(r"minimalistic-commons-round-0\.png", found["picture"].name)
     content = found["picture"].read_bytes()
     assert (content[:4], content[16:24]) == (b"\x89PNG", (2560).to_bytes(4, "big") + (1440).to_bytes(4, "big"))

@@ -5,9 +5,12 @@ const MOST_POINTS = 2000;
 const FINE = 500; // first rounds, which have one point each
 const GAP = 12; // pixels from which on missing points interrupt a line
 const LEAST = 0.05; // the height of the axis of estimates that follows them
-const HEIGHT = 138; // of a chart; the last one also has the name of the time axis
+const [LOWEST, HEIGHT, HIGHEST] = [96, 170, 260]; // of a chart
+const NAME = 18; // pixels for the name of the time axis, below the last chart
 const SIDES = ["--a", "--b"];
 const KINDS = { decided: ["--decided", [8, 4]], decided_right: ["--decided-right", [2, 3]], done: ["--done", [10, 3, 2, 3]] };
+const WIDE = matchMedia("(min-width: 72rem)"); // windows in which charts are next to the swarm
+const MEMORY = ["value", "lowest", "low", "median", "high", "highest"]; // of one field: of a robot, and of the swarm
 const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
 
 // The points of curves: every round at first, later every n-th.
@@ -71,15 +74,23 @@ function number(value) {
 
 const dim = (name, part) => `color-mix(in srgb, ${tone(name)} ${part}%, transparent)`;
 
+// what makes a good swarm look wrong: an estimate next to the fill ratio is in its bin or in the one below
+function cautionOf(scenes) {
+  const { on_edges: found, bins, opinions } = scenes[0];
+  if (!found.length || opinions) return "";
+  return `f = ${found.join(", ")} is on the edge between two of the ${bins} bins: about half of good estimates count as wrong.`;
+}
+
 class Charts {
   // `big` is the size of letters and lines, 1 on the page; a width is that of the host where none is given
-  constructor(host, scenes, seek, grows, { big = 1, width = 0, height = HEIGHT } = {}) {
+  constructor(host, scenes, seek, grows, { big = 1, width = 0, height = 0 } = {}) {
     Object.assign(this, { host, scenes, big, fixed: { width, height } });
     this.seek = seek;
     this.histories = scenes.map((scene) => new History(scene, grows ? Math.max(FINE + MOST_POINTS, scene.rounds) : scene.rounds));
     this.tick = 0;
     this.frames = []; // those of the moment, which legends tell unless the mouse points at another one
     this.settled = []; // K of each side
+    this.memory = null; // the field of a robot's memory that is drawn: side, robot, name, history
     [this.log, this.full] = [false, false];
     this.due = 0;
     this.plots = [];
@@ -93,6 +104,17 @@ class Charts {
     return this.fixed.width || Math.max(260, this.host.clientWidth);
   }
 
+  // where charts are next to the swarm they fill the height of the window
+  fit() {
+    if (this.fixed.height) return;
+    const drawn = this.plots.reduce((sum, plot) => sum + plot.height, 0);
+    const { top, height } = this.host.getBoundingClientRect();
+    const room = window.innerHeight - top - window.scrollY - (height - drawn) - NAME - 8;
+    const each = WIDE.matches ? Math.min(Math.max(Math.floor(room / this.plots.length), LOWEST), HIGHEST) : HEIGHT;
+    this.plots.forEach((plot, k) => plot.setSize({ width: this.width, height: each + (k === this.plots.length - 1 ? NAME : 0) }));
+    this.fitted = true;
+  }
+
   get several() {
     return this.scenes.length > 1;
   }
@@ -104,7 +126,8 @@ class Charts {
   build(log = this.log, full = this.full) {
     [this.log, this.full] = [log, full];
     this.destroy();
-    this.plots = [this.estimates(), this.shares(), this.messages()];
+    this.fitted = false;
+    this.plots = [...(this.memory ? [this.remembered()] : []), this.estimates(), this.shares(), this.messages()];
     this.refresh();
   }
 
@@ -118,9 +141,8 @@ class Charts {
   }
 
   make(title, unit, series, names, bands = [], more = {}) {
-    const values = () => names.map(([side, name]) => this.histories[side].of(name));
+    const values = () => names.map(([side, name]) => this.historyOf(side).of(name));
     const { big } = this;
-    const height = this.fixed.height + (more.last && !this.fixed.width ? 18 : 0);
     series.forEach((one, k) => (one.value = (u, value) => number(u.cursor.left >= 0 ? value : this.now(...names[k]))));
     const moment = (u, tick) => (u.cursor.left >= 0 && tick !== null ? Math.round(tick) : this.tick).toLocaleString("en");
     const box = document.createElement("div");
@@ -128,13 +150,14 @@ class Charts {
     const head = document.createElement("h3");
     head.textContent = title;
     box.append(head);
+    if (more.caution) box.append(element("p", { class: "caution" }, more.caution));
     this.host.append(box);
     const axis = { stroke: tone("--soft"), grid: { stroke: tone("--line"), width: 1 }, ticks: { stroke: tone("--line") }, font: `${12 * big}px system-ui, sans-serif`, labelFont: `${12 * big}px system-ui, sans-serif`, labelSize: 20 * big, labelGap: 0 };
     const plot = new uPlot(
       {
-        width: this.width, height, bands, padding: [8 * big, 20 * big, 0, 0],
+        width: this.width, height: this.fixed.height || HEIGHT, bands, padding: [15 * big, 20 * big, 0, 0],
         scales: { x: { time: false, distr: this.log ? 3 : 1, range: () => [this.log ? 1 : 0, this.end()] }, y: { range: (_, low, high) => (more.range ? more.range() : [0, Math.max(high || 0, 1)]) } },
-        axes: [{ ...axis, size: 28 * big, ...(more.last ? { label: this.scenes[0].unit, labelSize: 18 * big } : {}) }, { ...axis, label: unit, size: 56 * big, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
+        axes: [{ ...axis, size: 28 * big, space: 60 * big, ...(more.last ? { label: this.scenes[0].unit, labelSize: NAME * big } : {}) }, { ...axis, label: unit, size: 56 * big, space: 26 * big, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
         series: [{ label: this.scenes[0].unit, value: moment }, ...series],
         legend: { live: true, markers: { dash: (u, i) => (u.series[i].dash ? "dashed" : "solid") } },
         cursor: { drag: { setScale: false } },
@@ -155,7 +178,12 @@ class Charts {
     return plot;
   }
 
+  historyOf(side) {
+    return side === MEMORY ? this.memory.history : this.histories[side];
+  }
+
   now(side, name) {
+    if (side === MEMORY) return this.memory.history.of(name)[this.memory.history.at(this.tick)];
     return this.frames[side]?.numbers[this.scenes[side].columns.indexOf(name)];
   }
 
@@ -181,8 +209,8 @@ class Charts {
       if (x < left || x > left + width) return;
       line(x, SIDES[side], [3 * unit, 3 * unit]);
       g.fillStyle = tone(SIDES[side]);
-      g.textAlign = x > left + width - 20 * unit ? "right" : "left"; // next to the line, within the chart
-      g.fillText("K", x + (g.textAlign === "left" ? 4 : -4) * unit, top + (2 + 14 * side) * unit);
+      g.textAlign = this.several ? ["right", "left"][side] : "center"; // above the curves
+      g.fillText("K", x, top - 13 * unit);
     });
     line(u.valToPos(this.tick, "x", true), "--ink", []);
     g.restore();
@@ -200,25 +228,68 @@ class Charts {
   }
 
   estimates() {
-    const series = [{ ...this.line("truth", 0, { stroke: tone("--ink"), dash: [6, 4], width: 1.5 }), label: "fill ratio" }];
+    const opinions = this.scenes.filter(({ opinions }) => opinions).length;
+    const series = [{ ...this.line("truth", 0, { stroke: tone("--ink"), dash: [6, 4], width: 1.5 * this.big }), label: "fill ratio" }];
     const names = [[0, "truth"]];
     const bands = [];
     this.scenes.forEach((scene, side) => {
-      const first = series.length + 1;
-      const hidden = { width: 0, stroke: "transparent", class: "quiet" };
-      series.push(
-        this.line("highest", side, hidden), this.line("lowest", side, hidden), this.line("upper quarter", side, hidden),
-        this.line("lower quarter", side, hidden), this.line("median", side),
-      );
-      names.push([side, "highest"], [side, "lowest"], [side, "high"], [side, "low"], [side, "median"]);
-      bands.push({ series: [first, first + 1], fill: dim(SIDES[side], 14) }, { series: [first + 2, first + 3], fill: dim(SIDES[side], 30) });
+      if (scene.opinions) {
+        series.push(this.line("black", side), this.line("white", side, { dash: [2, 3] }));
+        names.push([side, "black"], [side, "white"]);
+        return;
+      }
+      this.spread(side, side, series, names, bands);
+      series.push(this.line("median", side));
+      names.push([side, "median"]);
       if (scene.layers & LAYER.intervals) {
-        const dotted = { dash: [2, 3], width: 1.5 };
+        const dotted = { dash: [2, 3], width: 1.5 * this.big };
         series.push(this.line("interval from", side, dotted), this.line("to", side, dotted));
         names.push([side, "interval_low"], [side, "interval_high"]);
       }
     });
-    return this.make(`Estimates${this.of()}: median, middle half, range`, "fill ratio", series, names, bands, { range: () => (this.full ? [0, 1] : this.followed()) });
+    const alike = opinions ? `Opinions${this.of()}: shares of black and white` : `Estimates${this.of()}: median, middle half, range`;
+    const title = opinions % this.scenes.length ? "Estimates, and shares of opinions" : alike;
+    const range = () => (this.full || opinions ? [0, 1] : this.followed());
+    return this.make(title, opinions ? "share" : "fill ratio", series, names, bands, { range });
+  }
+
+  // bands from the lowest to the highest value, and of the middle half
+  spread(of, side, series, names, bands) {
+    const first = series.length + 1;
+    const hidden = { width: 0, stroke: "transparent", class: "quiet" };
+    for (const [name, text] of [["highest", "highest"], ["lowest", "lowest"], ["high", "upper quarter"], ["low", "lower quarter"]]) {
+      series.push(this.line(text, side, hidden));
+      names.push([of, name]);
+    }
+    bands.push({ series: [first, first + 1], fill: dim(SIDES[side], 14) }, { series: [first + 2, first + 3], fill: dim(SIDES[side], 30) });
+  }
+
+  // one field of a robot's memory, and of the swarm's
+  remembered() {
+    const { side, robot, name, history } = this.memory;
+    const [series, names, bands] = [[], [], []];
+    this.spread(MEMORY, side, series, names, bands);
+    series.push({ ...this.line("median", side, { dash: [6, 4], width: 1.5 * this.big }), label: "median" }, { ...this.line("", side, { stroke: tone("--ink"), width: 2 * this.big }), label: `robot ${robot}` });
+    names.push([MEMORY, "median"], [MEMORY, "value"]);
+    const range = () => {
+      const known = ["value", "lowest", "highest"].flatMap((one) => history.of(one)).filter((value) => value !== null);
+      const [low, high] = [Math.min(...known), Math.max(...known)];
+      return low < high ? [low, high] : known.length ? [low - 0.5, low + 0.5] : [0, 1];
+    };
+    return this.make(`${this.label(name, side)}: robot ${robot}, and the swarm`, name, series, names, bands, { range });
+  }
+
+  // draw a field of a robot's memory; null: no longer
+  remember(what) {
+    const same = this.memory && what && ["side", "robot", "name"].every((key) => this.memory[key] === what[key]);
+    if (same || (!this.memory && !what)) return;
+    this.memory = what && { ...what, history: new History({ columns: MEMORY }, this.histories[0].room) };
+    this.build();
+  }
+
+  // take the rows of an answer: a round, and the values of MEMORY
+  putMemory(rows) {
+    for (const [tick, ...numbers] of rows) this.memory.history.put({ tick, numbers: numbers.map((value) => (typeof value === "number" ? value : NaN)) });
   }
 
   // the range of the estimates and of the truth, without the first quarter of what is seen
@@ -241,8 +312,10 @@ class Charts {
     const series = [];
     const names = [];
     this.scenes.forEach((scene, side) => {
-      series.push(this.line("in the right bin", side));
-      names.push([side, "right"]);
+      if (!scene.opinions) {
+        series.push(this.line("in the right bin", side));
+        names.push([side, "right"]);
+      }
       if (scene.options) {
         series.push(this.kind("decided", side, "decided"), this.kind("decided right", side, "decided_right"));
         names.push([side, "decided"], [side, "decided_right"]);
@@ -252,7 +325,8 @@ class Charts {
         names.push([side, "done"]);
       }
     });
-    return this.make(`Shares of ${this.of() ? "honest " : ""}robots`, "share", series, names, [], { range: () => [0, 1] });
+    const caution = cautionOf(this.scenes);
+    return this.make(`Shares of ${this.of() ? "honest " : ""}robots`, "share", series, names, [], { range: () => [0, 1], caution });
   }
 
   messages() {
@@ -272,12 +346,14 @@ class Charts {
   // logs have grown: points from a round on are others now
   grow(tick) {
     for (const history of this.histories) history.forget(tick);
+    this.memory?.history.forget(tick);
     while (this.scenes[0].rounds > this.histories[0].room) {
       this.histories = this.histories.map((history, side) => {
         const made = new History(this.scenes[side], FINE + 2 * (history.room - FINE));
         made.takeOver(history);
         return made;
       });
+      if (this.memory) this.memory.history = new History({ columns: MEMORY }, this.histories[0].room);
     }
   }
 
@@ -297,15 +373,12 @@ class Charts {
   refresh() {
     for (const plot of this.plots) plot.setData([this.xs(), ...plot.values()]);
     this.tell();
+    if (!this.fitted && this.frames.length) this.fit();
   }
 
   // the end of the time axis, which grows with the frames seen
   end() {
     const { seen, ticks } = this.histories[0];
     return Math.max(2, Math.min(this.scenes[0].rounds, Math.max(50, Math.ceil(1.2 * (ticks[seen.lastIndexOf(1)] || 0)))));
-  }
-
-  resize() {
-    for (const plot of this.plots) plot.setSize({ width: this.width, height: plot.height });
   }
 }

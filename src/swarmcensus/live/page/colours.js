@@ -27,7 +27,7 @@ const SPANS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1]; // errors at the end of a sc
 const CALM = 1.15; // a narrower span is taken when estimates fit into it with as much room
 
 const TOLD = {
-  belief: () => ["estimate 0", "1"],
+  belief: () => (state.scenes.length && state.scenes.every(({ opinions }) => opinions) ? ["opinion white", "black"] : ["estimate 0", "1"]),
   off: (span) => [`too low by ${span} or more`, `too high by ${span} or more`],
   error: (span) => ["error 0", `${span} or more`],
 };
@@ -42,14 +42,19 @@ function spanOf(before, scenes, frames) {
   return fitting(most) > before ? fitting(most) : Math.min(before, fitting(CALM * most));
 }
 
-// the step of a scale for an estimate; the last step means no estimate
-function stepOf(how, estimate, truth, span) {
-  if (estimate === null) return STEPS;
-  const wrong = estimate - truth;
-  const value = { belief: estimate, off: 0.5 + wrong / span / 2, error: Math.abs(wrong) / span }[how];
-  return Math.min(STEPS - 1, Math.max(0, Math.floor(value * STEPS)));
+// the steps of a scale for estimates, as frames have them; the last step means no estimate
+function stepsOf(how, estimates, truth, span, into) {
+  const value = { belief: (x) => x, off: (x) => 0.5 + (x - truth) / span / 2, error: (x) => Math.abs(x - truth) / span }[how];
+  for (let i = 0; i < estimates.length; i++) {
+    const step = Math.floor(value(estimates[i] / MOST) * STEPS);
+    into[i] = estimates[i] === NO_ESTIMATE ? STEPS : Math.min(STEPS - 1, Math.max(0, step));
+  }
+  return into;
 }
 
+// a colour of the style sheet; asking the browser in every frame takes long
+const TONES = new Map();
 function tone(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  if (!TONES.has(name)) TONES.set(name, getComputedStyle(document.documentElement).getPropertyValue(name).trim());
+  return TONES.get(name);
 }

@@ -3,6 +3,7 @@
 
 const KIND = 0x53574152;
 const LAYER = { intervals: 1, decisions: 2, moves: 4 };
+const [NO_ESTIMATE, MOST] = [65535, 65534]; // in place of an estimate; an estimate of 1
 const FLAG = { looked: 1, readBlack: 2, onBlack: 4, done: 8 };
 
 function framesOf(buffer) {
@@ -43,7 +44,7 @@ function framesOf(buffer) {
 // the estimate of a robot; null without one
 function estimateOf(frame, robot) {
   const value = frame.estimates[robot];
-  return value === 65535 ? null : value / 65534;
+  return value === NO_ESTIMATE ? null : value / MOST;
 }
 
 // the reading of a robot in this tick, and whether it was wrong; null without one

@@ -42,7 +42,7 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
   state.grows = wait !== null;
   if (fixed.length !== state.form.fixed.length) {
     state.form.fixed = fixed;
-    buildFields(state.form, change, false);
+    showFields();
     noteRecording();
   }
   if (state.live) [state.tick, state.place] = [newest, newest];
@@ -53,8 +53,9 @@ async function take({ changed, rounds: newest, wait, fixed }, run) {
 
 // points of curves before a round, some of those that are missing
 async function fillCurves(tick, run) {
+  if (state.charts.memory?.history.missing(tick)) await fetchMemory(tick, run);
   const missing = state.charts.histories[0].missing(tick);
-  if (!missing) return;
+  if (!missing || run !== state.run) return;
   const sides = await state.source.frames(missing.from, missing.by, Math.min(missing.count, AT_ONCE));
   if (run === state.run) sides?.forEach((frames, side) => state.charts.put(side, frames));
 }

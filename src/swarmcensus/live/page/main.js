@@ -64,6 +64,7 @@ function paint(colour) {
   again();
 }
 $("colour").addEventListener("change", () => {
+  state.unpainted = false;
   paint($("colour").value);
   remember();
 });
@@ -82,6 +83,13 @@ $("which").addEventListener("change", () => {
     $("which").blur(); // so that keys work again
   }
   else $("which").value = state.chosen ?? "";
+});
+$("plot").addEventListener("change", () => {
+  state.plot = $("plot").value;
+  if (state.chosen === null) choose(0);
+  else plotMemory();
+  again();
+  remember();
 });
 $("which-side").addEventListener("change", () => choose(state.chosen, Number($("which-side").value)));
 $("follow").addEventListener("change", () => {
@@ -113,11 +121,18 @@ $("copy").addEventListener("click", async () => {
 });
 window.addEventListener("resize", () => {
   again();
-  state.charts?.resize();
+  state.charts?.fit();
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  TONES.clear();
   state.charts?.build();
   again();
+});
+document.addEventListener("pointerdown", ({ target }) => $("save").contains(target) || ($("save").open = false));
+document.addEventListener("keydown", ({ key }) => {
+  if (key !== "Escape" || !$("save").open) return;
+  $("save").open = false;
+  $("save").firstElementChild.focus();
 });
 window.addEventListener("hashchange", () => {
   const goal = goalOf(location.hash);

@@ -4,13 +4,26 @@
 const BRAINS = [["brain", "Brain"], ["beside", "Compare with"]];
 const WORLD = [
   ["robots", "Robots", { type: "number", min: 1, max: 20000, step: 1 }],
-  ["accuracy", "Sensor accuracy", { type: "text" }], ["fill_ratio", "Fill ratio", { type: "number", min: 0, max: 1, step: 0.05 }],
+  ["accuracy", "Accuracy", { type: "text" }], ["fill_ratio", "Fill ratio", { type: "number", min: 0, max: 1, step: "any" }],
   ["topology", "Network"], ["density", "Swarm density", { type: "number", min: 0, step: 0.5 }], ["floor", "Floor"],
   ["link_success", "Link success", { type: "number", min: 0, max: 1, step: 0.05 }],
   ["liars", "Share of liars", { type: "number", min: 0, max: 1, step: 0.05 }], ["adversary", "Their lie"],
   ["rounds", "Length", { type: "number", min: 1, step: 1 }], ["setting", "Setting", { type: "number", min: 0, step: 1 }],
   ["trial", "Trial", { type: "number", min: 0, step: 1 }], ["seed", "Seed", { type: "text", inputmode: "numeric" }],
 ];
+
+// the values at which a slider stops; those of the fill ratio are on no edge between two bins
+const steps = (from, to, by) => Array.from({ length: Math.round((to - from) / by) + 1 }, (_, k) => Number((from + k * by).toFixed(4)));
+const STOPS = {
+  robots: () => [1, 2, 3, 4, 5, ...[1, 10, 100, 1000].flatMap((ten) => [10, 15, 20, 25, 30, 40, 50, 60, 80].map((size) => size * ten)).filter((size) => size <= 20000)],
+  accuracy: () => steps(0.5, 1, 0.01),
+  fill_ratio: ({ bins }) => {
+    const found = steps(0, 1, 0.01).filter((f) => f === 0 || f === 1 || Math.abs(f * bins - Math.round(f * bins)) > 1e-9);
+    return found.length > 2 ? found : steps(0.5, bins - 0.5, 1).map((k) => k / bins);
+  },
+  link_success: () => steps(0, 1, 0.05),
+  liars: () => steps(0, 1, 0.05),
+};
 
 function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
@@ -20,12 +33,14 @@ function element(name, attributes = {}, ...children) {
 }
 
 // the fields of the page: brains with their parameters, and the world
-function buildFields(form, change, fixed) {
+function buildFields(form, asked, change, fixed) {
   buildControls($("brains"), form, BRAINS, change, fixed);
   const several = form.parameters.some(({ key }) => key.startsWith("beside."));
   const named = ({ key, name, brain }) => [key, several ? `${name} (${brain})` : name, { type: "text", inputmode: "decimal" }];
-  const values = Object.fromEntries(form.parameters.map(({ key, now }) => [key, now]));
+  const values = Object.fromEntries(form.parameters.map(({ key, now }) => [key, asked[key] ?? now]));
   $("parameters-title").hidden = !form.parameters.length;
+  $("parameters-title").open ||= form.watched; // while a brain file is edited
+  $("parameters-title").firstElementChild.textContent = `Parameters (${form.parameters.length})`;
   buildControls($("parameters"), { ...form, now: { ...form.now, ...values } }, form.parameters.map(named), change, fixed);
   buildControls($("controls"), form, WORLD, change, fixed);
 }
@@ -41,7 +56,10 @@ function buildControls(host, form, controls, change, fixed) {
     const id = `control-${key}`;
     const there = $(id);
     const input = there || element(choices ? "select" : "input", { id, name: key, ...attributes });
-    if (!there) input.addEventListener("change", () => change(key, input.value.trim()));
+    if (!there) {
+      input.setAttribute("aria-describedby", "error");
+      input.addEventListener("change", () => change(key, input.value.trim()));
+    }
     if (choices) {
       const known = choices.includes(form.now[key]) ? choices : [form.now[key], ...choices];
       const names = known.map((choice) => element("option", { value: choice }, choice || "(none)"));
@@ -51,13 +69,30 @@ function buildControls(host, form, controls, change, fixed) {
     input.dataset.now = form.now[key];
     input.disabled = fixed || form.fixed.includes(key) || (form.fixed.length > 0 && !(key in form.choices) && !key.startsWith("beside."));
     const more = { rounds: `, ${form.unit}s`, setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
-    rows.push(there ? host.querySelector(`[for="${id}"]`) : element("label", { for: id }), input);
+    const stops = STOPS[key]?.(state.scenes[0]);
+    rows.push(there ? host.querySelector(`[for="${id}"]`) : element("label", { for: id }), stops ? slid(input, stops, text) : input);
     rows.at(-2).textContent = text + more;
   }
   if (rows.length === host.children.length && rows.every((one, k) => one === host.children[k])) return;
   const focused = document.activeElement;
   host.replaceChildren(...rows);
   if (rows.includes(focused)) focused.focus();
+}
+
+// a number with a slider, which stops at some values
+function slid(input, stops, text) {
+  const both = input.parentElement?.matches(".slid") ? input.parentElement : element("span", { class: "slid" }, element("input", { type: "range", min: 0, "aria-label": `${text}, slider` }), input);
+  const slider = both.firstElementChild;
+  const nearest = stops.reduce((best, stop, k) => (Math.abs(stop - input.value) < Math.abs(stops[best] - input.value) ? k : best), 0);
+  [slider.max, slider.value, slider.disabled] = [stops.length - 1, nearest, input.disabled];
+  const tell = () => slider.setAttribute("aria-valuetext", input.value);
+  slider.oninput = () => {
+    input.value = stops[slider.value];
+    tell();
+  };
+  slider.onchange = () => input.dispatchEvent(new Event("change"));
+  tell();
+  return both;
 }
 
 function shown(value) {
@@ -102,11 +137,12 @@ function tellRobot(host, facts, scene) {
 }
 
 const NUMBERS = [
-  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "standard deviation"], ["right", "share in the right bin"],
+  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "standard deviation"], ["black", "opinion black"], ["white", "opinion white"], ["right", "share in the right bin"],
   ["decided", "share decided"], ["decided_right", "share decided right"], ["done", "share done"],
   ["interval_low", "mean interval from"], ["interval_high", "mean interval to"], ["sent", "messages sent"], ["heard", "messages heard"], ["bytes", "bytes sent"],
 ];
 
+const ESTIMATED = ["mean", "deviation"];
 const COUNTED = ["sent", "heard", "bytes"];
 
 function tellNumbers(host, scenes, frames, settled) {
@@ -114,7 +150,7 @@ function tellNumbers(host, scenes, frames, settled) {
   const column = (name) => scenes[0].columns.indexOf(name);
   for (const [name, text] of NUMBERS) {
     const values = frames.map((frame) => frame.numbers[column(name)]);
-    if (values.every(Number.isNaN)) continue;
+    if (values.every(Number.isNaN) || (ESTIMATED.includes(name) && scenes.every(({ opinions }) => opinions))) continue;
     body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : COUNTED.includes(name) ? value.toLocaleString("en") : value.toFixed(4)))));
   }
   if (settled) {

@@ -34,6 +34,7 @@ async function settle(run, tick) {
   const stays = () => run === state.run && tick === state.tick && !state.playing && !state.halted;
   const lately = () => Array.from({ length: LATELY }, (_, k) => tick - k).filter((one) => one >= 0 && !state.frames.has(one));
   await new Promise((soon) => setTimeout(soon, PATIENCE));
+  if (stays()) sayMoment();
   if (!stays() || !state.scenes[0].moves || state.chosen === null) return;
   while (lately().length && stays()) {
     const sides = await state.source.frames(Math.min(...lately()), 1, Math.min(LATELY, AT_ONCE));
@@ -44,6 +45,11 @@ async function settle(run, tick) {
 
 // what nobody waits for, a piece at a time: points of curves that were passed over, then K
 async function work(run) {
+  if (state.charts.memory?.history.missing(state.tick + 1)) {
+    await fetchMemory(state.tick + 1, run);
+    if (run === state.run && !state.playing) again();
+    return;
+  }
   const missing = state.charts.histories[0].missing(state.tick);
   const sides = missing && (await state.source.frames(missing.from, missing.by, Math.min(missing.count, AT_ONCE)));
   if (run !== state.run) return;
@@ -57,6 +63,24 @@ async function work(run) {
   state.settled = settled;
   state.charts.settled = settled;
   again();
+}
+
+// some of the missing points before a round of the field that is drawn
+async function fetchMemory(tick, run) {
+  const { memory } = state.charts;
+  const missing = memory.history.missing(tick);
+  const rows = await state.source.memory(memory, missing.from, missing.by, Math.min(missing.count, AT_ONCE));
+  if (run === state.run && memory === state.charts.memory && rows) state.charts.putMemory(rows);
+}
+
+// the field that the page's reader has chosen, of the chosen robot
+function plotMemory() {
+  const { fields } = state.scenes[state.side];
+  if (!fields.includes(state.plot)) state.plot = "";
+  $("plot").replaceChildren(...["", ...fields].map((name) => element("option", { value: name }, name || "(no field)")));
+  $("plot").value = state.plot;
+  state.charts.remember(state.plot && state.chosen !== null ? { side: state.side, robot: state.chosen, name: state.plot } : null);
+  state.workAt = 0;
 }
 
 // drop frames far from the current one, to limit memory; they are fetched again when needed
@@ -78,7 +102,8 @@ function waiting(by) {
 
 function isIdle(now) {
   if (state.working || state.halted || state.grows || now < state.workAt) return false;
-  return state.drawn >= 0 && (state.settled === null || state.charts.histories[0].missing(state.tick) !== null);
+  const { histories, memory } = state.charts;
+  return state.drawn >= 0 && (state.settled === null || histories[0].missing(state.tick) !== null || Boolean(memory?.history.missing(state.tick + 1)));
 }
 
 function tickOn(now) {
@@ -179,6 +204,12 @@ function show(frames, now) {
   }
 }
 
+// what a screen reader says of a moment that is looked at for longer
+function sayMoment() {
+  const lines = [...$("numbers").querySelectorAll("tr")].slice(0, 4).map((row) => [...row.cells].map((cell) => cell.textContent).join(" "));
+  $("said").textContent = [$("clock").textContent, ...lines].join(", ");
+}
+
 function tellClock() {
   const scene = state.scenes[0];
   const seconds = scene.seconds ? `, ${clockOf(state.tick * scene.seconds)}` : "";
@@ -263,8 +294,10 @@ function showPlay() {
 }
 
 function seek(tick) {
+  if (state.halted) complain(null);
   [state.halted, state.workAt] = [false, 0];
   state.tick = state.place = Math.min(Math.max(Math.round(tick), 0), rounds());
+  if (state.goal?.tick !== undefined) state.goal.tick = state.tick; // of a trial that is prepared
   state.live = state.grows && !state.playing && state.tick >= rounds();
   if (state.grows) showLive();
   again();
@@ -285,6 +318,7 @@ function choose(robot, side = state.side) {
   $("to-robot").textContent = robot === null ? "Robot ↓" : `Robot ${robot} ↓`;
   if (robot !== null && $("told").dataset.robot !== String(robot)) $("told").replaceChildren(element("p", { class: "note" }, `Loading robot ${robot} …`));
   $("which-side").value = side;
+  plotMemory();
   again();
   remember();
   tellChosen();

@@ -1,47 +1,52 @@
 "use strict";
 // What the page saves: a picture, a film of what it shows, and the page with its trial as one file.
 
-const [WIDE, HIGH] = [1280, 720]; // pixels of a film; a picture has twice as many
+const FILM = [1280, 720]; // pixels; a picture has twice as many
+const [LINE, KEY_FONT] = [17, "12.5px system-ui, sans-serif"]; // of the keys of curves
 const SMOOTH = 30; // pictures of a film per second
 const QUALITY = 8_000_000; // bits of a film per second
 const FILMS = ["video/mp4;codecs=avc1.640028", "video/mp4;codecs=avc1.42E01F", "video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"];
 
-// The swarms, the curves, the legend and the moment on one sheet, with curves of its size.
+// The swarms, the curves, their keys and the moment on one sheet, with curves of its size.
 class Sheet {
   constructor(scale) {
     this.scale = scale;
-    this.canvas = element("canvas", { width: WIDE * scale, height: HIGH * scale });
+    this.canvas = element("canvas", { width: FILM[0] * scale, height: FILM[1] * scale });
     this.size = state.scenes.length > 1 ? 402 : 576; // of a swarm
     this.left = 24 + state.scenes.length * (this.size + 24); // of the curves
-    this.each = 196; // pixels for each of three curves and their titles
-    const [width, height, big] = [WIDE - 24 - this.left, this.each - 20, 1.15].map((length) => length * scale);
+    this.each = (FILM[1] - 104) / (state.charts.memory ? 4 : 3); // pixels for each curve, its title and its key
+    const [width, height, big] = [FILM[0] - 24 - this.left, this.each, 1.15].map((length) => Math.round(100 * length * scale) / 100);
     this.charts = new Charts(element("div"), state.scenes, () => {}, false, { big, width: Math.round(width), height: Math.round(height) });
     this.charts.histories = state.charts.histories;
+    this.charts.memory = state.charts.memory;
     this.charts.build(state.charts.log, state.charts.full);
+    const g = this.canvas.getContext("2d");
+    this.keys = this.charts.plots.map((plot) => rowsOf(g, keyOf(plot), FILM[0] - 24 - this.left));
+    this.charts.plots.forEach((plot, k) => plot.setSize({ width: plot.width, height: Math.round((this.each - 22 - LINE * this.keys[k].length) * scale) }));
   }
 
   draw(crisp = false) {
     const g = this.canvas.getContext("2d");
-    const text = (words, x, y, font, colour = "--ink", align = "left", width = WIDE - 48) => {
+    const text = (words, x, y, font, colour = "--ink", align = "left", width = FILM[0] - 48) => {
       [g.font, g.fillStyle, g.textAlign] = [`${font} system-ui, sans-serif`, tone(colour), align];
       g.fillText(words, x, y, width);
     };
     g.setTransform(this.scale, 0, 0, this.scale, 0, 0);
     g.fillStyle = tone("--ground");
-    g.fillRect(0, 0, WIDE, HIGH);
+    g.fillRect(0, 0, ...FILM);
     text(state.scenes.map(({ brain }) => brain).join(" and "), 24, 34, "bold 22px");
     text(state.scenes[0].title, 24, 58, "15px", "--soft");
     state.stages.forEach((stage, side) => this.drawSwarm(g, text, stage, side, crisp));
     this.drawCurves(g, text);
-    drawLegend(g, text, 24, 90 + this.size + 18);
-    text($("clock").textContent, WIDE - 24, 702, "bold 18px", "--ink", "right");
+    drawLegend(g, text, 24, (state.scenes.length > 1 ? 90 : 74) + this.size + 20);
+    text($("clock").textContent, FILM[0] - 24, 708, "bold 18px", "--ink", "right");
   }
 
   drawSwarm(g, text, stage, side, crisp) {
     const x = 24 + side * (this.size + 24);
     const y = state.scenes.length > 1 ? 90 : 74;
     if (state.scenes.length > 1) text(state.scenes[side].brain, x, 84, "bold 14px", SIDES[side]);
-    const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size })] : [stage.ground, stage.swarm].map((layer) => layer.getNativeCanvasElement());
+    const layers = crisp ? [stage.konva.toCanvas({ pixelRatio: (this.size * this.scale) / stage.size })] : stage.layers.map((layer) => layer.getNativeCanvasElement());
     for (const layer of layers) g.drawImage(layer, x, y, this.size, this.size);
     g.strokeStyle = tone("--line");
     g.strokeRect(x, y, this.size, this.size);
@@ -52,29 +57,65 @@ class Sheet {
     this.charts.settled = state.charts.settled;
     this.charts.show(state.tick, state.charts.frames, now);
     this.charts.plots.forEach((plot, k) => {
-      const { canvas } = plot.ctx;
       const title = plot.root.parentElement.querySelector("h3").textContent;
-      text(title, this.left, 84 + k * this.each, "bold 14px", "--ink", "left", WIDE - 12 - this.left);
-      this.drawNames(g, plot, this.left + g.measureText(title).width + 18, 84 + k * this.each);
-      g.drawImage(canvas, this.left, 90 + k * this.each, plot.width / this.scale, plot.height / this.scale);
+      const top = 82 + k * this.each;
+      text(title, this.left, top, "bold 14px", "--ink", "left", FILM[0] - 12 - this.left);
+      this.keys[k].forEach((row, line) => drawKey(g, plot, row, this.left, top + LINE * (line + 1)));
+      g.drawImage(plot.ctx.canvas, this.left, top + LINE * this.keys[k].length + 4, plot.width / this.scale, plot.height / this.scale);
     });
-  }
-
-  // the names of lines, in their colours, where there is room
-  drawNames(g, plot, left, y) {
-    let x = left;
-    g.font = "13px system-ui, sans-serif";
-    for (const { label, stroke, class: quiet } of plot.series.slice(1)) {
-      if (quiet || x + g.measureText(label).width > WIDE) continue;
-      g.fillStyle = stroke(plot);
-      g.fillText(label, x, y);
-      x += g.measureText(label).width + 14;
-    }
   }
 
   destroy() {
     this.charts.destroy();
   }
+}
+
+// the entries of a chart's key: its lines and bands, and what to know about it
+function keyOf(plot) {
+  const lines = plot.series.slice(1).filter(({ class: quiet }) => quiet !== "quiet").map((series) => ({ label: series.label, series }));
+  const bands = plot.bands.map(({ fill }, k) => ({ label: k % 2 ? "middle half" : "range", fill }));
+  const caution = plot.root.parentElement.querySelector(".caution")?.textContent;
+  return [...lines, ...bands.slice(0, 2), ...(caution ? [{ label: caution }] : [])];
+}
+
+// entries of a key in rows of a width
+function rowsOf(g, entries, width) {
+  const rows = [[]];
+  let x = 0;
+  g.font = KEY_FONT;
+  for (const entry of entries) {
+    entry.width = g.measureText(entry.label).width + (entry.series || entry.fill ? 46 : 16);
+    if (x && x + entry.width > width) {
+      rows.push([]);
+      x = 0;
+    }
+    rows.at(-1).push(entry);
+    x += entry.width;
+  }
+  return rows;
+}
+
+function drawKey(g, plot, row, left, y) {
+  let x = left;
+  g.save();
+  [g.font, g.textAlign] = [KEY_FONT, "left"];
+  for (const { label, series, fill, width } of row) {
+    if (fill) {
+      g.fillStyle = typeof fill === "function" ? fill(plot, 0) : fill;
+      g.fillRect(x, y - 10, 24, 11);
+    } else if (series) {
+      [g.strokeStyle, g.lineWidth] = [series.stroke(plot), 2];
+      g.setLineDash(series.dash || []);
+      g.beginPath();
+      g.moveTo(x, y - 4);
+      g.lineTo(x + 24, y - 4);
+      g.stroke();
+    }
+    g.fillStyle = tone(series || fill ? "--ink" : "--bad");
+    g.fillText(label, x + (series || fill ? 30 : 0), y, plot.width);
+    x += width;
+  }
+  g.restore();
 }
 
 function drawLegend(g, text, x, y) {
@@ -83,7 +124,7 @@ function drawLegend(g, text, x, y) {
   const from = x + g.measureText(low).width + 8;
   g.drawImage($("scale"), from, y - 10, 180, 10);
   text(high, from + 188, y, "13px", "--soft");
-  if (state.scenes.some(({ dishonest }) => dishonest.length)) text("crossed out: it lies", x, y + 20, "13px", "--soft");
+  text(legendWords().join(" · "), x, y + 20, "13px", "--soft", "left", 900);
 }
 
 function download(content, ending) {
@@ -95,8 +136,14 @@ function download(content, ending) {
 // such as commons-tick-200; of a path only the file's name
 const nameOfFile = () => [...state.scenes.map(({ brain }) => brain.split(/[/\\]/).at(-1)), state.scenes[0].unit, state.tick].join("-").replace(/[^\w.=-]+/g, "-");
 
+// curves are in a picture from the start to the moment, however soon it is saved
 async function savePicture() {
-  while (state.drawn !== state.tick) await new Promise(requestAnimationFrame);
+  if (state.playing) pause();
+  $("picture").disabled = true;
+  const lacks = () => [...state.charts.histories, state.charts.memory?.history].some((history) => history?.missing(state.tick));
+  while (!state.halted && (state.preparing || state.drawn !== state.tick || lacks())) await new Promise(requestAnimationFrame);
+  $("picture").disabled = false;
+  $("save").open = false;
   const sheet = new Sheet(2);
   sheet.draw();
   await new Promise(requestAnimationFrame); // curves are drawn a moment later
@@ -124,7 +171,7 @@ class Film {
   }
 
   draw() {
-    if (this.run !== state.run) {
+    if (this.run !== state.run || this.sheet.charts.memory !== state.charts.memory) {
       // another trial, on the canvas that is recorded
       this.sheet.destroy();
       [this.sheet, this.run] = [Object.assign(new Sheet(1), { canvas: this.sheet.canvas }), state.run];
@@ -134,7 +181,8 @@ class Film {
 
   tell() {
     const passed = (performance.now() - this.began) / 1000;
-    $("film").textContent = `Stop (${Math.floor(passed)} of ${this.seconds} s)`;
+    $("film").textContent = "Stop";
+    $("save").firstElementChild.textContent = `Film: ${Math.floor(passed)} of ${this.seconds} s`;
     if (passed >= this.seconds) this.end();
   }
 
@@ -144,6 +192,7 @@ class Film {
     this.sheet.destroy();
     state.film = null;
     $("film").textContent = "Record";
+    $("save").firstElementChild.textContent = "Save";
   }
 }
 
@@ -153,6 +202,7 @@ function saveFilm() {
   $("seconds").value = seconds;
   try {
     state.film = new Film(seconds);
+    $("save").open = false;
     if (!state.playing && !state.live) play();
   } catch (error) {
     complain(error);
@@ -173,6 +223,7 @@ async function savePage() {
   } finally {
     $("page").disabled = false;
     $("page").textContent = "Page";
+    $("save").open = false;
   }
 }
 

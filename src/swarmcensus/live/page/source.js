@@ -103,7 +103,7 @@ class Live {
     this.parts = [];
     if (!request) return;
     this.waiting.delete(answer.id);
-    if (answer.error) request.reject(new Error(answer.error));
+    if (answer.error) request.reject(Object.assign(new Error(answer.error), { key: answer.key }));
     else request.resolve({ ...answer, parts });
   }
 
@@ -145,12 +145,24 @@ class Live {
     return this.ask("news", { since });
   }
 
+  // a field of a robot's memory at some rounds, and of the swarm's; null if the server needs longer
+  async memory({ side, robot, name }, from, step, count) {
+    const answer = await this.ask("memory", { side, robot, name, from, step, count });
+    return answer.going ? null : answer.memory;
+  }
+
   async robot(side, robot, tick) {
     for (;;) {
       const answer = await this.ask("robot", { side, robot, tick });
       if (!answer.going) return answer.told;
     }
   }
+}
+
+function quantile(sorted, part) {
+  const at = part * (sorted.length - 1);
+  const [low, high] = [sorted[Math.floor(at)], sorted[Math.ceil(at)]];
+  return sorted.length ? low + (at % 1) * (high - low) : NaN;
 }
 
 class Recorded {
@@ -193,6 +205,18 @@ class Recorded {
 
   async settled() {
     return this.recording.settled;
+  }
+
+  async memory({ side, robot, name }, from, by, count) {
+    const { names, step, scenes } = this.recording;
+    const { robots, dishonest, rounds } = scenes[side];
+    const rows = Math.floor(rounds / step) + 1;
+    const of = (one, tick) => this.states[side][(names[side].indexOf(name) * robots + one) * rows + Math.floor(tick / step)];
+    const honest = Array.from({ length: robots }, (_, one) => one).filter((one) => !dishonest.includes(one));
+    return Array.from({ length: count }, (_, k) => from + k * by).filter((tick) => tick <= rounds).map((tick) => {
+      const sorted = honest.map((one) => of(one, tick)).filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
+      return [tick, of(robot, tick), ...[0, 0.25, 0.5, 0.75, 1].map((part) => quantile(sorted, part))];
+    });
   }
 
   async robot(side, robot, tick) {

@@ -7,8 +7,14 @@ Konva.dragDistance = 4;
 Konva.pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
 
 const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [226 - 114 * f, 229 - 112 * f, 232 - 110 * f] };
-const GREEN = "#007a59";
-const DENSE = 1000; // number of lines from which on they are drawn thin
+const GREEN = "#007a59"; // of links on a white line
+const COVERED = 0.2; // the part of the picture that all links together may cover: many are drawn thin
+
+// small ones are squares, which are drawn faster
+function discs(g, places, r, pixel) {
+  if (r > 3 * pixel) circles(g, places, r);
+  else for (const [x, y] of places) g.rect(x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
+}
 
 function circles(g, places, r) {
   for (const [x, y] of places) {
@@ -21,9 +27,8 @@ class Stage {
   constructor(host, scene, view, { choose, changed, moved }) {
     Object.assign(this, { host, scene, view, frame: null, before: [], colour: "off", span: 0.1, chosen: null, follow: false, own: null });
     this.konva = new Konva.Stage({ container: host, width: 1, height: 1 });
-    this.ground = new Konva.Layer({ listening: false });
-    this.swarm = new Konva.Layer({ listening: false });
-    this.konva.add(this.ground, this.swarm);
+    this.layers = ["ground", "web", "swarm"].map((name) => (this[name] = new Konva.Layer({ listening: false })));
+    this.konva.add(...this.layers);
     if (scene.moves) this.layFloor();
     else this.layNetwork();
     this.layRobots();
@@ -59,7 +64,7 @@ class Stage {
       for (let e = 0; e < links.length; e += 2) this.trace(g, links[e], links[e + 1]);
     };
     if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 3.5 });
-    this.path(this.swarm, inReach, { stroke: GREEN, strokeWidth: 1.5 });
+    this.reached = this.path(this.swarm, inReach, { strokeWidth: 1.5 });
     this.layOwn();
   }
 
@@ -69,16 +74,25 @@ class Stage {
     this.lines = this.paired();
     const { crowd } = this.scene;
     if (crowd) this.swarm.add(this.pixels(crowd, { width: 1, height: 1 }));
-    this.still = this.path(this.ground, (g) => this.lines.forEach(({ i, j }) => this.trace(g, i, j)), { visible: !crowd, strokeWidth: 1 });
-    // in a crowd lines would hide each other: only those of the chosen robot are drawn
-    const shown = ({ i, j }) => !crowd || i === this.chosen || j === this.chosen;
+    const length = ({ i, j }) => Math.hypot(...this.place(i).map((at, k) => at - this.place(j)[k]));
+    this.length = this.lines.reduce((sum, line) => sum + length(line), 0);
+    this.still = this.path(this.ground, (g) => this.lines.forEach(({ i, j }) => this.trace(g, i, j)), { visible: !crowd });
     const lit = (g) => {
-      for (const line of this.lines) if (shown(line) && line.links.some((e) => this.frame.links[e])) this.trace(g, line.i, line.j);
+      for (const line of this.near()) if (line.links.some((e) => this.frame.links[e])) this.trace(g, line.i, line.j);
     };
     if (crowd) this.path(this.swarm, lit, { stroke: "#ffffff", strokeWidth: 4.5 });
-    const dense = !crowd && this.lines.length > DENSE;
     this.layOwn();
-    this.path(this.swarm, lit, { stroke: dense ? "rgb(0 158 115 / 0.25)" : GREEN, strokeWidth: dense ? 1 : 2 });
+    this.lit = this.path(crowd ? this.swarm : this.web, lit, { strokeWidth: 2 });
+  }
+
+  // in a crowd lines would hide each other: only those of the chosen robot are drawn
+  near() {
+    if (!this.scene.crowd) return this.lines;
+    if (this.nearTo !== this.chosen) {
+      this.nearTo = this.chosen;
+      this.nearLines = this.lines.filter(({ i, j }) => i === this.chosen || j === this.chosen);
+    }
+    return this.nearLines ?? [];
   }
 
   // the links of the chosen robot where all would be too many: grey, and green where they carried a message
@@ -93,9 +107,10 @@ class Stage {
     const { crowd, moves } = this.scene;
     this.groups = SCALES.belief.map(() => []);
     this.trail = new Trail(this);
-    this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
+    this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => discs(g, this.groups[step], this.radius, this.pixel)));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
-    this.wrong = this.path(this.swarm, (g) => circles(g, this.misread(), 1.35 * this.radius), { stroke: "#d55e00", visible: moves });
+    const misread = (attributes) => this.path(this.swarm, (g) => circles(g, this.misread(), 1.3 * this.radius + 1.5 * this.pixel), { visible: moves, ...attributes });
+    this.wrong = [misread({ stroke: "#ffffff" }), misread({ stroke: "#000000", dash: [3, 2.5] })];
     this.done = this.path(this.swarm, (g) => circles(g, this.finished(), 0.35 * this.radius), { fill: "#ffffff", stroke: "#101010", strokeWidth: 1, visible: this.scene.ends && !crowd });
     // liars are marked by a shape, not by colour alone, which stands out from every colour of a robot
     this.liars = ["#ffffff", "#000000"].map((stroke) => this.path(this.swarm, (g) => this.traceCrosses(g), { stroke }));
@@ -146,7 +161,7 @@ class Stage {
       return { apart: Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY), middle };
     };
     const two = (does) => (event) => {
-      if (event.touches.length !== 2) return void (before = null);
+      if (event.touches.length !== 2 || !this.frame) return void (before = null);
       event.preventDefault(); // the browser does not zoom the whole page
       does(found(event));
     };
@@ -226,6 +241,7 @@ class Stage {
     this.pixel = 1 / scale;
     this.fitRobots();
     this.drawGround();
+    this.drawWeb();
     this.drawRobots();
     this.drawChosen();
     this.swarm.draw();
@@ -239,12 +255,29 @@ class Stage {
     if (now === this.drawn) return;
     this.wall?.stroke(tone("--ink"));
     this.inside?.opacity(Number(tone("--floor")));
-    this.still?.stroke(tone("--line"));
+    this.still?.setAttrs({ stroke: tone("--still"), strokeWidth: Math.min(1, this.thin()) });
     this.even?.fill(grey);
     if (this.tiles && turned !== this.turned) this.paintFloor();
     this.ground.imageSmoothingEnabled(this.scene.across > this.size * this.view.zoom * Konva.pixelRatio);
     this.ground.draw();
     [this.drawn, this.turned] = [now, turned];
+  }
+
+  // the width of a link at which all of them cover only a part of the picture
+  thin() {
+    return Math.min(Math.max((COVERED * this.size * this.view.zoom) / this.length, 0.02), 2);
+  }
+
+  // draw the links of a network only if other ones carried messages, or the view changed
+  drawWeb() {
+    this.reached?.stroke(this.scene.robots <= 300 ? GREEN : tone("--link"));
+    this.lit?.stroke(this.scene.crowd ? GREEN : tone("--link"));
+    if (!this.lit || this.scene.crowd) return;
+    const { links } = this.frame;
+    if (this.webbed === this.drawn && links.length === this.carried?.length && links.every((link, e) => link === this.carried[e])) return;
+    [this.webbed, this.carried] = [this.drawn, links];
+    this.lit.strokeWidth(this.thin());
+    this.web.draw();
   }
 
   paintFloor() {
@@ -261,19 +294,19 @@ class Stage {
 
   drawRobots() {
     const { robots, crowd, moves } = this.scene;
-    const steps = Array.from({ length: robots }, (_, i) => stepOf(this.colour, estimateOf(this.frame, i), this.frame.numbers[0], this.span));
+    const steps = stepsOf(this.colour, this.frame.estimates, this.frame.numbers[0], this.span, (this.steps ??= new Uint8Array(robots)));
     const shown = this.radius / this.pixel;
     const thick = (least, part, most) => Math.min(Math.max(least, shown / part), most);
     if (crowd) this.paintCrowd(steps);
     else {
       for (const group of this.groups) group.length = 0;
       steps.forEach((step, i) => this.groups[step].push(this.place(i)));
-      const edge = { stroke: shown > 4 ? "#101010" : "rgb(0 0 0 / 0.5)", strokeWidth: thick(0.5, 6, 2) };
+      const edge = { stroke: tone(shown > 4 ? "--edge" : "--edge-of-small"), strokeWidth: thick(0.5, 6, 2) };
       this.discs.forEach((disc, step) => disc.setAttrs({ visible: this.groups[step].length > 0, fill: SCALES[this.colour][step], ...edge }));
     }
-    for (const part of [this.headings, this.wrong]) part.visible(moves && shown > 3);
+    for (const part of [this.headings, ...this.wrong]) part.visible(moves && shown > 3);
     this.headings.strokeWidth(thick(1.2, 5, 3));
-    this.wrong.strokeWidth(thick(1.5, 4, 3));
+    this.wrong.forEach((part, k) => part.strokeWidth(thick(1.2, 5, 3) + (k ? 0 : 1.2)));
     const line = crowd ? Math.max(1, shown / 3) : thick(1.8, 4, 4);
     this.liars[0].strokeWidth(line + (crowd ? Math.min(2, shown / 2) : 2.5));
     this.liars[1].strokeWidth(line);
@@ -281,10 +314,11 @@ class Stage {
 
   paintCrowd(steps) {
     const { crowd } = this.scene;
-    const image = new ImageData(crowd, crowd);
-    const words = new Uint32Array(image.data.buffer);
-    steps.forEach((step, i) => (words[i] = WORDS[this.colour][step]));
-    this.dots.getContext("2d").putImageData(image, 0, 0);
+    this.image ??= new ImageData(crowd, crowd);
+    const words = new Uint32Array(this.image.data.buffer);
+    const scale = WORDS[this.colour];
+    for (let i = 0; i < steps.length; i++) words[i] = scale[steps[i]];
+    this.dots.getContext("2d").putImageData(this.image, 0, 0);
     this.swarm.imageSmoothingEnabled(false);
   }
 

@@ -9,7 +9,8 @@ class Trail {
       dots(() => true, 1.4, { fill: "#0072b2" }),
       dots(({ said }) => !said, 1, { fill: "#ffffff" }),
       dots(({ said }) => said, 1, { fill: "#101010" }),
-      dots(({ wrong }) => wrong, 1.6, { stroke: "#d55e00", strokeWidth: 1.5 }),
+      dots(({ wrong }) => wrong, 1.7, { stroke: "#ffffff", strokeWidth: 2.5 }),
+      dots(({ wrong }) => wrong, 1.7, { stroke: "#000000", strokeWidth: 1.2, dash: [3, 2.5] }),
     ];
   }
 
@@ -18,7 +19,7 @@ class Trail {
     for (const part of this.parts) part.visible(visible);
     if (!visible) return;
     this.size = Math.min(Math.max(scene.tile / scene.side / 2, 1.5 * pixel), 5 * pixel);
-    this.parts[3].visible(this.size > 2 * pixel); // smaller rings would overlap
+    for (const ring of this.parts.slice(3)) ring.visible(this.size > 2 * pixel); // smaller rings would overlap
   }
 
   // where its sensor was at the readings that `wanted` selects

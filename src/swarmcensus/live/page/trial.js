@@ -21,13 +21,15 @@ const recordedText = $("recorded");
 const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
-  tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", span: 0.1, chosen: null, side: 0, follow: false,
-  goal: null, preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], numbersAt: 0,
+  tick: 0, place: 0, playing: false, speed: USUAL, colour: "off", unpainted: true, span: 0.1, chosen: null, side: 0, plot: "", follow: false,
+  next: null, goal: null, changes: [], later: [], preparing: false, asking: false, halted: false, completed: "", working: false, workAt: 0, settled: null, film: null, live: false, grows: false, run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], numbersAt: 0,
 };
 
 function complain(error) {
   $("error").hidden = !error;
   $("error").textContent = error ? error.message || String(error) : "";
+  for (const input of document.querySelectorAll("#world [aria-invalid]")) input.removeAttribute("aria-invalid");
+  if (error?.key) $(`control-${error.key}`)?.setAttribute("aria-invalid", "true");
 }
 
 const rounds = () => state.scenes[0]?.rounds || 0;
@@ -36,11 +38,11 @@ const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds(
 
 function goalOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
-  const { tick, robot, side, colour, zoom, centre, follow, log, full, speed, ...ask } = asked;
+  const { tick, robot, side, plot, colour, zoom, centre, follow, log, full, speed, ...ask } = asked;
   const [x, y] = (centre || "").split(",").map(Number);
   return {
     ask, tick: Number.parseInt(tick, 10) || (tick === undefined ? null : 0), robot: robot === undefined ? null : Number.parseInt(robot, 10),
-    side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "off", zoom: Number(zoom) || 1,
+    side: side === "1" ? 1 : 0, plot: plot || "", colour: colour in SCALES ? colour : null, zoom: Number(zoom) || 1,
     centre: x >= 0 && x <= 1 && y >= 0 && y <= 1 ? [x, y] : [0.5, 0.5],
     follow: follow === "1", log: log === "1", full: full === "1", speed: speed >= 1 && (speed <= FASTEST || speed === "Infinity") ? Number(speed) : USUAL,
   };
@@ -59,23 +61,26 @@ function playAt(speed) {
 }
 
 // the view of an address: all but the trial and its moment
-function look({ side, colour, zoom, centre, follow, log, full, speed }) {
-  [state.side, state.follow] = [side, follow];
+function look({ side, plot, colour, zoom, centre, follow, log, full, speed }) {
+  [state.side, state.plot, state.follow, state.unpainted] = [side, plot, follow, !colour];
   playAt(speed);
   [$("follow").checked, $("log").checked, $("full").checked] = [follow, log, full];
   state.view.set(zoom, centre);
-  paint(colour);
+  paint(colour || "off");
 }
 
 function fragment(moving = state.live || state.playing) {
-  const words = new URLSearchParams(state.ask);
+  const changes = [...state.later, ...state.changes];
+  const ask = changes.reduce(changed, (state.next ?? state.goal ?? state).ask);
+  const words = new URLSearchParams(ask);
   if (!words.has("trial") && state.form) words.set("trial", state.form.now.trial);
   if (!words.has("seed") && state.form) words.set("seed", state.form.now.seed);
-  if (state.form) words.set("of", state.form.mark);
+  if (state.form && (ask.setting ?? "") === (state.ask.setting ?? "")) words.set("of", state.form.mark);
   if (!moving) words.set("tick", state.tick);
   if (state.chosen !== null) words.set("robot", state.chosen);
   if (state.side) words.set("side", state.side);
-  if (state.colour !== "off") words.set("colour", state.colour);
+  if (state.plot && state.chosen !== null) words.set("plot", state.plot);
+  if (!state.unpainted) words.set("colour", state.colour);
   const { zoom, centre } = state.view;
   if (zoom > 1) words.set("zoom", Number(zoom.toFixed(2)));
   if (zoom > 1 && !state.follow) words.set("centre", centre.map((part) => Number(part.toFixed(3))).join());
@@ -93,45 +98,74 @@ function remember() {
 
 const titled = () => `${state.form.name}: ${state.scenes[0].title}; seed ${state.form.now.seed}, trial ${state.form.now.trial}`;
 
-// one request at a time, then the latest of those made meanwhile, so that server and page show the same trial
+// one request at a time, so that server and page show the same trial
 // where logs grow, no tick is the newest one
 async function begin(ask, tick = null, robot = state.chosen) {
-  state.goal = { ask, tick, robot };
+  [state.next, state.changes, state.later] = [{ ask, tick, robot, changes: [] }, [], []];
+  await prepare();
+}
+
+// changes that come while a trial is prepared wait for it, and are then made together; the moment stays, unless it
+// would be another one
+async function change(key, value) {
+  state.changes = [...state.changes.filter((one) => one.key !== key), { key, value }];
+  if (!state.source.lost) complain(null);
+  await prepare();
+}
+
+function goalOfChanges() {
+  const changes = state.later.length ? [state.later.shift()] : state.changes.splice(0);
+  const restarts = changes.some(({ key }) => RESTARTS.includes(key));
+  return { ask: changes.reduce(changed, state.ask), tick: restarts ? 0 : state.tick, robot: state.chosen, changes, restarts };
+}
+
+async function prepare() {
   if (state.preparing) return;
   state.preparing = true;
   $("title").textContent = "preparing …";
-  let [refused, instead] = [null, false]; // for an invalid link the first trial is shown instead
-  while (state.goal) {
-    const goal = state.goal;
+  let refused = null;
+  while (state.next || state.later.length || state.changes.length) {
+    const together = !state.later.length;
+    const goal = (state.goal = state.next ?? goalOfChanges());
+    state.next = null;
     try {
       const answer = await state.source.begin(goal.ask, goal.tick ?? 0);
       const picture = state.form && (await firstOf(answer, goal).catch(() => null)); // what fails fails again below
       arrive(answer, goal);
       if (picture) keep(picture);
-      if (!instead) refused = null;
+      if (together && !goal.instead) refused = null;
     } catch (error) {
       refused = error;
-      instead = !state.form && state.goal === goal && Object.keys(goal.ask).length > 0;
-      if (instead) state.goal = { ask: {}, tick: null, robot: null };
+      // of several changes only the wrong one is lost; for an invalid link the first trial is shown instead
+      if (goal.changes.length > 1) state.later = goal.changes;
+      else if (!state.form && !goal.instead && Object.keys(goal.ask).length) state.next ??= { ask: {}, tick: null, robot: null, changes: [], instead: true };
     }
-    if (state.goal === goal) state.goal = null;
+    state.goal = null;
   }
   state.preparing = false;
+  if (refused && state.form) showFields();
   complain(refused);
-  $("title").textContent = state.form ? titled() : "";
-  if (refused && state.form) buildFields(state.form, change, Boolean(recordedText));
+  $("title").textContent = $("title").title = state.form ? titled() : "";
+  if (state.form) remember();
+}
+
+// fields show what was asked for, also while it is prepared
+function showFields() {
+  const asked = Object.fromEntries([...state.later, ...state.changes].map(({ key, value }) => [key, value]));
+  buildFields({ ...state.form, now: { ...state.form.now, ...asked } }, asked, change, Boolean(recordedText));
 }
 
 // the frames of the moment with which a trial begins: until then the page keeps its old picture
 async function firstOf({ scenes }, goal) {
   const tick = Math.min(Math.max(goal.tick ?? 0, 0), ...scenes.map((scene) => scene.rounds));
   let sides = null;
-  while (!sides && state.goal === goal) sides = await state.source.frames(tick, 1, 1);
+  while (!sides && !state.next && !state.changes.length) sides = await state.source.frames(tick, 1, 1);
   return sides;
 }
 
-function arrive({ form, scenes }, { ask, tick, robot }) {
+function arrive({ form, scenes }, { ask, tick, robot, restarts }) {
   state.run += 1;
+  if (restarts) state.view.set(1, [0.5, 0.5]);
   [state.ask, state.scenes, state.form] = [form.asked || ask, scenes, form];
   state.frames.clear();
   state.chosen = robot !== null && robot >= 0 && robot < scenes[0].robots ? robot : null;
@@ -196,11 +230,13 @@ function buildPage() {
   $("which-side").replaceChildren(...scenes.map((scene, side) => element("option", { value: side }, scene.brain)));
   $("which-side").value = state.side;
   $("which-side").hidden = scenes.length < 2;
+  if (state.unpainted) paint(scenes.some(({ opinions }) => opinions) ? "belief" : "off");
   if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see its memory, its reading and the messages that it hears."));
-  buildFields(form, change, Boolean(recordedText));
+  showFields();
   tellBroken("");
-  state.charts = new Charts($("curves"), scenes, seek, state.grows);
+  state.charts = new Charts($("plots"), scenes, seek, state.grows);
   state.charts.build($("log").checked, $("full").checked);
+  plotMemory();
   if (form.fixed.length) noteRecording();
   if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   legend();
@@ -219,30 +255,32 @@ function legend() {
   });
   [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour](state.span);
   if (!state.scenes.length) return;
+  $("legend-text").textContent = legendWords().join(" · ");
+}
+
+function legendWords() {
   const { moves, crowd, dishonest, edges, ends } = state.scenes[0];
   const carried = crowd || !edges ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
-  $("legend-text").textContent = [
-    ...(moves ? ["green: who hears whom", "orange ring: a wrong reading", "dots: recent readings of the chosen robot"] : []),
+  return [
+    ...(moves ? ["green: who hears whom", "dashed ring: a wrong reading", "dots: recent readings of the chosen robot"] : []),
     ...(crowd ? ["each square a robot"] : []),
     ...(moves ? [] : [edges || !recordedText ? carried : "too many links to draw"]),
     ...(dishonest.length ? ["crossed out: it lies"] : []),
     ...(ends && !crowd ? ["white dot: done"] : []),
     ...(state.form?.fixed.length ? ["pink: away"] : []),
-  ].join(" · ");
+  ];
 }
 
-// the moment stays, unless it would be another one
-function change(key, value) {
-  const ask = { ...(state.goal || state).ask };
-  if (value === "" && key !== "beside") delete ask[key];
+// what is asked for after a change, without values that went with the old one
+function changed(before, { key, value }) {
+  const ask = { ...before };
+  if (value === "") delete ask[key];
   else ask[key] = value;
-  if (key === "beside" && value === "") delete ask[key];
   if (key === "setting" || key === "seed") delete ask.of;
   if (key === "setting") for (const other of Object.keys(ask)) if (!["setting", "trial", "seed"].includes(other)) delete ask[other];
   if (key === "topology") for (const other of ["density", "floor", "rounds"]) delete ask[other];
   if (key === "brain" || key === "beside") dropParameters(ask, key === "beside" ? "beside." : "");
-  if (RESTARTS.includes(key)) state.view.set(1, [0.5, 0.5]);
-  begin(ask, RESTARTS.includes(key) ? 0 : (state.goal?.tick ?? state.tick));
+  return ask;
 }
 
 // parameters of a brain that is no longer chosen

@@ -1,0 +1,179 @@
+"""Changes on the live page: quick ones and wrong ones, sliders, links to them, and what is saved of a moment."""
+
+import threading
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.live.sessions import Session
+from tests.support.browsing import at, come, playwright, pytestmark, until  # noqa: F401 - marks this file
+from tests.support.watching import PAGE_STUDY
+
+PUT = "const put = (key, value) => { $(`control-${key}`).value = value; change(key, value); };"
+
+
+@pytest.fixture
+def let(monkeypatch):
+    """Lets the server begin so many trials; until then it waits."""
+    may, begin = threading.Semaphore(0), Session._begin
+    yield lambda: monkeypatch.setattr(Session, "_begin", lambda *given: may.acquire(timeout=60) and begin(*given)), may
+    may.release(1000)
+
+
+def test_quick_changes_stay(page, served, let):
+    hold, may = let
+    come(page, served.address("setting=1"), 30)
+    hold()
+    page.evaluate(f"{{ {PUT} put('robots', '9'); put('accuracy', '0.9'); seek(77); }}")
+    assert "robots=9&accuracy=0.9" in page.evaluate("fragment(false)")
+    may.release()
+    until(page, "state.scenes[0].robots", 9)
+    assert page.evaluate("[$('control-accuracy').value, state.preparing, state.tick]") == ["0.9", True, 77]
+    may.release()
+    until(
+        page, "[state.preparing, state.form.now.accuracy, state.scenes[0].robots, state.drawn]", [False, "0.9", 9, 77]
+    )
+
+
+def test_of_several_changes_only_the_wrong_one_is_lost(page, served, let):
+    hold, may = let
+    come(page, served.address("setting=1"), 30)
+    hold()
+    page.evaluate(f"{{ {PUT} put('robots', '9'); put('accuracy', 'abc'); put('link_success', '0.5'); }}")
+    may.release(100)
+    playwright.expect(page.locator("#error")).to_contain_text("accuracy = abc")
+    now = "['robots', 'accuracy', 'link_success'].map(key => [state.form.now[key], $(`control-${key}`).value])"
+    assert page.evaluate(now) == [["9", "9"], ["0.75", "0.75"], ["0.5", "0.5"]]
+    assert page.locator("[aria-invalid]").evaluate_all("all => all.map(one => one.id)") == ["control-accuracy"]
+    page.evaluate(f"{{ {PUT} put('robots', '8'); }}")
+    assert page.locator("#error").is_hidden()
+    until(page, "[state.preparing, state.scenes[0].robots, $('error').hidden]", [False, 8, True])
+    assert page.locator("[aria-invalid]").count() == 0
+
+
+def test_slider_of_the_fill_ratio_stops_at_no_edge_of_a_bin(page, served):
+    come(page, served.address("setting=1"), 30)
+    assert "f = 0.6 is on the edge between two of the 10 bins" in page.inner_text(".caution")
+    stops = page.evaluate("[10, 3, 100].map(bins => STOPS.fill_ratio({ bins }))")
+    for bins, found in zip((10, 3, 100), stops, strict=True):
+        inner = np.array(found)[1:-1] if bins < 100 else np.array(found)
+        assert np.abs(inner * bins - np.round(inner * bins)).min() > 0.005
+        assert len(found) >= 90
+    page.locator("#controls .slid:has(#control-fill_ratio) [type=range]").focus()
+    page.keyboard.press("ArrowRight")
+    until(page, "[state.preparing, state.form.now.fill_ratio, $('control-fill_ratio').value]", [False, "0.61", "0.61"])
+    assert page.locator(".caution").count() == 0
+
+
+def test_a_field_of_the_memory_is_drawn_over_time(page, served):
+    trace = sc.replay(sc.run(sc.Study.parse(PAGE_STUDY), jobs=1), 1, 2)["x_bar"].values
+    come(page, served.address("setting=1&trial=2&tick=120&robot=5"), 120)
+    page.select_option("#plot", "x_bar")
+    until(page, "state.charts.memory?.history.missing(121)", None)
+    drawn = page.evaluate(
+        "['value', 'low', 'median', 'highest'].map(name => state.charts.memory.history.of(name).slice(0, 121))"
+    )
+    due = [trace[:121, 5], *np.quantile(trace[:121], (0.25, 0.5, 1.0), axis=1)]
+    np.testing.assert_allclose(np.array(drawn), due, rtol=1e-12)
+    assert page.inner_text(".chart h3 >> nth=0") == "x_bar: robot 5, and the swarm"
+    come(page, served.address(page.url.split("#")[1]), 120)
+    assert page.evaluate("[state.charts.memory.name, $('plot').value]") == ["x_bar", "x_bar"]
+
+
+def test_opinions_are_counted(page, served):
+    come(page, served.address("setting=1&brain=voter&liars=0.25"), 40)
+    until(page, "state.drawn", 40)
+    frame, columns = page.evaluate("[[...state.frames.get(40)[0].estimates], state.scenes[0].columns]")
+    honest = np.delete(frame, page.evaluate("state.scenes[0].dishonest"))
+    numbers = dict(zip(columns, page.evaluate("[...state.frames.get(40)[0].numbers]"), strict=True))
+    assert numbers["black"] == pytest.approx(np.mean(honest == 65534))
+    assert numbers["black"] + numbers["white"] == pytest.approx(1.0)
+    assert page.inner_text(".chart h3 >> nth=0") == "Opinions of honest robots: shares of black and white"
+    assert "in the right bin" not in page.inner_text("main")
+    assert page.input_value("#colour") == "belief"
+    assert "explore" not in page.inner_text("#title")
+
+
+def test_a_picture_has_whole_curves_a_key_and_an_axis_to_read(page, served):
+    come(page, served.address("tick=250&beside=voter"), 250)
+    page.click("#save summary")
+    with page.expect_download():
+        page.click("#picture")
+    assert page.evaluate("state.charts.histories.map(history => history.missing(250))") == [None, None]
+    keys, titles, axes = page.evaluate(
+        """(async () => {
+            const sheet = new Sheet(2);
+            await new Promise(requestAnimationFrame);
+            const measured = ({ axes: [{ _values, font }], ctx }) => {
+                ctx.font = Array.isArray(font) ? font[0] : font;
+                return _values.reduce((sum, text) => sum + ctx.measureText(text).width, 0);
+            };
+            return [
+                sheet.keys.map(rows => rows.flat().map(({ label }) => label)),
+                sheet.charts.plots.map(plot => plot.root.parentElement.firstElementChild.textContent),
+                sheet.charts.plots.map(plot => [measured(plot), plot.bbox.width, plot.axes[0]._values.length]),
+            ];
+        })()"""
+    )
+    assert {"fill ratio", "median, minimalistic", "black, voter", "middle half", "range"} <= {*keys[0]}
+    assert any("on the edge" in entry for entry in keys[1])
+    assert titles[0] == "Estimates, and shares of opinions"
+    for wide, room, count in axes:
+        assert count >= 3
+        assert wide < 0.7 * room
+
+
+def test_the_menu_closes(page, served):
+    come(page, served.address("setting=1"), 0)
+    for end in (lambda: page.keyboard.press("Escape"), lambda: page.click("h1")):
+        page.click("#save summary")
+        assert page.locator("#save div").is_visible()
+        end()
+        assert page.locator("#save div").is_hidden()
+
+
+def test_all_is_on_one_screen(page, served):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    for asked in ("robot=3&plot=t&fill_ratio=0.3", "setting=1&brain=voter", "beside=commons"):
+        come(page, served.address(asked), 100)
+        until(page, "state.settled?.length > 0 && state.drawn === 100", True)
+        until(page, "document.documentElement.scrollHeight", 800)
+        ends = page.locator("#stages, #plots, #controls, #numbers").evaluate_all(
+            "all => all.map(one => one.getBoundingClientRect().bottom)"
+        )
+        assert max(ends) <= 800
+        assert page.locator("header").bounding_box()["height"] < 40
+    page.set_viewport_size({"width": 390, "height": 844})
+    come(page, served.address(), 100)
+    picture, player = (page.locator(name).bounding_box() for name in ("#stages", "#player"))
+    assert picture["y"] < 100
+    assert picture["y"] < player["y"] < 844
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_links_and_robots_stand_out(page, served, scheme):
+    """By at least 3 to 1 from the ground, as WCAG asks of what is no text; a full network is no solid disc."""
+    page.emulate_media(color_scheme=scheme)
+    come(page, served.address("setting=1&topology=full&robots=80&fill_ratio=0.65"), 5)
+    until(page, "state.drawn", 5)
+
+    def light(colour):
+        parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+        return np.dot(
+            [0.2126, 0.7152, 0.0722], [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in parts]
+        )
+
+    ground, *drawn = (light(page.evaluate(f"tone('--{name}')")) for name in ("sheet", "link", "edge"))
+    for one in drawn:
+        low, high = sorted([one, ground])
+        assert (high + 0.05) / (low + 0.05) >= 3.0
+    covered = page.evaluate(
+        """(() => {
+            const canvas = state.stages[0].web.getNativeCanvasElement();
+            const inner = [0.3, 0.3, 0.4, 0.4].map(part => part * canvas.width);
+            const { data } = canvas.getContext("2d").getImageData(...inner);
+            return data.reduce((sum, value, k) => sum + (k % 4 === 3 ? value : 0), 0) / (data.length / 4) / 255;
+        })()"""
+    )
+    assert 0.05 < covered < 0.6
