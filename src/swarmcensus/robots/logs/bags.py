@@ -152,7 +152,7 @@ def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[_Found, list[str]
     elif path.is_dir() and not (path / "metadata.yaml").exists():
         notes.append(f"{path}: metadata.yaml is missing, and its files are whole: {read}")
     elif path.is_dir() and why:
-        notes.append(f"{path}: its files are whole: {read}. But rosbags says: {why}")
+        notes.append(f"{path}: its files are whole: {read}, although rosbags says {why!r}")
     return found, notes
 
 
