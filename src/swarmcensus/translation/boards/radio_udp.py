@@ -77,10 +77,10 @@ class Radio:
 
     def receive(self):
         """The next datagram, or None; after an error the next call makes a new socket."""
+        ready = self._ready()
         try:
-            got = self._try(self._ready().recvfrom, 2048)
+            got = self._try(ready.recvfrom, 2048)
         except Exception:
-            if self.socket:
-                self._close()
+            self._close()
             raise
         return got and got[0]
