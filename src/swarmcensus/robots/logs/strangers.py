@@ -125,6 +125,9 @@ def _heard(recording: Recording, left_out: set[int]) -> _Heard:
                 if one.sender not in said or pair in out.other:
                     continue
                 lives = said[one.sender].get(one.boot)
+                if lives and lives[-1].said.get(one.tick) == one.code:  # as almost all
+                    out.same.add(pair)
+                    continue
                 found = _found(one, lives, longest) if lives else _of_other_boots(one, members[one.sender])
                 if found == "same":
                     out.same.add(pair)
